@@ -1,0 +1,1 @@
+//! Frame sources: files, video and a rendered rope with known truth.

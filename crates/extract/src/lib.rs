@@ -1,0 +1,1 @@
+//! From an image to the ordered centerlines of the ropes in it.

@@ -1,0 +1,1 @@
+//! What the chain did: latency histograms, losses, errors against the truth, reports.

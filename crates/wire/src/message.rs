@@ -1,0 +1,521 @@
+//! The messages that travel between the processes.
+//!
+//! Each is `#[repr(C)]`, of a fixed size, without pointers and without padding, and made of plain integers and
+//! floats only, so that *every* bit pattern is a valid value: a writer may fill a used slot of shared memory in
+//! place and leave the rest of it as it was, and a reader in C or Python needs no more than the offsets.
+//! `count` fields say how much of an array is meant; what lies behind is stale.
+//!
+//! The type names end in a version. Change a field, raise the version.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Most curves in one frame.
+pub const MAX_CURVES: usize = 8;
+/// Most points of one centerline.
+pub const MAX_POINTS: usize = 256;
+/// Most control points of one descriptor.
+pub const MAX_CONTROL_POINTS: usize = 32;
+/// Most crossings reported for one frame.
+pub const MAX_CROSSINGS: usize = 32;
+
+/// How the bytes of a frame make pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum PixelFormat {
+    /// One byte of luminance a pixel.
+    Gray8 = 1,
+    /// Three bytes a pixel: red, green, blue.
+    Rgb8 = 2,
+    /// Three bytes a pixel: blue, green, red.
+    Bgr8 = 3,
+    /// Two bytes a pixel: Y₀ U Y₁ V for each pair of pixels.
+    Yuyv = 4,
+    /// A plane of Y, then at half the size a plane of U V pairs with the same stride.
+    Nv12 = 5,
+}
+
+impl PixelFormat {
+    /// The format a header's number stands for, if it stands for one.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1 => Self::Gray8,
+            2 => Self::Rgb8,
+            3 => Self::Bgr8,
+            4 => Self::Yuyv,
+            5 => Self::Nv12,
+            _ => return None,
+        })
+    }
+
+    /// Bytes of one row without padding.
+    pub const fn row_bytes(self, width: u32) -> usize {
+        let width = width as usize;
+        match self {
+            Self::Gray8 | Self::Nv12 => width,
+            Self::Rgb8 | Self::Bgr8 => 3 * width,
+            Self::Yuyv => 4 * width.div_ceil(2),
+        }
+    }
+
+    /// Bytes of a whole image whose rows are `stride` bytes apart.
+    pub const fn image_bytes(self, stride: u32, height: u32) -> usize {
+        let (stride, height) = (stride as usize, height as usize);
+        match self {
+            Self::Nv12 => stride * (height + height.div_ceil(2)),
+            _ => stride * height,
+        }
+    }
+}
+
+/// What kind of source a frame came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum SourceKind {
+    /// A rope drawn by lariat, with known truth.
+    Rendered = 1,
+    /// Picture files.
+    Files = 2,
+    /// A video file.
+    Video = 3,
+    /// A camera.
+    Camera = 4,
+}
+
+/// What is known of a rope in this frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Status {
+    /// Seen whole.
+    Ok = 1,
+    /// A part of it is covered.
+    Partial = 2,
+    /// Not seen now: the curve is the last known shape.
+    Lost = 3,
+}
+
+impl Status {
+    /// The status a message's number stands for, if it stands for one.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1 => Self::Ok,
+            2 => Self::Partial,
+            3 => Self::Lost,
+            _ => return None,
+        })
+    }
+}
+
+/// The functions a descriptor's control points weigh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Basis {
+    /// Bernstein polynomials of degree `order`.
+    Bezier = 1,
+    /// Clamped B-spline with uniform knots.
+    BSpline = 2,
+    /// Rational Bernstein functions.
+    RationalBezier = 3,
+    /// A truncated Fourier series, for closed shapes.
+    Fourier = 4,
+}
+
+impl Basis {
+    /// The basis a message's number stands for, if it stands for one.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1 => Self::Bezier,
+            2 => Self::BSpline,
+            3 => Self::RationalBezier,
+            4 => Self::Fourier,
+            _ => return None,
+        })
+    }
+}
+
+/// The way of one frame through the chain. Every message carries it; every stage adds its own lines.
+///
+/// The counters make every loss a difference: of two consecutive messages, what `sequence` advanced more than
+/// `captured` was lost at the source, what `captured` advanced more than `extracted` between capture and extract, and
+/// so on. All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[type_name("lariat.Trace.v1")]
+pub struct Trace {
+    /// The source's own frame number, from 1.
+    pub sequence: u64,
+    /// How many frames capture has sent, this one included.
+    pub captured: u64,
+    /// How many frames extract has sent, this one included.
+    pub extracted: u64,
+    /// How many frames fit has sent, this one included.
+    pub fitted: u64,
+    /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
+    pub exposed_ns: u64,
+    /// When capture had the frame ready to send.
+    pub captured_ns: u64,
+    /// When extract began.
+    pub extract_started_ns: u64,
+    /// When extract had its result ready to send.
+    pub extracted_ns: u64,
+    /// When fit began.
+    pub fit_started_ns: u64,
+    /// When fit had its result ready to send.
+    pub fitted_ns: u64,
+}
+
+impl Trace {
+    /// A way not begun.
+    pub const EMPTY: Self = Self {
+        sequence: 0,
+        captured: 0,
+        extracted: 0,
+        fitted: 0,
+        exposed_ns: 0,
+        captured_ns: 0,
+        extract_started_ns: 0,
+        extracted_ns: 0,
+        fit_started_ns: 0,
+        fitted_ns: 0,
+    };
+}
+
+/// What stands beside the bytes of a frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[type_name("lariat.FrameHeader.v1")]
+pub struct FrameHeader {
+    /// The frame's way so far.
+    pub trace: Trace,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Bytes from one row's start to the next.
+    pub stride: u32,
+    /// A [`PixelFormat`]'s number.
+    pub pixel_format: u32,
+    /// A [`SourceKind`]'s number.
+    pub source: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+impl FrameHeader {
+    /// How the bytes make pixels; `None` for a number this version does not know.
+    pub const fn format(&self) -> Option<PixelFormat> {
+        PixelFormat::from_code(self.pixel_format)
+    }
+
+    /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
+    pub fn image_bytes(&self) -> Option<usize> {
+        let format = self.format()?;
+        (format.row_bytes(self.width) <= self.stride as usize)
+            .then(|| format.image_bytes(self.stride, self.height))
+    }
+}
+
+/// One rope's centerline: points at equal steps of arc length, in pixels of the full image (x right, y down, the
+/// centre of the top-left pixel is (0, 0)).
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Curve.v1")]
+pub struct Curve {
+    /// The rope's number; it keeps it from frame to frame.
+    pub track: u32,
+    /// A [`Status`]'s number.
+    pub status: u32,
+    /// 1 if the rope is closed: the last point is followed by the first.
+    pub closed: u32,
+    /// Which ends leave the image: bit 0 the first, bit 1 the last.
+    pub border: u32,
+    /// How many points are meant.
+    pub count: u32,
+    /// Mean width of the rope in the image.
+    pub width_px: f32,
+    /// Arc length of the centerline.
+    pub length_px: f32,
+    /// Always 0.
+    pub reserved: u32,
+    /// The points, `[x, y]`.
+    pub points: [[f32; 2]; MAX_POINTS],
+    /// The width at each point.
+    pub widths_px: [f32; MAX_POINTS],
+}
+
+impl Curve {
+    /// A curve without points.
+    pub const EMPTY: Self = Self {
+        track: 0,
+        status: Status::Ok as u32,
+        closed: 0,
+        border: 0,
+        count: 0,
+        width_px: 0.0,
+        length_px: 0.0,
+        reserved: 0,
+        points: [[0.0; 2]; MAX_POINTS],
+        widths_px: [0.0; MAX_POINTS],
+    };
+
+    /// The points that are meant.
+    pub fn points(&self) -> &[[f32; 2]] {
+        &self.points[..(self.count as usize).min(MAX_POINTS)]
+    }
+
+    /// The widths at those points.
+    pub fn widths_px(&self) -> &[f32] {
+        &self.widths_px[..(self.count as usize).min(MAX_POINTS)]
+    }
+
+    /// What is known of the rope; `None` for a number this version does not know.
+    pub const fn status(&self) -> Option<Status> {
+        Status::from_code(self.status)
+    }
+}
+
+/// Where a strand lies over a strand.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Crossing.v1")]
+pub struct Crossing {
+    /// Where, `[x, y]` in pixels.
+    pub at: [f32; 2],
+    /// The upper strand's rope, an index into [`Centerlines::curves`].
+    pub over: u32,
+    /// The lower strand's rope, likewise.
+    pub under: u32,
+    /// Where along the upper rope, as normalized arc length.
+    pub over_rho: f32,
+    /// Where along the lower rope, likewise.
+    pub under_rho: f32,
+    /// How sure it is which strand is the upper one: 0 (not known) to 1.
+    pub confidence: f32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+impl Crossing {
+    /// A crossing of nothing.
+    pub const EMPTY: Self = Self {
+        at: [0.0; 2],
+        over: 0,
+        under: 0,
+        over_rho: 0.0,
+        under_rho: 0.0,
+        confidence: 0.0,
+        reserved: 0,
+    };
+}
+
+/// What extract saw in one frame. No rope is an answer too: `count` is 0.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Centerlines.v1")]
+pub struct Centerlines {
+    /// The frame's way so far.
+    pub trace: Trace,
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// How many curves are meant.
+    pub count: u32,
+    /// How many crossings are meant.
+    pub crossing_count: u32,
+    /// The curves.
+    pub curves: [Curve; MAX_CURVES],
+    /// The crossings.
+    pub crossings: [Crossing; MAX_CROSSINGS],
+}
+
+impl Centerlines {
+    /// The curves that are meant.
+    pub fn curves(&self) -> &[Curve] {
+        &self.curves[..(self.count as usize).min(MAX_CURVES)]
+    }
+
+    /// The crossings that are meant.
+    pub fn crossings(&self) -> &[Crossing] {
+        &self.crossings[..(self.crossing_count as usize).min(MAX_CROSSINGS)]
+    }
+
+    /// A message without curves.
+    pub const EMPTY: Self = Self {
+        trace: Trace::EMPTY,
+        width: 0,
+        height: 0,
+        count: 0,
+        crossing_count: 0,
+        curves: [Curve::EMPTY; MAX_CURVES],
+        crossings: [Crossing::EMPTY; MAX_CROSSINGS],
+    };
+}
+
+/// One rope's shape as a few control points.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Descriptor.v1")]
+pub struct Descriptor {
+    /// The rope's number; it keeps it from frame to frame.
+    pub track: u32,
+    /// A [`Status`]'s number.
+    pub status: u32,
+    /// A [`Basis`]'s number.
+    pub basis: u32,
+    /// Degree of the curve.
+    pub order: u32,
+    /// How many control points are meant.
+    pub count: u32,
+    /// How many points of the centerline were fitted: N.
+    pub samples: u32,
+    /// 1 if the rope is closed.
+    pub closed: u32,
+    /// Which ends leave the image: bit 0 the first, bit 1 the last.
+    pub border: u32,
+    /// Root mean square distance of the points from the curve at their ρ, in pixels.
+    pub rms_px: f64,
+    /// Largest such distance.
+    pub max_px: f64,
+    /// Variance of one coordinate's residual: the sum of squares over 2 (N − count), in px².
+    pub residual_variance: f64,
+    /// Condition number (2-norm) of the regression matrix B.
+    pub condition: f64,
+    /// Arc length of the centerline, in pixels.
+    pub length_px: f64,
+    /// Mean width of the rope, in pixels.
+    pub width_px: f64,
+    /// The control points, `[x, y]` in pixels.
+    pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
+    /// Their weights: rational bases only, 1 elsewhere.
+    pub weights: [f64; MAX_CONTROL_POINTS],
+}
+
+impl Descriptor {
+    /// A descriptor without control points.
+    pub const EMPTY: Self = Self {
+        track: 0,
+        status: Status::Ok as u32,
+        basis: Basis::Bezier as u32,
+        order: 0,
+        count: 0,
+        samples: 0,
+        closed: 0,
+        border: 0,
+        rms_px: 0.0,
+        max_px: 0.0,
+        residual_variance: 0.0,
+        condition: 0.0,
+        length_px: 0.0,
+        width_px: 0.0,
+        control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
+        weights: [1.0; MAX_CONTROL_POINTS],
+    };
+
+    /// The control points that are meant.
+    pub fn control_points(&self) -> &[[f64; 2]] {
+        &self.control_points[..(self.count as usize).min(MAX_CONTROL_POINTS)]
+    }
+
+    /// What is known of the rope; `None` for a number this version does not know.
+    pub const fn status(&self) -> Option<Status> {
+        Status::from_code(self.status)
+    }
+
+    /// The functions that the control points weigh; `None` for a number this version does not know.
+    pub const fn basis(&self) -> Option<Basis> {
+        Basis::from_code(self.basis)
+    }
+}
+
+/// What a control loop reads: the shape of every rope in one frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Descriptors.v1")]
+pub struct Descriptors {
+    /// The frame's whole way.
+    pub trace: Trace,
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// How many curves are meant.
+    pub count: u32,
+    /// Always 0.
+    pub reserved: u32,
+    /// The curves.
+    pub curves: [Descriptor; MAX_CURVES],
+}
+
+impl Descriptors {
+    /// The curves that are meant.
+    pub fn curves(&self) -> &[Descriptor] {
+        &self.curves[..(self.count as usize).min(MAX_CURVES)]
+    }
+
+    /// A message without curves.
+    pub const EMPTY: Self = Self {
+        trace: Trace::EMPTY,
+        width: 0,
+        height: 0,
+        count: 0,
+        reserved: 0,
+        curves: [Descriptor::EMPTY; MAX_CURVES],
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::{offset_of, size_of};
+
+    #[test]
+    fn the_layout_is_what_readers_in_other_languages_were_told() {
+        assert_eq!(size_of::<Trace>(), 80);
+        assert_eq!(size_of::<FrameHeader>(), 104);
+        assert_eq!(offset_of!(FrameHeader, width), 80);
+        assert_eq!(offset_of!(FrameHeader, pixel_format), 92);
+        assert_eq!(size_of::<Curve>(), 32 + 256 * 8 + 256 * 4);
+        assert_eq!(offset_of!(Curve, points), 32);
+        assert_eq!(offset_of!(Curve, widths_px), 32 + 256 * 8);
+        assert_eq!(size_of::<Crossing>(), 32);
+        assert_eq!(offset_of!(Centerlines, curves), 96);
+        assert_eq!(offset_of!(Centerlines, crossings), 96 + 8 * 3104);
+        assert_eq!(size_of::<Centerlines>(), 96 + 8 * 3104 + 32 * 32);
+        assert_eq!(offset_of!(Descriptor, rms_px), 32);
+        assert_eq!(offset_of!(Descriptor, control_points), 80);
+        assert_eq!(offset_of!(Descriptor, weights), 80 + 32 * 16);
+        assert_eq!(size_of::<Descriptor>(), 80 + 32 * 24);
+        assert_eq!(offset_of!(Descriptors, curves), 96);
+        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 848);
+    }
+
+    #[test]
+    fn a_header_that_lies_about_its_rows_has_no_size() {
+        let header = FrameHeader {
+            trace: Trace::EMPTY,
+            width: 640,
+            height: 480,
+            stride: 1920,
+            pixel_format: PixelFormat::Rgb8 as u32,
+            source: SourceKind::Files as u32,
+            reserved: 0,
+        };
+        assert_eq!(header.image_bytes(), Some(640 * 480 * 3));
+        assert_eq!(
+            FrameHeader {
+                stride: 1919,
+                ..header
+            }
+            .image_bytes(),
+            None
+        );
+        assert_eq!(
+            FrameHeader {
+                pixel_format: 99,
+                ..header
+            }
+            .image_bytes(),
+            None
+        );
+    }
+}

@@ -1,0 +1,2 @@
+//! lariat
+fn main() {}
