@@ -1,9 +1,22 @@
-//! The contract between lariat's processes: messages, services, clock, readers and writers.
+//! The contract between lariat's processes: messages, channels, clock, readers and writers.
 //!
-//! The only crate that knows the transport (iceoryx2), and all that a control loop links.
+//! The only crate that knows the transport (iceoryx2), and all that a control loop links. A process opens a
+//! [`Domain`] once, then [`Reader`]s and [`Writer`]s of the channels of a [`Rig`].
 
+mod channel;
 mod clock;
+mod domain;
+mod error;
+mod memory;
 mod message;
+mod reader;
+mod ready;
+mod writer;
 
+pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, Payload, TRUTH};
 pub use clock::now_ns;
+pub use domain::{Domain, Rig};
+pub use error::WireError;
 pub use message::*;
+pub use reader::{Message, Reader};
+pub use writer::{Slot, Writer};

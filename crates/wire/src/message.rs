@@ -138,7 +138,7 @@ impl Basis {
 /// `captured` was lost at the source, what `captured` advanced more than `extracted` between capture and extract, and
 /// so on. All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
 #[type_name("lariat.Trace.v1")]
 pub struct Trace {
     /// The source's own frame number, from 1.
@@ -181,7 +181,7 @@ impl Trace {
 
 /// What stands beside the bytes of a frame.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
 #[type_name("lariat.FrameHeader.v1")]
 pub struct FrameHeader {
     /// The frame's way so far.

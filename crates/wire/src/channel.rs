@@ -1,0 +1,270 @@
+//! The channels of a rig: their names, what they carry, and how much of it they keep.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::service::builder::publish_subscribe::{
+    Builder, PublishSubscribeCreateError as CreateError, PublishSubscribeOpenError as OpenError,
+    PublishSubscribeOpenOrCreateError as OpenOrCreateError,
+};
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
+
+use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
+
+/// One kind of channel. Every rig has one of each.
+#[derive(Debug)]
+pub struct Channel<P: ?Sized> {
+    name: &'static str,
+    /// Messages that wait for a reader.
+    buffer: usize,
+    /// Past messages that a late reader is given.
+    history: usize,
+    /// Most readers.
+    pub(crate) readers: usize,
+    payload: PhantomData<fn(&P)>,
+}
+
+/// Messages of one channel that a reader may hold at a time: the one in its hands, and the one that replaces it.
+const BORROWED: usize = 2;
+/// Processes that may have a channel open, whether they read or only look.
+const NODES: usize = 40;
+
+/// Images. Three may wait: enough for a stage that is held up for three frame periods, few enough that an old image
+/// is never far behind.
+pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
+/// What extract saw.
+pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 4, 0, 6);
+/// What control loops read. A late reader is given the newest at once.
+pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
+/// The true centerlines of rendered frames.
+pub const TRUTH: Channel<Centerlines> = Channel::new("truth", 8, 0, 4);
+
+impl<P: ?Sized> Channel<P> {
+    const fn new(name: &'static str, buffer: usize, history: usize, readers: usize) -> Self {
+        Self {
+            name,
+            buffer,
+            history,
+            readers,
+            payload: PhantomData,
+        }
+    }
+
+    /// The channel's full name on a rig.
+    pub fn on(&self, rig: &Rig) -> String {
+        format!("lariat/{rig}/{}", self.name)
+    }
+}
+
+/// What becomes of a message when a reader is slow.
+#[derive(Debug, Clone)]
+pub enum Delivery {
+    /// The oldest waiting message makes room: a slow reader never slows the writer.
+    NewestWins,
+    /// The writer waits until there is room, or until this flag is set. For sources that can wait, as files can.
+    Lossless {
+        /// Set: give up waiting, the message is lost.
+        stop: Arc<AtomicBool>,
+    },
+}
+
+impl Delivery {
+    fn overflows(&self) -> bool {
+        matches!(self, Self::NewestWins)
+    }
+}
+
+/// A type that can travel on a channel: the messages, and the bytes of a frame.
+pub trait Payload: IceoryxSend + ZeroCopySend + Debug + sealed::Sealed + 'static {
+    /// What stands beside it.
+    type Header: ZeroCopySend + Debug + 'static;
+
+    /// The names under which the transport knows this program's types.
+    #[doc(hidden)]
+    fn types() -> String;
+
+    #[doc(hidden)]
+    fn open_or_create(
+        builder: Builder<Self, Self::Header, ipc::Service>,
+    ) -> Result<PortFactory<ipc::Service, Self, Self::Header>, OpenOrCreateError>;
+
+    #[doc(hidden)]
+    fn receive(
+        subscriber: &iceoryx2::port::subscriber::Subscriber<ipc::Service, Self, Self::Header>,
+    ) -> Result<Option<Sample<ipc::Service, Self, Self::Header>>, iceoryx2::port::ReceiveError>;
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+macro_rules! payload {
+    ($type:ty, $header:ty, $element:ty) => {
+        impl sealed::Sealed for $type {}
+        impl Payload for $type {
+            type Header = $header;
+            fn types() -> String {
+                describe(
+                    &TypeDetail::new::<$element>(TypeVariant::FixedSize),
+                    &TypeDetail::new::<$header>(TypeVariant::FixedSize),
+                )
+            }
+            fn open_or_create(
+                builder: Builder<Self, Self::Header, ipc::Service>,
+            ) -> Result<PortFactory<ipc::Service, Self, Self::Header>, OpenOrCreateError> {
+                builder.open_or_create()
+            }
+            fn receive(
+                subscriber: &iceoryx2::port::subscriber::Subscriber<
+                    ipc::Service,
+                    Self,
+                    Self::Header,
+                >,
+            ) -> Result<
+                Option<Sample<ipc::Service, Self, Self::Header>>,
+                iceoryx2::port::ReceiveError,
+            > {
+                subscriber.receive()
+            }
+        }
+    };
+}
+payload!(Centerlines, (), Centerlines);
+payload!(Descriptors, (), Descriptors);
+payload!([u8], FrameHeader, u8);
+
+/// How long a channel that is just being made or removed by another process is waited for.
+const IN_FLUX: Duration = Duration::from_secs(2);
+
+impl<P: Payload + ?Sized> Channel<P> {
+    /// Opens the channel of a rig, or makes it. `delivery`: `None` takes it as it is.
+    pub(crate) fn open(
+        &self,
+        domain: &Domain,
+        rig: &Rig,
+        delivery: Option<&Delivery>,
+    ) -> Result<PortFactory<ipc::Service, P, P::Header>, WireError> {
+        let name = self.on(rig);
+        let service_name = ServiceName::new(&name)
+            .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
+        let deadline = Instant::now() + IN_FLUX;
+        loop {
+            let overflow = match delivery {
+                Some(delivery) => delivery.overflows(),
+                None => in_use(domain, &service_name).is_none_or(|seen| seen.overflow),
+            };
+            let builder = domain
+                .node
+                .service_builder(&service_name)
+                .publish_subscribe::<P>()
+                .user_header::<P::Header>()
+                // A cache line, so that the widest loads never straddle one.
+                .payload_alignment(Alignment::new(64).expect("64 is a power of two"))
+                .enable_safe_overflow(overflow)
+                .subscriber_max_buffer_size(self.buffer)
+                .subscriber_max_borrowed_samples(BORROWED)
+                .history_size(self.history)
+                .max_publishers(1)
+                .max_subscribers(self.readers)
+                .max_nodes(NODES);
+            match P::open_or_create(builder) {
+                Ok(service) => return Ok(service),
+                Err(cause) if is_in_flux(&cause) && Instant::now() < deadline => {
+                    // Another process is between two steps; there is nothing to be woken by.
+                    std::thread::yield_now();
+                }
+                Err(cause) => return Err(self.explain(domain, &service_name, cause, overflow)),
+            }
+        }
+    }
+
+    fn explain(
+        &self,
+        domain: &Domain,
+        name: &ServiceName,
+        cause: OpenOrCreateError,
+        overflow: bool,
+    ) -> WireError {
+        let channel = name.as_str().to_string();
+        match cause {
+            OpenOrCreateError::PublishSubscribeOpenError(
+                OpenError::IncompatibleOverflowBehavior,
+            ) => {
+                let word = |overflow| {
+                    if overflow {
+                        "with the newest winning"
+                    } else {
+                        "with --lossless"
+                    }
+                };
+                WireError::Delivery {
+                    channel,
+                    ours: word(overflow),
+                    theirs: word(!overflow),
+                }
+            }
+            OpenOrCreateError::PublishSubscribeOpenError(OpenError::InsufficientPermissions)
+            | OpenOrCreateError::PublishSubscribeCreateError(
+                CreateError::InsufficientPermissions,
+            ) => WireError::Permission { channel },
+            cause => match in_use(domain, name) {
+                Some(seen) if seen.types != P::types() => WireError::Version {
+                    channel,
+                    ours: P::types(),
+                    theirs: seen.types,
+                },
+                _ => WireError::transport(format!("opening {channel}"), cause),
+            },
+        }
+    }
+}
+
+fn is_in_flux(cause: &OpenOrCreateError) -> bool {
+    matches!(
+        cause,
+        OpenOrCreateError::SystemInFlux
+            | OpenOrCreateError::PublishSubscribeOpenError(
+                OpenError::IsMarkedForDestruction
+                    | OpenError::HangsInCreation
+                    | OpenError::DoesNotExist
+            )
+            | OpenOrCreateError::PublishSubscribeCreateError(
+                CreateError::IsBeingCreatedByAnotherInstance | CreateError::AlreadyExists
+            )
+    )
+}
+
+/// What an existing channel carries.
+struct InUse {
+    types: String,
+    overflow: bool,
+}
+
+fn in_use(domain: &Domain, name: &ServiceName) -> Option<InUse> {
+    let details =
+        ipc::Service::details(name, domain.config(), MessagingPattern::PublishSubscribe).ok()??;
+    let service = details.static_details.publish_subscribe();
+    let types = service.message_type_details();
+    Some(InUse {
+        types: describe(&types.payload, &types.user_header),
+        overflow: service.has_safe_overflow(),
+    })
+}
+
+fn describe(payload: &TypeDetail, header: &TypeDetail) -> String {
+    let (payload, header) = (
+        payload.type_name().to_string(),
+        header.type_name().to_string(),
+    );
+    if header == "()" {
+        payload
+    } else {
+        format!("{payload} with {header}")
+    }
+}

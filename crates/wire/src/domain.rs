@@ -1,0 +1,135 @@
+//! Where the channels of a machine live, and the names of the camera chains in it.
+
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+use iceoryx2::prelude::*;
+
+use crate::WireError;
+use crate::memory;
+
+/// How long a sweep waits for another process that is sweeping too.
+const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// The name of one camera chain, so that several run side by side.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rig(String);
+
+impl Rig {
+    /// The rig's name.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl Default for Rig {
+    fn default() -> Self {
+        Self("default".into())
+    }
+}
+
+impl fmt::Display for Rig {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl FromStr for Rig {
+    type Err = WireError;
+
+    fn from_str(name: &str) -> Result<Self, WireError> {
+        if is_plain(name, 32) {
+            Ok(Self(name.into()))
+        } else {
+            Err(WireError::RigName(name.into()))
+        }
+    }
+}
+
+fn is_plain(name: &str, longest: usize) -> bool {
+    let plain = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'-' || c == b'_';
+    (1..=longest).contains(&name.len()) && name.bytes().all(plain)
+}
+
+/// This process's place among those that share channels: one for each process, opened first and dropped last.
+///
+/// Processes see each other's channels if they are in the same domain: the machine's, or the one that the
+/// environment variable `LARIAT_DOMAIN` names. Opening a domain also removes what killed processes left behind in it.
+#[derive(Debug)]
+pub struct Domain {
+    pub(crate) node: Node<ipc::Service>,
+}
+
+impl Domain {
+    /// Joins the domain that `LARIAT_DOMAIN` names, or the machine's.
+    pub fn open() -> Result<Self, WireError> {
+        set_log_level_from_env_or(LogLevel::Fatal);
+        memory::require_shared_memory()?;
+        let config = config()?;
+        let node = NodeBuilder::new()
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(|cause| match cause {
+                iceoryx2::node::NodeCreationFailure::InsufficientPermissions => {
+                    WireError::Permission {
+                        channel: "the domain".into(),
+                    }
+                }
+                cause => WireError::transport("joining the domain", cause),
+            })?;
+        Ok(Self { node })
+    }
+
+    /// Removes the shared memory and files that killed processes left behind in this domain.
+    pub fn sweep(&self) {
+        self.node.blocking_cleanup_dead_nodes(SWEEP_TIMEOUT);
+    }
+
+    pub(crate) fn config(&self) -> &Config {
+        self.node.config()
+    }
+}
+
+/// A process leaves nothing of those that were killed beside it.
+impl Drop for Domain {
+    fn drop(&mut self) {
+        self.sweep();
+    }
+}
+
+/// The transport's settings: its own, with a prefix and a folder of the domain's own if one is named.
+fn config() -> Result<Config, WireError> {
+    let mut config = Config::global_config().clone();
+    // Swept in `open` and `drop`, where a failure can be waited for.
+    config.global.node.cleanup_dead_nodes_on_creation = true;
+    let Ok(name) = std::env::var("LARIAT_DOMAIN") else {
+        return Ok(config);
+    };
+    let unusable = || WireError::DomainName(name.clone());
+    if !is_plain(&name, 16) {
+        return Err(unusable());
+    }
+    config.global.prefix =
+        FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
+    let root = Path::new(format!("/tmp/lariat-{name}").as_bytes()).map_err(|_| unusable())?;
+    config.global.set_root_path(&root);
+    Ok(config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rig_has_a_plain_name() {
+        assert_eq!("left-arm_2".parse::<Rig>().unwrap().as_str(), "left-arm_2");
+        for name in ["", "Left", "a/b", "a b", &"x".repeat(33)] {
+            assert!(
+                matches!(name.parse::<Rig>(), Err(WireError::RigName(_))),
+                "{name}"
+            );
+        }
+    }
+}

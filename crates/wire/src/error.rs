@@ -1,0 +1,101 @@
+//! What can go wrong on the wire, each as a sentence that says what to do.
+
+use thiserror::Error;
+
+/// Why a domain, a writer or a reader could not be had, or stopped working.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum WireError {
+    /// A rig's name has other characters than it may.
+    #[error(
+        "'{0}' is no name for a rig: use 1 to 32 of the characters a-z, 0-9, '-' and '_', for example --rig left-arm"
+    )]
+    RigName(String),
+    /// The variable that names the domain holds something unusable.
+    #[error(
+        "LARIAT_DOMAIN is '{0}': use 1 to 16 of the characters a-z, 0-9, '-' and '_', or unset it"
+    )]
+    DomainName(String),
+    /// The system has no POSIX shared memory.
+    #[error(
+        "there is no shared memory at /dev/shm ({0}): mount it with 'mount -t tmpfs tmpfs /dev/shm', or start the container with --ipc=host"
+    )]
+    NoSharedMemory(String),
+    /// `/dev/shm` cannot hold the slots of a channel.
+    #[error(
+        "/dev/shm has {available_mb} MB free, and {channel} needs {needed_mb} MB: free some, make it larger ('mount -o remount,size=1G /dev/shm', or --shm-size=1g for a container), or use smaller images"
+    )]
+    TooLittleSpace {
+        /// The channel whose slots do not fit.
+        channel: String,
+        /// What its slots take, in MB.
+        needed_mb: u64,
+        /// What is free, in MB.
+        available_mb: u64,
+    },
+    /// The other side was built for another version of a message.
+    #[error(
+        "{channel} carries {theirs}, and this program was made for {ours}: use the same release of lariat for every process on a rig"
+    )]
+    Version {
+        /// The channel.
+        channel: String,
+        /// The message type in this program.
+        ours: String,
+        /// The message type in use.
+        theirs: String,
+    },
+    /// A channel has one writer, and it is there already.
+    #[error(
+        "{channel} already has a writer: stop the other one, or give this one a rig of its own with --rig NAME"
+    )]
+    SecondWriter {
+        /// The channel.
+        channel: String,
+    },
+    /// As many readers as a channel can have are there already.
+    #[error("{channel} already has its {most} readers: stop one of them")]
+    TooManyReaders {
+        /// The channel.
+        channel: String,
+        /// How many it can have.
+        most: usize,
+    },
+    /// One side wants every message delivered, the other the newest.
+    #[error(
+        "{channel} is open {theirs}, and this process was started {ours}: start all stages of a rig with --lossless, or none"
+    )]
+    Delivery {
+        /// The channel.
+        channel: String,
+        /// How this process wants it.
+        ours: &'static str,
+        /// How it is open.
+        theirs: &'static str,
+    },
+    /// Files of another user are in the way.
+    #[error(
+        "no permission for {channel}: it was opened by another user; run every stage of a rig as the same user"
+    )]
+    Permission {
+        /// The channel, or the domain.
+        channel: String,
+    },
+    /// A reader's channel went away in a way that reading again will not mend, or the transport failed otherwise.
+    #[error("{doing} failed ({cause}): stop every lariat process of this rig and start again")]
+    Transport {
+        /// What was being done.
+        doing: String,
+        /// The transport's own word for it.
+        cause: String,
+    },
+}
+
+impl WireError {
+    pub(crate) fn transport(doing: impl Into<String>, cause: impl std::fmt::Debug) -> Self {
+        Self::Transport {
+            doing: doing.into(),
+            cause: format!("{cause:?}"),
+        }
+    }
+}

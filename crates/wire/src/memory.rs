@@ -1,0 +1,71 @@
+//! Shared memory is asked for before it is used: a full `/dev/shm` otherwise shows as SIGBUS at the first touch of a
+//! page, in the middle of a frame.
+
+use std::fs;
+use std::io;
+
+use rustix::fs::{FallocateFlags, fallocate, statvfs};
+
+use crate::WireError;
+
+const SHM: &str = "/dev/shm";
+/// What the transport itself keeps beside a channel's slots: tables of connections, of a few hundred kB.
+const BESIDE_SLOTS: u64 = 1 << 20;
+
+/// There is shared memory at all, and room for the transport's own tables.
+pub(crate) fn require_shared_memory() -> Result<(), WireError> {
+    require_space("lariat", 0)
+}
+
+/// There is room for `bytes` more.
+pub(crate) fn require_space(channel: &str, bytes: u64) -> Result<(), WireError> {
+    let shm = statvfs(SHM).map_err(|cause| WireError::NoSharedMemory(cause.to_string()))?;
+    let available = shm.f_bavail * shm.f_frsize;
+    let needed = bytes + BESIDE_SLOTS;
+    // A file system without blocks (f_blocks 0) is a tmpfs without a limit.
+    if shm.f_blocks > 0 && available < needed {
+        return Err(too_little(channel, needed, available));
+    }
+    Ok(())
+}
+
+/// Takes the pages of a segment now. Other processes may take what `require_space` saw, so only this is certain.
+pub(crate) fn reserve_segment(channel: &str, id: &str) -> Result<(), WireError> {
+    let Ok(entries) = fs::read_dir(SHM) else {
+        return Ok(());
+    };
+    let segment = entries.flatten().find(|entry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        name.contains(id) && name.ends_with(".data")
+    });
+    let Some(segment) = segment else {
+        return Ok(());
+    };
+    let reserve = || -> io::Result<u64> {
+        let file = fs::OpenOptions::new()
+            .read(true)
+            .write(true)
+            .open(segment.path())?;
+        let bytes = file.metadata()?.len();
+        fallocate(&file, FallocateFlags::KEEP_SIZE, 0, bytes)?;
+        Ok(bytes)
+    };
+    match reserve() {
+        Err(cause) if cause.kind() == io::ErrorKind::StorageFull => {
+            let needed = segment.metadata().map_or(0, |data| data.len());
+            let available = statvfs(SHM).map_or(0, |shm| shm.f_bavail * shm.f_frsize);
+            Err(too_little(channel, needed, available))
+        }
+        // Without fallocate (an old kernel) the pages come at their first touch, as they would have anyway.
+        _ => Ok(()),
+    }
+}
+
+fn too_little(channel: &str, needed: u64, available: u64) -> WireError {
+    WireError::TooLittleSpace {
+        channel: channel.into(),
+        needed_mb: needed.div_ceil(1_000_000),
+        available_mb: available / 1_000_000,
+    }
+}

@@ -1,0 +1,163 @@
+//! The receiving side of a channel.
+
+use std::fmt;
+use std::ops::Deref;
+use std::os::fd::BorrowedFd;
+use std::time::Instant;
+
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
+use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+
+use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
+use crate::ready::Ear;
+use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
+
+/// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
+pub struct Reader<P: Payload + ?Sized> {
+    // Before the service, so that it is dropped first.
+    subscriber: Subscriber<ipc::Service, P, P::Header>,
+    _service: PortFactory<ipc::Service, P, P::Header>,
+    ear: Ear,
+    name: String,
+}
+
+impl<P: Payload + ?Sized> fmt::Debug for Reader<P> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("Reader")
+            .field("channel", &self.name)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Reader<Descriptors> {
+    /// Reads the descriptors of a rig, as a control loop does.
+    ///
+    /// ```no_run
+    /// use std::time::{Duration, Instant};
+    /// let domain = lariat_wire::Domain::open()?;
+    /// let reader = lariat_wire::Reader::descriptors(&domain, &"default".parse()?)?;
+    /// while let Some(shapes) = reader.wait(Instant::now() + Duration::from_millis(100))? {
+    ///     for curve in shapes.curves() {
+    ///         println!("{:?}", curve.control_points());
+    ///     }
+    /// }
+    /// # Ok::<(), lariat_wire::WireError>(())
+    /// ```
+    pub fn descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
+        Self::create(domain, rig, &DESCRIPTORS, None)
+    }
+}
+
+impl<P: Payload + ?Sized> Reader<P> {
+    /// Becomes a reader of a rig's channel. `delivery`: how the channel must be; `None` takes it as it is.
+    pub fn create(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<P>,
+        delivery: Option<&Delivery>,
+    ) -> Result<Self, WireError> {
+        let name = channel.on(rig);
+        let service = channel.open(domain, rig, delivery)?;
+        // The ear first: a message that comes between the two is then heard of.
+        let ear = Ear::new(domain, &name, channel.readers)?;
+        let subscriber = service
+            .subscriber_builder()
+            .create()
+            .map_err(|cause| match cause {
+                SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
+                    WireError::TooManyReaders {
+                        channel: name.clone(),
+                        most: channel.readers,
+                    }
+                }
+                cause => WireError::transport(format!("becoming a reader of {name}"), cause),
+            })?;
+        Ok(Self {
+            subscriber,
+            _service: service,
+            ear,
+            name,
+        })
+    }
+
+    /// The oldest message that waits, without blocking; `None` if there is none.
+    ///
+    /// Never call it while holding more than one message of this reader.
+    pub fn next(&self) -> Result<Option<Message<P>>, WireError> {
+        let sample = P::receive(&self.subscriber)
+            .map_err(|cause| WireError::transport(format!("reading from {}", self.name), cause))?;
+        Ok(sample.map(|sample| Message { sample }))
+    }
+
+    /// The newest message that waits, without blocking; `None` if nothing came since the last.
+    pub fn latest(&self) -> Result<Option<Message<P>>, WireError> {
+        let mut newest = None;
+        while let Some(message) = self.next()? {
+            newest = Some(message);
+        }
+        Ok(newest)
+    }
+
+    /// The newest message, waited for until the deadline; `None` if nothing came.
+    pub fn wait(&self, deadline: Instant) -> Result<Option<Message<P>>, WireError> {
+        loop {
+            if let Some(message) = self.latest()? {
+                return Ok(Some(message));
+            }
+            if Instant::now() >= deadline {
+                return Ok(None);
+            }
+            self.sleep(Some(deadline), None)?;
+        }
+    }
+
+    /// Sleeps until a message may have come, until `also` is readable, a signal came, or the deadline is over.
+    /// Call [`next`](Self::next) or [`latest`](Self::latest) after it.
+    pub fn sleep(
+        &self,
+        deadline: Option<Instant>,
+        also: Option<BorrowedFd>,
+    ) -> Result<(), WireError> {
+        if self.ear.wait(deadline, also)?.called {
+            // Looking takes up this reader's end of a new writer's channel.
+            self.subscriber.has_samples().map_err(|cause| {
+                WireError::transport(format!("reading from {}", self.name), cause)
+            })?;
+            self.ear.answer();
+        }
+        Ok(())
+    }
+
+    /// Becomes readable when a message came: for a `poll` of one's own. [`sleep`](Self::sleep) empties it.
+    pub fn descriptor(&self) -> BorrowedFd<'_> {
+        self.ear.descriptor()
+    }
+}
+
+/// A message in shared memory. Held, it keeps its slot from being used again.
+pub struct Message<P: Payload + ?Sized> {
+    sample: Sample<ipc::Service, P, P::Header>,
+}
+
+impl Message<[u8]> {
+    /// What stands beside the pixels.
+    pub fn header(&self) -> &FrameHeader {
+        self.sample.user_header()
+    }
+}
+
+macro_rules! message_access {
+    ($payload:ty) => {
+        impl Deref for Message<$payload> {
+            type Target = $payload;
+            fn deref(&self) -> &$payload {
+                self.sample.payload()
+            }
+        }
+    };
+}
+message_access!(Centerlines);
+message_access!(Descriptors);
+message_access!([u8]);

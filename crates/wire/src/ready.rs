@@ -1,0 +1,147 @@
+#![allow(unsafe_code)] // One descriptor is borrowed by number from the transport, which offers it no other way.
+//! The event service beside every channel: wakes a waiting reader, so that nothing polls or sleeps.
+
+use std::os::fd::BorrowedFd;
+use std::time::Instant;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::prelude::*;
+use iceoryx2::service::port_factory::event::PortFactory;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+
+use crate::{Domain, WireError};
+
+/// A message was sent.
+const MESSAGE: usize = 0;
+/// The writer asks its readers to take up their ends of the channel.
+const CALL: usize = 1;
+/// A reader answers that it has.
+const ANSWER: usize = 2;
+
+fn open(
+    domain: &Domain,
+    channel: &str,
+    readers: usize,
+) -> Result<PortFactory<ipc::Service>, WireError> {
+    let name = format!("{channel}-ready");
+    let service = ServiceName::new(&name)
+        .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
+    domain
+        .node
+        .service_builder(&service)
+        .event()
+        .max_listeners(readers + 1)
+        .max_notifiers(readers + 2)
+        .max_nodes(40)
+        .event_id_max_value(ANSWER)
+        .open_or_create()
+        .map_err(|cause| WireError::transport(format!("opening {name}"), cause))
+}
+
+/// The writer's side.
+#[derive(Debug)]
+pub(crate) struct Bell(Notifier<ipc::Service>);
+
+impl Bell {
+    pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
+        let notifier = open(domain, channel, readers)?.notifier_builder().create();
+        notifier
+            .map(Self)
+            .map_err(|cause| WireError::transport(format!("waking readers of {channel}"), cause))
+    }
+
+    /// Wakes every waiting reader. A reader that died is no reason to stop: its message was delivered all the same.
+    pub(crate) fn ring(&self) {
+        self.notify(MESSAGE);
+    }
+
+    /// Asks every reader to take up its end of the channel.
+    pub(crate) fn call(&self) {
+        self.notify(CALL);
+    }
+
+    fn notify(&self, event: usize) {
+        let _ = self.0.notify_with_custom_event_id(EventId::new(event));
+    }
+}
+
+/// The reader's side.
+#[derive(Debug)]
+pub(crate) struct Ear {
+    listener: Listener<ipc::Service>,
+    /// To answer with.
+    bell: Bell,
+}
+
+/// What an ear has heard.
+#[derive(Debug, Default)]
+pub(crate) struct Heard {
+    /// The writer asks.
+    pub(crate) called: bool,
+    /// So many readers answered.
+    pub(crate) answers: usize,
+}
+
+impl Ear {
+    pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
+        let listener = open(domain, channel, readers)?
+            .listener_builder()
+            .create()
+            .map_err(|cause| WireError::transport(format!("listening to {channel}"), cause))?;
+        let bell = Bell::new(domain, channel, readers)?;
+        Ok(Self { listener, bell })
+    }
+
+    /// Becomes readable when the bell was rung.
+    pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
+        let descriptor = self.listener.file_descriptor();
+        // SAFETY: the listener owns the descriptor and keeps it open while it lives, which is as long as this borrow.
+        unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) }
+    }
+
+    /// Answers a writer's call.
+    pub(crate) fn answer(&self) {
+        self.bell.notify(ANSWER);
+    }
+
+    /// Waits for the bell, for `also` to become readable, for a signal, or for the deadline, whichever is first.
+    pub(crate) fn wait(
+        &self,
+        deadline: Option<Instant>,
+        also: Option<BorrowedFd>,
+    ) -> Result<Heard, WireError> {
+        let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+        let left = left.and_then(|left| Timespec::try_from(left).ok());
+        let bell = self.descriptor();
+        let mut both = [
+            PollFd::from_borrowed_fd(bell, PollFlags::IN),
+            PollFd::from_borrowed_fd(also.unwrap_or(bell), PollFlags::IN),
+        ];
+        match poll(&mut both, left.as_ref()) {
+            Ok(_) | Err(Errno::INTR) => {}
+            Err(cause) => return Err(WireError::transport("waiting for a message", cause)),
+        }
+        let rung = both[0].revents().contains(PollFlags::IN);
+        // A bell that is not emptied would ring for ever.
+        if rung {
+            self.empty()
+        } else {
+            Ok(Heard::default())
+        }
+    }
+
+    /// What was heard since the last time, without waiting.
+    pub(crate) fn empty(&self) -> Result<Heard, WireError> {
+        let mut heard = Heard::default();
+        self.listener
+            .try_wait(|event| match event.id.as_value() {
+                CALL => heard.called = true,
+                ANSWER => heard.answers += event.count as usize,
+                _ => {}
+            })
+            .map_err(|cause| WireError::transport("waiting for a message", cause))?;
+        Ok(heard)
+    }
+}

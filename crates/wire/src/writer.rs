@@ -1,0 +1,336 @@
+#![allow(unsafe_code)] // Slots of shared memory are written in place, as they are.
+//! The sending side of a channel: borrow a slot of shared memory, write into it, send it.
+
+use std::cell::Cell;
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use iceoryx2::node::{DeadNodeView, NodeState};
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::port::{BackpressureAction, BackpressureInfo, SendError};
+use iceoryx2::prelude::*;
+use iceoryx2::sample_mut::SampleMut;
+use iceoryx2::service::port_factory::PortFactory as _;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+
+use crate::channel::{Channel, Delivery, FRAMES, Payload};
+use crate::ready::{Bell, Ear};
+use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
+
+/// A writer that waits for room looks this often whether the reader it waits for was killed.
+const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
+
+/// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
+const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
+/// Meanwhile it looks this often whether it was told to stop.
+const STOP_CHECK: Duration = Duration::from_millis(50);
+
+/// The one writer of a channel.
+pub struct Writer<P: Payload + ?Sized> {
+    // Before the service, so that it is dropped first.
+    publisher: Publisher<ipc::Service, P, P::Header>,
+    service: PortFactory<ipc::Service, P, P::Header>,
+    bell: Bell,
+    name: String,
+    /// Set for a lossless writer.
+    gathering: Option<Gathering>,
+}
+
+/// What a lossless writer needs to know of its readers: a message to one that has not taken up its end yet is dropped
+/// once that one's buffer is full, so all of them are called before the first message.
+struct Gathering {
+    ear: Ear,
+    stop: Arc<AtomicBool>,
+    /// How many readers have answered.
+    gathered: Cell<usize>,
+}
+
+impl<P: Payload + ?Sized> fmt::Debug for Writer<P> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("Writer")
+            .field("channel", &self.name)
+            .finish_non_exhaustive()
+    }
+}
+
+macro_rules! message_writer {
+    ($message:ty) => {
+        impl Writer<$message> {
+            /// Becomes the writer of a rig's channel. Fails if there is one, and if `/dev/shm` has no room for its slots.
+            pub fn create(
+                domain: &Domain,
+                rig: &Rig,
+                channel: &Channel<$message>,
+                delivery: &Delivery,
+            ) -> Result<Self, WireError> {
+                let service = Self::open(domain, rig, channel, delivery, size_of::<$message>())?;
+                let builder = service.publisher_builder().max_loaned_samples(1);
+                let publisher = match wait_for_room(domain, delivery) {
+                    None => builder.create(),
+                    Some(wait) => builder.set_backpressure_handler(wait).create(),
+                };
+                Self::finish(domain, rig, channel, delivery, service, publisher)
+            }
+
+            /// Borrows a slot. It still holds an earlier message: fields not written keep that one's values.
+            pub fn slot(&self) -> Result<Slot<'_, $message>, WireError> {
+                self.gather()?;
+                let sample = self
+                    .publisher
+                    .loan_uninit()
+                    .map_err(|cause| self.broken(cause))?;
+                // SAFETY: shared memory is zeroed when made and has held only such messages since; every bit pattern is one.
+                let sample = unsafe { sample.assume_init() };
+                Ok(Slot {
+                    sample,
+                    writer: self,
+                })
+            }
+        }
+    };
+}
+message_writer!(Centerlines);
+message_writer!(Descriptors);
+
+impl Writer<[u8]> {
+    /// Becomes the writer of a rig's frames, of up to `largest` bytes each.
+    pub fn frames(
+        domain: &Domain,
+        rig: &Rig,
+        delivery: &Delivery,
+        largest: usize,
+    ) -> Result<Self, WireError> {
+        let service = Self::open(domain, rig, &FRAMES, delivery, largest)?;
+        let builder = service
+            .publisher_builder()
+            .max_loaned_samples(1)
+            .initial_max_slice_len(largest);
+        let publisher = match wait_for_room(domain, delivery) {
+            None => builder.create(),
+            Some(wait) => builder.set_backpressure_handler(wait).create(),
+        };
+        Self::finish(domain, rig, &FRAMES, delivery, service, publisher)
+    }
+
+    /// Borrows a slot of `bytes` bytes. It still holds an earlier frame's pixels.
+    pub fn frame_slot(&self, bytes: usize) -> Result<Slot<'_, [u8]>, WireError> {
+        self.gather()?;
+        let sample = self
+            .publisher
+            .loan_slice_uninit(bytes)
+            .map_err(|cause| self.broken(cause))?;
+        // SAFETY: shared memory is zeroed when made; any byte is a byte.
+        let sample = unsafe { sample.assume_init() };
+        Ok(Slot {
+            sample,
+            writer: self,
+        })
+    }
+}
+
+impl<P: Payload + ?Sized> Writer<P> {
+    fn open(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<P>,
+        delivery: &Delivery,
+        slot_bytes: usize,
+    ) -> Result<PortFactory<ipc::Service, P, P::Header>, WireError> {
+        let service = channel.open(domain, rig, Some(delivery))?;
+        if service.dynamic_config().number_of_publishers() > 0 {
+            return Err(WireError::SecondWriter {
+                channel: channel.on(rig),
+            });
+        }
+        let kept = service.static_config();
+        let slots = kept.max_subscribers()
+            * (kept.subscriber_max_buffer_size() + kept.subscriber_max_borrowed_samples())
+            + kept.history_size()
+            + 1;
+        // The transport's header, the user header and the alignment stand before each.
+        let slot = slot_bytes + size_of::<P::Header>() + 256;
+        memory::require_space(&channel.on(rig), (slots * slot) as u64)?;
+        Ok(service)
+    }
+
+    fn finish(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<P>,
+        delivery: &Delivery,
+        service: PortFactory<ipc::Service, P, P::Header>,
+        publisher: Result<
+            Publisher<ipc::Service, P, P::Header>,
+            iceoryx2::port::publisher::PublisherCreateError,
+        >,
+    ) -> Result<Self, WireError> {
+        use iceoryx2::port::publisher::PublisherCreateError;
+        let name = channel.on(rig);
+        let publisher = publisher.map_err(|cause| match cause {
+            PublisherCreateError::ExceedsMaxSupportedPublishers => WireError::SecondWriter {
+                channel: name.clone(),
+            },
+            cause => WireError::transport(format!("becoming the writer of {name}"), cause),
+        })?;
+        memory::reserve_segment(&name, &publisher.id().value().to_string())?;
+        let bell = Bell::new(domain, &name, channel.readers)?;
+        let gathering = match delivery {
+            Delivery::NewestWins => None,
+            Delivery::Lossless { stop } => Some(Gathering {
+                ear: Ear::new(domain, &name, channel.readers)?,
+                stop: stop.clone(),
+                gathered: Cell::new(0),
+            }),
+        };
+        // Readers that sleep take up their ends now, not with the first message.
+        bell.call();
+        Ok(Self {
+            publisher,
+            service,
+            bell,
+            name,
+            gathering,
+        })
+    }
+
+    /// The transport's number for this writer, as it stands in the names of its files in `/dev/shm`.
+    pub fn id(&self) -> String {
+        self.publisher.id().value().to_string()
+    }
+
+    /// How many readers the channel has now.
+    pub fn readers(&self) -> usize {
+        self.service.dynamic_config().number_of_subscribers()
+    }
+
+    /// Lets readers that came after the last message have the newest one now. Else they have it with the next.
+    pub fn welcome(&self) -> Result<(), WireError> {
+        self.publisher
+            .update_connections()
+            .map_err(|cause| self.broken(cause))
+    }
+
+    /// Waits until every reader that came since the last call has taken up its end. Nothing to do unless lossless.
+    fn gather(&self) -> Result<(), WireError> {
+        let Some(Gathering {
+            ear,
+            stop,
+            gathered,
+        }) = &self.gathering
+        else {
+            return Ok(());
+        };
+        // Its own ear hears the messages too: emptied, it never fills.
+        ear.empty()?;
+        let readers = self.readers();
+        if readers <= gathered.get() {
+            gathered.set(readers);
+            return Ok(());
+        }
+        let deadline = Instant::now() + GATHER_TIMEOUT;
+        self.bell.call();
+        let mut answers = 0;
+        while answers < readers && !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
+            let look_up = deadline.min(Instant::now() + STOP_CHECK);
+            answers += ear.wait(Some(look_up), None)?.answers;
+        }
+        gathered.set(readers);
+        Ok(())
+    }
+
+    fn broken(&self, cause: impl fmt::Debug) -> WireError {
+        WireError::transport(format!("writing to {}", self.name), cause)
+    }
+}
+
+/// What a lossless writer does while a reader's buffer is full: wait, unless told to stop or the reader is dead.
+fn wait_for_room(
+    domain: &Domain,
+    delivery: &Delivery,
+) -> Option<impl Fn(&BackpressureInfo) -> BackpressureAction + Send + 'static + use<>> {
+    let Delivery::Lossless { stop } = delivery else {
+        return None;
+    };
+    let stop: Arc<AtomicBool> = stop.clone();
+    let config = domain.config().clone();
+    let checks = std::sync::atomic::AtomicU64::new(0);
+    Some(move |waiting: &BackpressureInfo| {
+        if stop.load(Ordering::Relaxed) {
+            return BackpressureAction::DiscardDataAndFail;
+        }
+        if waiting.retries == 0 {
+            checks.store(0, Ordering::Relaxed);
+        }
+        let due = DEAD_READER_CHECK * (checks.load(Ordering::Relaxed) as u32 + 1);
+        if waiting.elapsed_time < due {
+            return BackpressureAction::Retry;
+        }
+        checks.fetch_add(1, Ordering::Relaxed);
+        if remove_the_dead(&config) {
+            BackpressureAction::DiscardData
+        } else {
+            BackpressureAction::Retry
+        }
+    })
+}
+
+/// Removes what killed processes left; `true` if there was one.
+fn remove_the_dead(config: &Config) -> bool {
+    let mut found = false;
+    let _ = Node::<ipc::Service>::list(config, |node| {
+        if let NodeState::Dead(dead) = node {
+            found |= DeadNodeView::try_remove_stale_resources(dead).is_ok();
+        }
+        CallbackProgression::Continue
+    });
+    found
+}
+
+/// A slot of shared memory that is being written. Dropped, it is given back unsent.
+pub struct Slot<'a, P: Payload + ?Sized> {
+    sample: SampleMut<ipc::Service, P, P::Header>,
+    writer: &'a Writer<P>,
+}
+
+impl<P: Payload + ?Sized> Slot<'_, P> {
+    /// Sends the message and wakes the readers. `false`: it was lost, because waiting for a reader was given up.
+    pub fn send(self) -> Result<bool, WireError> {
+        let delivered = match self.sample.send() {
+            Ok(_) => true,
+            Err(SendError::UnableToDeliver) => false,
+            Err(cause) => return Err(self.writer.broken(cause)),
+        };
+        self.writer.bell.ring();
+        Ok(delivered)
+    }
+}
+
+impl Slot<'_, [u8]> {
+    /// What stands beside the pixels.
+    pub fn header_mut(&mut self) -> &mut FrameHeader {
+        self.sample.user_header_mut()
+    }
+}
+
+macro_rules! slot_access {
+    ($payload:ty) => {
+        impl Deref for Slot<'_, $payload> {
+            type Target = $payload;
+            fn deref(&self) -> &$payload {
+                self.sample.payload()
+            }
+        }
+        impl DerefMut for Slot<'_, $payload> {
+            fn deref_mut(&mut self) -> &mut $payload {
+                self.sample.payload_mut()
+            }
+        }
+    };
+}
+slot_access!(Centerlines);
+slot_access!(Descriptors);
+slot_access!([u8]);
