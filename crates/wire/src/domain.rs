@@ -1,3 +1,4 @@
+#![allow(unsafe_code)] // Removing the transport's last trace is marked unsafe there.
 //! Where the channels of a machine live, and the names of the camera chains in it.
 
 use std::fmt;
@@ -58,7 +59,9 @@ fn is_plain(name: &str, longest: usize) -> bool {
 /// environment variable `LARIAT_DOMAIN` names. Opening a domain also removes what killed processes left behind in it.
 #[derive(Debug)]
 pub struct Domain {
+    // Before `last_out`, which looks whether any node is left.
     pub(crate) node: Node<ipc::Service>,
+    _last_out: LastOut,
 }
 
 impl Domain {
@@ -79,7 +82,10 @@ impl Domain {
                 }
                 cause => WireError::transport("joining the domain", cause),
             })?;
-        Ok(Self { node })
+        Ok(Self {
+            node,
+            _last_out: LastOut(config),
+        })
     }
 
     /// Removes the shared memory and files that killed processes left behind in this domain.
@@ -99,10 +105,29 @@ impl Drop for Domain {
     }
 }
 
+/// Removes the transport's counter of nodes when the last process leaves: it is all that would stay in `/dev/shm`.
+#[derive(Debug)]
+struct LastOut(Config);
+
+impl Drop for LastOut {
+    fn drop(&mut self) {
+        let mut nodes = 0;
+        let listed = Node::<ipc::Service>::list(&self.0, |_| {
+            nodes += 1;
+            CallbackProgression::Stop
+        });
+        if listed.is_ok() && nodes == 0 {
+            // SAFETY: no node is left. A process that joins at this very moment keeps the counter it has mapped, and
+            // the next one makes a new one: nodes stay distinct, since their numbers also hold process id and time.
+            let _ =
+                unsafe { iceoryx2::testing::remove_global_mgmt_segment::<ipc::Service>(&self.0) };
+        }
+    }
+}
+
 /// The transport's settings: its own, with a prefix and a folder of the domain's own if one is named.
 fn config() -> Result<Config, WireError> {
     let mut config = Config::global_config().clone();
-    // Swept in `open` and `drop`, where a failure can be waited for.
     config.global.node.cleanup_dead_nodes_on_creation = true;
     let Ok(name) = std::env::var("LARIAT_DOMAIN") else {
         return Ok(config);
