@@ -18,5 +18,5 @@ pub use clock::now_ns;
 pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use message::*;
-pub use reader::{Message, Reader};
+pub use reader::{Message, Reader, Woken, sleep_for_any};
 pub use writer::{Slot, Writer};

@@ -11,7 +11,7 @@ use iceoryx2::sample::Sample;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
-use crate::ready::Ear;
+use crate::ready::{self, Ear};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
@@ -19,7 +19,8 @@ pub struct Reader<P: Payload + ?Sized> {
     // Before the service, so that it is dropped first.
     subscriber: Subscriber<ipc::Service, P, P::Header>,
     _service: PortFactory<ipc::Service, P, P::Header>,
-    ear: Ear,
+    /// `None`: a reader that is never woken.
+    ear: Option<Ear>,
     name: String,
 }
 
@@ -58,10 +59,30 @@ impl<P: Payload + ?Sized> Reader<P> {
         channel: &Channel<P>,
         delivery: Option<&Delivery>,
     ) -> Result<Self, WireError> {
+        // The ear first: a message that comes between the two is then heard of.
+        let ear = Ear::new(domain, &channel.on(rig), channel.readers)?;
+        Self::new(domain, rig, channel, delivery, Some(ear))
+    }
+
+    /// The same, but never woken: it looks when something else wakes its process, and costs the writer no notification.
+    pub fn create_unwoken(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<P>,
+        delivery: Option<&Delivery>,
+    ) -> Result<Self, WireError> {
+        Self::new(domain, rig, channel, delivery, None)
+    }
+
+    fn new(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<P>,
+        delivery: Option<&Delivery>,
+        ear: Option<Ear>,
+    ) -> Result<Self, WireError> {
         let name = channel.on(rig);
         let service = channel.open(domain, rig, delivery)?;
-        // The ear first: a message that comes between the two is then heard of.
-        let ear = Ear::new(domain, &name, channel.readers)?;
         let subscriber = service
             .subscriber_builder()
             .create()
@@ -120,20 +141,54 @@ impl<P: Payload + ?Sized> Reader<P> {
         deadline: Option<Instant>,
         also: Option<BorrowedFd>,
     ) -> Result<(), WireError> {
-        if self.ear.wait(deadline, also)?.called {
+        sleep_for_any([self], deadline, also)
+    }
+
+    /// Becomes readable when a message came: for a `poll` of one's own. [`sleep`](Self::sleep) empties it.
+    /// `None` for a reader that is never woken.
+    pub fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        self.ear.as_ref().map(Ear::descriptor)
+    }
+}
+
+/// A reader of any channel, to [`sleep_for_any`].
+pub trait Woken {
+    #[doc(hidden)]
+    fn ear(&self) -> Option<BorrowedFd<'_>>;
+
+    #[doc(hidden)]
+    fn attend(&self) -> Result<(), WireError>;
+}
+
+impl<P: Payload + ?Sized> Woken for Reader<P> {
+    fn ear(&self) -> Option<BorrowedFd<'_>> {
+        self.descriptor()
+    }
+
+    /// Empties the bell, which would ring for ever otherwise, and answers a lossless writer's call.
+    fn attend(&self) -> Result<(), WireError> {
+        let Some(ear) = &self.ear else { return Ok(()) };
+        if ear.empty()?.called {
             // Looking takes up this reader's end of a new writer's channel.
             self.subscriber.has_samples().map_err(|cause| {
                 WireError::transport(format!("reading from {}", self.name), cause)
             })?;
-            self.ear.answer();
+            ear.answer();
         }
         Ok(())
     }
+}
 
-    /// Becomes readable when a message came: for a `poll` of one's own. [`sleep`](Self::sleep) empties it.
-    pub fn descriptor(&self) -> BorrowedFd<'_> {
-        self.ear.descriptor()
-    }
+/// Sleeps until a message may have come for one of the readers, until `also` is readable, a signal came, or the
+/// deadline is over.
+pub fn sleep_for_any<const N: usize>(
+    readers: [&dyn Woken; N],
+    deadline: Option<Instant>,
+    also: Option<BorrowedFd>,
+) -> Result<(), WireError> {
+    let ears = readers.map(Woken::ear);
+    ready::wait(ears, deadline, also)?;
+    readers.iter().try_for_each(|reader| reader.attend())
 }
 
 /// A message in shared memory. Held, it keeps its slot from being used again.

@@ -106,32 +106,6 @@ impl Ear {
         self.bell.notify(ANSWER);
     }
 
-    /// Waits for the bell, for `also` to become readable, for a signal, or for the deadline, whichever is first.
-    pub(crate) fn wait(
-        &self,
-        deadline: Option<Instant>,
-        also: Option<BorrowedFd>,
-    ) -> Result<Heard, WireError> {
-        let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
-        let left = left.and_then(|left| Timespec::try_from(left).ok());
-        let bell = self.descriptor();
-        let mut both = [
-            PollFd::from_borrowed_fd(bell, PollFlags::IN),
-            PollFd::from_borrowed_fd(also.unwrap_or(bell), PollFlags::IN),
-        ];
-        match poll(&mut both, left.as_ref()) {
-            Ok(_) | Err(Errno::INTR) => {}
-            Err(cause) => return Err(WireError::transport("waiting for a message", cause)),
-        }
-        let rung = both[0].revents().contains(PollFlags::IN);
-        // A bell that is not emptied would ring for ever.
-        if rung {
-            self.empty()
-        } else {
-            Ok(Heard::default())
-        }
-    }
-
     /// What was heard since the last time, without waiting.
     pub(crate) fn empty(&self) -> Result<Heard, WireError> {
         let mut heard = Heard::default();
@@ -143,5 +117,33 @@ impl Ear {
             })
             .map_err(|cause| WireError::transport("waiting for a message", cause))?;
         Ok(heard)
+    }
+}
+
+/// Waits for a bell, for `also` to become readable, for a signal, or for the deadline, whichever is first.
+pub(crate) fn wait<const N: usize>(
+    ears: [Option<BorrowedFd>; N],
+    deadline: Option<Instant>,
+    also: Option<BorrowedFd>,
+) -> Result<(), WireError> {
+    /// More than any process listens to.
+    const MOST: usize = 8;
+    const { assert!(N < MOST) };
+    let mut descriptors = ears.into_iter().flatten().chain(also);
+    let Some(first) = descriptors.next() else {
+        return Ok(());
+    };
+    let mut polled: [PollFd; MOST] =
+        std::array::from_fn(|_| PollFd::from_borrowed_fd(first, PollFlags::IN));
+    let mut count = 1;
+    for descriptor in descriptors {
+        polled[count] = PollFd::from_borrowed_fd(descriptor, PollFlags::IN);
+        count += 1;
+    }
+    let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+    let left = left.and_then(|left| Timespec::try_from(left).ok());
+    match poll(&mut polled[..count], left.as_ref()) {
+        Ok(_) | Err(Errno::INTR) => Ok(()),
+        Err(cause) => Err(WireError::transport("waiting for a message", cause)),
     }
 }

@@ -18,7 +18,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, Delivery, FRAMES, Payload};
-use crate::ready::{Bell, Ear};
+use crate::ready::{self, Bell, Ear};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
 
 /// A writer that waits for room looks this often whether the reader it waits for was killed.
@@ -236,7 +236,8 @@ impl<P: Payload + ?Sized> Writer<P> {
         let mut answers = 0;
         while answers < readers && !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
             let look_up = deadline.min(Instant::now() + STOP_CHECK);
-            answers += ear.wait(Some(look_up), None)?.answers;
+            ready::wait([Some(ear.descriptor())], Some(look_up), None)?;
+            answers += ear.empty()?.answers;
         }
         gathered.set(readers);
         Ok(())
