@@ -1,1 +1,15 @@
 //! Frame sources: files, video and a rendered rope with known truth.
+//!
+//! A [`FrameSource`] makes one frame after the other ready and writes its pixels where it is told to: whoever sends
+//! the frames lends the memory, so that the pixels are written once. The [`Pacer`] says when each frame is due.
+//! Nothing here knows of shared memory.
+
+mod open;
+mod pace;
+mod rendered;
+mod source;
+
+pub use open::{Source, open};
+pub use pace::{Pace, PaceError, Pacer, Wait, wait_until};
+pub use rendered::RenderOptions;
+pub use source::{Frame, FrameSource, SourceError};

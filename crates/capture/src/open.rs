@@ -1,0 +1,45 @@
+//! From what the user named to the source that it means.
+
+use std::path::{Path, PathBuf};
+
+use crate::rendered::{RenderOptions, Rendered};
+use crate::source::{FrameSource, SourceError};
+
+/// What to take frames from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// A rope drawn by lariat.
+    Rendered(RenderOptions),
+    /// Pictures (PNG, JPEG), folders of pictures, or one Y4M video.
+    Paths {
+        /// Shown in this order; the pictures of a folder in natural order.
+        paths: Vec<PathBuf>,
+        /// Whether to begin again after the last frame.
+        looped: bool,
+    },
+}
+
+impl Source {
+    /// The source that these words name: `rendered` alone is the rendered rope, anything else is paths (a folder of
+    /// that name is `./rendered`).
+    pub fn named<P: AsRef<Path>>(names: &[P], looped: bool, rendered: RenderOptions) -> Self {
+        match names {
+            [name] if name.as_ref() == Path::new("rendered") => Self::Rendered(rendered),
+            _ => Self::Paths {
+                paths: names.iter().map(|name| name.as_ref().to_owned()).collect(),
+                looped,
+            },
+        }
+    }
+}
+
+/// Opens a source: everything that can be known to be wrong is said here, before the first frame.
+///
+/// # Errors
+/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video.
+pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
+    match source {
+        Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Paths { .. } => Err(SourceError::Unnamed),
+    }
+}

@@ -1,0 +1,166 @@
+//! When each frame is due: absolute deadlines, so that lateness never adds up and is never hidden.
+
+use std::str::FromStr;
+
+use lariat_wire::now_ns;
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec};
+
+const NS_PER_S: u64 = 1_000_000_000;
+
+/// How fast frames are to come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pace {
+    /// So many frames per second.
+    Fps(f64),
+    /// Each as soon as the one before is sent.
+    Max,
+}
+
+/// A pace that is none.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is not a frame rate: give frames per second, more than 0 and at most 1000000, or `max`"
+)]
+pub struct PaceError(String);
+
+impl Pace {
+    /// The time between two frames in nanoseconds; `None` for [`Pace::Max`].
+    fn period_ns(self) -> Result<Option<f64>, PaceError> {
+        match self {
+            Self::Max => Ok(None),
+            Self::Fps(fps) if fps > 0.0 && fps <= 1e6 => Ok(Some(NS_PER_S as f64 / fps)),
+            Self::Fps(fps) => Err(PaceError(fps.to_string())),
+        }
+    }
+}
+
+impl FromStr for Pace {
+    type Err = PaceError;
+
+    /// A number, or `max`.
+    fn from_str(text: &str) -> Result<Self, PaceError> {
+        let error = || PaceError(text.to_owned());
+        let pace = match text.trim() {
+            "max" => Self::Max,
+            number => Self::Fps(number.parse().map_err(|_| error())?),
+        };
+        pace.period_ns().map_err(|_| error())?;
+        Ok(pace)
+    }
+}
+
+/// The schedule of frames.
+///
+/// The k-th frame (from 0) is due at the first one's moment + k periods, whatever happened to the frames before it: a
+/// frame that comes late keeps its due time, so that its lateness counts as latency (no coordinated omission), and no
+/// frame is skipped to catch up.
+#[derive(Debug, Clone)]
+pub struct Pacer {
+    period_ns: Option<f64>,
+    start_ns: Option<u64>,
+    count: u64,
+}
+
+impl Pacer {
+    /// A schedule that begins when it is first asked.
+    ///
+    /// # Errors
+    /// A rate that is not above 0, or beyond 1 000 000 frames per second.
+    pub fn new(pace: Pace) -> Result<Self, PaceError> {
+        Ok(Self {
+            period_ns: pace.period_ns()?,
+            start_ns: None,
+            count: 0,
+        })
+    }
+
+    /// The moment the next frame is due; each call is one frame further. The first frame is due at `now_ns`, and at
+    /// [`Pace::Max`] every frame is.
+    pub fn next_due_ns(&mut self, now_ns: u64) -> u64 {
+        let start_ns = *self.start_ns.get_or_insert(now_ns);
+        let due_ns = match self.period_ns {
+            // Exact to a nanosecond for 2⁵³ ns, a hundred days.
+            Some(period_ns) => {
+                start_ns.saturating_add((self.count as f64 * period_ns).round() as u64)
+            }
+            None => now_ns,
+        };
+        self.count += 1;
+        due_ns
+    }
+}
+
+/// How a wait ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wait {
+    /// The moment has come.
+    Reached,
+    /// A signal came first: look whether to stop, then wait again for the same moment.
+    Interrupted,
+}
+
+/// Sleeps until a moment of [`now_ns`]; returns at once if it has passed, and early when a signal arrives.
+pub fn wait_until(due_ns: u64) -> Wait {
+    if now_ns() >= due_ns {
+        return Wait::Reached;
+    }
+    let due = Timespec {
+        // Below 2³⁵ whatever the input.
+        tv_sec: (due_ns / NS_PER_S) as i64,
+        tv_nsec: (due_ns % NS_PER_S) as _,
+    };
+    // The only error that these arguments leave possible is EINTR.
+    match clock_nanosleep_absolute(ClockId::Monotonic, &due) {
+        Ok(()) => Wait::Reached,
+        Err(_) => Wait::Interrupted,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_frame_keeps_its_due_time_and_none_is_skipped() {
+        let mut pacer = Pacer::new(Pace::Fps(100.0)).unwrap();
+        let late = [5_000, 5_000, 95_000_000, 95_000_000, 95_000_000];
+        let due: Vec<u64> = late.map(|now_ns| pacer.next_due_ns(now_ns)).to_vec();
+        assert_eq!(due, [5_000, 10_005_000, 20_005_000, 30_005_000, 40_005_000]);
+    }
+
+    #[test]
+    fn rounding_never_adds_up() {
+        let mut pacer = Pacer::new(Pace::Fps(30.0)).unwrap();
+        let due_ns = (0..=30 * 3600).map(|_| pacer.next_due_ns(7)).last();
+        assert_eq!(due_ns, Some(7 + 3600 * NS_PER_S));
+    }
+
+    #[test]
+    fn at_max_a_frame_is_due_when_it_is_asked_for() {
+        let mut pacer = Pacer::new(Pace::Max).unwrap();
+        assert_eq!(
+            [3, 9, 10].map(|now_ns| pacer.next_due_ns(now_ns)),
+            [3, 9, 10]
+        );
+    }
+
+    #[test]
+    fn a_rate_that_is_none_is_refused() {
+        assert_eq!("max".parse(), Ok(Pace::Max));
+        assert_eq!("29.97".parse(), Ok(Pace::Fps(29.97)));
+        for text in ["0", "-1", "nan", "inf", "fast", "", "1e9"] {
+            let error = text.parse::<Pace>().unwrap_err();
+            assert!(error.to_string().contains(&format!("`{text}`")), "{error}");
+        }
+        assert!(Pacer::new(Pace::Fps(f64::NAN)).is_err());
+    }
+
+    #[test]
+    fn a_wait_ends_not_before_its_moment() {
+        let due_ns = now_ns() + 3_000_000;
+        while wait_until(due_ns) == Wait::Interrupted {}
+        assert!(now_ns() >= due_ns);
+        assert_eq!(wait_until(0), Wait::Reached);
+    }
+}

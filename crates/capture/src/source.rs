@@ -1,0 +1,93 @@
+//! What every source of frames is: geometry first, then the pixels into memory lent by the caller.
+
+use std::path::PathBuf;
+
+use lariat_wire::{Centerlines, PixelFormat, SourceKind};
+
+/// Geometry of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    /// The source's own frame number, from 1. A gap is a frame lost at the source.
+    pub sequence: u64,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Bytes from one row's start to the next.
+    pub stride: u32,
+    /// How the bytes make pixels.
+    pub format: PixelFormat,
+}
+
+impl Frame {
+    /// Bytes of the whole image.
+    pub fn bytes(&self) -> usize {
+        self.format.image_bytes(self.stride, self.height)
+    }
+}
+
+/// One frame after the other: [`next`](Self::next), then [`write`](Self::write).
+pub trait FrameSource: Send {
+    /// What kind of source it is.
+    fn kind(&self) -> SourceKind;
+
+    /// The most bytes a frame of this source can have.
+    fn largest_frame_bytes(&self) -> usize;
+
+    /// Whether [`truth`](Self::truth) has an answer.
+    fn has_truth(&self) -> bool {
+        false
+    }
+
+    /// The frame rate the source itself asks for, in frames per second.
+    fn native_fps(&self) -> Option<f64> {
+        None
+    }
+
+    /// Makes the next frame ready; `None` when the source has ended, and from then on. May wait for a decoder.
+    ///
+    /// # Errors
+    /// Only what ends the source. A frame that is lost is a gap in [`Frame::sequence`] and a
+    /// [warning](Self::take_warning) instead.
+    fn next(&mut self) -> Result<Option<Frame>, SourceError>;
+
+    /// Writes the pixels of the frame just made ready into `pixels`, which has exactly [`Frame::bytes`] bytes; a
+    /// shorter slice gets what fits. Call it at most once after each [`next`](Self::next).
+    fn write(&mut self, pixels: &mut [u8]);
+
+    /// Fills in the true centerlines of the frame just made ready: width, height, counts and curves, not the trace.
+    /// `false`, and nothing is touched, if the source does not know them.
+    fn truth(&self, _truth: &mut Centerlines) -> bool {
+        false
+    }
+
+    /// A sentence on something that went wrong without ending the source, such as a broken file that was passed
+    /// over. Ask after each [`next`](Self::next) until there is none.
+    fn take_warning(&mut self) -> Option<String> {
+        None
+    }
+}
+
+/// Why a source cannot be opened, or cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// No source was named.
+    #[error(
+        "no source was named: say `rendered`, or the path of a picture, a folder of pictures or a .y4m video"
+    )]
+    Unnamed,
+    /// A path that leads nowhere, or that may not be read.
+    #[error("cannot read {path}: {error}")]
+    Unreadable {
+        /// The path as it was given.
+        path: PathBuf,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The size asked of the rendered rope makes no picture of a rope.
+    #[error("the rendered rope needs {what}")]
+    Rendered {
+        /// What is needed, and what was asked.
+        what: String,
+    },
+}
