@@ -1,0 +1,165 @@
+//! Where the time of a frame went: one HDR histogram for each piece of the way, and one for the whole.
+//!
+//! Because every stage stamps its own beginning and end, work and waiting are told apart frame by frame: the pieces are
+//! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
+//! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
+
+use hdrhistogram::Histogram;
+use lariat_wire::Trace;
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Row {
+    /// Exposed → received: the whole way.
+    Total,
+    /// Exposed → fitted: without the way to the reader.
+    Fitted,
+    /// Exposed → captured.
+    Capture,
+    /// Captured → extract begins.
+    WaitExtract,
+    /// Extract begins → extracted.
+    Extract,
+    /// Extracted → fit begins.
+    WaitFit,
+    /// Fit begins → fitted.
+    Fit,
+    /// Fitted → received.
+    WaitSink,
+    /// How unevenly descriptors come: see [`Latency::jitter`].
+    Jitter,
+}
+
+impl Row {
+    /// All rows, as they stand in the table.
+    pub(crate) const ALL: [Self; 9] = [
+        Self::Total,
+        Self::Fitted,
+        Self::Capture,
+        Self::WaitExtract,
+        Self::Extract,
+        Self::WaitFit,
+        Self::Fit,
+        Self::WaitSink,
+        Self::Jitter,
+    ];
+
+    /// The row's name, as in `summary.json` where it stands there, and of its `.hgrm` file.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Total => "total",
+            Self::Fitted => "fitted",
+            Self::Capture => "capture",
+            Self::WaitExtract => "wait_extract",
+            Self::Extract => "extract",
+            Self::WaitFit => "wait_fit",
+            Self::Fit => "fit",
+            Self::WaitSink => "wait_sink",
+            Self::Jitter => "jitter",
+        }
+    }
+}
+
+/// Longest time told from longer ones: 100 s. Later ones count as this long, and are counted.
+const LONGEST_NS: u64 = 100_000_000_000;
+
+/// Three significant digits: the error of a figure is below 0.1 %, at 200 kB a histogram, of which only the pages in
+/// use are resident.
+const DIGITS: u8 = 3;
+
+/// A histogram of nanoseconds that never grows.
+pub(crate) fn histogram(longest: u64, digits: u8) -> Histogram<u64> {
+    Histogram::new_with_bounds(1, longest, digits)
+        .expect("the bounds are constants: 1, more than 2, at most 5 digits")
+}
+
+/// The histograms of all rows.
+#[derive(Debug, Clone)]
+pub(crate) struct Latency {
+    rows: [Histogram<u64>; 9],
+    saturated: u64,
+    backwards: u64,
+    previous: Option<(u64, u64)>,
+}
+
+impl Latency {
+    pub(crate) fn new() -> Self {
+        Self {
+            rows: std::array::from_fn(|_| histogram(LONGEST_NS, DIGITS)),
+            saturated: 0,
+            backwards: 0,
+            previous: None,
+        }
+    }
+
+    /// The histogram of a row, in nanoseconds.
+    pub(crate) fn row(&self, row: Row) -> &Histogram<u64> {
+        &self.rows[row as usize]
+    }
+
+    /// Times longer than the histograms reach.
+    pub(crate) fn saturated(&self) -> u64 {
+        self.saturated
+    }
+
+    /// Messages with a stamp that lies before its predecessor on the way.
+    pub(crate) fn backwards(&self) -> u64 {
+        self.backwards
+    }
+
+    /// Records one message. Returns the whole way in nanoseconds, if it is known.
+    pub(crate) fn record(&mut self, trace: &Trace, received_ns: u64) -> Option<u64> {
+        let pieces = [
+            (Row::Capture, trace.exposed_ns, trace.captured_ns),
+            (
+                Row::WaitExtract,
+                trace.captured_ns,
+                trace.extract_started_ns,
+            ),
+            (Row::Extract, trace.extract_started_ns, trace.extracted_ns),
+            (Row::WaitFit, trace.extracted_ns, trace.fit_started_ns),
+            (Row::Fit, trace.fit_started_ns, trace.fitted_ns),
+            (Row::WaitSink, trace.fitted_ns, received_ns),
+            (Row::Fitted, trace.exposed_ns, trace.fitted_ns),
+            (Row::Total, trace.exposed_ns, received_ns),
+        ];
+        let mut backwards = false;
+        for (row, from, to) in pieces {
+            if from != 0 && to != 0 {
+                backwards |= to < from;
+                self.add(row, to.saturating_sub(from));
+            }
+        }
+        self.backwards += u64::from(backwards);
+        self.jitter(trace.exposed_ns, received_ns);
+        (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
+    }
+
+    /// Begins the jitter anew: the next message has no predecessor.
+    pub(crate) fn interrupt(&mut self) {
+        self.previous = None;
+    }
+
+    /// Records the period jitter: how much the time between two receptions differs from the time between their
+    /// exposures, |(Rᵢ − Rᵢ₋₁) − (Sᵢ − Sᵢ₋₁)|, the interarrival jitter of RFC 3550, section 6.4.1. For a paced source
+    /// the exposures are the nominal period apart, or whole multiples of it where frames were lost, so that a loss is
+    /// not taken for jitter.
+    fn jitter(&mut self, exposed_ns: u64, received_ns: u64) {
+        if exposed_ns == 0 {
+            self.previous = None;
+            return;
+        }
+        if let Some((exposed_before, received_before)) = self.previous {
+            let exposures = i128::from(exposed_ns) - i128::from(exposed_before);
+            let receptions = i128::from(received_ns) - i128::from(received_before);
+            let deviation = (receptions - exposures).unsigned_abs();
+            self.add(Row::Jitter, u64::try_from(deviation).unwrap_or(u64::MAX));
+        }
+        self.previous = Some((exposed_ns, received_ns));
+    }
+
+    fn add(&mut self, row: Row, ns: u64) {
+        self.saturated += u64::from(ns > LONGEST_NS);
+        self.rows[row as usize].saturating_record(ns);
+    }
+}

@@ -1,0 +1,164 @@
+//! Where frames were lost: differences of the counters in the trace, nothing else.
+//!
+//! Each stage numbers what it sends. Of two consecutive messages at the sink, let Δs, Δc, Δe, Δf be how far the source's
+//! number and the counters of capture, extract and fit have moved: the source skipped Δs − Δc frames, the link after
+//! capture lost Δc − Δe, the one after extract Δe − Δf, the one after fit Δf − 1. The sums telescope, so that every frame
+//! that was published is received or lost on exactly one link.
+//!
+//! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
+//! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
+
+use crate::{FinalCounts, Lost};
+use lariat_wire::Trace;
+
+/// How often each stage was seen to begin anew.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Restarts {
+    /// Capture, or its source.
+    pub capture: u64,
+    /// Extract.
+    pub extract: u64,
+    /// Fit.
+    pub fit: u64,
+}
+
+/// The source's number and the counters of capture, extract and fit, in the order of the way.
+type Counters = [u64; 4];
+
+/// What a message is to the counting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Arrival {
+    /// The first one.
+    First,
+    /// A later one.
+    Next,
+    /// Seen before, or older than one seen before: not counted.
+    Stale,
+}
+
+/// The ledger.
+#[derive(Debug, Clone)]
+pub(crate) struct Ledger {
+    from_start: bool,
+    last: Option<(Counters, u64)>,
+    /// Sums of the steps Δs, Δc, Δe, Δf.
+    steps: Counters,
+    received: u64,
+    stale: u64,
+    restarts: Restarts,
+}
+
+impl Ledger {
+    pub(crate) fn new(from_start: bool) -> Self {
+        Self {
+            from_start,
+            last: None,
+            steps: [0; 4],
+            received: 0,
+            stale: 0,
+            restarts: Restarts::default(),
+        }
+    }
+
+    /// Counts one descriptors message.
+    pub(crate) fn received(&mut self, trace: &Trace) -> Arrival {
+        let now = [
+            trace.sequence,
+            trace.captured,
+            trace.extracted,
+            trace.fitted,
+        ];
+        let (before, arrival) = match self.last {
+            // A fit begun anew also counts from 1, but its clock does not go back.
+            Some((last, fitted_ns)) if now[3] <= last[3] && trace.fitted_ns <= fitted_ns => {
+                self.stale += 1;
+                return Arrival::Stale;
+            }
+            Some((last, _)) => (last, Arrival::Next),
+            None if self.from_start => ([0; 4], Arrival::First),
+            None => (now.map(|count| count.saturating_sub(1)), Arrival::First),
+        };
+        self.received += 1;
+        self.advance(before, now.map(Some), 1);
+        self.last = Some((now, trace.fitted_ns));
+        arrival
+    }
+
+    /// Counts what was under way when the chain stopped.
+    pub(crate) fn finish(&mut self, sent: FinalCounts) {
+        let (before, fitted_ns) = match self.last {
+            Some(last) => last,
+            None if self.from_start => ([0; 4], 0),
+            // Nothing came, and nobody knows what was sent before the sink was there.
+            None => return,
+        };
+        let now = [
+            sent.last_sequence,
+            sent.captured,
+            sent.extracted,
+            sent.fitted,
+        ];
+        let reached = self.advance(before, now, 0);
+        self.last = Some((reached, fitted_ns));
+    }
+
+    /// Adds the steps from `before` to `now` (a counter that is not known moves as far as the later ones prove), of
+    /// which the last is at least `least`. Returns the counters as they then are.
+    fn advance(&mut self, before: Counters, now: [Option<u64>; 4], least: u64) -> Counters {
+        let mut reached = before;
+        let mut least = least;
+        let mut anew = [false; 4];
+        for i in (0..4).rev() {
+            let step = match now[i] {
+                Some(count) if count < before[i] => {
+                    anew[i] = true;
+                    count.max(least)
+                }
+                Some(count) => {
+                    // Fewer than the next stage sent: begun anew, and past its old count again.
+                    anew[i] = count - before[i] < least;
+                    (count - before[i]).max(least)
+                }
+                None => least,
+            };
+            reached[i] = now[i].unwrap_or(before[i].saturating_add(step));
+            self.steps[i] = self.steps[i].saturating_add(step);
+            least = step;
+        }
+        self.restarts.capture += u64::from(anew[0] || anew[1]);
+        self.restarts.extract += u64::from(anew[2]);
+        self.restarts.fit += u64::from(anew[3]);
+        reached
+    }
+
+    /// Frames that capture sent, as far as known.
+    pub(crate) fn published(&self) -> u64 {
+        self.steps[1]
+    }
+
+    /// Messages that came, each counted once.
+    pub(crate) fn received_count(&self) -> u64 {
+        self.received
+    }
+
+    /// Messages that came again or late, and were not counted.
+    pub(crate) fn stale(&self) -> u64 {
+        self.stale
+    }
+
+    /// What each link lost. The subtractions cannot be negative: no step is smaller than the next stage's.
+    pub(crate) fn lost(&self) -> Lost {
+        let [source, captured, extracted, fitted] = self.steps;
+        Lost {
+            source: source - captured,
+            capture: captured - extracted,
+            extract: extracted - fitted,
+            fit: fitted - self.received,
+        }
+    }
+
+    /// Which stages began anew.
+    pub(crate) fn restarts(&self) -> Restarts {
+        self.restarts
+    }
+}

@@ -1,0 +1,40 @@
+//! What the sink is told: before the first frame, and after the last.
+
+/// How the sink counts. The default: no period, no deadline, joined late.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Options {
+    /// The time between two frames of the source, in nanoseconds, if it has a fixed one.
+    pub period_ns: Option<u64>,
+    /// How old a descriptor may be when the reader has it, in nanoseconds after the exposure. `None`: the period; without
+    /// a period there is no deadline.
+    pub deadline_ns: Option<u64>,
+    /// Whether the sink was there before the first frame.
+    ///
+    /// `true`: every counter began at 1, and what is missing up to the first message was lost. `false`: the counting
+    /// begins at the first message, which may be the newest of before the sink came (the service keeps one), so that it
+    /// is received but says nothing about latency.
+    pub from_start: bool,
+}
+
+impl Options {
+    /// The deadline in force, in nanoseconds.
+    pub fn deadline_ns(&self) -> Option<u64> {
+        self.deadline_ns.or(self.period_ns)
+    }
+}
+
+/// What each stage says it has sent in all, known when the chain has stopped. `None`: the stage did not live to say.
+///
+/// With it the frames that were under way when the chain stopped are lost too, on the link where they were: without a
+/// stage's word, on the link before it, as far as later stages do not prove that it sent them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FinalCounts {
+    /// The source's last frame number, sent or not.
+    pub last_sequence: Option<u64>,
+    /// How many frames capture sent.
+    pub captured: Option<u64>,
+    /// How many frames extract sent.
+    pub extracted: Option<u64>,
+    /// How many frames fit sent.
+    pub fitted: Option<u64>,
+}

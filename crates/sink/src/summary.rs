@@ -1,0 +1,119 @@
+//! `summary.json`: the whole measurement in one object whose keys are stable.
+
+use crate::Machine;
+use serde::Serialize;
+
+/// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// The version of these keys: 1.
+    pub schema: u32,
+    /// How many frames, and where they went.
+    pub frames: Frames,
+    /// Where the time went, in microseconds.
+    pub latency_us: Latencies,
+    /// How far from the truth, in pixels.
+    pub error_px: Errors,
+    /// How many were late.
+    pub deadline: Deadline,
+    /// What it was measured on.
+    pub machine: Machine,
+}
+
+/// `published` = `received` + `lost.capture` + `lost.extract` + `lost.fit`, always.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Frames {
+    /// What capture sent, as far as known.
+    pub published: u64,
+    /// Descriptor messages that came, each counted once.
+    pub received: u64,
+    /// Of these, the ones with a curve that was seen: status `Ok` or `Partial`.
+    pub with_curve: u64,
+    /// What was lost on each link.
+    pub lost: Lost,
+}
+
+/// Frames lost, by the link they were lost on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Lost {
+    /// Numbered by the source, never sent by capture.
+    pub source: u64,
+    /// Sent by capture, never by extract.
+    pub capture: u64,
+    /// Sent by extract, never by fit.
+    pub extract: u64,
+    /// Sent by fit, never received here.
+    pub fit: u64,
+}
+
+impl Lost {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.source + self.capture + self.extract + self.fit
+    }
+}
+
+/// Work and waits of a frame on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Latencies {
+    /// Exposed → received.
+    pub total: Spread,
+    /// Exposed → captured.
+    pub capture: Spread,
+    /// Extract's own work.
+    pub extract: Spread,
+    /// Fit's own work.
+    pub fit: Spread,
+    /// Captured → extract begins.
+    pub wait_extract: Spread,
+    /// Extracted → fit begins.
+    pub wait_fit: Spread,
+    /// Fitted → received.
+    pub wait_sink: Spread,
+}
+
+/// A distribution of times, in microseconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// The median.
+    pub p50: Option<f64>,
+    /// 90 % are no longer.
+    pub p90: Option<f64>,
+    /// 99 % are no longer.
+    pub p99: Option<f64>,
+    /// 99.9 % are no longer.
+    pub p999: Option<f64>,
+    /// The longest.
+    pub max: Option<f64>,
+    /// The mean.
+    pub mean: Option<f64>,
+}
+
+/// Distances from the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// The centerlines' points.
+    pub centerline: Distances,
+    /// Points of the fitted curves.
+    pub curve: Distances,
+}
+
+/// Distances of points from the true centerline, over all points of all frames, in pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Distances {
+    /// The mean.
+    pub mean: Option<f64>,
+    /// 95 % are no farther.
+    pub p95: Option<f64>,
+    /// The farthest.
+    pub max: Option<f64>,
+}
+
+/// The deadline and what missed it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Deadline {
+    /// From exposure to reception, in microseconds.
+    pub us: Option<f64>,
+    /// Received frames that took longer; `None` without a deadline.
+    pub missed: Option<u64>,
+}
