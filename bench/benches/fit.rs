@@ -1,0 +1,88 @@
+//! What a fit costs, beside the bare multiply-adds of its product: `cargo bench -p lariat-bench --bench fit`.
+//!
+//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does as many in
+//! registers, in the same vectors, and reads no memory: no fit by that product can be faster. A fit also
+//! reads and checks the points and computes every point's residual.
+#![allow(missing_docs)] // criterion's macros make undocumented functions.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use lariat_fit::{Fitter, Options, Solver};
+use pulp::{Arch, Simd, WithSimd};
+use std::hint::black_box;
+
+/// Ten running sums, as many as keep two multipliers of four cycles busy.
+const SUMS: usize = 10;
+
+struct Bare {
+    multiply_adds: usize,
+    factor: f64,
+}
+
+impl WithSimd for Bare {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let factor = simd.splat_f64s(self.factor);
+        let mut sums = [simd.splat_f64s(self.factor); SUMS];
+        for _ in 0..self.multiply_adds / (SUMS * S::F64_LANES) {
+            for sum in &mut sums {
+                *sum = simd.mul_add_f64s(factor, factor, *sum);
+            }
+        }
+        sums.iter().map(|&sum| simd.reduce_sum_f64s(sum)).sum()
+    }
+}
+
+fn rope(points: usize) -> Vec<[f64; 2]> {
+    (0..points)
+        .map(|i| {
+            let t = i as f64 / (points - 1) as f64;
+            [50.0 + 540.0 * t, 240.0 + 150.0 * (5.0 * t).sin()]
+        })
+        .collect()
+}
+
+fn fits(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("fit, order 8, 120 points");
+    let arch = Arch::new();
+    group.bench_function("bare multiply-adds", |bencher| {
+        bencher.iter(|| {
+            arch.dispatch(Bare {
+                multiply_adds: 9 * 120 * 2,
+                factor: black_box(0.5),
+            })
+        })
+    });
+    let rope = rope(120);
+    for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
+        let options = Options {
+            order: 8,
+            points: 120,
+            solver,
+        };
+        let mut fitter = Fitter::new(options).expect("order 8 with 120 points is well conditioned");
+        group.bench_function(solver.to_string(), |bencher| {
+            bencher.iter(|| fitter.fit(black_box(&rope)).map(|fit| fit.rms_px))
+        });
+    }
+    group.finish();
+}
+
+fn making(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("making a fitter");
+    for (order, points) in [(8, 120), (31, 256)] {
+        let options = Options {
+            order,
+            points,
+            solver: Solver::Pinv,
+        };
+        group.bench_function(format!("order {order}, {points} points"), |bencher| {
+            bencher.iter(|| Fitter::new(black_box(options)).map(|fitter| fitter.condition()))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, fits, making);
+criterion_main!(benches);
