@@ -1,0 +1,199 @@
+//! One stage as a child process.
+
+use std::ffi::OsString;
+use std::fmt;
+use std::io::{ErrorKind, Read, Write};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::{Command, ExitStatus, Stdio};
+
+use anyhow::Context;
+use rustix::io::{FdFlags, fcntl_setfd};
+use rustix::pipe::{PipeFlags, pipe_with};
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent};
+
+/// How a stage ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// With exit code 0.
+    Well,
+    /// With another exit code; it has said why.
+    Failed(i32),
+    /// By a signal.
+    Killed(i32),
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Well => write!(f, "ended before its time"),
+            Self::Failed(code) => write!(
+                f,
+                "failed with exit code {code}, for the reason it gave above"
+            ),
+            Self::Killed(signal) => {
+                let name = Signal::from_named_raw(*signal).map(|signal| format!(" ({signal:?})"));
+                write!(
+                    f,
+                    "was killed by signal {signal}{}",
+                    name.unwrap_or_default()
+                )
+            }
+        }
+    }
+}
+
+/// A stage that was started.
+pub struct Child {
+    pub stage: &'static str,
+    process: std::process::Child,
+    /// What it says; `None` once it has ended.
+    line: Option<std::fs::File>,
+    /// The part of a line that has not ended yet.
+    unread: Vec<u8>,
+    ready: bool,
+    sent: Option<Sent>,
+    ending: Option<Ending>,
+    told_to_stop: bool,
+}
+
+impl Child {
+    /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with.
+    pub fn start(stage: &'static str, arguments: &[OsString]) -> anyhow::Result<Self> {
+        let starting = || format!("{stage} could not be started");
+        let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
+        rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
+        // The child's end is inherited; nothing else starts a process here meanwhile.
+        fcntl_setfd(&its_end, FdFlags::empty()).with_context(starting)?;
+        let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
+        let process = Command::new(itself)
+            .arg(stage)
+            .args(arguments)
+            .env(STATUS_FD, its_end.as_raw_fd().to_string())
+            .env(CHAIN_PID, std::process::id().to_string())
+            .stdin(if stage == "sink" {
+                Stdio::piped()
+            } else {
+                Stdio::null()
+            })
+            .process_group(0)
+            .spawn()
+            .with_context(starting)?;
+        Ok(Self {
+            stage,
+            process,
+            line: Some(line.into()),
+            unread: Vec::new(),
+            ready: false,
+            sent: None,
+            ending: None,
+            told_to_stop: false,
+        })
+    }
+
+    /// Its process id.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Whether it can receive.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// What it said it sent in all, if it lived to say so.
+    pub fn sent(&self) -> Option<Sent> {
+        self.sent
+    }
+
+    /// How it ended, if it has.
+    pub fn ending(&self) -> Option<Ending> {
+        self.ending
+    }
+
+    /// Whether its end was wished.
+    pub fn was_told_to_stop(&self) -> bool {
+        self.told_to_stop
+    }
+
+    /// Readable when it said something, or ended; `None` once it has.
+    pub fn line(&self) -> Option<BorrowedFd<'_>> {
+        self.line.as_ref().map(AsFd::as_fd)
+    }
+
+    /// Takes note of what it said, without waiting.
+    pub fn listen(&mut self) {
+        let Some(line) = &mut self.line else { return };
+        let mut buffer = [0; 256];
+        loop {
+            match line.read(&mut buffer) {
+                Ok(0) => break,
+                Ok(count) => self.unread.extend(&buffer[..count]),
+                Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
+                Err(cause) if cause.kind() == ErrorKind::WouldBlock => return self.take_note(),
+                Err(_) => break,
+            }
+        }
+        // Its end of the line is closed: the process is gone, or will be in a moment.
+        self.take_note();
+        self.line = None;
+        self.ending = Some(self.process.wait().map_or(Ending::Failed(-1), ending));
+    }
+
+    fn take_note(&mut self) {
+        while let Some(end) = self.unread.iter().position(|&byte| byte == b'\n') {
+            let line: Vec<u8> = self.unread.drain(..=end).collect();
+            let line = String::from_utf8_lossy(&line);
+            let mut words = line.split_whitespace();
+            match (words.next(), words.next(), words.next()) {
+                (Some("ready"), ..) => self.ready = true,
+                (Some("sent"), Some(count), Some(last)) => {
+                    let number = |word: &str| word.parse().unwrap_or(0);
+                    self.sent = Some(Sent {
+                        count: number(count),
+                        last_sequence: number(last),
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Writes to its standard input and closes it.
+    pub fn tell(&mut self, word: &str) {
+        if let Some(mut stdin) = self.process.stdin.take() {
+            // If it is gone, its ending says so.
+            let _ = stdin.write_all(word.as_bytes());
+        }
+    }
+
+    /// Asks it to work off what waits, and end.
+    pub fn tell_to_stop(&mut self) {
+        self.told_to_stop = true;
+        self.signal(Signal::TERM);
+    }
+
+    /// Ends it at once.
+    pub fn kill(&mut self) {
+        self.signal(Signal::KILL);
+    }
+
+    fn signal(&self, signal: Signal) {
+        // Not waited for yet, so the number is still this process's.
+        if self.ending.is_none() {
+            if let Some(pid) = i32::try_from(self.id()).ok().and_then(Pid::from_raw) {
+                let _ = kill_process(pid, signal);
+            }
+        }
+    }
+}
+
+fn ending(status: ExitStatus) -> Ending {
+    match (status.code(), status.signal()) {
+        (Some(0), _) => Ending::Well,
+        (Some(code), _) => Ending::Failed(code),
+        (None, signal) => Ending::Killed(signal.unwrap_or(0)),
+    }
+}

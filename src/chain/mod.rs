@@ -1,0 +1,197 @@
+//! The whole chain: starts the four stages as processes, watches them, and stops them in order.
+
+mod child;
+
+use std::ffi::OsString;
+use std::os::fd::AsFd;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use lariat_wire::Domain;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::stop::Stop;
+use child::{Child, Ending};
+
+/// The stages in the order of the data.
+const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
+const CAPTURE: usize = 0;
+const SINK: usize = 3;
+
+/// How long a stage may take to get ready.
+const START_TIMEOUT: Duration = Duration::from_secs(20);
+/// How long a stage may take to end once it was told to: what waits for it is worked off first.
+const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// Runs the chain until its source ends, a signal comes, or a stage dies.
+///
+/// `arguments` are handed on to every stage, which take what concerns them.
+pub fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
+    let stop = Stop::on_signals()?;
+    let mut chain = Chain::default();
+    // From the end to the beginning, so that every message finds its reader there.
+    for (place, stage) in STAGES.iter().enumerate().rev() {
+        let child = Child::start(stage, arguments)?;
+        chain.children[place] = Some(child);
+        if !chain.wait_until_ready(place, &stop)? {
+            chain.stop_in_order(true);
+            return Ok(chain.verdict());
+        }
+    }
+    eprintln!("{}", chain.introduce());
+    chain.watch(&stop)?;
+    chain.stop_in_order(false);
+    Ok(chain.verdict())
+}
+
+#[derive(Default)]
+struct Chain {
+    children: [Option<Child>; 4],
+    /// The first that ended when it should not have.
+    fallen: Option<usize>,
+}
+
+impl Chain {
+    fn stages(&self) -> impl Iterator<Item = &Child> {
+        self.children.iter().flatten()
+    }
+
+    fn introduce(&self) -> String {
+        let ids: Vec<String> = self
+            .stages()
+            .map(|child| format!("{} {}", child.stage, child.id()))
+            .collect();
+        format!("lariat: {}", ids.join(" → "))
+    }
+
+    /// `false` if the chain is to end before it began.
+    fn wait_until_ready(&mut self, place: usize, stop: &Stop) -> anyhow::Result<bool> {
+        let deadline = Instant::now() + START_TIMEOUT;
+        loop {
+            self.listen(Some(deadline), Some(stop))?;
+            if stop.asked() || self.fallen.is_some() {
+                return Ok(false);
+            }
+            if self.children[place].as_ref().is_some_and(Child::is_ready) {
+                return Ok(true);
+            }
+            if Instant::now() >= deadline {
+                eprintln!(
+                    "lariat: {} was not ready after {} s",
+                    STAGES[place],
+                    START_TIMEOUT.as_secs()
+                );
+                self.fallen = Some(place);
+                return Ok(false);
+            }
+        }
+    }
+
+    /// Watches until the source ends, a stage falls, or a signal comes.
+    fn watch(&mut self, stop: &Stop) -> anyhow::Result<()> {
+        let capture_ended = |chain: &Self| {
+            chain.children[CAPTURE]
+                .as_ref()
+                .is_some_and(|child| child.ending().is_some())
+        };
+        while !stop.asked() && self.fallen.is_none() && !capture_ended(self) {
+            self.listen(None, Some(stop))?;
+        }
+        Ok(())
+    }
+
+    /// Sleeps until a stage says something or ends, and takes note of it.
+    fn listen(&mut self, deadline: Option<Instant>, stop: Option<&Stop>) -> anyhow::Result<()> {
+        let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+        let left = left.and_then(|left| Timespec::try_from(left).ok());
+        let mut descriptors: Vec<PollFd> = self
+            .stages()
+            .filter_map(Child::line)
+            .map(|line| PollFd::from_borrowed_fd(line, PollFlags::IN))
+            .collect();
+        if let Some(stop) = stop {
+            descriptors.push(PollFd::from_borrowed_fd(stop.as_fd(), PollFlags::IN));
+        }
+        match poll(&mut descriptors, left.as_ref()) {
+            Ok(_) | Err(rustix::io::Errno::INTR) => {}
+            Err(cause) => return Err(cause.into()),
+        }
+        for (place, child) in self.children.iter_mut().enumerate() {
+            let Some(child) = child else { continue };
+            child.listen();
+            let ended_well = place == CAPTURE && child.is_ready();
+            match child.ending() {
+                Some(Ending::Well) if ended_well || child.was_told_to_stop() => {}
+                Some(_) if self.fallen.is_none() => self.fallen = Some(place),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
+    /// worked off. `never`: the chain never came up, and there is nothing to report.
+    fn stop_in_order(&mut self, never: bool) {
+        for place in 0..STAGES.len() {
+            if place == SINK {
+                let word = if never {
+                    "never\n".into()
+                } else {
+                    self.counts()
+                };
+                if let Some(sink) = &mut self.children[SINK] {
+                    sink.tell(&word);
+                }
+            }
+            if let Some(child) = &mut self.children[place] {
+                child.tell_to_stop();
+            }
+            let deadline = Instant::now() + STOP_TIMEOUT;
+            while self.children[place]
+                .as_ref()
+                .is_some_and(|child| child.ending().is_none())
+            {
+                if Instant::now() >= deadline || self.listen(Some(deadline), None).is_err() {
+                    let Some(child) = &mut self.children[place] else {
+                        break;
+                    };
+                    eprintln!("lariat: {} did not end and was killed", child.stage);
+                    child.kill();
+                    self.fallen.get_or_insert(place);
+                }
+            }
+        }
+    }
+
+    /// What each stage said it sent in all.
+    fn counts(&self) -> String {
+        let mut word = String::new();
+        for (name, child) in ["captured", "extracted", "fitted"]
+            .iter()
+            .zip(&self.children)
+        {
+            if let Some(sent) = child.as_ref().and_then(Child::sent) {
+                word += &format!("{name} {}\n", sent.count);
+            }
+        }
+        if let Some(sent) = self.children[CAPTURE].as_ref().and_then(Child::sent) {
+            word += &format!("sequence {}\n", sent.last_sequence);
+        }
+        word
+    }
+
+    /// How it went. Sweeps up after a stage that was killed.
+    fn verdict(&self) -> ExitCode {
+        let Some(fallen) = self.fallen else {
+            return ExitCode::SUCCESS;
+        };
+        if let Ok(domain) = Domain::open() {
+            domain.sweep();
+        }
+        let ending = self.children[fallen].as_ref().and_then(Child::ending);
+        if let Some(ending) = ending {
+            eprintln!("lariat: {} {ending}; the chain was stopped", STAGES[fallen]);
+        }
+        ExitCode::FAILURE
+    }
+}

@@ -1,0 +1,135 @@
+//! Extract as a process: frames in, centerlines out.
+
+use lariat_extract::{Extractor, Image, PixelFormat, Scene, Status};
+use lariat_wire::{
+    CENTERLINES, Centerlines, Crossing, FRAMES, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS,
+    Reader, Writer, now_ns,
+};
+
+use super::status::Sent;
+use super::{Backlog, Station, receive};
+use crate::settings::Settings;
+
+/// Extracts until a signal comes.
+pub fn run(settings: &Settings) -> anyhow::Result<()> {
+    let mut station = Station::open(settings)?;
+    let mut extractor = Extractor::new(settings.extract.options())?;
+    let Station {
+        domain,
+        rig,
+        delivery,
+        ..
+    } = &station;
+    let frames = Reader::create(domain, rig, &FRAMES, Some(delivery))?;
+    let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
+    station.status.ready();
+    let mut sent = Sent::default();
+    let mut backlog = Backlog::default();
+    let mut unreadable = Warned::default();
+    while let Some((frame, started_ns)) = receive(
+        &frames,
+        &mut backlog,
+        |frame| frame.header().trace.captured,
+        &station.stop,
+    )? {
+        let header = frame.header();
+        let mut slot = centerlines.slot()?;
+        slot.trace = header.trace;
+        slot.trace.extract_started_ns = started_ns;
+        (slot.width, slot.height) = (header.width, header.height);
+        match image(header, &frame) {
+            Ok(image) => fill(&mut slot, &extractor.extract(&image)),
+            // The frame is answered all the same: a stage never goes silent while frames come in.
+            Err(cause) => {
+                unreadable.once(&cause);
+                (slot.count, slot.crossing_count) = (0, 0);
+            }
+        }
+        // Read, the frame makes room for another.
+        let sequence = header.trace.sequence;
+        drop(frame);
+        sent.count += 1;
+        sent.last_sequence = sequence;
+        slot.trace.extracted = sent.count;
+        slot.trace.extracted_ns = now_ns();
+        slot.send()?;
+    }
+    station.status.sent(sent);
+    Ok(())
+}
+
+/// A frame as extraction sees it.
+pub fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<'a>> {
+    use lariat_wire::PixelFormat as Wire;
+    let format = match header.format() {
+        Some(Wire::Gray8) => PixelFormat::Gray8,
+        Some(Wire::Rgb8) => PixelFormat::Rgb8,
+        Some(Wire::Bgr8) => PixelFormat::Bgr8,
+        Some(Wire::Yuyv) => PixelFormat::Yuyv,
+        Some(Wire::Nv12) => PixelFormat::Nv12,
+        None => anyhow::bail!(
+            "frames come in pixel format {}, which this release does not know: use the same release for all stages",
+            header.pixel_format
+        ),
+    };
+    let (width, height, stride) = (
+        header.width as usize,
+        header.height as usize,
+        header.stride as usize,
+    );
+    Ok(Image::new(bytes, width, height, stride, format)?)
+}
+
+/// Writes what was seen into a message.
+pub fn fill(message: &mut Centerlines, scene: &Scene) {
+    let curves = scene.curves.len().min(MAX_CURVES);
+    message.count = curves as u32;
+    for (to, from) in message.curves.iter_mut().zip(scene.curves) {
+        let points = from.points.len().min(MAX_POINTS);
+        to.track = from.track;
+        to.status = match from.status {
+            Status::Ok => lariat_wire::Status::Ok,
+            Status::Partial => lariat_wire::Status::Partial,
+            Status::Lost => lariat_wire::Status::Lost,
+        } as u32;
+        to.closed = from.closed.into();
+        to.border = u32::from(from.border[0]) | u32::from(from.border[1]) << 1;
+        to.count = points as u32;
+        to.width_px = from.width_px;
+        to.length_px = from.length_px;
+        to.reserved = 0;
+        to.points[..points].copy_from_slice(&from.points[..points]);
+        to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
+    }
+    // A crossing may name a curve that had no room.
+    let known =
+        |crossing: &&lariat_extract::Crossing| crossing.over < curves && crossing.under < curves;
+    let crossings = scene.crossings.iter().filter(known).take(MAX_CROSSINGS);
+    let mut count = 0;
+    for (to, from) in message.crossings.iter_mut().zip(crossings) {
+        *to = Crossing {
+            at: from.at,
+            over: from.over as u32,
+            under: from.under as u32,
+            over_rho: from.over_rho,
+            under_rho: from.under_rho,
+            confidence: from.confidence,
+            reserved: 0,
+        };
+        count += 1;
+    }
+    message.crossing_count = count;
+}
+
+/// Says a thing the first time only: a fault of every frame would fill the screen.
+#[derive(Default)]
+pub struct Warned(bool);
+
+impl Warned {
+    /// Warns, once.
+    pub fn once(&mut self, cause: &anyhow::Error) {
+        if !std::mem::replace(&mut self.0, true) {
+            tracing::warn!("{cause:#}");
+        }
+    }
+}

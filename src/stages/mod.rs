@@ -1,0 +1,88 @@
+//! The four stages as processes: thin shells that receive, call a library, and send.
+
+pub mod capture;
+pub mod extract;
+pub mod fit;
+pub mod sink;
+pub mod status;
+
+use lariat_wire::{Delivery, Domain, Rig, now_ns};
+
+use crate::settings::Settings;
+use crate::stop::Stop;
+use status::Status;
+
+/// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
+pub struct Station {
+    pub domain: Domain,
+    pub rig: Rig,
+    pub delivery: Delivery,
+    pub stop: Stop,
+    pub status: Status,
+}
+
+impl Station {
+    pub fn open(settings: &Settings) -> anyhow::Result<Self> {
+        let stop = Stop::on_signals()?;
+        let status = Status::of_the_chain()?;
+        let delivery = if settings.run.lossless {
+            Delivery::Lossless { stop: stop.flag() }
+        } else {
+            Delivery::NewestWins
+        };
+        Ok(Self {
+            domain: Domain::open()?,
+            rig: settings.run.rig.parse()?,
+            delivery,
+            stop,
+            status,
+        })
+    }
+}
+
+/// Watches the counter of the stage before for gaps.
+///
+/// A backlog is worked off in order. But a gap says that the backlog overflowed: what still waits is old then, and the
+/// newest message is worth more than the rest.
+#[derive(Default)]
+pub struct Backlog {
+    last: Option<u64>,
+}
+
+impl Backlog {
+    /// Takes the counter of a message just received; `true` if messages before it were lost.
+    pub fn overflowed(&mut self, count: u64) -> bool {
+        let gap = self.last.is_some_and(|last| count > last + 1);
+        self.last = Some(count);
+        gap
+    }
+}
+
+/// Receives the next message of a stage, sleeping until there is one; `None` when the stage is to end and nothing waits.
+///
+/// Returns the message with the moment it was in hand.
+pub fn receive<P: lariat_wire::Payload + ?Sized>(
+    reader: &lariat_wire::Reader<P>,
+    backlog: &mut Backlog,
+    count: impl Fn(&lariat_wire::Message<P>) -> u64,
+    stop: &Stop,
+) -> Result<Option<(lariat_wire::Message<P>, u64)>, lariat_wire::WireError> {
+    use std::os::fd::AsFd;
+    loop {
+        // Asked before looking: what was sent before the signal is still received.
+        let last_look = stop.asked();
+        if let Some(mut message) = reader.next()? {
+            if backlog.overflowed(count(&message)) {
+                if let Some(newest) = reader.latest()? {
+                    message = newest;
+                    backlog.last = Some(count(&message));
+                }
+            }
+            return Ok(Some((message, now_ns())));
+        }
+        if last_look {
+            return Ok(None);
+        }
+        reader.sleep(None, Some(stop.as_fd()))?;
+    }
+}

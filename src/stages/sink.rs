@@ -1,0 +1,183 @@
+//! Sink as a process: reads what the chain made, counts it, and says how it went.
+
+use std::io::{IsTerminal, Read, Write};
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use lariat_sink::{FinalCounts, Sink};
+use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Reader, TRUTH, now_ns, sleep_for_any};
+
+use super::Station;
+use crate::settings::Settings;
+
+/// How often the live line is renewed in place on a terminal.
+const ON_TERMINAL: Duration = Duration::from_millis(100);
+/// How often it is written elsewhere.
+const ELSEWHERE: Duration = Duration::from_secs(1);
+
+/// Counts until a signal comes, then reports.
+pub fn run(settings: &Settings) -> anyhow::Result<()> {
+    let mut station = Station::open(settings)?;
+    let supervised = station.status.is_supervised();
+    let mut sink = Sink::new(settings.sink_options(supervised));
+    let channels = Channels::open(&station)?;
+    station.status.ready();
+    let mut line = LiveLine::new();
+    loop {
+        let last_look = station.stop.asked();
+        channels.drain(&mut sink)?;
+        if last_look {
+            break;
+        }
+        line.show_if_due(&mut sink);
+        channels.sleep(line.due, &station)?;
+    }
+    line.end();
+    let word = if supervised {
+        last_word()
+    } else {
+        Some(FinalCounts::default())
+    };
+    let Some(counts) = word else {
+        // The chain never came up: there is nothing to report.
+        return Ok(());
+    };
+    sink.finish(counts);
+    let report = sink.report();
+    let mut out = std::io::stdout().lock();
+    // A reader that has gone away, as in `lariat | head`, is no fault.
+    let _ = writeln!(out, "{report}").and_then(|()| out.flush());
+    if let Some(dir) = &settings.run.out {
+        report.write_to(dir)?;
+    }
+    Ok(())
+}
+
+/// The three channels that a sink reads.
+struct Channels {
+    descriptors: Reader<lariat_wire::Descriptors>,
+    centerlines: Reader<Centerlines>,
+    truth: Reader<Centerlines>,
+    lossless: bool,
+}
+
+impl Channels {
+    fn open(station: &Station) -> anyhow::Result<Self> {
+        let Station {
+            domain,
+            rig,
+            delivery,
+            ..
+        } = station;
+        let lossless = matches!(delivery, lariat_wire::Delivery::Lossless { .. });
+        // Every frame ends in a descriptor, and one wake a frame is enough. But a lossless writer waits for each of
+        // its readers, so there the sink listens to all.
+        let open = |channel| {
+            if lossless {
+                Reader::create(domain, rig, channel, Some(delivery))
+            } else {
+                Reader::create_unwoken(domain, rig, channel, Some(delivery))
+            }
+        };
+        Ok(Self {
+            descriptors: Reader::create(domain, rig, &DESCRIPTORS, Some(delivery))?,
+            centerlines: open(&CENTERLINES)?,
+            truth: open(&TRUTH)?,
+            lossless,
+        })
+    }
+
+    fn drain(&self, sink: &mut Sink) -> anyhow::Result<()> {
+        while let Some(message) = self.descriptors.next()? {
+            sink.descriptors(&message, now_ns());
+        }
+        while let Some(message) = self.centerlines.next()? {
+            sink.centerlines(&message);
+        }
+        while let Some(message) = self.truth.next()? {
+            sink.truth(&message);
+        }
+        Ok(())
+    }
+
+    fn sleep(&self, deadline: Instant, station: &Station) -> anyhow::Result<()> {
+        let (deadline, stop) = (Some(deadline), Some(station.stop.as_fd()));
+        if self.lossless {
+            sleep_for_any(
+                [&self.descriptors, &self.centerlines, &self.truth],
+                deadline,
+                stop,
+            )?;
+        } else {
+            self.descriptors.sleep(deadline, stop)?;
+        }
+        Ok(())
+    }
+}
+
+/// What the chain says at the end, on standard input: what each stage sent; `None` if it never came up.
+///
+/// A chain that was killed says nothing, and the report stands on the messages alone.
+fn last_word() -> Option<FinalCounts> {
+    let mut word = String::new();
+    let _ = std::io::stdin().lock().read_to_string(&mut word);
+    let mut counts = FinalCounts::default();
+    for line in word.lines() {
+        let mut fields = line.split(' ');
+        let name = fields.next();
+        let count = fields.next().and_then(|field| field.parse().ok());
+        match name {
+            Some("never") => return None,
+            Some("sequence") => counts.last_sequence = count,
+            Some("captured") => counts.captured = count,
+            Some("extracted") => counts.extracted = count,
+            Some("fitted") => counts.fitted = count,
+            _ => {}
+        }
+    }
+    Some(counts)
+}
+
+/// The line that says how it goes: in place on a terminal, a line a second elsewhere.
+struct LiveLine {
+    in_place: bool,
+    due: Instant,
+}
+
+impl LiveLine {
+    fn new() -> Self {
+        let in_place = std::io::stdout().is_terminal();
+        Self {
+            in_place,
+            due: Instant::now() + ELSEWHERE,
+        }
+    }
+
+    fn show_if_due(&mut self, sink: &mut Sink) {
+        let now = Instant::now();
+        if now < self.due {
+            return;
+        }
+        self.due = now
+            + if self.in_place {
+                ON_TERMINAL
+            } else {
+                ELSEWHERE
+            };
+        let line = sink.live_line(now_ns());
+        let mut out = std::io::stdout().lock();
+        // Nobody reading it is no fault.
+        let _ = if self.in_place {
+            write!(out, "\r{line}\x1b[K")
+        } else {
+            writeln!(out, "{line}")
+        };
+        let _ = out.flush();
+    }
+
+    fn end(&self) {
+        if self.in_place {
+            let _ = writeln!(std::io::stdout());
+        }
+    }
+}

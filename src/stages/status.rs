@@ -1,0 +1,70 @@
+//! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
+//!
+//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once and `sent COUNT LAST_SEQUENCE` at the end;
+//! its end says that the process is gone, however it went.
+
+use std::fs::File;
+use std::io::Write;
+
+use anyhow::Context;
+use rustix::process::{Signal, getppid, set_parent_process_death_signal};
+
+/// The variable that holds the pipe's number.
+pub const STATUS_FD: &str = "LARIAT_STATUS_FD";
+/// The variable that holds the process id of the chain.
+pub const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
+
+/// How many frames a stage sent, and the number the source gave to the last of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Sent {
+    pub count: u64,
+    pub last_sequence: u64,
+}
+
+/// The stage's end of the line. Says nothing if the stage was started by hand.
+pub struct Status(Option<File>);
+
+impl Status {
+    /// Takes up the line, and asks the kernel to end this process with the chain's.
+    pub fn of_the_chain() -> anyhow::Result<Self> {
+        let Ok(number) = std::env::var(STATUS_FD) else {
+            return Ok(Self(None));
+        };
+        set_parent_process_death_signal(Some(Signal::TERM))
+            .context("the kernel was asked to end this stage with its chain, and refused")?;
+        let chain = std::env::var(CHAIN_PID).unwrap_or_default();
+        // The chain may have died before the kernel was asked.
+        let parent = getppid().map(|pid| pid.as_raw_nonzero().to_string());
+        anyhow::ensure!(
+            parent.as_deref() == Some(chain.as_str()),
+            "the chain that started this stage is gone"
+        );
+        let pipe = File::options()
+            .write(true)
+            .open(format!("/proc/self/fd/{number}"))
+            .with_context(|| format!("{STATUS_FD} names no pipe: unset it"))?;
+        Ok(Self(Some(pipe)))
+    }
+
+    /// Whether a chain started this stage.
+    pub fn is_supervised(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// The stage can receive: what is sent to it from now on arrives.
+    pub fn ready(&mut self) {
+        self.say("ready\n");
+    }
+
+    /// The stage's last word.
+    pub fn sent(&mut self, sent: Sent) {
+        self.say(&format!("sent {} {}\n", sent.count, sent.last_sequence));
+    }
+
+    fn say(&mut self, line: &str) {
+        if let Some(pipe) = &mut self.0 {
+            // A chain that is gone cannot be told; its death signal is on the way.
+            let _ = pipe.write_all(line.as_bytes());
+        }
+    }
+}
