@@ -4,14 +4,21 @@
 //! Every figure comes from the messages alone, because every stage stamps and counts its own work in the trace that they
 //! carry.
 
+mod error;
+mod figure;
+mod hgrm;
 mod latency;
 mod live;
 mod losses;
 mod machine;
 mod options;
+mod polyline;
 mod report;
 mod sink;
 mod summary;
+mod table;
+mod times;
+mod truth;
 
 pub use losses::Restarts;
 pub use machine::Machine;
