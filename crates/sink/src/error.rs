@@ -118,19 +118,23 @@ impl Frame<'_> {
             count += 1;
         }
         let points = &buffer[..count];
-        self.curves += 1;
         let mut trial = [0.0; MAX_POINTS];
         let mut best: Option<(f64, usize, [f64; MAX_POINTS])> = None;
-        for (index, rope) in self.truth.iter().enumerate() {
-            let sum = distances(points, &rope, &mut trial);
-            if sum.is_finite() && best.is_none_or(|(least, ..)| sum < least) {
+        // The rope of the same place in its list is the likeliest, and with a good first the others are soon ruled out.
+        let ropes = self.truth.len();
+        for index in (0..ropes).map(|i| (self.curves as usize + i) % ropes) {
+            let rope = self.truth.get(index);
+            let least = best.map_or(f64::INFINITY, |(least, ..)| least);
+            if let Some(sum) = distances(points, &rope, least, &mut trial) {
                 best = Some((sum, index, trial));
             }
         }
         let Some((_, index, nearest)) = best.filter(|_| count > 0) else {
             self.comparison.curves_of_nothing += 1;
+            self.curves += 1;
             return;
         };
+        self.curves += 1;
         self.matched |= 1 << index;
         for distance in &nearest[..count] {
             self.comparison.nearest.add(*distance);
@@ -165,8 +169,13 @@ impl Frame<'_> {
     }
 }
 
-/// Each point's distance from the rope, and their sum.
-fn distances(points: &[Point], rope: &Polyline, into: &mut [f64; MAX_POINTS]) -> f64 {
+/// Each point's distance from the rope, and their sum. `None` as soon as that is no less than `least`.
+fn distances(
+    points: &[Point],
+    rope: &Polyline,
+    least: f64,
+    into: &mut [f64; MAX_POINTS],
+) -> Option<f64> {
     let longest_step = rope.longest_step();
     let scale = rope.points.len() as f64 / points.len() as f64;
     let mut sum = 0.0;
@@ -174,6 +183,9 @@ fn distances(points: &[Point], rope: &Polyline, into: &mut [f64; MAX_POINTS]) ->
         // Both are evenly spaced, so that, but for the direction, like indices are near each other.
         *distance = rope.distance(*point, longest_step, (i as f64 * scale) as usize);
         sum += *distance;
+        if sum >= least {
+            return None;
+        }
     }
-    sum
+    Some(sum)
 }

@@ -74,8 +74,10 @@ pub(crate) struct Polyline<'a> {
 }
 
 impl Polyline<'_> {
+    /// The point of this index; past the last, the first.
     fn vertex(&self, index: usize) -> Point {
-        self.points[index % self.points.len()].map(f64::from)
+        let point = self.points.get(index).unwrap_or(&self.points[0]);
+        point.map(f64::from)
     }
 
     fn segments(&self) -> usize {
@@ -101,9 +103,10 @@ impl Polyline<'_> {
         }
         let to_segment = |i| to_segment(point, self.vertex(i), self.vertex(i + 1));
         let mut nearest = to_segment(hint.min(segments - 1));
+        let steps_per_px = 1.0 / longest_step;
         let mut i = 0;
         while i < segments {
-            let leap = (between(point, self.vertex(i)) - nearest) / longest_step;
+            let leap = (between(point, self.vertex(i)) - nearest) * steps_per_px;
             if leap >= 1.0 {
                 i = i.saturating_add(leap as usize);
             } else {

@@ -2,7 +2,7 @@
 
 use crate::error::Comparison;
 use crate::latency::{Latency, Row};
-use crate::{Restarts, Summary, hgrm, table};
+use crate::{FinalCounts, Restarts, Summary, hgrm, table};
 use std::fmt;
 use std::fs::{File, create_dir_all, remove_file, rename};
 use std::io::{self, BufWriter, Write};
@@ -28,6 +28,8 @@ pub(crate) struct Facts {
     pub(crate) restarts: Restarts,
     pub(crate) stale: u64,
     pub(crate) not_bezier: u64,
+    /// What the stages said at the end, if it has come.
+    pub(crate) finished: Option<FinalCounts>,
 }
 
 /// Why a report could not be written.
@@ -73,9 +75,7 @@ impl Report {
         })?;
         for row in Row::ALL {
             let name = format!("{}.hgrm", row.name());
-            put(dir, &name, |out| {
-                hgrm::write(self.latency.row(row).histogram(), out)
-            })?;
+            put(dir, &name, |out| hgrm::write(self.latency.row(row), out))?;
         }
         put(dir, "report.txt", |out| write!(out, "{self}"))?;
         put(dir, "summary.json", |out| {
@@ -103,7 +103,8 @@ fn put(
     let written = File::create(&unfinished).and_then(|created| {
         let mut out = BufWriter::new(created);
         content(&mut out)?;
-        out.into_inner()?.sync_all()?;
+        // Its flush can fail, and says so; a drop would not.
+        out.into_inner()?;
         rename(&unfinished, &file)
     });
     written.map_err(|source| {

@@ -23,6 +23,7 @@ pub struct Sink {
     with_curve: u64,
     missed: u64,
     span_ns: Option<(u64, u64)>,
+    finished: Option<FinalCounts>,
     live: Live,
 }
 
@@ -37,6 +38,7 @@ impl Sink {
             with_curve: 0,
             missed: 0,
             span_ns: None,
+            finished: None,
             live: Live::new(),
         }
     }
@@ -82,6 +84,7 @@ impl Sink {
     /// What the stages say they sent in all, known when the chain has stopped.
     pub fn finish(&mut self, sent: FinalCounts) {
         self.ledger.finish(sent);
+        self.finished = Some(sent);
     }
 
     /// How it goes just now, in one line without its end. To be called about once a second for lines, or ten times a
@@ -123,6 +126,7 @@ impl Sink {
                 restarts: self.ledger.restarts(),
                 stale: self.ledger.stale(),
                 not_bezier: self.truth.not_bezier,
+                finished: self.finished,
             },
         }
     }

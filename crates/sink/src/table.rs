@@ -7,8 +7,8 @@ use crate::report::Report;
 use crate::summary::Distances;
 use std::fmt::{Formatter, Result, Write};
 
-/// Width of the bar that stands for the whole way, in characters.
-const BAR: usize = 20;
+/// Width of the bar that stands for the whole way, in characters: with it a line has 80.
+const BAR: usize = 12;
 
 pub(crate) fn write(report: &Report, f: &mut Formatter<'_>) -> Result {
     heading(report, f)?;
@@ -45,10 +45,10 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     let period_ns = report.facts.period_ns.filter(|period_ns| *period_ns > 0);
     write!(f, "{:<20}", "latency, µs")?;
     for column in ["p50", "p90", "p99", "p99.9", "max"] {
-        write!(f, "{column:>8}")?;
+        write!(f, " {column:>6}")?;
     }
     if period_ns.is_some() {
-        write!(f, "  of period")?;
+        write!(f, "  p50/period")?;
     }
     writeln!(f)?;
     let whole = median_us(report, Row::Total);
@@ -57,17 +57,17 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
             Row::Total => "exposed → received",
             Row::Fitted => "exposed → fitted",
             Row::Capture => "  capture",
-            Row::WaitExtract => "    wait",
+            Row::WaitExtract => "    wait for extract",
             Row::Extract => "  extract",
-            Row::WaitFit => "    wait",
+            Row::WaitFit => "    wait for fit",
             Row::Fit => "  fit",
-            Row::WaitSink => "    wait",
+            Row::WaitSink => "    wait for sink",
             Row::Jitter => continue,
         };
         spread(report, row, label, f)?;
         let median = median_us(report, row);
         if let (Some(period_ns), Some(median)) = (period_ns, median) {
-            write!(f, "{:>9.1} %", 1e5 * median / period_ns as f64)?;
+            write!(f, "{:>10.2} %", 1e5 * median / period_ns as f64)?;
         }
         if let (Some(whole), Some(median)) = (whole, median) {
             bar(median / whole, f)?;
@@ -82,7 +82,7 @@ fn spread(report: &Report, row: Row, label: &str, f: &mut Formatter<'_>) -> Resu
     write!(f, "{label:<20}")?;
     for quantile in [0.5, 0.9, 0.99, 0.999, 1.0] {
         let us = report.latency.row(row).quantile_us(quantile);
-        write!(f, "{:>8}", Figure(us))?;
+        write!(f, " {:>6}", Figure(us))?;
     }
     Ok(())
 }
@@ -95,7 +95,7 @@ fn median_us(report: &Report, row: Row) -> Option<f64> {
 fn bar(share: f64, f: &mut Formatter<'_>) -> Result {
     let eighths = (share.clamp(0.0, 1.0) * BAR as f64 * 8.0).round() as usize;
     if eighths > 0 {
-        f.write_str("  ")?;
+        f.write_char(' ')?;
     }
     for _ in 0..eighths / 8 {
         f.write_char('█')?;
@@ -112,7 +112,7 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
     let lost = &frames.lost;
     write!(f, "{:<20}", "frames")?;
     for stage in ["source", "capture", "extract", "fit", "received"] {
-        write!(f, "{stage:>9}")?;
+        write!(f, " {stage:>8}")?;
     }
     write!(f, "\n{:<20}", "  sent")?;
     let extracted = frames.published - lost.capture;
@@ -125,11 +125,11 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
         fitted,
         frames.received,
     ] {
-        write!(f, "{count:>9}")?;
+        write!(f, " {count:>8}")?;
     }
     write!(f, "\n{:<20}", "  lost after it")?;
     for count in [lost.source, lost.capture, lost.extract, lost.fit] {
-        write!(f, "{count:>9}")?;
+        write!(f, " {count:>8}")?;
     }
     writeln!(f, "\n")
 }
@@ -140,9 +140,8 @@ fn deadline(report: &Report, f: &mut Formatter<'_>) -> Result {
         let timed = report.latency.row(Row::Total).count();
         writeln!(
             f,
-            "{:<20}{:>8} µs, missed by {missed} of {timed}",
+            "{:<20} {us:>6} µs, missed by {missed} of {timed}",
             "deadline",
-            Figure(Some(us))
         )?;
     }
     spread(report, Row::Jitter, "period jitter, µs", f)?;
@@ -155,7 +154,7 @@ fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
     }
     write!(f, "{:<20}", "error, px")?;
     for column in ["mean", "p95", "max"] {
-        write!(f, "{column:>8}")?;
+        write!(f, " {column:>6}")?;
     }
     writeln!(f)?;
     for (comparison, label) in [
@@ -179,7 +178,7 @@ fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn distances(distances: Distances, label: &str, f: &mut Formatter<'_>) -> Result {
     write!(f, "{label:<20}")?;
     for figure in [distances.mean, distances.p95, distances.max] {
-        write!(f, "{:>8}", Figure(figure))?;
+        write!(f, " {:>6}", Figure(figure))?;
     }
     Ok(())
 }
@@ -189,7 +188,7 @@ fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
     let unknown = "unknown processor";
     write!(
         f,
-        "{:<20}{}",
+        "{:<20} {}",
         "machine",
         machine.cpu.as_deref().unwrap_or(unknown)
     )?;
@@ -199,7 +198,7 @@ fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
     if let Some(memory_mb) = machine.memory_mb {
         write!(f, ", {memory_mb} MB")?;
     }
-    write!(f, "\n{:<20}{}", "", machine.kernel)?;
+    write!(f, "\n{:<20} {}", "", machine.kernel)?;
     if let Some(governor) = &machine.governor {
         write!(f, ", governor {governor}")?;
     }
@@ -220,6 +219,17 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     ] {
         if times > 0 {
             notes.push(format!("{stage} began anew {}: what it lost while it was away is counted as far as the others' counters show it.", plural(times, "time")));
+        }
+    }
+    for (stage, count) in facts.finished.iter().flat_map(|sent| {
+        [
+            ("capture", sent.captured),
+            ("extract", sent.extracted),
+            ("fit", sent.fitted),
+        ]
+    }) {
+        if count.is_none() {
+            notes.push(format!("{stage} did not say how many frames it sent: the last ones count as lost before it, unless they were seen later."));
         }
     }
     if facts.stale > 0 {

@@ -1,4 +1,4 @@
-//! A heap of durations: percentiles from an HDR histogram, the longest exact.
+//! A heap of durations: percentiles from an HDR histogram, mean and longest exact.
 
 use crate::summary::Spread;
 use hdrhistogram::Histogram;
@@ -15,6 +15,7 @@ pub(crate) fn histogram(largest: u64, digits: u8) -> Histogram<u64> {
 #[derive(Debug, Clone)]
 pub(crate) struct Times {
     histogram: Histogram<u64>,
+    sum_ns: u128,
     longest_ns: u64,
 }
 
@@ -23,17 +24,20 @@ impl Times {
     pub(crate) fn new(longest_told_ns: u64, digits: u8) -> Self {
         Self {
             histogram: histogram(longest_told_ns, digits),
+            sum_ns: 0,
             longest_ns: 0,
         }
     }
 
     pub(crate) fn add(&mut self, ns: u64) {
         self.histogram.saturating_record(ns);
+        self.sum_ns += u128::from(ns);
         self.longest_ns = self.longest_ns.max(ns);
     }
 
     pub(crate) fn clear(&mut self) {
         self.histogram.reset();
+        self.sum_ns = 0;
         self.longest_ns = 0;
     }
 
@@ -61,6 +65,12 @@ impl Times {
         Some(ns as f64 / 1e3)
     }
 
+    /// The mean, in microseconds.
+    pub(crate) fn mean_us(&self) -> Option<f64> {
+        let count = self.histogram.len();
+        (count > 0).then(|| self.sum_ns as f64 / count as f64 / 1e3)
+    }
+
     /// The figures of `summary.json`.
     pub(crate) fn spread(&self) -> Spread {
         let at = |quantile| self.quantile_us(quantile).map(to_hundredths);
@@ -85,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn percentiles_are_right_to_a_thousandth_and_the_longest_is_exact() {
+    fn percentiles_are_right_to_a_thousandth_mean_and_longest_exact() {
         let mut times = Times::new(1_000_000_000, 3);
         (1..=1000).for_each(|i| times.add(i * 1_000_001));
         for (quantile, us) in [(0.5, 500_000.0), (0.9, 900_000.0), (0.99, 990_000.0)] {
@@ -93,6 +103,7 @@ mod tests {
             assert!((found / us - 1.0).abs() < 1e-3, "{quantile}: {found}");
         }
         assert_eq!(times.quantile_us(1.0), Some(1_000_001.0));
+        assert_eq!(times.mean_us(), Some(500_500.500_5));
     }
 
     #[test]
@@ -101,5 +112,6 @@ mod tests {
         times.add(500_000);
         assert_eq!(times.quantile_us(0.5), Some(500.0));
         assert_eq!(times.quantile_us(1.0), Some(500.0));
+        assert_eq!(times.mean_us(), Some(500.0));
     }
 }

@@ -8,8 +8,12 @@ use crate::error::{Comparison, Frame};
 use crate::polyline::{Point, Polylines};
 use lariat_wire::{Basis, Centerlines, Descriptors, MAX_CONTROL_POINTS, MAX_CURVES, Status, Trace};
 
-/// How many frames wait: a quarter of a second at 1000 frames/s, far more than a chain's latency.
-const FRAMES: usize = 256;
+/// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
+/// may be many frames behind.
+const KNOWN: usize = 256;
+
+/// How many frames' measurements wait: their truth was sent before, and has at most been read a little later.
+const MEASURED: usize = 32;
 
 /// Points at which a fitted curve is held against the truth, evenly spaced in ρ: four for each control point that a curve
 /// can have, so that it has no room to leave the rope between them.
@@ -50,14 +54,15 @@ struct Ring<T> {
 }
 
 impl<T: Default> Ring<T> {
-    fn new() -> Self {
+    fn new(frames: usize) -> Self {
         Self {
-            slots: (0..FRAMES).map(|_| (None, T::default())).collect(),
+            slots: (0..frames).map(|_| (None, T::default())).collect(),
         }
     }
 
     fn slot(&mut self, key: Key) -> &mut (Option<Key>, T) {
-        &mut self.slots[(key.sequence % FRAMES as u64) as usize]
+        let frames = self.slots.len() as u64;
+        &mut self.slots[(key.sequence % frames) as usize]
     }
 
     /// A place for a frame's value, in the stead of an older frame's.
@@ -125,9 +130,9 @@ pub(crate) struct Truth {
 impl Truth {
     pub(crate) fn new() -> Self {
         Self {
-            known: Ring::new(),
-            centerlines: Ring::new(),
-            beziers: Ring::new(),
+            known: Ring::new(KNOWN),
+            centerlines: Ring::new(MEASURED),
+            beziers: Ring::new(MEASURED),
             centerline: Comparison::new(),
             curve: Comparison::new(),
             not_bezier: 0,
