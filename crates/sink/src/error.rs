@@ -15,7 +15,7 @@ use lariat_wire::MAX_POINTS;
 const PER_PX: f64 = 1000.0;
 const FARTHEST: u64 = 100_000_000;
 
-/// A heap of distances: mean and maximum exact, percentiles to a thousandth of a pixel.
+/// A heap of distances: mean and maximum exact, percentiles to a thousandth of a pixel, past 2 px of themselves.
 #[derive(Debug, Clone)]
 pub(crate) struct Heap {
     sum_px: f64,
