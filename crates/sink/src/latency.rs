@@ -4,7 +4,7 @@
 //! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
 //! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
 
-use hdrhistogram::Histogram;
+use crate::times::Times;
 use lariat_wire::Trace;
 
 /// A row of the table.
@@ -26,7 +26,7 @@ pub(crate) enum Row {
     Fit,
     /// Fitted → received.
     WaitSink,
-    /// How unevenly descriptors come: see [`Latency::jitter`].
+    /// How unevenly descriptors come.
     Jitter,
 }
 
@@ -60,23 +60,16 @@ impl Row {
     }
 }
 
-/// Longest time told from longer ones: 100 s. Later ones count as this long, and are counted.
+/// Longest time told from longer ones: 100 s. Of longer ones the longest is known, and how many there were.
 const LONGEST_NS: u64 = 100_000_000_000;
 
-/// Three significant digits: the error of a figure is below 0.1 %, at 200 kB a histogram, of which only the pages in
-/// use are resident.
+/// Three significant digits: the error of a percentile is below 0.1 %, at 200 kB a histogram.
 const DIGITS: u8 = 3;
-
-/// A histogram of nanoseconds that never grows.
-pub(crate) fn histogram(longest: u64, digits: u8) -> Histogram<u64> {
-    Histogram::new_with_bounds(1, longest, digits)
-        .expect("the bounds are constants: 1, more than 2, at most 5 digits")
-}
 
 /// The histograms of all rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Latency {
-    rows: [Histogram<u64>; 9],
+    rows: [Times; 9],
     saturated: u64,
     backwards: u64,
     previous: Option<(u64, u64)>,
@@ -85,15 +78,15 @@ pub(crate) struct Latency {
 impl Latency {
     pub(crate) fn new() -> Self {
         Self {
-            rows: std::array::from_fn(|_| histogram(LONGEST_NS, DIGITS)),
+            rows: std::array::from_fn(|_| Times::new(LONGEST_NS, DIGITS)),
             saturated: 0,
             backwards: 0,
             previous: None,
         }
     }
 
-    /// The histogram of a row, in nanoseconds.
-    pub(crate) fn row(&self, row: Row) -> &Histogram<u64> {
+    /// The durations of a row.
+    pub(crate) fn row(&self, row: Row) -> &Times {
         &self.rows[row as usize]
     }
 
@@ -135,11 +128,6 @@ impl Latency {
         (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
     }
 
-    /// Begins the jitter anew: the next message has no predecessor.
-    pub(crate) fn interrupt(&mut self) {
-        self.previous = None;
-    }
-
     /// Records the period jitter: how much the time between two receptions differs from the time between their
     /// exposures, |(Rᵢ − Rᵢ₋₁) − (Sᵢ − Sᵢ₋₁)|, the interarrival jitter of RFC 3550, section 6.4.1. For a paced source
     /// the exposures are the nominal period apart, or whole multiples of it where frames were lost, so that a loss is
@@ -160,6 +148,6 @@ impl Latency {
 
     fn add(&mut self, row: Row, ns: u64) {
         self.saturated += u64::from(ns > LONGEST_NS);
-        self.rows[row as usize].saturating_record(ns);
+        self.rows[row as usize].add(ns);
     }
 }

@@ -3,15 +3,37 @@
 //! A library without clock or shared memory: whoever receives the messages hands them over and says when they came.
 //! Every figure comes from the messages alone, because every stage stamps and counts its own work in the trace that they
 //! carry.
+//!
+//! ```
+//! use lariat_sink::{FinalCounts, Options, Sink};
+//! use lariat_wire::{Descriptors, now_ns};
+//!
+//! let mut sink = Sink::new(Options { from_start: true, ..Options::default() });
+//! let mut message = Box::new(Descriptors::EMPTY); // from a reader
+//! (message.trace.sequence, message.trace.captured) = (3, 3);
+//! (message.trace.extracted, message.trace.fitted) = (2, 1);
+//! sink.descriptors(&message, now_ns());
+//! sink.finish(FinalCounts::default());
+//! let lost = sink.frames().lost;
+//! assert_eq!((lost.source, lost.capture, lost.extract, lost.fit), (0, 1, 1, 0));
+//! println!("{}", sink.report());
+//! ```
 
+mod error;
+mod figure;
+mod hgrm;
 mod latency;
 mod live;
 mod losses;
 mod machine;
 mod options;
+mod polyline;
 mod report;
 mod sink;
 mod summary;
+mod table;
+mod times;
+mod truth;
 
 pub use losses::Restarts;
 pub use machine::Machine;

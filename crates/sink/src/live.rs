@@ -1,12 +1,13 @@
 //! How it goes just now, in one line.
 
-use crate::latency::histogram;
+use crate::error::Comparison;
+use crate::figure::Figure;
 use crate::losses::Ledger;
-use hdrhistogram::Histogram;
+use crate::times::Times;
 use std::fmt::Write;
 
 /// The figures of the line are those of the last whole interval of about a second: 0.9 s, so that a caller who comes
-/// once a second, and a little early, is shown a new one each time.
+/// once a second, and a little early, is shown new ones each time.
 const INTERVAL_NS: u64 = 900_000_000;
 
 /// Longest latency the line tells from longer ones: 10 s.
@@ -16,19 +17,23 @@ const LONGEST_NS: u64 = 10_000_000_000;
 #[derive(Debug, Clone, Copy, Default)]
 struct Figures {
     frames_per_s: Option<f64>,
-    p50_ns: Option<u64>,
-    p99_ns: Option<u64>,
+    p50_us: Option<f64>,
+    p99_us: Option<f64>,
+    error_px: Option<f64>,
 }
 
 /// The line, and what it is made of.
 #[derive(Debug)]
 pub(crate) struct Live {
+    /// When the interval began.
     since_ns: Option<u64>,
     frames: u64,
     curves: usize,
-    total_ns: Histogram<u64>,
-    figures: Figures,
-    whole: bool,
+    total: Times,
+    /// Sum and number of the errors before the interval.
+    errors_before: (f64, u64),
+    /// The last whole interval's.
+    figures: Option<Figures>,
     line: String,
 }
 
@@ -39,27 +44,124 @@ impl Live {
             frames: 0,
             curves: 0,
             // Two digits are more than the eye takes in, and a tenth of the memory to clear.
-            total_ns: histogram(LONGEST_NS, 2),
-            figures: Figures::default(),
-            whole: false,
+            total: Times::new(LONGEST_NS, 2),
+            errors_before: (0.0, 0),
+            figures: None,
             line: String::with_capacity(256),
         }
     }
 
     /// A message came, with this many curves seen.
     pub(crate) fn received(&mut self, curves: usize, total_ns: Option<u64>, received_ns: u64) {
-        self.since_ns.get_or_insert(received_ns);
-        self.frames += 1;
+        // The first message begins the first interval: what is counted are the periods that end in it.
+        match self.since_ns {
+            None => self.since_ns = Some(received_ns),
+            Some(_) => self.frames += 1,
+        }
         self.curves = curves;
         if let Some(total_ns) = total_ns {
-            self.total_ns.saturating_record(total_ns);
+            self.total.add(total_ns);
         }
     }
 
     /// The line at this moment.
-    pub(crate) fn line(&mut self, now_ns: u64, ledger: &Ledger) -> &str {
-        self.line.clear();
-        let _ = write!(self.line, "{} {}", now_ns, ledger.received_count());
+    pub(crate) fn line(&mut self, now_ns: u64, ledger: &Ledger, error: &Comparison) -> &str {
+        let since_ns = *self.since_ns.get_or_insert(now_ns);
+        let elapsed_ns = now_ns.saturating_sub(since_ns);
+        let figures = if elapsed_ns >= INTERVAL_NS {
+            let figures = self.figures(elapsed_ns, error);
+            self.since_ns = Some(now_ns);
+            self.frames = 0;
+            self.total.clear();
+            self.errors_before = error.nearest.sum();
+            *self.figures.insert(figures)
+        } else {
+            // Until the first interval is whole, as far as it goes.
+            self.figures
+                .unwrap_or_else(|| self.figures(elapsed_ns, error))
+        };
+        self.write(figures, ledger);
         &self.line
+    }
+
+    fn figures(&self, elapsed_ns: u64, error: &Comparison) -> Figures {
+        let (sum, count) = error.nearest.sum();
+        let (sum_before, count_before) = self.errors_before;
+        Figures {
+            frames_per_s: (elapsed_ns > 0).then(|| self.frames as f64 * 1e9 / elapsed_ns as f64),
+            p50_us: self.total.quantile_us(0.5),
+            p99_us: self.total.quantile_us(0.99),
+            error_px: (count > count_before)
+                .then(|| (sum - sum_before) / (count - count_before) as f64),
+        }
+    }
+
+    fn write(&mut self, figures: Figures, ledger: &Ledger) {
+        self.line.clear();
+        // Writing to a string does not fail.
+        let _ = write!(
+            self.line,
+            "{:>5} frames/s   p50 {:>5} µs   p99 {:>5} µs   {} received, {} lost   {} {}",
+            Figure(figures.frames_per_s),
+            Figure(figures.p50_us),
+            Figure(figures.p99_us),
+            ledger.received_count(),
+            ledger.lost().total(),
+            self.curves,
+            if self.curves == 1 { "curve" } else { "curves" },
+        );
+        if figures.error_px.is_some() {
+            let _ = write!(self.line, "   error {} px", Figure(figures.error_px));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lariat_wire::Trace;
+
+    fn receive(live: &mut Live, ledger: &mut Ledger, number: u64, received_ns: u64) {
+        ledger.received(&Trace {
+            sequence: number,
+            captured: number,
+            extracted: number,
+            fitted: number,
+            ..Trace::EMPTY
+        });
+        live.received(1, Some(500_000), received_ns);
+    }
+
+    #[test]
+    fn the_line_shows_the_last_whole_second() {
+        let (mut live, mut ledger) = (Live::new(), Ledger::new(true));
+        let error = Comparison::new();
+        assert_eq!(
+            live.line(7, &ledger, &error),
+            "    – frames/s   p50     – µs   p99     – µs   0 received, 0 lost   0 curves"
+        );
+        for number in 1..=100 {
+            receive(&mut live, &mut ledger, number, number * 10_000_000);
+        }
+        let line = live.line(1_000_000_007, &ledger, &error).to_owned();
+        assert_eq!(
+            line,
+            "  100 frames/s   p50   500 µs   p99   500 µs   100 received, 0 lost   1 curve"
+        );
+        // In the middle of the next second the figures stand, and the counts go on.
+        receive(&mut live, &mut ledger, 102, 1_020_000_000);
+        let line = live.line(1_100_000_000, &ledger, &error);
+        assert!(line.starts_with("  100 frames/s"), "{line}");
+        assert!(line.contains("101 received, 1 lost"), "{line}");
+    }
+
+    #[test]
+    fn a_chain_that_has_stalled_shows_no_frames() {
+        let (mut live, mut ledger) = (Live::new(), Ledger::new(true));
+        let error = Comparison::new();
+        receive(&mut live, &mut ledger, 1, 10);
+        live.line(1_000_000_000, &ledger, &error);
+        let line = live.line(2_000_000_000, &ledger, &error);
+        assert!(line.starts_with("    0 frames/s   p50     – µs"), "{line}");
     }
 }

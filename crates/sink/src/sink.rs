@@ -3,10 +3,12 @@
 use crate::latency::{Latency, Row};
 use crate::live::Live;
 use crate::losses::{Arrival, Ledger};
-use crate::summary::{Deadline, Distances, Errors, Frames, Latencies, Spread, Summary};
+use crate::report::Facts;
+use crate::summary::{Deadline, Errors, Frames, Latencies, Summary};
+use crate::times::to_hundredths;
+use crate::truth::{Truth, is_seen};
 use crate::{FinalCounts, Machine, Options, Report};
-use hdrhistogram::Histogram;
-use lariat_wire::{Centerlines, Descriptors, Status};
+use lariat_wire::{Centerlines, Descriptors};
 
 /// Counts, times and checks what comes out of a chain.
 ///
@@ -17,8 +19,11 @@ pub struct Sink {
     options: Options,
     ledger: Ledger,
     latency: Latency,
+    truth: Truth,
     with_curve: u64,
     missed: u64,
+    span_ns: Option<(u64, u64)>,
+    finished: Option<FinalCounts>,
     live: Live,
 }
 
@@ -29,8 +34,11 @@ impl Sink {
             options,
             ledger: Ledger::new(options.from_start),
             latency: Latency::new(),
+            truth: Truth::new(),
             with_curve: 0,
             missed: 0,
+            span_ns: None,
+            finished: None,
             live: Live::new(),
         }
     }
@@ -44,7 +52,7 @@ impl Sink {
         let seen = message
             .curves()
             .iter()
-            .filter(|curve| matches!(curve.status(), Some(Status::Ok | Status::Partial)))
+            .filter(|curve| is_seen(curve.status()))
             .count();
         self.with_curve += u64::from(seen > 0);
         // The first message of a late joiner may have waited for it: its age is not the chain's.
@@ -57,24 +65,46 @@ impl Sink {
         if let (Some(total_ns), Some(deadline_ns)) = (total_ns, self.options.deadline_ns()) {
             self.missed += u64::from(total_ns > deadline_ns);
         }
+        let first_ns = self.span_ns.map_or(received_ns, |(first_ns, _)| first_ns);
+        self.span_ns = Some((first_ns, received_ns));
         self.live.received(seen, total_ns, received_ns);
+        self.truth.descriptors(message);
     }
 
     /// One centerlines message, for its error against the truth.
-    pub fn centerlines(&mut self, _message: &Centerlines) {}
+    pub fn centerlines(&mut self, message: &Centerlines) {
+        self.truth.centerlines(message);
+    }
 
-    /// The true centerlines of one frame, of a source that knows them.
-    pub fn truth(&mut self, _message: &Centerlines) {}
+    /// The true centerlines of one frame, of a source that knows them; before or after what was measured in it.
+    pub fn truth(&mut self, message: &Centerlines) {
+        self.truth.truth(message);
+    }
 
     /// What the stages say they sent in all, known when the chain has stopped.
     pub fn finish(&mut self, sent: FinalCounts) {
         self.ledger.finish(sent);
+        self.finished = Some(sent);
     }
 
     /// How it goes just now, in one line without its end. To be called about once a second for lines, or ten times a
     /// second for one line in place.
     pub fn live_line(&mut self, now_ns: u64) -> &str {
-        self.live.line(now_ns, &self.ledger)
+        let error = match self.truth.centerline.frames {
+            0 => &self.truth.curve,
+            _ => &self.truth.centerline,
+        };
+        self.live.line(now_ns, &self.ledger, error)
+    }
+
+    /// How many frames so far, and where they went.
+    pub fn frames(&self) -> Frames {
+        Frames {
+            published: self.ledger.published(),
+            received: self.ledger.received_count(),
+            with_curve: self.with_curve,
+            lost: self.ledger.lost(),
+        }
     }
 
     /// What has been seen so far, on this machine.
@@ -87,21 +117,26 @@ impl Sink {
         Report {
             summary: self.summary(machine),
             latency: self.latency.clone(),
-            restarts: self.ledger.restarts(),
+            centerline: self.truth.centerline.clone(),
+            curve: self.truth.curve.clone(),
+            facts: Facts {
+                period_ns: self.options.period_ns,
+                from_start: self.options.from_start,
+                span_ns: self.span_ns,
+                restarts: self.ledger.restarts(),
+                stale: self.ledger.stale(),
+                not_bezier: self.truth.not_bezier,
+                finished: self.finished,
+            },
         }
     }
 
     fn summary(&self, machine: Machine) -> Summary {
-        let spread = |row| spread(self.latency.row(row));
+        let spread = |row| self.latency.row(row).spread();
         let deadline_ns = self.options.deadline_ns();
         Summary {
             schema: 1,
-            frames: Frames {
-                published: self.ledger.published(),
-                received: self.ledger.received_count(),
-                with_curve: self.with_curve,
-                lost: self.ledger.lost(),
-            },
+            frames: self.frames(),
             latency_us: Latencies {
                 total: spread(Row::Total),
                 capture: spread(Row::Capture),
@@ -112,39 +147,14 @@ impl Sink {
                 wait_sink: spread(Row::WaitSink),
             },
             error_px: Errors {
-                centerline: Distances::default(),
-                curve: Distances::default(),
+                centerline: self.truth.centerline.nearest.distances(),
+                curve: self.truth.curve.nearest.distances(),
             },
             deadline: Deadline {
-                us: deadline_ns.map(|ns| microseconds(ns as f64)),
+                us: deadline_ns.map(|ns| to_hundredths(ns as f64 / 1e3)),
                 missed: deadline_ns.map(|_| self.missed),
             },
             machine,
         }
     }
-}
-
-/// The figures of a histogram of nanoseconds.
-fn spread(histogram: &Histogram<u64>) -> Spread {
-    if histogram.is_empty() {
-        return Spread::default();
-    }
-    let at = |quantile| {
-        // A bucket's upper edge may lie past the largest value in it.
-        let ns = histogram.value_at_quantile(quantile).min(histogram.max());
-        Some(microseconds(ns as f64))
-    };
-    Spread {
-        p50: at(0.5),
-        p90: at(0.9),
-        p99: at(0.99),
-        p999: at(0.999),
-        max: Some(microseconds(histogram.max() as f64)),
-        mean: Some(microseconds(histogram.mean())),
-    }
-}
-
-/// Nanoseconds in microseconds, to a hundredth.
-fn microseconds(ns: f64) -> f64 {
-    (ns / 10.0).round() / 100.0
 }

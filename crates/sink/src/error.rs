@@ -1,0 +1,191 @@
+//! How far measured curves are from the true ones.
+//!
+//! Each measured curve is held against the true rope to which its points are nearest in the mean. Its error is the
+//! distance of each of its points from that rope, wherever along it: what a gripper would miss the rope by. Point by
+//! point it is also the distance from the true point at the same ρ, in the better of both directions: this sees what the
+//! first cannot, a curve that lies on the rope but ends too early.
+
+use crate::polyline::{Point, Polyline, Polylines, between};
+use crate::summary::Distances;
+use crate::times::histogram;
+use hdrhistogram::Histogram;
+use lariat_wire::MAX_POINTS;
+
+/// The histograms count thousandths of a pixel, up to 100 000 px.
+const PER_PX: f64 = 1000.0;
+const FARTHEST: u64 = 100_000_000;
+
+/// A heap of distances: mean and maximum exact, percentiles to a thousandth of a pixel, past 2 px of themselves.
+#[derive(Debug, Clone)]
+pub(crate) struct Heap {
+    sum_px: f64,
+    max_px: f64,
+    histogram: Histogram<u64>,
+}
+
+impl Heap {
+    fn new() -> Self {
+        Self {
+            sum_px: 0.0,
+            max_px: 0.0,
+            histogram: histogram(FARTHEST, 3),
+        }
+    }
+
+    fn add(&mut self, distance_px: f64) {
+        self.sum_px += distance_px;
+        self.max_px = self.max_px.max(distance_px);
+        self.histogram
+            .saturating_record((distance_px * PER_PX).round() as u64);
+    }
+
+    /// Sum and number of the distances.
+    pub(crate) fn sum(&self) -> (f64, u64) {
+        (self.sum_px, self.histogram.len())
+    }
+
+    /// The figures; none without a distance.
+    pub(crate) fn distances(&self) -> Distances {
+        if self.histogram.is_empty() {
+            return Distances::default();
+        }
+        let rounded = |px: f64| Some((px * 1e4).round() / 1e4);
+        let p95 = self.histogram.value_at_quantile(0.95) as f64 / PER_PX;
+        Distances {
+            mean: rounded(self.sum_px / self.histogram.len() as f64),
+            p95: rounded(p95.min(self.max_px)),
+            max: rounded(self.max_px),
+        }
+    }
+}
+
+/// One kind of curve against the truth.
+#[derive(Debug, Clone)]
+pub(crate) struct Comparison {
+    /// Distances to the rope, wherever along it.
+    pub(crate) nearest: Heap,
+    /// Distances to the true point at the same ρ; open curves only.
+    pub(crate) point_by_point: Heap,
+    /// Frames whose truth is known.
+    pub(crate) frames: u64,
+    /// Of these, the ones with a rope and no curve at all.
+    pub(crate) frames_without_curve: u64,
+    /// True ropes, over all frames, that no curve was nearest to.
+    pub(crate) ropes_without_curve: u64,
+    /// Curves with a coordinate that is no number, or in a frame without a rope.
+    pub(crate) curves_of_nothing: u64,
+}
+
+impl Comparison {
+    pub(crate) fn new() -> Self {
+        Self {
+            nearest: Heap::new(),
+            point_by_point: Heap::new(),
+            frames: 0,
+            frames_without_curve: 0,
+            ropes_without_curve: 0,
+            curves_of_nothing: 0,
+        }
+    }
+
+    /// Begins a frame.
+    pub(crate) fn frame<'a>(&'a mut self, truth: &'a Polylines) -> Frame<'a> {
+        Frame {
+            comparison: self,
+            truth,
+            curves: 0,
+            matched: 0,
+        }
+    }
+}
+
+/// The comparison of one frame; to be ended with [`end`](Self::end).
+pub(crate) struct Frame<'a> {
+    comparison: &'a mut Comparison,
+    truth: &'a Polylines,
+    curves: u64,
+    /// One bit for each true rope.
+    matched: u32,
+}
+
+impl Frame<'_> {
+    /// One measured curve: its points in order, at most 256.
+    pub(crate) fn curve(&mut self, points: impl Iterator<Item = Point>, closed: bool) {
+        let mut buffer = [[0.0; 2]; MAX_POINTS];
+        let mut count = 0;
+        for (place, point) in buffer.iter_mut().zip(points) {
+            *place = point;
+            count += 1;
+        }
+        let points = &buffer[..count];
+        let mut trial = [0.0; MAX_POINTS];
+        let mut best: Option<(f64, usize, [f64; MAX_POINTS])> = None;
+        // The rope of the same place in its list is the likeliest, and with a good first the others are soon ruled out.
+        let ropes = self.truth.len();
+        for index in (0..ropes).map(|i| (self.curves as usize + i) % ropes) {
+            let rope = self.truth.get(index);
+            let least = best.map_or(f64::INFINITY, |(least, ..)| least);
+            if let Some(sum) = distances(points, &rope, least, &mut trial) {
+                best = Some((sum, index, trial));
+            }
+        }
+        let Some((_, index, nearest)) = best.filter(|_| count > 0) else {
+            self.comparison.curves_of_nothing += 1;
+            self.curves += 1;
+            return;
+        };
+        self.curves += 1;
+        self.matched |= 1 << index;
+        for distance in &nearest[..count] {
+            self.comparison.nearest.add(*distance);
+        }
+        let rope = self.truth.get(index);
+        if !closed && !rope.closed {
+            self.point_by_point(points, &rope);
+        }
+    }
+
+    fn point_by_point(&mut self, points: &[Point], rope: &Polyline) {
+        let last = points.len().saturating_sub(1).max(1) as f64;
+        let along = |i: usize| between(points[i], rope.at(i as f64 / last));
+        let against = |i: usize| between(points[i], rope.at(1.0 - i as f64 / last));
+        let sum = |distance: &dyn Fn(usize) -> f64| (0..points.len()).map(distance).sum::<f64>();
+        let better: &dyn Fn(usize) -> f64 = if sum(&along) <= sum(&against) {
+            &along
+        } else {
+            &against
+        };
+        for i in 0..points.len() {
+            self.comparison.point_by_point.add(better(i));
+        }
+    }
+
+    /// Ends the frame: counts the ropes that no curve was found for.
+    pub(crate) fn end(self) {
+        let ropes = self.truth.len();
+        self.comparison.frames += 1;
+        self.comparison.frames_without_curve += u64::from(ropes > 0 && self.curves == 0);
+        self.comparison.ropes_without_curve += ropes as u64 - u64::from(self.matched.count_ones());
+    }
+}
+
+/// Each point's distance from the rope, and their sum. `None` as soon as that is no less than `least`.
+fn distances(
+    points: &[Point],
+    rope: &Polyline,
+    least: f64,
+    into: &mut [f64; MAX_POINTS],
+) -> Option<f64> {
+    let longest_step = rope.longest_step();
+    let scale = rope.points.len() as f64 / points.len() as f64;
+    let mut sum = 0.0;
+    for (i, (distance, point)) in into.iter_mut().zip(points).enumerate() {
+        // Both are evenly spaced, so that, but for the direction, like indices are near each other.
+        *distance = rope.distance(*point, longest_step, (i as f64 * scale) as usize);
+        sum += *distance;
+        if sum >= least {
+            return None;
+        }
+    }
+    Some(sum)
+}

@@ -1,0 +1,286 @@
+//! The table at a run's end: the whole way first, then its pieces in their order, then what was lost, late and wrong.
+
+use crate::error::Comparison;
+use crate::figure::Figure;
+use crate::latency::Row;
+use crate::report::Report;
+use crate::summary::Distances;
+use std::fmt::{Formatter, Result, Write};
+
+/// Width of the bar that stands for the whole way, in characters: with it a line has 80.
+const BAR: usize = 12;
+
+pub(crate) fn write(report: &Report, f: &mut Formatter<'_>) -> Result {
+    heading(report, f)?;
+    latency(report, f)?;
+    losses(report, f)?;
+    deadline(report, f)?;
+    errors(report, f)?;
+    machine(report, f)?;
+    notes(report, f)
+}
+
+fn heading(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let frames = &report.summary.frames;
+    write!(f, "{} received", plural(frames.received, "frame"))?;
+    if let Some((first, last)) = report.facts.span_ns.filter(|(first, last)| last > first) {
+        let seconds = (last - first) as f64 / 1e9;
+        let rate = (frames.received.saturating_sub(1)) as f64 / seconds;
+        write!(
+            f,
+            " in {} s, {} frames/s",
+            Figure(Some(seconds)),
+            Figure(Some(rate))
+        )?;
+    }
+    writeln!(
+        f,
+        "; {} with a curve; {} lost\n",
+        frames.with_curve,
+        frames.lost.total()
+    )
+}
+
+fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let period_ns = report.facts.period_ns.filter(|period_ns| *period_ns > 0);
+    write!(f, "{:<20}", "latency, µs")?;
+    for column in ["p50", "p90", "p99", "p99.9", "max"] {
+        write!(f, " {column:>6}")?;
+    }
+    if period_ns.is_some() {
+        write!(f, "  p50/period")?;
+    }
+    writeln!(f)?;
+    let whole = median_us(report, Row::Total);
+    for row in Row::ALL {
+        let label = match row {
+            Row::Total => "exposed → received",
+            Row::Fitted => "exposed → fitted",
+            Row::Capture => "  capture",
+            Row::WaitExtract => "    wait for extract",
+            Row::Extract => "  extract",
+            Row::WaitFit => "    wait for fit",
+            Row::Fit => "  fit",
+            Row::WaitSink => "    wait for sink",
+            Row::Jitter => continue,
+        };
+        spread(report, row, label, f)?;
+        let median = median_us(report, row);
+        if let (Some(period_ns), Some(median)) = (period_ns, median) {
+            write!(f, "{:>10.2} %", 1e5 * median / period_ns as f64)?;
+        }
+        if let (Some(whole), Some(median)) = (whole, median) {
+            bar(median / whole, f)?;
+        }
+        writeln!(f)?;
+    }
+    writeln!(f)
+}
+
+/// A row's label and its five figures.
+fn spread(report: &Report, row: Row, label: &str, f: &mut Formatter<'_>) -> Result {
+    write!(f, "{label:<20}")?;
+    for quantile in [0.5, 0.9, 0.99, 0.999, 1.0] {
+        let us = report.latency.row(row).quantile_us(quantile);
+        write!(f, " {:>6}", Figure(us))?;
+    }
+    Ok(())
+}
+
+fn median_us(report: &Report, row: Row) -> Option<f64> {
+    report.latency.row(row).quantile_us(0.5)
+}
+
+/// A bar of eighths of a character.
+fn bar(share: f64, f: &mut Formatter<'_>) -> Result {
+    let eighths = (share.clamp(0.0, 1.0) * BAR as f64 * 8.0).round() as usize;
+    if eighths > 0 {
+        f.write_char(' ')?;
+    }
+    for _ in 0..eighths / 8 {
+        f.write_char('█')?;
+    }
+    match eighths % 8 {
+        0 => Ok(()),
+        rest => f.write_char(['▏', '▎', '▍', '▌', '▋', '▊', '▉'][rest - 1]),
+    }
+}
+
+/// What each stage sent, and what of it the next one did not send on.
+fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let frames = &report.summary.frames;
+    let lost = &frames.lost;
+    write!(f, "{:<20}", "frames")?;
+    for stage in ["source", "capture", "extract", "fit", "received"] {
+        write!(f, " {stage:>8}")?;
+    }
+    write!(f, "\n{:<20}", "  sent")?;
+    let extracted = frames.published - lost.capture;
+    let fitted = extracted - lost.extract;
+    let numbered = frames.published + lost.source;
+    for count in [
+        numbered,
+        frames.published,
+        extracted,
+        fitted,
+        frames.received,
+    ] {
+        write!(f, " {count:>8}")?;
+    }
+    write!(f, "\n{:<20}", "  lost after it")?;
+    for count in [lost.source, lost.capture, lost.extract, lost.fit] {
+        write!(f, " {count:>8}")?;
+    }
+    writeln!(f, "\n")
+}
+
+fn deadline(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let deadline = &report.summary.deadline;
+    if let (Some(us), Some(missed)) = (deadline.us, deadline.missed) {
+        let timed = report.latency.row(Row::Total).count();
+        writeln!(
+            f,
+            "{:<20} {us:>6} µs, missed by {missed} of {timed}",
+            "deadline",
+        )?;
+    }
+    spread(report, Row::Jitter, "period jitter, µs", f)?;
+    writeln!(f, "\n")
+}
+
+fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
+    if report.centerline.frames == 0 && report.curve.frames == 0 {
+        return Ok(());
+    }
+    write!(f, "{:<20}", "error, px")?;
+    for column in ["mean", "p95", "max"] {
+        write!(f, " {column:>6}")?;
+    }
+    writeln!(f)?;
+    for (comparison, label) in [
+        (&report.centerline, "  centerline"),
+        (&report.curve, "  curve"),
+    ] {
+        if comparison.frames > 0 {
+            distances(comparison.nearest.distances(), label, f)?;
+            writeln!(f, "   {}", plural(comparison.frames, "frame"))?;
+            distances(
+                comparison.point_by_point.distances(),
+                "    at the same ρ",
+                f,
+            )?;
+            writeln!(f)?;
+        }
+    }
+    writeln!(f)
+}
+
+fn distances(distances: Distances, label: &str, f: &mut Formatter<'_>) -> Result {
+    write!(f, "{label:<20}")?;
+    for figure in [distances.mean, distances.p95, distances.max] {
+        write!(f, " {:>6}", Figure(figure))?;
+    }
+    Ok(())
+}
+
+fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let machine = &report.summary.machine;
+    let unknown = "unknown processor";
+    write!(
+        f,
+        "{:<20} {}",
+        "machine",
+        machine.cpu.as_deref().unwrap_or(unknown)
+    )?;
+    if let Some(cores) = machine.cores {
+        write!(f, ", {}", plural(cores as u64, "core"))?;
+    }
+    if let Some(memory_mb) = machine.memory_mb {
+        write!(f, ", {memory_mb} MB")?;
+    }
+    write!(f, "\n{:<20} {}", "", machine.kernel)?;
+    if let Some(governor) = &machine.governor {
+        write!(f, ", governor {governor}")?;
+    }
+    writeln!(f)
+}
+
+/// What a reader of the figures must know to read them rightly: only what applies.
+fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let facts = &report.facts;
+    let mut notes = Vec::new();
+    if !facts.from_start {
+        notes.push("The sink came later than the chain: frames are counted from the first message, which is not timed.".to_owned());
+    }
+    for (stage, times) in [
+        ("capture", facts.restarts.capture),
+        ("extract", facts.restarts.extract),
+        ("fit", facts.restarts.fit),
+    ] {
+        if times > 0 {
+            notes.push(format!("{stage} began anew {}: what it lost while it was away is counted as far as the others' counters show it.", plural(times, "time")));
+        }
+    }
+    for (stage, count) in facts.finished.iter().flat_map(|sent| {
+        [
+            ("capture", sent.captured),
+            ("extract", sent.extracted),
+            ("fit", sent.fitted),
+        ]
+    }) {
+        if count.is_none() {
+            notes.push(format!("{stage} did not say how many frames it sent: the last ones count as lost before it, unless they were seen later."));
+        }
+    }
+    if facts.stale > 0 {
+        notes.push(format!(
+            "{} came a second time or late and did not count.",
+            plural(facts.stale, "message")
+        ));
+    }
+    if report.latency.backwards() > 0 {
+        notes.push(format!(
+            "{} had a timestamp before the one it follows: that piece of the way counts as 0.",
+            plural(report.latency.backwards(), "frame")
+        ));
+    }
+    if report.latency.saturated() > 0 {
+        notes.push(format!(
+            "{} longer than 100 s: percentiles above that say 100 s.",
+            plural(report.latency.saturated(), "time")
+        ));
+    }
+    notes.extend(error_notes(&report.centerline, "centerline"));
+    notes.extend(error_notes(&report.curve, "curve"));
+    if facts.not_bezier > 0 {
+        notes.push(format!(
+            "{} in another basis than Bezier: not held against the truth.",
+            plural(facts.not_bezier, "curve")
+        ));
+    }
+    if !notes.is_empty() {
+        writeln!(f)?;
+    }
+    notes.iter().try_for_each(|note| writeln!(f, "! {note}"))
+}
+
+fn error_notes(comparison: &Comparison, kind: &str) -> impl Iterator<Item = String> {
+    let without = comparison.frames_without_curve;
+    let ropes = comparison.ropes_without_curve;
+    let invented = comparison.curves_of_nothing;
+    [
+        (without > 0).then(|| format!("{} with a rope had no {kind}.", plural(without, "frame"))),
+        (ropes > without).then(|| format!("{} had no {kind} of its own.", plural(ropes, "rope"))),
+        (invented > 0).then(|| format!("{} where there is no rope.", plural(invented, kind))),
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// `1 frame`, `2 frames`.
+fn plural(count: u64, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        _ => format!("{count} {thing}s"),
+    }
+}

@@ -1,0 +1,83 @@
+//! A sink allocates nothing for a message once it is made. In its own binary: the allocator counts for all threads.
+#![allow(unsafe_code)] // A global allocator is an unsafe trait; this one counts and passes everything on.
+
+#[allow(dead_code)]
+mod chain;
+
+use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
+use lariat_sink::{FinalCounts, Options, Sink};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps alloc's contract, which is the same.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `System` with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn no_message_allocates() {
+    let mut sink = Sink::new(Options {
+        period_ns: Some(PERIOD_NS),
+        from_start: true,
+        ..Options::default()
+    });
+    let mut chain = Chain::default();
+    let ropes: Vec<_> = (0..8).map(|i| straight(50.0 + 20.0 * i as f32)).collect();
+    let ropes: Vec<_> = ropes.iter().map(Vec::as_slice).collect();
+    let control_points: Vec<_> = (0..32).map(|i| [100.0 + 4.0 * i as f64, 55.0]).collect();
+    let curves = [control_points.as_slice(); 8];
+    let mut truth = centerlines(lariat_wire::Trace::EMPTY, &[]);
+    let mut centerlines = centerlines(lariat_wire::Trace::EMPTY, &[]);
+    let mut descriptors = descriptors(lariat_wire::Trace::EMPTY, &[]);
+    let full = (
+        chain::centerlines(lariat_wire::Trace::EMPTY, &ropes),
+        chain::descriptors(lariat_wire::Trace::EMPTY, &curves),
+    );
+    let mut before = 0;
+    for number in 0..400u64 {
+        match number {
+            // Warm: the first messages have come and the first line was made.
+            10 => before = ALLOCATIONS.load(Ordering::Relaxed),
+            // Later than warm, all that a message can hold comes for the first time.
+            100 => {
+                (truth.count, truth.curves) = (full.0.count, full.0.curves);
+                (centerlines.count, centerlines.curves) = (full.0.count, full.0.curves);
+                (descriptors.count, descriptors.curves) = (full.1.count, full.1.curves);
+            }
+            _ => {}
+        }
+        let lost_before = (number % 7 == 0).then_some(Stage::Fit);
+        let Some(trace) = chain.frame(lost_before) else {
+            continue;
+        };
+        (truth.trace, centerlines.trace, descriptors.trace) = (trace, trace, trace);
+        if number % 3 != 0 {
+            sink.truth(&truth);
+        }
+        sink.centerlines(&centerlines);
+        sink.descriptors(&descriptors, received_ns(&trace));
+        if number % 3 == 0 {
+            sink.truth(&truth);
+        }
+        assert!(!sink.live_line(received_ns(&trace) + 1000).is_empty());
+    }
+    sink.finish(FinalCounts::default());
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert!(sink.frames().received > 300);
+}

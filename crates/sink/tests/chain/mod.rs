@@ -1,0 +1,105 @@
+//! A chain on paper: frames with a known way, lost where the test says.
+
+use lariat_wire::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Trace};
+
+/// When the first frame is exposed.
+pub(crate) const START_NS: u64 = 1_000_000_000_000;
+
+/// 30 frames a second.
+pub(crate) const PERIOD_NS: u64 = 33_333_333;
+
+/// The stages, in the order of the way; the last is the sink.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Capture,
+    Extract,
+    Fit,
+    Sink,
+}
+
+impl Stage {
+    pub(crate) const ALL: [Self; 4] = [Self::Capture, Self::Extract, Self::Fit, Self::Sink];
+}
+
+/// What the stages have sent so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Chain {
+    pub(crate) sequence: u64,
+    /// How many frames capture, extract and fit have sent, and the sink has received.
+    pub(crate) sent: [u64; 4],
+}
+
+impl Chain {
+    /// The next frame sets out and is lost on the way to `lost_before`; `None`: it arrives.
+    pub(crate) fn frame(&mut self, lost_before: Option<Stage>) -> Option<Trace> {
+        self.sequence += 1;
+        for stage in Stage::ALL {
+            if lost_before == Some(stage) {
+                return None;
+            }
+            self.sent[stage as usize] += 1;
+        }
+        Some(self.trace())
+    }
+
+    /// A frame's way: 40 µs of capture, 20 µs of waiting, 250 µs of extraction, 15, 10 µs of fitting; then, to be added
+    /// by who receives it, 25.
+    fn trace(&self) -> Trace {
+        let exposed_ns = START_NS + self.sequence * PERIOD_NS;
+        Trace {
+            sequence: self.sequence,
+            captured: self.sent[0],
+            extracted: self.sent[1],
+            fitted: self.sent[2],
+            exposed_ns,
+            captured_ns: exposed_ns + 40_000,
+            extract_started_ns: exposed_ns + 60_000,
+            extracted_ns: exposed_ns + 310_000,
+            fit_started_ns: exposed_ns + 325_000,
+            fitted_ns: exposed_ns + 335_000,
+        }
+    }
+}
+
+/// When a frame with this way is in the reader's hands, if nothing holds it up.
+pub(crate) fn received_ns(trace: &Trace) -> u64 {
+    trace.fitted_ns + 25_000
+}
+
+/// A message with these Bezier curves.
+pub(crate) fn descriptors(trace: Trace, curves: &[&[[f64; 2]]]) -> Box<Descriptors> {
+    let mut message = Box::new(Descriptors::EMPTY);
+    message.trace = trace;
+    message.count = curves.len() as u32;
+    for (into, control_points) in message.curves.iter_mut().zip(curves) {
+        *into = Descriptor {
+            status: Status::Ok as u32,
+            basis: Basis::Bezier as u32,
+            order: control_points.len() as u32 - 1,
+            count: control_points.len() as u32,
+            ..Descriptor::EMPTY
+        };
+        into.control_points[..control_points.len()].copy_from_slice(control_points);
+    }
+    message
+}
+
+/// A message with these centerlines.
+pub(crate) fn centerlines(trace: Trace, curves: &[&[[f32; 2]]]) -> Box<Centerlines> {
+    let mut message = Box::new(Centerlines::EMPTY);
+    message.trace = trace;
+    message.count = curves.len() as u32;
+    for (into, points) in message.curves.iter_mut().zip(curves) {
+        *into = Curve {
+            count: points.len() as u32,
+            ..Curve::EMPTY
+        };
+        into.points[..points.len()].copy_from_slice(points);
+    }
+    message
+}
+
+/// A straight rope from (100, y) to (219, y): 120 points, a pixel apart.
+pub(crate) fn straight(y: f32) -> Vec<[f32; 2]> {
+    (0..120).map(|i| [100.0 + i as f32, y]).collect()
+}
