@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::rendered::RenderOptions;
+use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
 
 /// What to take frames from.
@@ -39,6 +39,7 @@ impl Source {
 /// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
-        Source::Rendered(_) | Source::Paths { .. } => Err(SourceError::Unnamed),
+        Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Paths { .. } => Err(SourceError::Unnamed),
     }
 }

@@ -1,0 +1,138 @@
+//! The table under the rope, drawn once: a plain, faintly mottled surface in uneven light; and the camera's noise.
+
+use super::RenderOptions;
+use super::portable::SplitMix64;
+
+/// No noise is larger: what is drawn stays this far from 0 and 255, so that noise is added without a saturation.
+pub(super) const LARGEST_NOISE: u8 = 10;
+/// Bytes of the noise table: small enough to stay in a core's cache, large enough that no pattern shows.
+const NOISE_BYTES: usize = 1 << 16;
+
+/// A value as a byte that noise cannot push over an edge.
+pub(super) fn to_byte(value: f32) -> u8 {
+    let low = f32::from(LARGEST_NOISE);
+    (value + 0.5).clamp(low, 255.0 - low) as u8
+}
+
+/// The empty table, three bytes a pixel.
+pub(super) fn lit_table(options: &RenderOptions) -> Vec<u8> {
+    let random = &mut SplitMix64::new(options.seed, 2);
+    let (width, height) = (options.width as usize, options.height as usize);
+    // Where the lamp stands: near an upper corner; its light falls off with the square of the distance.
+    let lamp = [random.uniform(0.1, 0.9), random.uniform(0.0, 0.3)];
+    let mottling = Mottling::new(random);
+    let mut pixels = Vec::with_capacity(3 * width * height);
+    let scale = 1.0 / width.max(height) as f64;
+    for y in 0..height {
+        for x in 0..width {
+            let at = [x as f64 * scale, y as f64 * scale];
+            let from_lamp = [at[0] - lamp[0], at[1] - lamp[1]];
+            let falloff = 1.0 / (1.0 + 0.5 * dot(from_lamp, from_lamp));
+            let from_centre = [
+                at[0] - 0.5 * width as f64 * scale,
+                at[1] - 0.5 * height as f64 * scale,
+            ];
+            let vignette = 1.0 - 0.35 * dot(from_centre, from_centre);
+            let light = falloff * vignette * (1.0 + 0.025 * mottling.at(at));
+            for channel in options.table_rgb {
+                pixels.push(to_byte((f64::from(channel) * light) as f32));
+            }
+        }
+    }
+    pixels
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Two octaves of value noise: random heights on a grid, smoothly joined.
+struct Mottling {
+    heights: Vec<f64>,
+}
+
+impl Mottling {
+    const GRID: usize = 64;
+
+    fn new(random: &mut SplitMix64) -> Self {
+        let count = Self::GRID * Self::GRID;
+        Self {
+            heights: (0..count).map(|_| random.uniform(-1.0, 1.0)).collect(),
+        }
+    }
+
+    fn at(&self, at: [f64; 2]) -> f64 {
+        self.octave([at[0] * 9.0, at[1] * 9.0]) + 0.5 * self.octave([at[0] * 31.0, at[1] * 31.0])
+    }
+
+    fn octave(&self, [x, y]: [f64; 2]) -> f64 {
+        let (column, row) = (x as usize, y as usize);
+        let ease = |x: f64| x * x * (3.0 - 2.0 * x);
+        let (u, v) = (ease(x - column as f64), ease(y - row as f64));
+        let height = |column: usize, row: usize| {
+            self.heights[(row % Self::GRID) * Self::GRID + column % Self::GRID]
+        };
+        let upper = height(column, row) * (1.0 - u) + height(column + 1, row) * u;
+        let lower = height(column, row + 1) * (1.0 - u) + height(column + 1, row + 1) * u;
+        upper * (1.0 - v) + lower * v
+    }
+}
+
+/// The camera's noise: a table of normal-like values, of which every row of every frame takes another stretch.
+#[derive(Debug)]
+pub(super) struct SensorNoise {
+    table: Vec<u8>,
+    seed: u64,
+}
+
+impl SensorNoise {
+    /// Noise for rows of at most `row_bytes`.
+    pub(super) fn new(seed: u64, sigma: f64, row_bytes: usize) -> Self {
+        let random = &mut SplitMix64::new(seed, 3);
+        let limit = f64::from(LARGEST_NOISE);
+        // A sum of four uniforms in [−½, ½) has a variance of ⅓.
+        let scale = sigma * 3f64.sqrt();
+        let table = (0..NOISE_BYTES + row_bytes)
+            .map(|_| {
+                let sum: f64 = (0..4).map(|_| random.uniform(-0.5, 0.5)).sum();
+                let value = (scale * sum).clamp(-limit, limit);
+                // As two's complement: a wrapping byte addition adds it, whatever its sign.
+                (value + if value < 0.0 { -0.5 } else { 0.5 }) as i8 as u8
+            })
+            .collect();
+        Self { table, seed }
+    }
+
+    /// `noisy = clean + noise`, row by row, for rows of `row_bytes`.
+    pub(super) fn add(&self, sequence: u64, row_bytes: usize, clean: &[u8], noisy: &mut [u8]) {
+        let random = &mut SplitMix64::new(self.seed ^ 0x5EED, sequence);
+        let rows = clean
+            .chunks_exact(row_bytes)
+            .zip(noisy.chunks_exact_mut(row_bytes));
+        for (clean, noisy) in rows {
+            let start = random.next_u64() as usize % NOISE_BYTES;
+            let noise = &self.table[start..start + row_bytes];
+            for ((noisy, clean), noise) in noisy.iter_mut().zip(clean).zip(noise) {
+                *noisy = clean.wrapping_add(*noise);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_the_spread_asked_for_and_no_bias() {
+        let noise = SensorNoise::new(5, 2.5, 3000);
+        let clean = vec![128u8; 300_000];
+        let mut noisy = vec![0; clean.len()];
+        noise.add(1, 3000, &clean, &mut noisy);
+        let errors: Vec<f64> = noisy.iter().map(|&v| f64::from(v) - 128.0).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let variance = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
+        assert!(mean.abs() < 0.05, "{mean}");
+        assert!((variance.sqrt() - 2.5).abs() < 0.1, "{variance}");
+    }
+}
