@@ -92,7 +92,7 @@ pub enum SourceError {
         error: io::Error,
     },
     /// A folder without a picture.
-    #[error("the folder {} holds no PNG or JPEG file ({ignored} others): name a folder of pictures", path.display())]
+    #[error("the folder {} holds no PNG or JPEG file (but {ignored} others): name a folder that holds the pictures itself, not in folders of its own", path.display())]
     NoPictures {
         /// The folder.
         path: PathBuf,

@@ -307,7 +307,7 @@ fn what_cannot_be_shown_is_refused_before_the_first_frame() {
     fs::write(at("empty/readme.md"), "").unwrap();
     let empty = refusal(open_paths(&[at("empty")], false));
     assert!(
-        empty.contains("holds no PNG or JPEG file (1 others)"),
+        empty.contains("holds no PNG or JPEG file (but 1 others)"),
         "{empty}"
     );
 
