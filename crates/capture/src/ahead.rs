@@ -248,7 +248,7 @@ fn one_pass(
     loop {
         // New ones only until enough are on their way round.
         let mut pixels = spare.try_recv().unwrap_or_default();
-        let warning = match decoder.decode(&mut pixels) {
+        let (warning, reason, is_end) = match decoder.decode(&mut pixels) {
             Step::Decoded(layout) => {
                 *sequence += 1;
                 is_empty = false;
@@ -277,7 +277,6 @@ fn one_pass(
             Step::End(Some(reason)) => (reason.clone(), reason, true),
             Step::End(None) => break,
         };
-        let (warning, reason, is_end) = warning;
         if said.insert(reason.clone()) {
             ready.send(Message::Warning(warning)).ok()?;
         }
