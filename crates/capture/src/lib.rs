@@ -4,10 +4,16 @@
 //! the frames lends the memory, so that the pixels are written once. The [`Pacer`] says when each frame is due.
 //! Nothing here knows of shared memory.
 
+mod ahead;
+mod natural;
 mod open;
 mod pace;
+mod picture;
+mod pictures;
 mod rendered;
 mod source;
+mod video;
+mod yuv;
 
 pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer, Wait, wait_until};

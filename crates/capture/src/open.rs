@@ -1,9 +1,12 @@
 //! From what the user named to the source that it means.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use crate::pictures::open_pictures;
 use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
+use crate::video::open_video;
 
 /// What to take frames from.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +43,18 @@ impl Source {
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
-        Source::Paths { .. } => Err(SourceError::Unnamed),
+        Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
+        Source::Paths { paths, looped } => match paths.iter().find(|path| is_video(path)) {
+            None => Ok(Box::new(open_pictures(paths, *looped)?)),
+            Some(video) if paths.len() == 1 => Ok(Box::new(open_video(video, *looped)?)),
+            Some(video) => Err(SourceError::VideoAmongOthers {
+                path: video.clone(),
+            }),
+        },
     }
+}
+
+fn is_video(path: &Path) -> bool {
+    let is_y4m = |extension: &OsStr| extension.eq_ignore_ascii_case("y4m");
+    path.extension().is_some_and(is_y4m) && !path.is_dir()
 }

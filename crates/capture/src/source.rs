@@ -1,5 +1,6 @@
 //! What every source of frames is: geometry first, then the pixels into memory lent by the caller.
 
+use std::io;
 use std::path::PathBuf;
 
 use lariat_wire::{Centerlines, PixelFormat, SourceKind};
@@ -76,18 +77,60 @@ pub enum SourceError {
         "no source was named: say `rendered`, or the path of a picture, a folder of pictures or a .y4m video"
     )]
     Unnamed,
-    /// A path that leads nowhere, or that may not be read.
-    #[error("cannot read {path}: {error}")]
-    Unreadable {
-        /// The path as it was given.
-        path: PathBuf,
-        /// What the system said.
-        error: std::io::Error,
-    },
     /// The size asked of the rendered rope makes no picture of a rope.
     #[error("the rendered rope needs {what}")]
     Rendered {
         /// What is needed, and what was asked.
         what: String,
     },
+    /// A path that leads nowhere, or that may not be read.
+    #[error("cannot read {}: {error}", path.display())]
+    Unreadable {
+        /// The path as it was given.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// A folder without a picture.
+    #[error("the folder {} holds no PNG or JPEG file (but {ignored} others): name a folder that holds the pictures itself, not in folders of its own", path.display())]
+    NoPictures {
+        /// The folder.
+        path: PathBuf,
+        /// How many other files are in it.
+        ignored: usize,
+    },
+    /// A file of another kind.
+    #[error("{} is no PNG or JPEG picture and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
+    NotAPicture {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A video named beside other paths.
+    #[error("{} is a video, and a video is shown alone: name it without other paths", path.display())]
+    VideoAmongOthers {
+        /// The video.
+        path: PathBuf,
+    },
+    /// A video that cannot be shown.
+    #[error("cannot show the video {}: {what}", path.display())]
+    Video {
+        /// The video.
+        path: PathBuf,
+        /// What is wrong with it, and what would be right.
+        what: String,
+    },
+    /// Not one frame of the source can be decoded.
+    #[error("no frame can be decoded, the first because {reason}")]
+    NothingDecoded {
+        /// What is wrong with the first.
+        reason: String,
+    },
+    /// The thread that decodes is gone.
+    #[error(
+        "the decoder stopped in the middle: this is a defect of lariat, please report it with the file it was reading"
+    )]
+    DecoderGone,
+    /// The thread that decodes cannot be started.
+    #[error("cannot start the thread that decodes ahead: {0}")]
+    NoThread(io::Error),
 }

@@ -95,13 +95,13 @@ fn the_same_seed_makes_the_same_frames_on_every_machine() {
         .map(|shot| hash(&shot.pixels))
         .collect();
     let expected = [
-        0xe5066f87498e7c68,
-        0x10683be7627ab01a,
-        0x0075918232ac1bd0,
-        0xb7a63424a91f8fb9,
-        0x40f9d7e445e78855,
-        0x5c1ac6914c7707c9,
-        0x33276a0785de175c,
+        0xd1c35ef3838f5e99,
+        0xf0cc2c9a2885e21f,
+        0x581631f0617b5486,
+        0xfb84eefc13166405,
+        0xc82fc0ec742b14a6,
+        0xd826d82129172357,
+        0xfb0efce4a14ea359,
         0x1e61e387a0e7840e,
         0x7edeedb8548bb480,
     ];
@@ -182,10 +182,8 @@ fn the_drawn_rope_is_centred_on_the_truth_and_as_wide_as_it_says() {
             }
             // Rope colour is where blue leads: the outermost places on either side.
             let outermost = |sign: f32| {
-                let sides = (0..200).map(|i| sign * i as f32 * width_px / 200.0);
-                sides
-                    .filter(|&side| shot.blueness(place(side)) > 20.0)
-                    .last()
+                let mut sides = (0..200).map(|i| sign * i as f32 * width_px / 200.0);
+                sides.rfind(|&side| shot.blueness(place(side)) > 20.0)
             };
             let (left, right) = (outermost(-1.0).unwrap(), outermost(1.0).unwrap());
             offsets.push((left + right) / 2.0);
@@ -193,8 +191,10 @@ fn the_drawn_rope_is_centred_on_the_truth_and_as_wide_as_it_says() {
         }
         assert!(offsets.len() > 30);
         let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
-        assert!(mean(&offsets).abs() < 0.4, "{}", mean(&offsets));
-        assert!((mean(&widths) - width_px).abs() < 0.8, "{}", mean(&widths));
+        let squares: Vec<f32> = offsets.iter().map(|x| x * x).collect();
+        let rms_px = mean(&squares).sqrt();
+        assert!(rms_px < 0.3, "{rms_px}");
+        assert!((mean(&widths) - width_px).abs() < 0.5, "{}", mean(&widths));
     }
 }
 

@@ -40,8 +40,11 @@ pub(super) struct Brush {
     reach_px: f32,
     /// Radius of the ends' corners.
     corner_px: f32,
-    /// Along the rope from one strand of the twist to the next.
-    pitch_px: f32,
+    /// One over the half width, over the width of the shadow, and over the length along the rope from one strand of
+    /// the twist to the next.
+    per_half: f32,
+    per_shadow: f32,
+    per_pitch: f32,
     rgb: [f32; 3],
     length_px: f32,
 }
@@ -79,11 +82,14 @@ struct Slab {
 impl Brush {
     pub(super) fn new(options: &RenderOptions, length_px: f64) -> Self {
         let half_px = (options.rope_px / 2.0) as f32;
+        let shadow_px = 1.5 + 0.3 * half_px;
         Self {
             half_px,
-            reach_px: half_px + 1.5 + 0.3 * half_px,
+            reach_px: half_px + shadow_px,
             corner_px: 0.35 * half_px,
-            pitch_px: 1.1 * half_px,
+            per_half: 1.0 / half_px,
+            per_shadow: 1.0 / shadow_px,
+            per_pitch: 1.0 / (1.1 * half_px),
             rgb: options.rope_rgb.map(f32::from),
             length_px: length_px as f32,
         }
@@ -157,17 +163,16 @@ impl Brush {
     /// Shadow, then rope, over what is there.
     fn draw_pixel(&self, lamp_across: f32, along_px: f32, across_px: f32, pixel: &mut [u8]) {
         let outside_px = self.outside_px(along_px, across_px);
-        let reach_px = self.reach_px - self.half_px;
-        if outside_px >= reach_px {
+        if outside_px >= self.reach_px - self.half_px {
             return;
         }
-        let away = across_px / self.half_px;
+        let away = across_px * self.per_half;
         let cover = edge(outside_px);
         let mut light = 1.0;
         if cover < 1.0 {
             // The side away from the lamp lies in the deeper shadow.
             let side = (0.6 - 0.6 * lamp_across * away).clamp(0.1, 1.2);
-            let near = 1.0 - outside_px.max(0.0) / reach_px;
+            let near = 1.0 - outside_px.max(0.0) * self.per_shadow;
             light -= SHADOW * side * near * near;
         }
         let shade = if cover > 0.0 {
@@ -175,10 +180,9 @@ impl Brush {
         } else {
             [0.0; 2]
         };
+        let (under, over) = (light * (1.0 - cover), [shade[0] * cover, shade[1] * cover]);
         for (value, rope) in pixel.iter_mut().zip(self.rgb) {
-            let under = f32::from(*value) * light;
-            let over = rope * shade[0] + shade[1];
-            *value = to_byte(under + (over - under) * cover);
+            *value = to_byte(f32::from(*value) * under + rope * over[0] + over[1]);
         }
     }
 
@@ -200,7 +204,7 @@ impl Brush {
         let up = (1.0 - away * away).sqrt();
         let facing = (lamp_across * away + LAMP[2] * up).max(0.0);
         // Strands wind around the rope: seen from above they lean, and curve at the sides.
-        let phase = along_px / self.pitch_px + 0.55 * away + 0.15 * away * away * away + 64.0;
+        let phase = along_px * self.per_pitch + 0.55 * away + 0.15 * away * away * away + 64.0;
         let within = phase - phase as i32 as f32;
         let strand = 4.0 * within * (1.0 - within);
         let strand = strand * (2.0 - strand);
@@ -213,7 +217,7 @@ impl Brush {
 
 /// How much of a pixel the rope covers whose centre is so far outside.
 fn edge(outside_px: f32) -> f32 {
-    let x = (0.5 - outside_px / (2.0 * SOFT_PX)).clamp(0.0, 1.0);
+    let x = (0.5 - outside_px * (0.5 / SOFT_PX)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 

@@ -1,0 +1,171 @@
+//! One picture file: its size from its head, its pixels as Gray8 or Rgb8.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read};
+use std::path::Path;
+
+use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
+use lariat_wire::PixelFormat;
+
+use crate::ahead::Layout;
+
+/// Larger pictures are refused: more likely a broken head than a camera.
+const LARGEST_BYTES: u64 = 1 << 30;
+/// Enough of a file for its size to be known, in all but odd cases.
+const HEAD_BYTES: u64 = 64 << 10;
+
+/// Whether a file that begins so is one that can be shown.
+pub(crate) fn is_picture(head: &[u8]) -> bool {
+    format_of(head).is_some()
+}
+
+fn format_of(head: &[u8]) -> Option<ImageFormat> {
+    let format = image::guess_format(head).ok()?;
+    matches!(format, ImageFormat::Png | ImageFormat::Jpeg).then_some(format)
+}
+
+/// What a file's head says of its pixels; a sentence if it says nothing good.
+pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
+    let unreadable = |error: io::Error| broken(path, error);
+    let mut file = File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    let head_size = (&mut file).take(HEAD_BYTES).read_to_end(&mut bytes);
+    let head_size = head_size.map_err(unreadable)?;
+    decoder(path, &bytes).map(|found| found.1).or_else(|error| {
+        if (head_size as u64) < HEAD_BYTES {
+            return Err(error);
+        }
+        // A long profile or preview may stand before the size.
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        decoder(path, &bytes).map(|found| found.1)
+    })
+}
+
+fn broken(path: &Path, error: impl std::fmt::Display) -> String {
+    format!("{} cannot be decoded ({error})", path.display())
+}
+
+fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<(impl ImageDecoder + 'a, Layout), String> {
+    let format = format_of(bytes).ok_or_else(|| broken(path, "it is neither PNG nor JPEG"))?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
+    let decoder = decoder.map_err(|error| broken(path, error))?;
+    let (width, height) = decoder.dimensions();
+    let format = if decoder.color_type().has_color() {
+        PixelFormat::Rgb8
+    } else {
+        PixelFormat::Gray8
+    };
+    // The decoder's own pixels have 8 bytes at most.
+    if u64::from(width) * u64::from(height) > LARGEST_BYTES / 8 {
+        return Err(broken(
+            path,
+            format!("{width}×{height} pixels are too many"),
+        ));
+    }
+    let layout = Layout {
+        width,
+        height,
+        stride: format.row_bytes(width) as u32,
+        format,
+    };
+    Ok((decoder, layout))
+}
+
+/// Decodes one picture after the other, in the same memory.
+#[derive(Default)]
+pub(crate) struct PictureDecoder {
+    file: Vec<u8>,
+    /// Pixels with alpha or of 16 bits, before they are reduced.
+    full: Vec<u8>,
+}
+
+impl PictureDecoder {
+    /// Decodes a file into `pixels`; alpha is left out, 16 bits become 8. A sentence if it cannot.
+    pub(crate) fn decode(&mut self, path: &Path, pixels: &mut Vec<u8>) -> Result<Layout, String> {
+        self.file.clear();
+        let read = File::open(path).and_then(|mut file| file.read_to_end(&mut self.file));
+        read.map_err(|error| broken(path, error))?;
+        if format_of(&self.file) == Some(ImageFormat::Jpeg) && is_cut_off(&self.file) {
+            return Err(broken(path, "the file is cut off"));
+        }
+        let (decoder, layout) = decoder(path, &self.file)?;
+        let color = decoder.color_type();
+        pixels.resize(layout.bytes(), 0);
+        if matches!(color, ColorType::L8 | ColorType::Rgb8) {
+            decoder.read_image(pixels)
+        } else {
+            // In range: `decoder` has looked.
+            self.full.resize(decoder.total_bytes() as usize, 0);
+            decoder.read_image(&mut self.full)
+        }
+        .map_err(|error| broken(path, error))?;
+        match color {
+            ColorType::L8 | ColorType::Rgb8 => {}
+            ColorType::La8 => drop_alpha::<1>(&self.full, pixels),
+            ColorType::Rgba8 => drop_alpha::<3>(&self.full, pixels),
+            ColorType::L16 => reduce::<1, 1>(&self.full, pixels),
+            ColorType::La16 => reduce::<1, 2>(&self.full, pixels),
+            ColorType::Rgb16 => reduce::<3, 3>(&self.full, pixels),
+            ColorType::Rgba16 => reduce::<3, 4>(&self.full, pixels),
+            other => {
+                let reason = format!("its pixels are {other:?}, of which lariat knows nothing");
+                return Err(broken(path, reason));
+            }
+        }
+        Ok(layout)
+    }
+}
+
+/// Whether a JPEG file lacks its end: the decoder would fill the rest with grey and say nothing.
+///
+/// Follows the segments (ITU-T T.81, annex B) up to the end of the image: previews lie inside of segments, and what
+/// some cameras append lies behind it.
+fn is_cut_off(file: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xda;
+    const END_OF_IMAGE: u8 = 0xd9;
+    let mut at = 2;
+    while let Some(&[lead, marker]) = file.get(at..at + 2) {
+        match (lead, marker) {
+            (0xff, END_OF_IMAGE) => return false,
+            // A fill byte.
+            (0xff, 0xff) => at += 1,
+            (0xff, _) => {
+                let Some(&[high, low]) = file.get(at + 2..at + 4) else {
+                    return true;
+                };
+                at += 2 + usize::from(u16::from_be_bytes([high, low]));
+                if marker == START_OF_SCAN {
+                    at += scan_length(file.get(at..).unwrap_or_default());
+                }
+            }
+            // No marker where one should be: broken in another way, for the decoder to judge.
+            _ => return false,
+        }
+    }
+    true
+}
+
+/// Bytes of image data up to the next marker; in it 0xff is followed by 0 or is a restart marker.
+fn scan_length(data: &[u8]) -> usize {
+    data.windows(2)
+        .position(|pair| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7))
+        .unwrap_or(data.len())
+}
+
+fn drop_alpha<const COLORS: usize>(full: &[u8], pixels: &mut [u8]) {
+    let full = full.chunks_exact(COLORS + 1);
+    for (pixel, full) in pixels.chunks_exact_mut(COLORS).zip(full) {
+        pixel.copy_from_slice(&full[..COLORS]);
+    }
+}
+
+/// Native 16-bit samples to the nearest 8-bit ones: 65535 is 255.
+fn reduce<const COLORS: usize, const CHANNELS: usize>(full: &[u8], pixels: &mut [u8]) {
+    let full = full.chunks_exact(2 * CHANNELS);
+    for (pixel, full) in pixels.chunks_exact_mut(COLORS).zip(full) {
+        for (value, sample) in pixel.iter_mut().zip(full.chunks_exact(2)) {
+            let sample = u32::from(u16::from_ne_bytes([sample[0], sample[1]]));
+            *value = ((sample + 128) / 257) as u8;
+        }
+    }
+}

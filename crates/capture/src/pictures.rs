@@ -1,0 +1,141 @@
+//! Picture files and folders of them as one sequence of frames.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use lariat_wire::SourceKind;
+
+use crate::ahead::{Ahead, Decode, Plan, Step};
+use crate::natural::natural_order;
+use crate::picture::{PictureDecoder, is_picture, probe};
+use crate::source::SourceError;
+
+/// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
+pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, SourceError> {
+    let mut files = Vec::new();
+    let mut warnings = Vec::new();
+    for path in paths {
+        let unreadable = |error| SourceError::Unreadable {
+            path: path.clone(),
+            error,
+        };
+        let found = fs::metadata(path).map_err(unreadable)?;
+        if found.is_dir() {
+            warnings.extend(list_folder(path, &mut files)?);
+        } else if !found.is_file() {
+            return Err(SourceError::NotAPicture { path: path.clone() });
+        } else {
+            let mut head = Vec::new();
+            let file = File::open(path).map_err(unreadable)?;
+            file.take(16).read_to_end(&mut head).map_err(unreadable)?;
+            if !is_picture(&head) && !is_named_as_picture(path) {
+                return Err(SourceError::NotAPicture { path: path.clone() });
+            }
+            files.push(path.clone());
+        }
+    }
+    // A file whose head is broken is left in the sequence, to be lost when its turn comes.
+    let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
+    for layout in files.iter().filter_map(|file| probe(file).ok()) {
+        total_bytes += layout.bytes() as u64;
+        largest_frame_bytes = largest_frame_bytes.max(layout.bytes());
+    }
+    let plan = Plan {
+        kind: SourceKind::Files,
+        largest_frame_bytes,
+        native_fps: None,
+        looped,
+        total_bytes,
+        warnings,
+    };
+    let pictures = Pictures {
+        files,
+        next: 0,
+        largest_frame_bytes,
+        decoder: PictureDecoder::default(),
+    };
+    Ahead::start(pictures, plan)
+}
+
+/// Adds a folder's pictures; a sentence if it holds other files too.
+fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>, SourceError> {
+    let unreadable = |error| SourceError::Unreadable {
+        path: folder.to_owned(),
+        error,
+    };
+    let mut found = Vec::new();
+    let mut ignored = 0;
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.is_dir() {
+            continue;
+        }
+        if is_named_as_picture(&path) {
+            found.push(path);
+        } else {
+            ignored += 1;
+        }
+    }
+    if found.is_empty() {
+        return Err(SourceError::NoPictures {
+            path: folder.to_owned(),
+            ignored,
+        });
+    }
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
+    found.sort_by(|a, b| {
+        let (a, b) = (name(a).unwrap_or_default(), name(b).unwrap_or_default());
+        natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
+    });
+    files.append(&mut found);
+    let plural = if ignored == 1 { "file" } else { "files" };
+    Ok((ignored > 0).then(|| {
+        format!(
+            "left out {ignored} {plural} of {} that are not PNG or JPEG by their names",
+            folder.display()
+        )
+    }))
+}
+
+/// Hidden files are not: some systems put a `._0001.png` that is no picture beside each `0001.png`.
+fn is_named_as_picture(path: &Path) -> bool {
+    let is_hidden = path
+        .file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    let known = |extension: &std::ffi::OsStr| {
+        ["png", "jpg", "jpeg"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    };
+    !is_hidden && path.extension().is_some_and(known)
+}
+
+struct Pictures {
+    files: Vec<PathBuf>,
+    next: usize,
+    largest_frame_bytes: usize,
+    decoder: PictureDecoder,
+}
+
+impl Decode for Pictures {
+    fn rewind(&mut self) -> Result<(), SourceError> {
+        self.next = 0;
+        Ok(())
+    }
+
+    fn decode(&mut self, pixels: &mut Vec<u8>) -> Step {
+        let Some(file) = self.files.get(self.next) else {
+            return Step::End(None);
+        };
+        self.next += 1;
+        match self.decoder.decode(file, pixels) {
+            Ok(layout) if layout.bytes() <= self.largest_frame_bytes => Step::Decoded(layout),
+            Ok(_) => Step::Lost(format!(
+                "{} has grown since the start, to more than was made room for",
+                file.display()
+            )),
+            Err(reason) => Step::Lost(reason),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! From the planes of a video to the formats that travel.
+
+use lariat_wire::PixelFormat;
+
+use crate::ahead::Layout;
+
+/// How a video stores its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Chroma {
+    /// None.
+    Mono,
+    /// At half the width and half the height.
+    Half,
+    /// At half the width.
+    HalfWidth,
+    /// For each pixel; `full_range` if 0 is black and 255 white.
+    Full { full_range: bool },
+}
+
+/// Three planes without padding: Y, U, V; U and V empty for mono.
+pub(crate) type Planes<'a> = [&'a [u8]; 3];
+
+impl Chroma {
+    /// The frame that [`write`](Self::write) makes.
+    pub(crate) fn layout(self, width: u32, height: u32) -> Layout {
+        let (format, stride) = match self {
+            Self::Mono => (PixelFormat::Gray8, width),
+            // A row of U V pairs needs an even number of bytes, also where the image has an odd number of columns.
+            Self::Half => (PixelFormat::Nv12, width.next_multiple_of(2)),
+            Self::HalfWidth => (PixelFormat::Yuyv, 2 * width.next_multiple_of(2)),
+            Self::Full { .. } => (PixelFormat::Rgb8, 3 * width),
+        };
+        Layout {
+            width,
+            height,
+            stride,
+            format,
+        }
+    }
+
+    /// Writes the planes as one image of that layout.
+    pub(crate) fn write(self, layout: &Layout, planes: Planes, pixels: &mut [u8]) {
+        match self {
+            Self::Mono => pixels.copy_from_slice(planes[0]),
+            Self::Half => write_nv12(layout, planes, pixels),
+            Self::HalfWidth => write_yuyv(layout, planes, pixels),
+            Self::Full { full_range } => write_rgb(full_range, planes, pixels),
+        }
+    }
+}
+
+fn write_nv12(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
+    let (width, stride) = (layout.width as usize, layout.stride as usize);
+    let (luma, chroma) = pixels.split_at_mut(stride * layout.height as usize);
+    for (to, from) in luma.chunks_exact_mut(stride).zip(y.chunks_exact(width)) {
+        to[..width].copy_from_slice(from);
+        // The column that an odd width lacks.
+        to[width..].fill(from[width - 1]);
+    }
+    for (pair, (u, v)) in chroma.chunks_exact_mut(2).zip(u.iter().zip(v)) {
+        pair.copy_from_slice(&[*u, *v]);
+    }
+}
+
+fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
+    let (width, stride) = (layout.width as usize, layout.stride as usize);
+    let chroma_width = width.div_ceil(2);
+    let chroma = u
+        .chunks_exact(chroma_width)
+        .zip(v.chunks_exact(chroma_width));
+    let rows = pixels.chunks_exact_mut(stride).zip(y.chunks_exact(width));
+    for ((to, y), (u, v)) in rows.zip(chroma) {
+        let pairs = y.chunks(2).zip(u.iter().zip(v));
+        for (to, (y, (u, v))) in to.chunks_exact_mut(4).zip(pairs) {
+            to.copy_from_slice(&[y[0], *u, y[y.len() - 1], *v]);
+        }
+    }
+}
+
+/// ITU-R BT.601, in 16-bit fixed point.
+fn write_rgb(full_range: bool, [y, u, v]: Planes, pixels: &mut [u8]) {
+    // Of Y; of V in red; of U and of V in green; of U in blue.
+    let ([luma, red, green_u, green_v, blue], black) = if full_range {
+        ([65536, 91881, 22554, 46802, 116_130], 0)
+    } else {
+        ([76309, 104_597, 25675, 53279, 132_201], 16)
+    };
+    let samples = y.iter().zip(u.iter().zip(v));
+    for (pixel, (y, (u, v))) in pixels.chunks_exact_mut(3).zip(samples) {
+        let y = luma * (i32::from(*y) - black) + 32768;
+        let (u, v) = (i32::from(*u) - 128, i32::from(*v) - 128);
+        let channels = [y + red * v, y - green_u * u - green_v * v, y + blue * u];
+        for (value, channel) in pixel.iter_mut().zip(channels) {
+            *value = (channel >> 16).clamp(0, 255) as u8;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_sizes_have_a_chroma_row_and_column_for_the_odd_one() {
+        let layout = Chroma::Half.layout(3, 3);
+        assert_eq!((layout.stride, layout.bytes()), (4, 4 * 5));
+        let y: Vec<u8> = (1..=9).collect();
+        let mut pixels = vec![0; layout.bytes()];
+        let planes: Planes = [&y, &[10, 11, 12, 13], &[20, 21, 22, 23]];
+        Chroma::Half.write(&layout, planes, &mut pixels);
+        let expected = [
+            [1, 2, 3, 3],
+            [4, 5, 6, 6],
+            [7, 8, 9, 9],
+            [10, 20, 11, 21],
+            [12, 22, 13, 23],
+        ];
+        assert_eq!(pixels, expected.concat());
+    }
+
+    #[test]
+    fn an_odd_row_of_yuyv_repeats_its_last_pixel() {
+        let layout = Chroma::HalfWidth.layout(3, 2);
+        let mut pixels = vec![0; layout.bytes()];
+        let planes: Planes = [&[1, 2, 3, 4, 5, 6], &[10, 11, 12, 13], &[20, 21, 22, 23]];
+        Chroma::HalfWidth.write(&layout, planes, &mut pixels);
+        let expected = [[1, 10, 2, 20, 3, 11, 3, 21], [4, 12, 5, 22, 6, 13, 6, 23]];
+        assert_eq!(pixels, expected.concat());
+    }
+
+    #[test]
+    fn black_white_and_the_primaries_come_out() {
+        // Y, U, V of BT.601 in video range, and the colour.
+        let known = [
+            ([16, 128, 128], [0, 0, 0]),
+            ([235, 128, 128], [255, 255, 255]),
+            ([81, 90, 240], [255, 0, 0]),
+            ([145, 54, 34], [0, 255, 0]),
+            ([41, 240, 110], [0, 0, 255]),
+        ];
+        for ([y, u, v], rgb) in known {
+            let mut pixel = [0; 3];
+            write_rgb(false, [&[y], &[u], &[v]], &mut pixel);
+            for (value, expected) in pixel.into_iter().zip(rgb) {
+                assert!(
+                    i32::abs(i32::from(value) - expected) <= 2,
+                    "{pixel:?}, {rgb:?}"
+                );
+            }
+        }
+        let mut pixel = [0; 3];
+        write_rgb(true, [&[200], &[128], &[128]], &mut pixel);
+        assert_eq!(pixel, [200; 3]);
+    }
+}
