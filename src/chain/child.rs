@@ -54,6 +54,7 @@ pub struct Child {
     /// The part of a line that has not ended yet.
     unread: Vec<u8>,
     ready: bool,
+    done: bool,
     sent: Option<Sent>,
     ending: Option<Ending>,
     told_to_stop: bool,
@@ -87,6 +88,7 @@ impl Child {
             line: Some(line.into()),
             unread: Vec::new(),
             ready: false,
+            done: false,
             sent: None,
             ending: None,
             told_to_stop: false,
@@ -101,6 +103,11 @@ impl Child {
     /// Whether it can receive.
     pub fn is_ready(&self) -> bool {
         self.ready
+    }
+
+    /// Whether its work is done, rather than broken off.
+    pub fn is_done(&self) -> bool {
+        self.done
     }
 
     /// What it said it sent in all, if it lived to say so.
@@ -149,6 +156,7 @@ impl Child {
             let mut words = line.split_whitespace();
             match (words.next(), words.next(), words.next()) {
                 (Some("ready"), ..) => self.ready = true,
+                (Some("done"), ..) => self.done = true,
                 (Some("sent"), Some(count), Some(last)) => {
                     let number = |word: &str| word.parse().unwrap_or(0);
                     self.sent = Some(Sent {

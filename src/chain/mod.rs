@@ -119,9 +119,8 @@ impl Chain {
         for (place, child) in self.children.iter_mut().enumerate() {
             let Some(child) = child else { continue };
             child.listen();
-            let ended_well = place == CAPTURE && child.is_ready();
             match child.ending() {
-                Some(Ending::Well) if ended_well || child.was_told_to_stop() => {}
+                Some(Ending::Well) if child.is_done() || child.was_told_to_stop() => {}
                 Some(_) if self.fallen.is_none() => self.fallen = Some(place),
                 _ => {}
             }

@@ -35,6 +35,9 @@ pub fn run(settings: &Settings) -> anyhow::Result<()> {
         truth.as_ref(),
     );
     let (sent, outcome) = result;
+    if outcome.is_ok() && !station.stop.asked() {
+        station.status.done();
+    }
     station.status.sent(sent);
     outcome
 }

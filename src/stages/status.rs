@@ -1,7 +1,7 @@
 //! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
 //!
-//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once and `sent COUNT LAST_SEQUENCE` at the end;
-//! its end says that the process is gone, however it went.
+//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once, `done` if the source has ended, and
+//! `sent COUNT LAST_SEQUENCE` at the end; its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
@@ -54,6 +54,11 @@ impl Status {
     /// The stage can receive: what is sent to it from now on arrives.
     pub fn ready(&mut self) {
         self.say("ready\n");
+    }
+
+    /// The source has ended, or as much of it was sent as was asked.
+    pub fn done(&mut self) {
+        self.say("done\n");
     }
 
     /// The stage's last word.

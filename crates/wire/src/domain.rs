@@ -67,9 +67,20 @@ pub struct Domain {
 impl Domain {
     /// Joins the domain that `LARIAT_DOMAIN` names, or the machine's.
     pub fn open() -> Result<Self, WireError> {
+        match std::env::var("LARIAT_DOMAIN") {
+            Ok(name) => Self::named(&name),
+            Err(_) => Self::join(Config::global_config().clone()),
+        }
+    }
+
+    /// Joins a domain by name, whatever the environment says.
+    pub fn named(name: &str) -> Result<Self, WireError> {
+        Self::join(config_of(name)?)
+    }
+
+    fn join(config: Config) -> Result<Self, WireError> {
         set_log_level_from_env_or(LogLevel::Fatal);
         memory::require_shared_memory()?;
-        let config = config()?;
         let node = NodeBuilder::new()
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
@@ -125,20 +136,16 @@ impl Drop for LastOut {
     }
 }
 
-/// The transport's settings: its own, with a prefix and a folder of the domain's own if one is named.
-fn config() -> Result<Config, WireError> {
-    let mut config = Config::global_config().clone();
-    config.global.node.cleanup_dead_nodes_on_creation = true;
-    let Ok(name) = std::env::var("LARIAT_DOMAIN") else {
-        return Ok(config);
-    };
-    let unusable = || WireError::DomainName(name.clone());
-    if !is_plain(&name, 16) {
+/// The transport's settings for a domain of its own: its own prefix in `/dev/shm`, its own folder.
+fn config_of(name: &str) -> Result<Config, WireError> {
+    let unusable = || WireError::DomainName(name.into());
+    if !is_plain(name, 16) {
         return Err(unusable());
     }
-    config.global.prefix =
-        FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
+    let mut config = Config::global_config().clone();
+    let prefix = FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
     let root = Path::new(format!("/tmp/lariat-{name}").as_bytes()).map_err(|_| unusable())?;
+    config.global.prefix = prefix;
     config.global.set_root_path(&root);
     Ok(config)
 }

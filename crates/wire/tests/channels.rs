@@ -1,9 +1,7 @@
-#![allow(unsafe_code)] // Sets an environment variable, and a message type of another version is derived.
 //! Channels in one process: what a writer and its readers may rely on. (Whole processes are tested in the root package.)
 
 use std::os::fd::AsFd;
 use std::sync::Arc;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -12,12 +10,11 @@ use lariat_wire::*;
 
 /// A domain that no other test run shares.
 fn domain() -> Domain {
-    static NAME: Once = Once::new();
-    // SAFETY: within `Once`, before any other thread of this test reads the environment through `Domain::open`.
-    NAME.call_once(|| unsafe {
-        std::env::set_var("LARIAT_DOMAIN", format!("w{}", std::process::id()));
-    });
-    Domain::open().expect("a domain")
+    Domain::named(&name()).expect("a domain")
+}
+
+fn name() -> String {
+    format!("w{}", std::process::id())
 }
 
 fn rig(name: &str) -> Rig {
@@ -103,7 +100,7 @@ fn a_lossless_writer_waits_for_a_slow_reader_and_loses_nothing() {
     let writer = std::thread::spawn({
         let (rig, delivery) = (rig.clone(), delivery.clone());
         move || {
-            let domain = Domain::open().unwrap();
+            let domain = Domain::named(&name()).unwrap();
             let writer =
                 Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &delivery).unwrap();
             for fitted in 1..=1000 {
@@ -212,7 +209,7 @@ struct Older {
 fn another_version_of_a_message_is_refused_by_name() {
     let (domain, rig) = (domain(), rig("versions"));
     let mut config = Config::global_config().clone();
-    let name = std::env::var("LARIAT_DOMAIN").unwrap();
+    let name = name();
     config.global.prefix = FileName::new(format!("lariat_{name}_").as_bytes()).unwrap();
     config
         .global
@@ -249,7 +246,7 @@ fn frames_that_do_not_fit_into_shared_memory_are_refused_before_the_first() {
 #[test]
 fn nothing_is_left_when_all_are_gone() {
     let (domain, rig) = (domain(), rig("gone"));
-    let name = std::env::var("LARIAT_DOMAIN").unwrap();
+    let name = name();
     let reader = Reader::descriptors(&domain, &rig).unwrap();
     let writer =
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();

@@ -1,0 +1,121 @@
+//! What happens when a process dies, by a signal it can catch and by one it cannot.
+
+use rustix::process::Signal;
+
+use crate::rig::{Bench, wait_until_gone};
+
+const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
+
+fn a_stage_dies(place: usize, signal: Signal, how: &str) {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
+    let ids = chain.ids;
+    chain.wait_for_frames();
+    chain.signal_stage(place, signal);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
+    let sentence = format!("lariat: {} {how}; the chain was stopped", STAGES[place]);
+    assert!(ended.stderr.contains(&sentence), "{}", ended.stderr);
+    ids.map(wait_until_gone);
+    // A sink that was killed can report nothing; every other death is in its report.
+    if STAGES[place] != "sink" || signal == Signal::TERM {
+        assert!(ended.stdout.contains("exposed → received"), "{}", ended.stdout);
+        let frames = &bench.summary("out")["frames"];
+        let count = |key: &str| frames[key].as_u64().unwrap();
+        let lost = |key: &str| frames["lost"][key].as_u64().unwrap();
+        assert_eq!(count("published"), count("received") + lost("capture") + lost("extract") + lost("fit"));
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_killed_capture_stops_the_chain_which_says_so() {
+    a_stage_dies(0, Signal::KILL, "was killed by signal 9 (SIGKILL)");
+}
+
+#[test]
+fn a_killed_extract_stops_the_chain_which_says_so() {
+    a_stage_dies(1, Signal::KILL, "was killed by signal 9 (SIGKILL)");
+}
+
+#[test]
+fn a_killed_fit_stops_the_chain_which_says_so() {
+    a_stage_dies(2, Signal::KILL, "was killed by signal 9 (SIGKILL)");
+}
+
+#[test]
+fn a_killed_sink_stops_the_chain_which_says_so() {
+    a_stage_dies(3, Signal::KILL, "was killed by signal 9 (SIGKILL)");
+}
+
+#[test]
+fn a_stage_that_is_told_to_end_ends_the_chain() {
+    for place in 0..4 {
+        a_stage_dies(place, Signal::TERM, "ended before its time");
+    }
+}
+
+#[test]
+fn a_signal_to_the_chain_ends_it_in_order_with_its_report() {
+    for signal in [Signal::INT, Signal::TERM] {
+        let bench = Bench::new();
+        let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
+        chain.wait_for_frames();
+        chain.signal_chain(signal);
+        let ended = chain.end();
+        assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+        assert!(ended.stdout.contains("exposed → received"), "{}", ended.stdout);
+        let frames = &bench.summary("out")["frames"];
+        assert_eq!(frames["published"], frames["received"], "{frames}");
+        bench.assert_nothing_is_left();
+    }
+}
+
+#[test]
+fn a_killed_chain_takes_its_stages_along() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
+    let ids = chain.ids;
+    chain.wait_for_frames();
+    chain.signal_chain(Signal::KILL);
+    chain.end();
+    ids.map(wait_until_gone);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--lossless", "--fps", "max", "--duration", "60"]);
+    chain.wait_for_frames();
+    chain.signal_stage(1, Signal::KILL);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
+    assert!(ended.stderr.contains("extract was killed"), "{}", ended.stderr);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn stages_by_hand_are_as_good_citizens() {
+    use std::process::Stdio;
+    let bench = Bench::new();
+    let start = |stage: &str| {
+        bench.command(&[stage]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let mut stages = ["sink", "fit", "extract"].map(start);
+    let killed = bench.command(&["capture", "--fps", "50"]).stderr(Stdio::null()).spawn().unwrap();
+    // The rig works when a descriptor comes.
+    let domain = lariat_wire::Domain::named(&bench.domain).unwrap();
+    let reader = lariat_wire::Reader::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    assert!(reader.wait(deadline).unwrap().is_some());
+    drop((reader, domain));
+    let mut killed = killed;
+    crate::rig::send(killed.id() as i32, Signal::KILL);
+    killed.wait().unwrap();
+    for stage in &mut stages {
+        crate::rig::send(stage.id() as i32, Signal::TERM);
+        assert!(stage.wait().unwrap().success());
+    }
+    bench.assert_nothing_is_left();
+}

@@ -1,0 +1,185 @@
+//! What arrives, and what does not.
+
+use std::os::fd::AsFd;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use lariat_capture::{RenderOptions, Source};
+use lariat_extract::{Extractor, Image, PixelFormat};
+use lariat_fit::Fitter;
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Reader, Rig};
+use rustix::process::Signal;
+use serde_json::json;
+
+use crate::rig::Bench;
+
+/// What the libraries make of the rendered rope, frame by frame.
+struct Library {
+    source: Box<dyn lariat_capture::FrameSource>,
+    pixels: Vec<u8>,
+    extractor: Extractor,
+    fitter: Fitter,
+}
+
+impl Library {
+    fn new() -> Self {
+        let source = lariat_capture::open(&Source::Rendered(RenderOptions::default())).unwrap();
+        Self {
+            pixels: vec![0; source.largest_frame_bytes()],
+            source,
+            extractor: Extractor::new(lariat_extract::Options::default()).unwrap(),
+            fitter: Fitter::new(lariat_fit::Options::default()).unwrap(),
+        }
+    }
+
+    /// The next frame's number, and each rope's track and control points.
+    fn next(&mut self) -> (u64, Vec<(u32, Vec<[f64; 2]>)>) {
+        let frame = self.source.next().unwrap().expect("without end");
+        self.source.write(&mut self.pixels);
+        let (width, height, stride) = (frame.width, frame.height, frame.stride);
+        assert_eq!(frame.format, lariat_wire::PixelFormat::Rgb8);
+        let image =
+            Image::new(&self.pixels, width as usize, height as usize, stride as usize, PixelFormat::Rgb8);
+        let scene = self.extractor.extract(&image.unwrap());
+        let mut curves = Vec::new();
+        for curve in scene.curves {
+            let points: Vec<_> = curve.points.iter().map(|point| point.map(f64::from)).collect();
+            let fit = self.fitter.fit(&points).unwrap();
+            curves.push((curve.track, fit.control_points.clone()));
+        }
+        (frame.sequence, curves)
+    }
+}
+
+#[test]
+fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
+    const FRAMES: u64 = 500;
+    let bench = Bench::new();
+    // This test is a reader in the chain's domain.
+    let reader_domain = in_domain(&bench);
+    let delivery = Delivery::Lossless { stop: Arc::default() };
+    let reader =
+        Reader::create(&reader_domain, &Rig::default(), &DESCRIPTORS, Some(&delivery)).unwrap();
+    let chain =
+        bench.start(&["--lossless", "--fps", "max", "--frames", &FRAMES.to_string(), "--out", "out"]);
+    let mut library = Library::new();
+    for count in 1..=FRAMES {
+        let (sequence, curves) = library.next();
+        let message = wait(&reader);
+        assert_eq!(message.trace.sequence, sequence);
+        assert_eq!([message.trace.captured, message.trace.extracted, message.trace.fitted], [count; 3]);
+        let seen: Vec<_> = message
+            .curves()
+            .iter()
+            .map(|curve| (curve.track, curve.control_points().to_vec()))
+            .collect();
+        assert_eq!(seen, curves, "frame {count}");
+        assert_stamps_are_in_order(&message);
+    }
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let frames = &bench.summary("out")["frames"];
+    assert_eq!(frames["published"], FRAMES);
+    assert_eq!(frames["received"], FRAMES);
+    assert_eq!(frames["lost"], json!({"source": 0, "capture": 0, "extract": 0, "fit": 0}));
+    drop((reader, reader_domain));
+    bench.assert_nothing_is_left();
+}
+
+fn wait(reader: &Reader<Descriptors>) -> lariat_wire::Message<Descriptors> {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    loop {
+        if let Some(message) = reader.next().unwrap() {
+            return message;
+        }
+        assert!(Instant::now() < deadline, "no descriptor came");
+        reader.sleep(Some(deadline), None::<std::os::fd::BorrowedFd>.as_ref().map(AsFd::as_fd)).unwrap();
+    }
+}
+
+fn assert_stamps_are_in_order(message: &Descriptors) {
+    let trace = &message.trace;
+    let stamps = [
+        trace.exposed_ns,
+        trace.captured_ns,
+        trace.extract_started_ns,
+        trace.extracted_ns,
+        trace.fit_started_ns,
+        trace.fitted_ns,
+        lariat_wire::now_ns(),
+    ];
+    assert!(stamps.is_sorted(), "{stamps:?}");
+}
+
+/// Opens the domain of a test in this process.
+fn in_domain(bench: &Bench) -> Domain {
+    Domain::named(&bench.domain).unwrap()
+}
+
+#[test]
+fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "200", "--frames", "400", "--out", "out"]);
+    chain.wait_for_frames();
+    // Extract stands still for a while; capture does not wait for it.
+    chain.signal_stage(1, Signal::STOP);
+    let reader_domain = in_domain(&bench);
+    let frames =
+        Reader::create(&reader_domain, &Rig::default(), &lariat_wire::FRAMES, None).unwrap();
+    let mut passed = 0;
+    while passed < 50 {
+        match frames.next().unwrap() {
+            Some(_) => passed += 1,
+            None => frames.sleep(None, None).unwrap(),
+        }
+    }
+    drop((frames, reader_domain));
+    chain.signal_stage(1, Signal::CONT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let summary = bench.summary("out");
+    let count = |key: &str| summary["frames"][key].as_u64().unwrap();
+    let lost = |key: &str| summary["frames"]["lost"][key].as_u64().unwrap();
+    assert_eq!(count("published"), 400);
+    assert!(lost("capture") >= 40, "{summary}");
+    assert_eq!(lost("source"), 0);
+    assert_eq!(count("published"), count("received") + lost("capture") + lost("extract") + lost("fit"));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn two_rigs_run_side_by_side() {
+    let bench = Bench::new();
+    let arguments = |rig, out| ["--rig", rig, "--fps", "50", "--frames", "50", "--out", out];
+    let left = bench.start(&arguments("left", "left"));
+    let right = bench.start(&arguments("right", "right"));
+    for ended in [left.end(), right.end()] {
+        assert!(ended.status.success(), "{}", ended.stderr);
+    }
+    for rig in ["left", "right"] {
+        assert_eq!(bench.summary(rig)["frames"]["published"], 50);
+        assert_eq!(bench.summary(rig)["frames"]["received"], 50);
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_second_capture_on_a_rig_is_refused_and_the_first_goes_on() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "50", "--duration", "60", "--out", "out"]);
+    chain.wait_for_frames();
+    let second = bench.run(&["capture", "--frames", "10"]);
+    assert!(!second.status.success());
+    let message = String::from_utf8_lossy(&second.stderr);
+    assert!(message.contains("lariat/default/frames already has a writer"), "{message}");
+    let whole = bench.run(&["run", "--frames", "10"]);
+    assert!(!whole.status.success());
+    let message = String::from_utf8_lossy(&whole.stderr);
+    assert!(message.contains("already has a writer"), "{message}");
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let lost = &bench.summary("out")["frames"]["lost"];
+    assert_eq!(lost, &json!({"source": 0, "capture": 0, "extract": 0, "fit": 0}));
+    bench.assert_nothing_is_left();
+}

@@ -1,0 +1,6 @@
+//! The whole chain, on the real binary: real processes, real shared memory, and what becomes of them.
+
+mod deaths;
+mod frames;
+mod rig;
+mod sources;

@@ -1,0 +1,171 @@
+//! A place to run the binary in: its own domain, so that no test sees another, and nothing left behind unnoticed.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A domain, and a folder for the files of a test.
+pub struct Bench {
+    pub domain: String,
+    pub folder: TempDir,
+}
+
+impl Bench {
+    pub fn new() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let domain = format!("t{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
+        Self { domain, folder: TempDir::new().expect("a temporary folder") }
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lariat"));
+        command
+            .args(arguments)
+            .env("LARIAT_DOMAIN", &self.domain)
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// Runs a command to its end.
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the binary runs")
+    }
+
+    /// Starts `lariat run` and waits until all its stages are up.
+    pub fn start(&self, arguments: &[&str]) -> Running {
+        let mut process = self
+            .command(&[&["run"], arguments].concat())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        let mut stderr = BufReader::new(process.stderr.take().expect("piped"));
+        let mut introduction = String::new();
+        while !introduction.contains('→') {
+            let mut line = String::new();
+            let read = stderr.read_line(&mut line).expect("readable");
+            assert!(read > 0, "the chain did not come up: {introduction}");
+            introduction += &line;
+        }
+        let ids = ["capture", "extract", "fit", "sink"].map(|stage| {
+            let mut words = introduction.split_whitespace().skip_while(|word| *word != stage);
+            words.nth(1).and_then(|id| id.parse().ok()).expect("a process id")
+        });
+        Running { process, stderr, ids }
+    }
+
+    /// A path in the test's folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// What `--out FOLDER` wrote.
+    pub fn summary(&self, folder: &str) -> Value {
+        let text = fs::read_to_string(self.path(folder).join("summary.json")).expect("a summary");
+        serde_json::from_str(&text).expect("JSON")
+    }
+
+    /// Names of files in shared memory and in the transport's folder that belong to this domain.
+    pub fn left_behind(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        for entry in fs::read_dir("/dev/shm").expect("shared memory").flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with(&format!("lariat_{}_", self.domain)) {
+                found.push(name);
+            }
+        }
+        let mut folders = vec![PathBuf::from(format!("/tmp/lariat-{}", self.domain))];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                if entry.path().is_dir() {
+                    folders.push(entry.path());
+                } else {
+                    found.push(entry.path().display().to_string());
+                }
+            }
+        }
+        found
+    }
+
+    pub fn assert_nothing_is_left(&self) {
+        let left = self.left_behind();
+        assert!(left.is_empty(), "left behind: {left:#?}");
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(format!("/tmp/lariat-{}", self.domain));
+    }
+}
+
+/// A chain that runs.
+pub struct Running {
+    pub process: Child,
+    stderr: BufReader<std::process::ChildStderr>,
+    /// capture, extract, fit, sink.
+    pub ids: [i32; 4],
+}
+
+/// How a chain ended.
+pub struct Ended {
+    pub status: ExitStatus,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Running {
+    /// Waits until the sink has said that frames arrived.
+    pub fn wait_for_frames(&mut self) {
+        let stdout = self.process.stdout.as_mut().expect("piped");
+        let mut text = String::new();
+        let mut byte = [0];
+        while !text.contains("received, ") {
+            assert_eq!(stdout.read(&mut byte).expect("readable"), 1, "the chain ended: {text}");
+            text.push(byte[0].into());
+        }
+    }
+
+    pub fn signal_chain(&self, signal: Signal) {
+        send(self.process.id() as i32, signal);
+    }
+
+    pub fn signal_stage(&self, place: usize, signal: Signal) {
+        send(self.ids[place], signal);
+    }
+
+    /// Waits for its end, reading what it says meanwhile.
+    pub fn end(mut self) -> Ended {
+        let mut stdout = self.process.stdout.take().expect("piped");
+        let (out, err) = std::thread::scope(|scope| {
+            let out = scope.spawn(|| {
+                let mut text = Vec::new();
+                stdout.read_to_end(&mut text).map(|_| String::from_utf8_lossy(&text).into_owned())
+            });
+            let mut err = String::new();
+            self.stderr.read_to_string(&mut err).expect("readable");
+            (out.join().expect("no panic").expect("readable"), err)
+        });
+        Ended { status: self.process.wait().expect("waited for"), stdout: out, stderr: err }
+    }
+}
+
+pub fn send(id: i32, signal: Signal) {
+    kill_process(Pid::from_raw(id).expect("a process id"), signal).expect("the process is there");
+}
+
+/// Waits until a process is gone.
+pub fn wait_until_gone(id: i32) {
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    while fs::metadata(format!("/proc/{id}")).is_ok() {
+        assert!(std::time::Instant::now() < deadline, "process {id} is still there");
+        std::thread::yield_now();
+    }
+}

@@ -1,0 +1,105 @@
+//! Sources that are no good, and those that are odd but good.
+
+use std::fs;
+
+use image::{GrayImage, Luma, Rgb, RgbImage};
+
+use crate::rig::Bench;
+
+/// Runs the chain on a source that cannot be used; returns what it said.
+fn refused(bench: &Bench, source: &str) -> String {
+    let output = bench.run(&["run", "--source", source, "--fps", "max"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(!said.contains("panicked"), "{said}");
+    bench.assert_nothing_is_left();
+    said
+}
+
+/// Runs the chain on a source; returns how many frames came, and how many with a curve.
+fn accepted(bench: &Bench, source: &str) -> (u64, u64) {
+    let output = bench.run(&["run", "--source", source, "--fps", "max", "--lossless", "--out", "out"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    bench.assert_nothing_is_left();
+    let frames = &bench.summary("out")["frames"];
+    let count = |key: &str| frames[key].as_u64().unwrap();
+    (count("received"), count("with_curve"))
+}
+
+fn rope_on_a_table(width: u32, height: u32) -> RgbImage {
+    let middle = height / 2;
+    RgbImage::from_fn(width, height, |x, y| {
+        let rope = y.abs_diff(middle) <= 5 && (width / 8..width - width / 8).contains(&x);
+        if rope { Rgb([20, 60, 160]) } else { Rgb([190, 185, 175]) }
+    })
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let bench = Bench::new();
+    assert!(refused(&bench, "nowhere.png").contains("nowhere.png"));
+}
+
+#[test]
+fn a_truncated_png_is_refused() {
+    let bench = Bench::new();
+    let path = bench.path("cut.png");
+    rope_on_a_table(320, 240).save(&path).unwrap();
+    let whole = fs::read(&path).unwrap();
+    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    assert!(refused(&bench, "cut.png").contains("cut.png"));
+}
+
+#[test]
+fn a_folder_without_images_is_refused() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("empty")).unwrap();
+    assert!(refused(&bench, "empty").contains("empty"));
+}
+
+#[test]
+fn a_video_of_0_bytes_is_refused() {
+    let bench = Bench::new();
+    fs::write(bench.path("nothing.y4m"), b"").unwrap();
+    assert!(refused(&bench, "nothing.y4m").contains("nothing.y4m"));
+}
+
+#[test]
+fn an_image_of_one_pixel_has_no_rope() {
+    let bench = Bench::new();
+    GrayImage::from_pixel(1, 1, Luma([200])).save(bench.path("one.png")).unwrap();
+    assert_eq!(accepted(&bench, "one.png"), (1, 0));
+}
+
+#[test]
+fn an_image_without_a_rope_is_answered_with_none() {
+    let bench = Bench::new();
+    RgbImage::from_pixel(320, 240, Rgb([190, 185, 175])).save(bench.path("table.png")).unwrap();
+    assert_eq!(accepted(&bench, "table.png"), (1, 0));
+}
+
+#[test]
+fn an_image_of_48_megapixels_goes_through_or_is_too_large_for_shared_memory() {
+    let bench = Bench::new();
+    rope_on_a_table(8000, 6000).save(bench.path("large.png")).unwrap();
+    let output = bench.run(&["run", "--source", "large.png", "--fps", "max", "--out", "out"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() {
+        let frames = &bench.summary("out")["frames"];
+        assert_eq!((frames["received"].as_u64(), frames["with_curve"].as_u64()), (Some(1), Some(1)));
+    } else {
+        assert!(said.contains("/dev/shm has "), "{said}");
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_folder_of_pictures_comes_in_natural_order_and_whole() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("pictures")).unwrap();
+    for number in [1, 2, 10] {
+        rope_on_a_table(300 + number, 200).save(bench.path(&format!("pictures/img{number}.png"))).unwrap();
+    }
+    assert_eq!(accepted(&bench, "pictures"), (3, 3));
+}
