@@ -78,9 +78,9 @@ impl Motion {
             rest: REST_TURNS.map(|turns| turns * random.sign() * random.uniform(0.7, 1.0)),
             closing: Wave {
                 amplitude: 0.7,
-                cycles: 3.0,
-                // The rope begins open.
-                phase: random.uniform(0.68, 0.8),
+                cycles: 2.0,
+                // The rope begins open, and crosses itself after some six seconds.
+                phase: random.uniform(0.78, 0.86),
             },
             basis: Vec::new(),
             centre_px: [0.0; 2],
