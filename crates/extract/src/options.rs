@@ -1,0 +1,144 @@
+//! What a user may say about the ropes, and the check that it makes sense.
+
+use thiserror::Error;
+
+/// What counts as rope, by colour. Bounds are inclusive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HsvRange {
+    /// Hue in degrees, 0 to 360. A range whose first bound is the larger one wraps through 0 (red).
+    pub hue_deg: [f32; 2],
+    /// Saturation, 0 to 1.
+    pub saturation: [f32; 2],
+    /// Value (the largest of red, green and blue), 0 to 1.
+    pub value: [f32; 2],
+}
+
+/// How the rope's pixels are told from the table's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Mask {
+    /// The background is found by itself; what differs from it by more than its noise is rope.
+    #[default]
+    Auto,
+    /// A pixel inside any of the ranges is rope: several ranges for several colours of rope.
+    Hsv(Vec<HsvRange>),
+}
+
+/// What to look for and how to describe it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// How the rope's pixels are told from the table's.
+    pub mask: Mask,
+    /// N, the points of each centerline, 2 to 256.
+    pub points: usize,
+    /// The most curves reported (the longest ones), 1 to 64.
+    pub ropes: usize,
+    /// On the first frame, the end nearest to this position (in pixels) is the first point;
+    /// `None`: the end nearest to the top left.
+    pub start: Option<[f32; 2]>,
+    /// Frames for which a rope that is out of sight is still reported, as `Status::Lost`.
+    pub keep_lost_frames: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            mask: Mask::Auto,
+            points: 120,
+            ropes: 8,
+            start: None,
+            keep_lost_frames: 30,
+        }
+    }
+}
+
+/// Why [`Options`] cannot be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum OptionsError {
+    /// The number of points is out of range.
+    #[error("{0} points a centerline: choose 2 to 256")]
+    Points(usize),
+    /// The number of ropes is out of range.
+    #[error("at most {0} ropes: choose 1 to 64")]
+    Ropes(usize),
+    /// No colour range was given.
+    #[error("the mask is by HSV but has no range: give at least one, or use the automatic mask")]
+    NoRange,
+    /// A bound is outside its scale or is not a number.
+    #[error(
+        "range {index}: {channel} [{}, {}] must lie within 0 to {limit}", .bounds[0], .bounds[1]
+    )]
+    Bound {
+        /// Which range, from 0.
+        index: usize,
+        /// `hue_deg`, `saturation` or `value`.
+        channel: &'static str,
+        /// The bounds as given.
+        bounds: [f32; 2],
+        /// The largest value of the scale.
+        limit: f32,
+    },
+    /// The bounds stand in the wrong order.
+    #[error(
+        "range {index}: {channel} [{}, {}] is turned around: put the smaller bound first \
+         (only a hue may wrap)", .bounds[0], .bounds[1]
+    )]
+    Reversed {
+        /// Which range, from 0.
+        index: usize,
+        /// `saturation` or `value`.
+        channel: &'static str,
+        /// The bounds as given.
+        bounds: [f32; 2],
+    },
+    /// The start position is not a number.
+    #[error("the start position [{}, {}] must be two finite numbers of pixels", .0[0], .0[1])]
+    Start([f32; 2]),
+}
+
+impl Options {
+    /// Checks every field.
+    pub(crate) fn check(&self) -> Result<(), OptionsError> {
+        if !(2..=256).contains(&self.points) {
+            return Err(OptionsError::Points(self.points));
+        }
+        if !(1..=64).contains(&self.ropes) {
+            return Err(OptionsError::Ropes(self.ropes));
+        }
+        if let Some(start) = self.start
+            && !(start[0].is_finite() && start[1].is_finite())
+        {
+            return Err(OptionsError::Start(start));
+        }
+        match &self.mask {
+            Mask::Auto => Ok(()),
+            Mask::Hsv(ranges) if ranges.is_empty() => Err(OptionsError::NoRange),
+            Mask::Hsv(ranges) => ranges.iter().enumerate().try_for_each(check_range),
+        }
+    }
+}
+
+fn check_range((index, range): (usize, &HsvRange)) -> Result<(), OptionsError> {
+    let channels = [
+        ("hue_deg", range.hue_deg, 360.0, true),
+        ("saturation", range.saturation, 1.0, false),
+        ("value", range.value, 1.0, false),
+    ];
+    for (channel, bounds, limit, wraps) in channels {
+        if !bounds.iter().all(|b| (0.0..=limit).contains(b)) {
+            return Err(OptionsError::Bound {
+                index,
+                channel,
+                bounds,
+                limit,
+            });
+        }
+        if !wraps && bounds[0] > bounds[1] {
+            return Err(OptionsError::Reversed {
+                index,
+                channel,
+                bounds,
+            });
+        }
+    }
+    Ok(())
+}

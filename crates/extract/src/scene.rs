@@ -1,0 +1,62 @@
+//! What the extractor says about one image.
+
+/// How much of a rope is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// Seen from end to end.
+    Ok,
+    /// Seen, but a part of it is covered or cut off: compare its length with the frames before.
+    Partial,
+    /// Not seen in this image: the points are its last known shape.
+    Lost,
+}
+
+/// The centerline of one rope.
+///
+/// Positions are in pixels: x to the right, y down, (0, 0) the centre of the top-left pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// The rope's number, kept from frame to frame.
+    pub track: u32,
+    /// How much of the rope is seen.
+    pub status: Status,
+    /// Whether the rope has no ends. The last point is then one step before the first.
+    pub closed: bool,
+    /// Whether the first and the last point lie where the rope leaves the image.
+    pub border: [bool; 2],
+    /// N points at equal steps of arc length, [x, y] in pixels; an open rope's first and last are
+    /// its two tips.
+    pub points: Vec<[f32; 2]>,
+    /// The rope's width at each point, in pixels.
+    pub widths_px: Vec<f32>,
+    /// The median of `widths_px`.
+    pub width_px: f32,
+    /// Arc length from tip to tip (once around, when closed), in pixels.
+    pub length_px: f32,
+}
+
+/// A place where a rope passes over a rope, another or itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Where, in pixels.
+    pub at: [f32; 2],
+    /// Index in [`Scene::curves`] of the upper rope.
+    pub over: usize,
+    /// Index in [`Scene::curves`] of the lower rope.
+    pub under: usize,
+    /// Where on the upper rope, as normalized arc length from 0 to 1.
+    pub over_rho: f32,
+    /// Where on the lower rope, as normalized arc length from 0 to 1.
+    pub under_rho: f32,
+    /// How sure the order is, from 0 (not known which is on top) to 1.
+    pub confidence: f32,
+}
+
+/// The ropes seen in one image, borrowed from the extractor until the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scene<'a> {
+    /// The ropes, the oldest track first.
+    pub curves: &'a [Curve],
+    /// Where they cross, at most 32.
+    pub crossings: &'a [Crossing],
+}
