@@ -3,12 +3,16 @@
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use anyhow::Result;
 use clap::{Parser, Subcommand};
 
+use crate::config_command::{self, ConfigArgs};
+use crate::fit_lines::{self, FitArgs};
 use crate::settings::{ChainArgs, Settings};
+use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
 
-/// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory.
+/// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
 /// Without a command: shows the whole chain live on a rendered rope, for 10 seconds.
 #[derive(Parser)]
@@ -20,49 +24,51 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Runs the whole chain: capture, extract, fit and sink, each in a process of its own.
+    /// The whole chain: capture, extract, fit and sink, each in a process of its own
     Run(ChainArgs),
-    /// Runs the first stage alone: sends a source's frames.
+    /// The first stage alone: sends a source's frames
     Capture(ChainArgs),
-    /// Runs the second stage alone: frames in, centerlines out.
+    /// The second stage alone: frames in, centerlines out
     Extract(ChainArgs),
-    /// Runs the third stage alone: centerlines in, descriptors out.
-    Fit(ChainArgs),
-    /// Runs the last stage alone: counts and times what arrives, and reports at the end.
+    /// The third stage alone; or descriptors of centerlines, line by line
+    Fit(FitArgs),
+    /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(ChainArgs),
+    /// The shapes of the ropes in pictures
+    Trace(TraceArgs),
+    /// Writes, checks and shows lariat.toml
+    Config(ConfigArgs),
 }
 
-/// How long the chain runs when nothing was asked of it.
-const SHOW: &str = "--duration=10";
+/// What is asked of the chain when nothing was asked.
+const SHOW: [&str; 1] = ["--duration=10s"];
 
 /// Does what the command line asks.
-pub fn run() -> anyhow::Result<ExitCode> {
+pub(crate) fn run() -> Result<ExitCode> {
     let cli = Cli::parse();
     log_to_stderr();
-    let done = |()| ExitCode::SUCCESS;
     match cli.command {
-        None => chain::run(&[SHOW.into()]),
-        Some(Command::Run(arguments)) => {
-            // Checked here, so that a mistake is told once and not by four processes.
-            Settings::resolve(&arguments)?;
+        None => chain::run(&SHOW.map(OsString::from)),
+        Some(Command::Run(args)) => {
+            // Resolved here too, so that a mistake is told once and not by four processes.
+            Settings::resolve(&args)?;
             chain::run(&after_the_command())
         }
-        Some(Command::Capture(arguments)) => {
-            stages::capture::run(&Settings::resolve(&arguments)?).map(done)
-        }
-        Some(Command::Extract(arguments)) => {
-            stages::extract::run(&Settings::resolve(&arguments)?).map(done)
-        }
-        Some(Command::Fit(arguments)) => {
-            stages::fit::run(&Settings::resolve(&arguments)?).map(done)
-        }
-        Some(Command::Sink(arguments)) => {
-            stages::sink::run(&Settings::resolve(&arguments)?).map(done)
-        }
+        Some(Command::Capture(args)) => stage(&args, stages::capture::run),
+        Some(Command::Extract(args)) => stage(&args, stages::extract::run),
+        Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
+        Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
+        Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Trace(args)) => trace::run(args),
+        Some(Command::Config(args)) => config_command::run(args),
     }
 }
 
-/// The stages understand the same options as `lariat run`, and are given them as they were typed.
+fn stage(args: &ChainArgs, run: fn(&Settings) -> Result<()>) -> Result<ExitCode> {
+    run(&Settings::resolve(args)?).map(|()| ExitCode::SUCCESS)
+}
+
+/// The stages understand the flags of `lariat run`, and are given them as they were typed.
 fn after_the_command() -> Vec<OsString> {
     std::env::args_os().skip(2).collect()
 }

@@ -2,18 +2,20 @@
 
 mod chain;
 mod cli;
+mod config_command;
+mod descriptor_json;
+mod fit_lines;
 mod settings;
 mod stages;
 mod stop;
+mod trace;
+mod whole_file;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::run() {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("lariat: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    cli::run().unwrap_or_else(|error| {
+        eprintln!("lariat: {error:#}");
+        ExitCode::FAILURE
+    })
 }

@@ -1,104 +1,321 @@
-//! temporary
+//! What the user wants, from three places: the defaults, `lariat.toml`, and the flags, each overruling the
+//! one before.
+//!
+//! Every setting is one entry of the table in `keys`: its section, name and comment, how it is read and how it
+//! is written. The file's check, `config init`, `config show` and the flags all go by that table.
+
+mod args;
+mod duration;
+mod file;
+mod keys;
+mod meaning;
+mod problem;
+
+pub(crate) use args::{ChainArgs, ShapeArgs};
+pub(crate) use keys::template;
+pub(crate) use problem::Problems;
+
+use crate::settings::keys::KEYS;
+use crate::settings::problem::Origin;
 use anyhow::Result;
-use clap::Args;
-use std::path::PathBuf;
-#[derive(Args, Default, Debug, Clone)]
-pub struct ChainArgs {
-    #[arg(long)]
-    pub source: Vec<String>,
-    #[arg(long)]
-    pub fps: Option<String>,
-    #[arg(long)]
-    pub duration: Option<f64>,
-    #[arg(long)]
-    pub frames: Option<u64>,
-    #[arg(long)]
-    pub order: Option<usize>,
-    #[arg(long)]
-    pub rig: Option<String>,
-    #[arg(long)]
-    pub lossless: bool,
-    #[arg(long)]
-    pub out: Option<PathBuf>,
+use lariat_capture::{Pace, RenderOptions, Source};
+use lariat_extract::Mask;
+use lariat_fit::{Fitter, Solver};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The file that is read where none is named.
+pub(crate) const FILE_NAME: &str = "lariat.toml";
+
+/// All settings of a chain, section by section.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Settings {
+    pub(crate) run: Run,
+    pub(crate) capture: Capture,
+    pub(crate) extract: Extract,
+    pub(crate) fit: Fit,
+    pub(crate) sink: Sink,
 }
-pub struct Settings {
-    pub run: Run,
-    pub capture: Capture,
-    pub extract: Extract,
-    pub fit: Fit,
+
+/// `[run]`: the chain as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Run {
+    /// The name of the camera chain: 1 to 32 of a–z, 0–9, `_` and `-`.
+    pub(crate) rig: String,
+    /// Whether capture waits for slow readers, so that no frame is lost.
+    pub(crate) lossless: bool,
+    /// How long to run; without it, until the source ends or the user says so.
+    pub(crate) duration: Option<Duration>,
+    /// How many frames to capture at most.
+    pub(crate) frames: Option<u64>,
+    /// The folder for the report; without it, none is written.
+    pub(crate) out: Option<PathBuf>,
+    /// The latency that counts as a miss; without it, the frame period.
+    pub(crate) deadline: Option<Duration>,
 }
-pub struct Run {
-    pub rig: String,
-    pub lossless: bool,
-    pub frames: Option<u64>,
-    pub duration: Option<f64>,
-    pub out: Option<PathBuf>,
-}
+
 impl Run {
-    pub fn duration_ns(&self) -> Option<u64> {
-        self.duration.map(|d| (d * 1e9) as u64)
+    /// How long to run, in nanoseconds.
+    pub(crate) fn duration_ns(&self) -> Option<u64> {
+        self.duration.map(nanoseconds)
     }
 }
-pub struct Capture {
-    source: Vec<String>,
-    fps: String,
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
+
+impl Default for Run {
+    fn default() -> Self {
+        Self {
+            rig: "default".to_owned(),
+            lossless: false,
+            duration: None,
+            frames: None,
+            out: None,
+            deadline: None,
+        }
+    }
+}
+
+/// How fast frames are sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Fps {
+    /// At this many frames a second.
+    PerSecond(f64),
+    /// As fast as they can be made.
+    Max,
+}
+
+/// `[capture]`: where frames come from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Capture {
+    /// `rendered` alone, or the paths of pictures, folders or a video.
+    pub(crate) source: Vec<PathBuf>,
+    pub(crate) fps: Fps,
+    /// Width and height of the rendered picture, px.
+    pub(crate) size: [u32; 2],
+    /// Which of all rendered ropes.
+    pub(crate) seed: u64,
+    /// Whether files begin again after the last.
+    pub(crate) looped: bool,
+}
+
+impl Default for Capture {
+    fn default() -> Self {
+        Self {
+            source: vec![PathBuf::from("rendered")],
+            fps: Fps::PerSecond(30.0),
+            size: [640, 480],
+            seed: 1,
+            looped: false,
+        }
+    }
+}
+
 impl Capture {
-    pub fn source(&self) -> lariat_capture::Source {
-        let names = if self.source.is_empty() { vec!["rendered".to_string()] } else { self.source.clone() };
-        lariat_capture::Source::named(&names, false, Default::default())
+    /// The source itself; rendered ropes have a truth of `points` points.
+    pub(crate) fn source(&self, points: usize) -> Source {
+        let defaults = RenderOptions::default();
+        let rendered = RenderOptions {
+            seed: self.seed,
+            width: self.size[0],
+            height: self.size[1],
+            // The rope moves at its own speed, however often it is looked at.
+            frame_interval_s: match self.fps {
+                Fps::PerSecond(fps) => 1.0 / fps,
+                Fps::Max => defaults.frame_interval_s,
+            },
+            truth_points: points as u32,
+            ..defaults
+        };
+        Source::named(&self.source, self.looped, rendered)
     }
-    pub fn pace(&self, _native: Option<f64>) -> lariat_capture::Pace {
-        self.fps.parse().unwrap()
+
+    /// When frames are due.
+    pub(crate) fn pace(&self) -> Pace {
+        match self.fps {
+            Fps::PerSecond(fps) => Pace::Fps(fps),
+            Fps::Max => Pace::Max,
+        }
     }
 }
-pub struct Extract {
-    pub points: usize,
+
+/// `[extract]`: what is a rope, and how it is described.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Extract {
+    pub(crate) mask: Mask,
+    /// Points of a centerline.
+    pub(crate) points: usize,
+    /// The most ropes reported.
+    pub(crate) ropes: usize,
+    /// Near which position (px) the first point is, in the first frame.
+    pub(crate) start: Option<[f32; 2]>,
 }
+
+impl Default for Extract {
+    fn default() -> Self {
+        Self {
+            mask: Mask::Auto,
+            points: 120,
+            ropes: 8,
+            start: None,
+        }
+    }
+}
+
 impl Extract {
-    pub fn options(&self) -> lariat_extract::Options {
+    /// The extractor's own options.
+    pub(crate) fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options {
+            mask: self.mask.clone(),
             points: self.points,
-            ..Default::default()
+            ropes: self.ropes,
+            start: self.start,
+            ..lariat_extract::Options::default()
         }
     }
 }
-pub struct Fit {
-    order: usize,
+
+/// `[fit]`: the curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fit {
+    pub(crate) order: usize,
+    pub(crate) solver: Solver,
 }
+
+impl Default for Fit {
+    fn default() -> Self {
+        Self {
+            order: 8,
+            solver: Solver::Pinv,
+        }
+    }
+}
+
 impl Fit {
-    pub fn options(&self, points: usize) -> lariat_fit::Options {
+    /// The fitter's own options for centerlines of `points` points.
+    pub(crate) fn options(&self, points: usize) -> lariat_fit::Options {
         lariat_fit::Options {
-            points,
             order: self.order,
-            ..Default::default()
+            points,
+            solver: self.solver,
         }
     }
 }
-impl Settings {
-    pub fn resolve(a: &ChainArgs) -> Result<Self> {
-        Ok(Self {
-            run: Run {
-                rig: a.rig.clone().unwrap_or("default".into()),
-                lossless: a.lossless,
-                frames: a.frames,
-                duration: a.duration,
-                out: a.out.clone(),
-            },
-            capture: Capture {
-                source: a.source.clone(),
-                fps: a.fps.clone().unwrap_or("30".into()),
-            },
-            extract: Extract { points: 120 },
-            fit: Fit {
-                order: a.order.unwrap_or(8),
-            },
-        })
+
+/// `[sink]`: what is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Sink {
+    /// Whether a line of figures is shown while the chain runs.
+    pub(crate) live: bool,
+}
+
+impl Default for Sink {
+    fn default() -> Self {
+        Self { live: true }
     }
-    pub fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
+}
+
+impl Settings {
+    /// The settings that hold for these flags: defaults, then the file (`--config`, or `./lariat.toml` where
+    /// there is one), then the flags.
+    ///
+    /// # Errors
+    /// All that is wrong with the file and the flags, a sentence each.
+    pub(crate) fn resolve(args: &ChainArgs) -> Result<Self> {
+        Ok(Resolved::new(args)?.settings)
+    }
+
+    /// What the sink is to count by. `from_start`: it was there before the first frame.
+    pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
+        let period_ns = match self.capture.fps {
+            Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
+            Fps::Max => None,
+        };
         lariat_sink::Options {
+            period_ns,
+            deadline_ns: self.run.deadline.map(nanoseconds),
             from_start,
-            ..Default::default()
         }
+    }
+
+    /// The settings of one file alone.
+    ///
+    /// # Errors
+    /// All that is wrong with it, a sentence each.
+    pub(crate) fn of_file(path: &Path) -> Result<Self> {
+        let shape = ShapeArgs {
+            config: Some(path.to_owned()),
+            ..ShapeArgs::default()
+        };
+        Self::resolve(&shape.into())
+    }
+}
+
+/// Settings, and where each of them came from.
+pub(crate) struct Resolved {
+    pub(crate) settings: Settings,
+    /// In the order of [`KEYS`].
+    origins: Vec<Origin>,
+}
+
+impl Resolved {
+    pub(crate) fn new(args: &ChainArgs) -> Result<Self> {
+        let mut resolved = Self {
+            settings: Settings::default(),
+            origins: vec![Origin::Default; KEYS.len()],
+        };
+        let mut problems = Problems::default();
+        if let Some(path) = file::path(args.shape.config.as_deref()) {
+            for entry in file::read(&path, &mut problems)? {
+                resolved.set(entry.key, entry.value, entry.origin, &mut problems);
+            }
+        }
+        for (flag, section, name, value) in args.given() {
+            if let Some(key) = keys::position(section, name) {
+                resolved.set(key, value, Origin::Flag(flag), &mut problems);
+            }
+        }
+        // What depends on several settings is judged only where each of them makes sense.
+        if problems.is_empty() {
+            resolved.check_fit(&mut problems);
+        }
+        problems.into_result()?;
+        Ok(resolved)
+    }
+
+    fn set(&mut self, key: usize, value: toml::Value, origin: Origin, problems: &mut Problems) {
+        match (KEYS[key].set)(&mut self.settings, &value) {
+            Ok(()) => self.origins[key] = origin,
+            Err(why) => problems.add(&origin, format!("{}: {why}", origin.quote(key, &value))),
+        }
+    }
+
+    /// Whether there is a fitter for this order, number of points and solver.
+    fn check_fit(&self, problems: &mut Problems) {
+        let options = self.settings.fit.options(self.settings.extract.points);
+        let Err(error) = Fitter::new(options) else {
+            return;
+        };
+        // Blamed on what the user has said last, of the three that together make it impossible.
+        let said = [("fit", "order"), ("extract", "points"), ("fit", "solver")]
+            .iter()
+            .filter_map(|(section, name)| keys::position(section, name))
+            .map(|key| &self.origins[key])
+            .max()
+            .unwrap_or(&Origin::Default);
+        problems.add(said, error.to_string());
+    }
+
+    /// All settings as the text of a `lariat.toml`, each with where it came from.
+    pub(crate) fn show(&self) -> String {
+        keys::document(|index, key| {
+            let origin = &self.origins[index];
+            match (key.get)(&self.settings) {
+                Some(value) => format!("{} = {value}  # {origin}\n", key.name),
+                None => format!("# {} is not set\n", key.name),
+            }
+        })
     }
 }

@@ -11,7 +11,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// The wish of a signal that this process come to its end.
-pub struct Stop {
+pub(crate) struct Stop {
     asked: Arc<AtomicBool>,
     /// Readable from the first signal on: it is never emptied.
     pipe: UnixStream,
@@ -19,7 +19,7 @@ pub struct Stop {
 
 impl Stop {
     /// From now on the two signals are a wish. A second SIGINT or SIGTERM ends the process at once.
-    pub fn on_signals() -> anyhow::Result<Self> {
+    pub(crate) fn on_signals() -> anyhow::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
         let (pipe, write) = UnixStream::pair().context("no pipe for signals could be made")?;
         for signal in [SIGINT, SIGTERM] {
@@ -36,17 +36,17 @@ impl Stop {
     }
 
     /// Whether a signal came.
-    pub fn asked(&self) -> bool {
+    pub(crate) fn asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
     }
 
     /// The flag itself, for a lossless writer.
-    pub fn flag(&self) -> Arc<AtomicBool> {
+    pub(crate) fn flag(&self) -> Arc<AtomicBool> {
         self.asked.clone()
     }
 
     /// Sleeps until a moment of [`now_ns`]; `false` if a signal came first.
-    pub fn sleep_until(&self, due_ns: u64) -> bool {
+    pub(crate) fn sleep_until(&self, due_ns: u64) -> bool {
         while !self.asked() {
             let left_ns = due_ns.saturating_sub(now_ns());
             if left_ns == 0 {

@@ -16,7 +16,7 @@ use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent};
 
 /// How a stage ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ending {
+pub(crate) enum Ending {
     /// With exit code 0.
     Well,
     /// With another exit code; it has said why.
@@ -46,8 +46,8 @@ impl fmt::Display for Ending {
 }
 
 /// A stage that was started.
-pub struct Child {
-    pub stage: &'static str,
+pub(crate) struct Child {
+    pub(crate) stage: &'static str,
     process: std::process::Child,
     /// What it says; `None` once it has ended.
     line: Option<std::fs::File>,
@@ -62,7 +62,7 @@ pub struct Child {
 
 impl Child {
     /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with.
-    pub fn start(stage: &'static str, arguments: &[OsString]) -> anyhow::Result<Self> {
+    pub(crate) fn start(stage: &'static str, arguments: &[OsString]) -> anyhow::Result<Self> {
         let starting = || format!("{stage} could not be started");
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
         rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
@@ -96,42 +96,42 @@ impl Child {
     }
 
     /// Its process id.
-    pub fn id(&self) -> u32 {
+    pub(crate) fn id(&self) -> u32 {
         self.process.id()
     }
 
     /// Whether it can receive.
-    pub fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.ready
     }
 
     /// Whether its work is done, rather than broken off.
-    pub fn is_done(&self) -> bool {
+    pub(crate) fn is_done(&self) -> bool {
         self.done
     }
 
     /// What it said it sent in all, if it lived to say so.
-    pub fn sent(&self) -> Option<Sent> {
+    pub(crate) fn sent(&self) -> Option<Sent> {
         self.sent
     }
 
     /// How it ended, if it has.
-    pub fn ending(&self) -> Option<Ending> {
+    pub(crate) fn ending(&self) -> Option<Ending> {
         self.ending
     }
 
     /// Whether its end was wished.
-    pub fn was_told_to_stop(&self) -> bool {
+    pub(crate) fn was_told_to_stop(&self) -> bool {
         self.told_to_stop
     }
 
     /// Readable when it said something, or ended; `None` once it has.
-    pub fn line(&self) -> Option<BorrowedFd<'_>> {
+    pub(crate) fn line(&self) -> Option<BorrowedFd<'_>> {
         self.line.as_ref().map(AsFd::as_fd)
     }
 
     /// Takes note of what it said, without waiting.
-    pub fn listen(&mut self) {
+    pub(crate) fn listen(&mut self) {
         let Some(line) = &mut self.line else { return };
         let mut buffer = [0; 256];
         loop {
@@ -170,7 +170,7 @@ impl Child {
     }
 
     /// Writes to its standard input and closes it.
-    pub fn tell(&mut self, word: &str) {
+    pub(crate) fn tell(&mut self, word: &str) {
         if let Some(mut stdin) = self.process.stdin.take() {
             // If it is gone, its ending says so.
             let _ = stdin.write_all(word.as_bytes());
@@ -178,22 +178,21 @@ impl Child {
     }
 
     /// Asks it to work off what waits, and end.
-    pub fn tell_to_stop(&mut self) {
+    pub(crate) fn tell_to_stop(&mut self) {
         self.told_to_stop = true;
         self.signal(Signal::TERM);
     }
 
     /// Ends it at once.
-    pub fn kill(&mut self) {
+    pub(crate) fn kill(&mut self) {
         self.signal(Signal::KILL);
     }
 
     fn signal(&self, signal: Signal) {
         // Not waited for yet, so the number is still this process's.
-        if self.ending.is_none() {
-            if let Some(pid) = i32::try_from(self.id()).ok().and_then(Pid::from_raw) {
-                let _ = kill_process(pid, signal);
-            }
+        let pid = i32::try_from(self.id()).ok().and_then(Pid::from_raw);
+        if let (None, Some(pid)) = (self.ending, pid) {
+            let _ = kill_process(pid, signal);
         }
     }
 }

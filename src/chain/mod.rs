@@ -26,7 +26,7 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
 /// `arguments` are handed on to every stage, which take what concerns them.
-pub fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
+pub(crate) fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
     // From the end to the beginning, so that every message finds its reader there.

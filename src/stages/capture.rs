@@ -9,10 +9,10 @@ use super::status::Sent;
 use crate::settings::Settings;
 
 /// Sends frames until the source or its time ends, or a signal comes.
-pub fn run(settings: &Settings) -> anyhow::Result<()> {
+pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
-    let mut source = lariat_capture::open(&settings.capture.source())?;
-    let mut pacer = Pacer::new(settings.capture.pace(source.native_fps()))?;
+    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let mut pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
         rig,

@@ -11,7 +11,7 @@ use super::{Backlog, Station, receive};
 use crate::settings::Settings;
 
 /// Extracts until a signal comes.
-pub fn run(settings: &Settings) -> anyhow::Result<()> {
+pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
     let mut extractor = Extractor::new(settings.extract.options())?;
     let Station {
@@ -59,7 +59,7 @@ pub fn run(settings: &Settings) -> anyhow::Result<()> {
 }
 
 /// A frame as extraction sees it.
-pub fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<'a>> {
+pub(crate) fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<'a>> {
     use lariat_wire::PixelFormat as Wire;
     let format = match header.format() {
         Some(Wire::Gray8) => PixelFormat::Gray8,
@@ -81,7 +81,7 @@ pub fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<
 }
 
 /// Writes what was seen into a message.
-pub fn fill(message: &mut Centerlines, scene: &Scene) {
+pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
     let curves = scene.curves.len().min(MAX_CURVES);
     message.count = curves as u32;
     for (to, from) in message.curves.iter_mut().zip(scene.curves) {
@@ -123,11 +123,11 @@ pub fn fill(message: &mut Centerlines, scene: &Scene) {
 
 /// Says a thing the first time only: a fault of every frame would fill the screen.
 #[derive(Default)]
-pub struct Warned(bool);
+pub(crate) struct Warned(bool);
 
 impl Warned {
     /// Warns, once.
-    pub fn once(&mut self, cause: &anyhow::Error) {
+    pub(crate) fn once(&mut self, cause: &anyhow::Error) {
         if !std::mem::replace(&mut self.0, true) {
             tracing::warn!("{cause:#}");
         }

@@ -12,7 +12,7 @@ use super::{Backlog, Station, receive};
 use crate::settings::Settings;
 
 /// Fits until a signal comes.
-pub fn run(settings: &Settings) -> anyhow::Result<()> {
+pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
     let mut curves = CurveFitter::new(settings.fit.options(settings.extract.points))?;
     let Station {
@@ -49,7 +49,7 @@ pub fn run(settings: &Settings) -> anyhow::Result<()> {
 }
 
 /// Writes the descriptors of all curves into a message. A curve that cannot be fitted is left out.
-pub fn fill(
+pub(crate) fn fill(
     message: &mut Descriptors,
     seen: &Centerlines,
     curves: &mut CurveFitter,
@@ -67,7 +67,7 @@ pub fn fill(
 }
 
 /// A fitter for whatever number of points the centerlines have.
-pub struct CurveFitter {
+pub(crate) struct CurveFitter {
     options: lariat_fit::Options,
     fitter: Fitter,
     points: Box<[[f64; 2]; MAX_POINTS]>,
@@ -75,7 +75,7 @@ pub struct CurveFitter {
 
 impl CurveFitter {
     /// Precomputes for the number of points in `options`.
-    pub fn new(options: lariat_fit::Options) -> anyhow::Result<Self> {
+    pub(crate) fn new(options: lariat_fit::Options) -> anyhow::Result<Self> {
         Ok(Self {
             options,
             fitter: Fitter::new(options)?,
@@ -84,7 +84,7 @@ impl CurveFitter {
     }
 
     /// Fits one curve.
-    pub fn fit(&mut self, curve: &Curve, descriptor: &mut Descriptor) -> anyhow::Result<()> {
+    pub(crate) fn fit(&mut self, curve: &Curve, descriptor: &mut Descriptor) -> anyhow::Result<()> {
         let points = curve.points();
         if points.len() != self.options.points {
             // Extract was started with another number: its word counts, and the algebra is done anew, once.

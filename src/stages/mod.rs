@@ -1,10 +1,10 @@
 //! The four stages as processes: thin shells that receive, call a library, and send.
 
-pub mod capture;
-pub mod extract;
-pub mod fit;
-pub mod sink;
-pub mod status;
+pub(crate) mod capture;
+pub(crate) mod extract;
+pub(crate) mod fit;
+pub(crate) mod sink;
+pub(crate) mod status;
 
 use lariat_wire::{Delivery, Domain, Rig, now_ns};
 
@@ -13,16 +13,16 @@ use crate::stop::Stop;
 use status::Status;
 
 /// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
-pub struct Station {
-    pub domain: Domain,
-    pub rig: Rig,
-    pub delivery: Delivery,
-    pub stop: Stop,
-    pub status: Status,
+pub(crate) struct Station {
+    pub(crate) domain: Domain,
+    pub(crate) rig: Rig,
+    pub(crate) delivery: Delivery,
+    pub(crate) stop: Stop,
+    pub(crate) status: Status,
 }
 
 impl Station {
-    pub fn open(settings: &Settings) -> anyhow::Result<Self> {
+    pub(crate) fn open(settings: &Settings) -> anyhow::Result<Self> {
         let stop = Stop::on_signals()?;
         let status = Status::of_the_chain()?;
         let delivery = if settings.run.lossless {
@@ -45,13 +45,13 @@ impl Station {
 /// A backlog is worked off in order. But a gap says that the backlog overflowed: what still waits is old then, and the
 /// newest message is worth more than the rest.
 #[derive(Default)]
-pub struct Backlog {
+pub(crate) struct Backlog {
     last: Option<u64>,
 }
 
 impl Backlog {
     /// Takes the counter of a message just received; `true` if messages before it were lost.
-    pub fn overflowed(&mut self, count: u64) -> bool {
+    pub(crate) fn overflowed(&mut self, count: u64) -> bool {
         let gap = self.last.is_some_and(|last| count > last + 1);
         self.last = Some(count);
         gap
@@ -61,7 +61,7 @@ impl Backlog {
 /// Receives the next message of a stage, sleeping until there is one; `None` when the stage is to end and nothing waits.
 ///
 /// Returns the message with the moment it was in hand.
-pub fn receive<P: lariat_wire::Payload + ?Sized>(
+pub(crate) fn receive<P: lariat_wire::Payload + ?Sized>(
     reader: &lariat_wire::Reader<P>,
     backlog: &mut Backlog,
     count: impl Fn(&lariat_wire::Message<P>) -> u64,
@@ -72,11 +72,11 @@ pub fn receive<P: lariat_wire::Payload + ?Sized>(
         // Asked before looking: what was sent before the signal is still received.
         let last_look = stop.asked();
         if let Some(mut message) = reader.next()? {
-            if backlog.overflowed(count(&message)) {
-                if let Some(newest) = reader.latest()? {
-                    message = newest;
-                    backlog.last = Some(count(&message));
-                }
+            if backlog.overflowed(count(&message))
+                && let Some(newest) = reader.latest()?
+            {
+                message = newest;
+                backlog.last = Some(count(&message));
             }
             return Ok(Some((message, now_ns())));
         }

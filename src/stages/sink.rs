@@ -16,13 +16,13 @@ const ON_TERMINAL: Duration = Duration::from_millis(100);
 const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal comes, then reports.
-pub fn run(settings: &Settings) -> anyhow::Result<()> {
+pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
     let supervised = station.status.is_supervised();
     let mut sink = Sink::new(settings.sink_options(supervised));
     let channels = Channels::open(&station)?;
     station.status.ready();
-    let mut line = LiveLine::new();
+    let mut line = LiveLine::new(settings.sink.live);
     loop {
         let last_look = station.stop.asked();
         channels.drain(&mut sink)?;
@@ -30,7 +30,7 @@ pub fn run(settings: &Settings) -> anyhow::Result<()> {
             break;
         }
         line.show_if_due(&mut sink);
-        channels.sleep(line.due, &station)?;
+        channels.sleep(line.due(), &station)?;
     }
     line.end();
     let word = if supervised {
@@ -100,8 +100,8 @@ impl Channels {
         Ok(())
     }
 
-    fn sleep(&self, deadline: Instant, station: &Station) -> anyhow::Result<()> {
-        let (deadline, stop) = (Some(deadline), Some(station.stop.as_fd()));
+    fn sleep(&self, deadline: Option<Instant>, station: &Station) -> anyhow::Result<()> {
+        let stop = Some(station.stop.as_fd());
         if self.lossless {
             sleep_for_any(
                 [&self.descriptors, &self.centerlines, &self.truth],
@@ -140,22 +140,29 @@ fn last_word() -> Option<FinalCounts> {
 
 /// The line that says how it goes: in place on a terminal, a line a second elsewhere.
 struct LiveLine {
+    wanted: bool,
     in_place: bool,
     due: Instant,
 }
 
 impl LiveLine {
-    fn new() -> Self {
+    fn new(wanted: bool) -> Self {
         let in_place = std::io::stdout().is_terminal();
         Self {
+            wanted,
             in_place,
             due: Instant::now() + ELSEWHERE,
         }
     }
 
+    /// When it is to be renewed.
+    fn due(&self) -> Option<Instant> {
+        self.wanted.then_some(self.due)
+    }
+
     fn show_if_due(&mut self, sink: &mut Sink) {
         let now = Instant::now();
-        if now < self.due {
+        if !self.wanted || now < self.due {
             return;
         }
         self.due = now
@@ -176,7 +183,7 @@ impl LiveLine {
     }
 
     fn end(&self) {
-        if self.in_place {
+        if self.wanted && self.in_place {
             let _ = writeln!(std::io::stdout());
         }
     }

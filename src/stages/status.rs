@@ -10,23 +10,23 @@ use anyhow::Context;
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
 /// The variable that holds the pipe's number.
-pub const STATUS_FD: &str = "LARIAT_STATUS_FD";
+pub(crate) const STATUS_FD: &str = "LARIAT_STATUS_FD";
 /// The variable that holds the process id of the chain.
-pub const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
+pub(crate) const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
 
 /// How many frames a stage sent, and the number the source gave to the last of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Sent {
-    pub count: u64,
-    pub last_sequence: u64,
+pub(crate) struct Sent {
+    pub(crate) count: u64,
+    pub(crate) last_sequence: u64,
 }
 
 /// The stage's end of the line. Says nothing if the stage was started by hand.
-pub struct Status(Option<File>);
+pub(crate) struct Status(Option<File>);
 
 impl Status {
     /// Takes up the line, and asks the kernel to end this process with the chain's.
-    pub fn of_the_chain() -> anyhow::Result<Self> {
+    pub(crate) fn of_the_chain() -> anyhow::Result<Self> {
         let Ok(number) = std::env::var(STATUS_FD) else {
             return Ok(Self(None));
         };
@@ -47,22 +47,22 @@ impl Status {
     }
 
     /// Whether a chain started this stage.
-    pub fn is_supervised(&self) -> bool {
+    pub(crate) fn is_supervised(&self) -> bool {
         self.0.is_some()
     }
 
     /// The stage can receive: what is sent to it from now on arrives.
-    pub fn ready(&mut self) {
+    pub(crate) fn ready(&mut self) {
         self.say("ready\n");
     }
 
     /// The source has ended, or as much of it was sent as was asked.
-    pub fn done(&mut self) {
+    pub(crate) fn done(&mut self) {
         self.say("done\n");
     }
 
     /// The stage's last word.
-    pub fn sent(&mut self, sent: Sent) {
+    pub(crate) fn sent(&mut self, sent: Sent) {
         self.say(&format!("sent {} {}\n", sent.count, sent.last_sequence));
     }
 

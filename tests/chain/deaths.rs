@@ -19,11 +19,18 @@ fn a_stage_dies(place: usize, signal: Signal, how: &str) {
     ids.map(wait_until_gone);
     // A sink that was killed can report nothing; every other death is in its report.
     if STAGES[place] != "sink" || signal == Signal::TERM {
-        assert!(ended.stdout.contains("exposed → received"), "{}", ended.stdout);
+        assert!(
+            ended.stdout.contains("exposed → received"),
+            "{}",
+            ended.stdout
+        );
         let frames = &bench.summary("out")["frames"];
         let count = |key: &str| frames[key].as_u64().unwrap();
         let lost = |key: &str| frames["lost"][key].as_u64().unwrap();
-        assert_eq!(count("published"), count("received") + lost("capture") + lost("extract") + lost("fit"));
+        assert_eq!(
+            count("published"),
+            count("received") + lost("capture") + lost("extract") + lost("fit")
+        );
     }
     bench.assert_nothing_is_left();
 }
@@ -64,7 +71,11 @@ fn a_signal_to_the_chain_ends_it_in_order_with_its_report() {
         chain.signal_chain(signal);
         let ended = chain.end();
         assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
-        assert!(ended.stdout.contains("exposed → received"), "{}", ended.stdout);
+        assert!(
+            ended.stdout.contains("exposed → received"),
+            "{}",
+            ended.stdout
+        );
         let frames = &bench.summary("out")["frames"];
         assert_eq!(frames["published"], frames["received"], "{frames}");
         bench.assert_nothing_is_left();
@@ -91,7 +102,11 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
     chain.signal_stage(1, Signal::KILL);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
-    assert!(ended.stderr.contains("extract was killed"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("extract was killed"),
+        "{}",
+        ended.stderr
+    );
     bench.assert_nothing_is_left();
 }
 
@@ -100,10 +115,19 @@ fn stages_by_hand_are_as_good_citizens() {
     use std::process::Stdio;
     let bench = Bench::new();
     let start = |stage: &str| {
-        bench.command(&[stage]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+        bench
+            .command(&[stage])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap()
     };
     let mut stages = ["sink", "fit", "extract"].map(start);
-    let killed = bench.command(&["capture", "--fps", "50"]).stderr(Stdio::null()).spawn().unwrap();
+    let killed = bench
+        .command(&["capture", "--fps", "50"])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     // The rig works when a descriptor comes.
     let domain = lariat_wire::Domain::named(&bench.domain).unwrap();
     let reader = lariat_wire::Reader::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();

@@ -38,12 +38,21 @@ impl Library {
         self.source.write(&mut self.pixels);
         let (width, height, stride) = (frame.width, frame.height, frame.stride);
         assert_eq!(frame.format, lariat_wire::PixelFormat::Rgb8);
-        let image =
-            Image::new(&self.pixels, width as usize, height as usize, stride as usize, PixelFormat::Rgb8);
+        let image = Image::new(
+            &self.pixels,
+            width as usize,
+            height as usize,
+            stride as usize,
+            PixelFormat::Rgb8,
+        );
         let scene = self.extractor.extract(&image.unwrap());
         let mut curves = Vec::new();
         for curve in scene.curves {
-            let points: Vec<_> = curve.points.iter().map(|point| point.map(f64::from)).collect();
+            let points: Vec<_> = curve
+                .points
+                .iter()
+                .map(|point| point.map(f64::from))
+                .collect();
             let fit = self.fitter.fit(&points).unwrap();
             curves.push((curve.track, fit.control_points.clone()));
         }
@@ -57,17 +66,38 @@ fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
     let bench = Bench::new();
     // This test is a reader in the chain's domain.
     let reader_domain = in_domain(&bench);
-    let delivery = Delivery::Lossless { stop: Arc::default() };
-    let reader =
-        Reader::create(&reader_domain, &Rig::default(), &DESCRIPTORS, Some(&delivery)).unwrap();
-    let chain =
-        bench.start(&["--lossless", "--fps", "max", "--frames", &FRAMES.to_string(), "--out", "out"]);
+    let delivery = Delivery::Lossless {
+        stop: Arc::default(),
+    };
+    let reader = Reader::create(
+        &reader_domain,
+        &Rig::default(),
+        &DESCRIPTORS,
+        Some(&delivery),
+    )
+    .unwrap();
+    let chain = bench.start(&[
+        "--lossless",
+        "--fps",
+        "max",
+        "--frames",
+        &FRAMES.to_string(),
+        "--out",
+        "out",
+    ]);
     let mut library = Library::new();
     for count in 1..=FRAMES {
         let (sequence, curves) = library.next();
         let message = wait(&reader);
         assert_eq!(message.trace.sequence, sequence);
-        assert_eq!([message.trace.captured, message.trace.extracted, message.trace.fitted], [count; 3]);
+        assert_eq!(
+            [
+                message.trace.captured,
+                message.trace.extracted,
+                message.trace.fitted
+            ],
+            [count; 3]
+        );
         let seen: Vec<_> = message
             .curves()
             .iter()
@@ -81,7 +111,10 @@ fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
     let frames = &bench.summary("out")["frames"];
     assert_eq!(frames["published"], FRAMES);
     assert_eq!(frames["received"], FRAMES);
-    assert_eq!(frames["lost"], json!({"source": 0, "capture": 0, "extract": 0, "fit": 0}));
+    assert_eq!(
+        frames["lost"],
+        json!({"source": 0, "capture": 0, "extract": 0, "fit": 0})
+    );
     drop((reader, reader_domain));
     bench.assert_nothing_is_left();
 }
@@ -93,7 +126,12 @@ fn wait(reader: &Reader<Descriptors>) -> lariat_wire::Message<Descriptors> {
             return message;
         }
         assert!(Instant::now() < deadline, "no descriptor came");
-        reader.sleep(Some(deadline), None::<std::os::fd::BorrowedFd>.as_ref().map(AsFd::as_fd)).unwrap();
+        reader
+            .sleep(
+                Some(deadline),
+                None::<std::os::fd::BorrowedFd>.as_ref().map(AsFd::as_fd),
+            )
+            .unwrap();
     }
 }
 
@@ -143,7 +181,10 @@ fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
     assert_eq!(count("published"), 400);
     assert!(lost("capture") >= 40, "{summary}");
     assert_eq!(lost("source"), 0);
-    assert_eq!(count("published"), count("received") + lost("capture") + lost("extract") + lost("fit"));
+    assert_eq!(
+        count("published"),
+        count("received") + lost("capture") + lost("extract") + lost("fit")
+    );
     bench.assert_nothing_is_left();
 }
 
@@ -171,7 +212,10 @@ fn a_second_capture_on_a_rig_is_refused_and_the_first_goes_on() {
     let second = bench.run(&["capture", "--frames", "10"]);
     assert!(!second.status.success());
     let message = String::from_utf8_lossy(&second.stderr);
-    assert!(message.contains("lariat/default/frames already has a writer"), "{message}");
+    assert!(
+        message.contains("lariat/default/frames already has a writer"),
+        "{message}"
+    );
     let whole = bench.run(&["run", "--frames", "10"]);
     assert!(!whole.status.success());
     let message = String::from_utf8_lossy(&whole.stderr);
@@ -180,6 +224,9 @@ fn a_second_capture_on_a_rig_is_refused_and_the_first_goes_on() {
     let ended = chain.end();
     assert!(ended.status.success(), "{}", ended.stderr);
     let lost = &bench.summary("out")["frames"]["lost"];
-    assert_eq!(lost, &json!({"source": 0, "capture": 0, "extract": 0, "fit": 0}));
+    assert_eq!(
+        lost,
+        &json!({"source": 0, "capture": 0, "extract": 0, "fit": 0})
+    );
     bench.assert_nothing_is_left();
 }

@@ -19,8 +19,15 @@ pub struct Bench {
 impl Bench {
     pub fn new() -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
-        let domain = format!("t{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
-        Self { domain, folder: TempDir::new().expect("a temporary folder") }
+        let domain = format!(
+            "t{}-{}",
+            std::process::id(),
+            NEXT.fetch_add(1, Ordering::Relaxed)
+        );
+        Self {
+            domain,
+            folder: TempDir::new().expect("a temporary folder"),
+        }
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
@@ -55,10 +62,19 @@ impl Bench {
             introduction += &line;
         }
         let ids = ["capture", "extract", "fit", "sink"].map(|stage| {
-            let mut words = introduction.split_whitespace().skip_while(|word| *word != stage);
-            words.nth(1).and_then(|id| id.parse().ok()).expect("a process id")
+            let mut words = introduction
+                .split_whitespace()
+                .skip_while(|word| *word != stage);
+            words
+                .nth(1)
+                .and_then(|id| id.parse().ok())
+                .expect("a process id")
         });
-        Running { process, stderr, ids }
+        Running {
+            process,
+            stderr,
+            ids,
+        }
     }
 
     /// A path in the test's folder.
@@ -128,7 +144,11 @@ impl Running {
         let mut text = String::new();
         let mut byte = [0];
         while !text.contains("received, ") {
-            assert_eq!(stdout.read(&mut byte).expect("readable"), 1, "the chain ended: {text}");
+            assert_eq!(
+                stdout.read(&mut byte).expect("readable"),
+                1,
+                "the chain ended: {text}"
+            );
             text.push(byte[0].into());
         }
     }
@@ -147,13 +167,19 @@ impl Running {
         let (out, err) = std::thread::scope(|scope| {
             let out = scope.spawn(|| {
                 let mut text = Vec::new();
-                stdout.read_to_end(&mut text).map(|_| String::from_utf8_lossy(&text).into_owned())
+                stdout
+                    .read_to_end(&mut text)
+                    .map(|_| String::from_utf8_lossy(&text).into_owned())
             });
             let mut err = String::new();
             self.stderr.read_to_string(&mut err).expect("readable");
             (out.join().expect("no panic").expect("readable"), err)
         });
-        Ended { status: self.process.wait().expect("waited for"), stdout: out, stderr: err }
+        Ended {
+            status: self.process.wait().expect("waited for"),
+            stdout: out,
+            stderr: err,
+        }
     }
 }
 
@@ -165,7 +191,10 @@ pub fn send(id: i32, signal: Signal) {
 pub fn wait_until_gone(id: i32) {
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
     while fs::metadata(format!("/proc/{id}")).is_ok() {
-        assert!(std::time::Instant::now() < deadline, "process {id} is still there");
+        assert!(
+            std::time::Instant::now() < deadline,
+            "process {id} is still there"
+        );
         std::thread::yield_now();
     }
 }

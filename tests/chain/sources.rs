@@ -18,7 +18,16 @@ fn refused(bench: &Bench, source: &str) -> String {
 
 /// Runs the chain on a source; returns how many frames came, and how many with a curve.
 fn accepted(bench: &Bench, source: &str) -> (u64, u64) {
-    let output = bench.run(&["run", "--source", source, "--fps", "max", "--lossless", "--out", "out"]);
+    let output = bench.run(&[
+        "run",
+        "--source",
+        source,
+        "--fps",
+        "max",
+        "--lossless",
+        "--out",
+        "out",
+    ]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     bench.assert_nothing_is_left();
@@ -31,7 +40,11 @@ fn rope_on_a_table(width: u32, height: u32) -> RgbImage {
     let middle = height / 2;
     RgbImage::from_fn(width, height, |x, y| {
         let rope = y.abs_diff(middle) <= 5 && (width / 8..width - width / 8).contains(&x);
-        if rope { Rgb([20, 60, 160]) } else { Rgb([190, 185, 175]) }
+        if rope {
+            Rgb([20, 60, 160])
+        } else {
+            Rgb([190, 185, 175])
+        }
     })
 }
 
@@ -68,26 +81,43 @@ fn a_video_of_0_bytes_is_refused() {
 #[test]
 fn an_image_of_one_pixel_has_no_rope() {
     let bench = Bench::new();
-    GrayImage::from_pixel(1, 1, Luma([200])).save(bench.path("one.png")).unwrap();
+    GrayImage::from_pixel(1, 1, Luma([200]))
+        .save(bench.path("one.png"))
+        .unwrap();
     assert_eq!(accepted(&bench, "one.png"), (1, 0));
 }
 
 #[test]
 fn an_image_without_a_rope_is_answered_with_none() {
     let bench = Bench::new();
-    RgbImage::from_pixel(320, 240, Rgb([190, 185, 175])).save(bench.path("table.png")).unwrap();
+    RgbImage::from_pixel(320, 240, Rgb([190, 185, 175]))
+        .save(bench.path("table.png"))
+        .unwrap();
     assert_eq!(accepted(&bench, "table.png"), (1, 0));
 }
 
 #[test]
 fn an_image_of_48_megapixels_goes_through_or_is_too_large_for_shared_memory() {
     let bench = Bench::new();
-    rope_on_a_table(8000, 6000).save(bench.path("large.png")).unwrap();
-    let output = bench.run(&["run", "--source", "large.png", "--fps", "max", "--out", "out"]);
+    rope_on_a_table(8000, 6000)
+        .save(bench.path("large.png"))
+        .unwrap();
+    let output = bench.run(&[
+        "run",
+        "--source",
+        "large.png",
+        "--fps",
+        "max",
+        "--out",
+        "out",
+    ]);
     let said = String::from_utf8_lossy(&output.stderr);
     if output.status.success() {
         let frames = &bench.summary("out")["frames"];
-        assert_eq!((frames["received"].as_u64(), frames["with_curve"].as_u64()), (Some(1), Some(1)));
+        assert_eq!(
+            (frames["received"].as_u64(), frames["with_curve"].as_u64()),
+            (Some(1), Some(1))
+        );
     } else {
         assert!(said.contains("/dev/shm has "), "{said}");
     }
@@ -99,7 +129,9 @@ fn a_folder_of_pictures_comes_in_natural_order_and_whole() {
     let bench = Bench::new();
     fs::create_dir(bench.path("pictures")).unwrap();
     for number in [1, 2, 10] {
-        rope_on_a_table(300 + number, 200).save(bench.path(&format!("pictures/img{number}.png"))).unwrap();
+        rope_on_a_table(300 + number, 200)
+            .save(bench.path(&format!("pictures/img{number}.png")))
+            .unwrap();
     }
     assert_eq!(accepted(&bench, "pictures"), (3, 3));
 }

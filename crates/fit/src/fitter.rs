@@ -2,8 +2,8 @@
 
 use crate::condition;
 use crate::error::{FitError, FitterError};
-use crate::folded::{FoldedPoints, FoldedRows, fold};
-use crate::kernel::{Residuals, fold_points};
+use crate::folded::{FoldedPoints, FoldedRows, fold_negated};
+use crate::kernel::{FoldPoints, Residuals};
 use crate::options::{Basis, Options, Solver};
 use crate::solve::{QrOfB, Solve};
 use faer::Mat;
@@ -98,8 +98,13 @@ impl Fitter {
                 expected: self.options.points,
             });
         }
-        if !fold_points(points, MAX_COORDINATE_PX, &mut self.points) {
-            return Err(first_misplaced(points));
+        let inside = self.arch.dispatch(FoldPoints {
+            points,
+            bound: MAX_COORDINATE_PX,
+            folded: &mut self.points,
+        });
+        if !inside && let Some(misplaced) = first_misplaced(points) {
+            return Err(misplaced);
         }
         let control_points = &mut self.fit.control_points[..];
         self.solve.solve(
@@ -109,7 +114,7 @@ impl Fitter {
             [&mut self.even, &mut self.odd],
             control_points,
         );
-        fold(control_points, &mut self.even, &mut self.odd);
+        fold_negated(control_points, &mut self.even, &mut self.odd);
         let squared = self.arch.dispatch(Residuals {
             rows: &self.curve,
             points: &self.points,
@@ -164,10 +169,10 @@ fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// The error that names the first point whose coordinates are out of bounds.
-fn first_misplaced(points: &[[f64; 2]]) -> FitError {
+/// The error that names the first point whose coordinates are out of bounds, if one is.
+fn first_misplaced(points: &[[f64; 2]]) -> Option<FitError> {
     let misplaced = |p: &[f64; 2]| !p.iter().all(|c| c.abs() < MAX_COORDINATE_PX);
-    let index = points.iter().position(misplaced).unwrap_or(0);
+    let index = points.iter().position(misplaced)?;
     let [x, y] = points[index];
-    FitError::NotAPoint { index, x, y }
+    Some(FitError::NotAPoint { index, x, y })
 }

@@ -5,8 +5,8 @@
 
 use faer::MatRef;
 
-/// Rows are padded with zeros to a multiple of this many numbers: the widest vector register there is.
-const LANES: usize = 8;
+/// Rows are padded with zeros to a multiple of this many numbers: two of the widest vector registers.
+const LANES: usize = 16;
 
 /// `count` rounded up to whole vector registers.
 fn padded(count: usize) -> usize {
@@ -100,14 +100,18 @@ pub(crate) fn unfold(even: &[[f64; 2]], odd: &[[f64; 2]], control_points: &mut [
     }
 }
 
-/// The folded halves of control points; the inverse of [`unfold`].
-pub(crate) fn fold(control_points: &[[f64; 2]], even: &mut [[f64; 2]], odd: &mut [[f64; 2]]) {
+/// The folded halves of control points, negated, so that adding their curve takes it away.
+pub(crate) fn fold_negated(
+    control_points: &[[f64; 2]],
+    even: &mut [[f64; 2]],
+    odd: &mut [[f64; 2]],
+) {
     let last = control_points.len() - 1;
     for (j, e) in even.iter_mut().enumerate() {
         let (p, mirrored) = (control_points[j], control_points[last - j]);
-        *e = [p[0] + mirrored[0], p[1] + mirrored[1]];
+        *e = [-p[0] - mirrored[0], -p[1] - mirrored[1]];
         if let Some(o) = odd.get_mut(j) {
-            *o = [p[0] - mirrored[0], p[1] - mirrored[1]];
+            *o = [mirrored[0] - p[0], mirrored[1] - p[1]];
         }
     }
 }

@@ -11,22 +11,45 @@
 use crate::folded::{FoldedPoints, FoldedRows};
 use pulp::{Simd, WithSimd};
 
-/// Folds `points` into `folded`. Returns whether every coordinate is below `bound` in size; NaN is not.
-pub(crate) fn fold_points(points: &[[f64; 2]], bound: f64, folded: &mut FoldedPoints) -> bool {
-    let half = points.len().div_ceil(2);
-    let [sum_x, sum_y] = folded.sums.each_mut().map(|axis| &mut axis[..half]);
-    let [difference_x, difference_y] = folded.differences.each_mut().map(|axis| &mut axis[..half]);
-    let mut inside = true;
-    // An odd middle point meets itself: sum 2c, difference 0.
-    for (i, (c, m)) in points[..half].iter().zip(points.iter().rev()).enumerate() {
-        inside &= (c[0].abs() < bound) & (c[1].abs() < bound);
-        inside &= (m[0].abs() < bound) & (m[1].abs() < bound);
-        sum_x[i] = c[0] + m[0];
-        sum_y[i] = c[1] + m[1];
-        difference_x[i] = c[0] - m[0];
-        difference_y[i] = c[1] - m[1];
+/// Folds points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
+/// not.
+pub(crate) struct FoldPoints<'a> {
+    pub(crate) points: &'a [[f64; 2]],
+    pub(crate) bound: f64,
+    pub(crate) folded: &'a mut FoldedPoints,
+}
+
+impl WithSimd for FoldPoints<'_> {
+    type Output = bool;
+
+    // Plain code: the compiler makes vectors of it for the machine that pulp has chosen.
+    #[inline(always)]
+    #[allow(clippy::neg_cmp_op_on_partial_ord)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let half = self.points.len().div_ceil(2);
+        let second = &self.points[self.points.len() - half..];
+        let [sum_x, sum_y] = self.folded.sums.each_mut().map(|axis| &mut axis[..half]);
+        let [difference_x, difference_y] = self
+            .folded
+            .differences
+            .each_mut()
+            .map(|axis| &mut axis[..half]);
+        let twice = 2.0 * self.bound;
+        // A number and not a bool: the compiler then keeps one flag in each lane.
+        let mut outside = 0u64;
+        for i in 0..half {
+            // An odd middle point meets itself: sum 2c, difference 0.
+            let (c, m) = (self.points[i], second[half - 1 - i]);
+            let (s_x, s_y) = (c[0] + m[0], c[1] + m[1]);
+            let (d_x, d_y) = (c[0] - m[0], c[1] - m[1]);
+            // |c + m| + |c − m| is twice the larger of |c| and |m|. Not `>=`: NaN must be outside.
+            outside |= u64::from(!(s_x.abs() + d_x.abs() < twice));
+            outside |= u64::from(!(s_y.abs() + d_y.abs() < twice));
+            (sum_x[i], sum_y[i]) = (s_x, s_y);
+            (difference_x[i], difference_y[i]) = (d_x, d_y);
+        }
+        outside == 0
     }
-    inside
 }
 
 /// `even[j] = Σᵢ rows.even[j][i] · sums[i]`, and `odd` from the differences alike.
@@ -122,7 +145,7 @@ pub(crate) struct SquaredResiduals {
     pub(crate) max: f64,
 }
 
-/// How far the curve with the folded control points `even` and `odd` is from the folded points.
+/// How far the curve is from the folded points; `even` and `odd` are its folded control points, negated.
 ///
 /// With `u` the sum and `v` the difference of two mirrored points' residuals, the residuals are `(u ± v)/2`.
 pub(crate) struct Residuals<'a> {
@@ -139,34 +162,31 @@ impl WithSimd for Residuals<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let vectors = self.rows.stride / S::F64_LANES;
-        let even_rows = S::as_simd_f64s(&self.rows.even).0;
-        let odd_rows = S::as_simd_f64s(&self.rows.odd).0;
-        let [sum_x, sum_y] = self.points.sums.each_ref().map(|a| S::as_simd_f64s(a).0);
-        let [diff_x, diff_y] = self
-            .points
-            .differences
-            .each_ref()
-            .map(|a| S::as_simd_f64s(a).0);
-
-        let mut total = simd.splat_f64s(0.0);
-        let mut largest = simd.splat_f64s(0.0);
-        for i in 0..vectors {
-            let (u_x, u_y) =
-                minus_products(simd, even_rows, vectors, i, self.even, (sum_x[i], sum_y[i]));
-            let (v_x, v_y) =
-                minus_products(simd, odd_rows, vectors, i, self.odd, (diff_x[i], diff_y[i]));
-            for (r_x, r_y) in [
-                (simd.add_f64s(u_x, v_x), simd.add_f64s(u_y, v_y)),
-                (simd.sub_f64s(u_x, v_x), simd.sub_f64s(u_y, v_y)),
-            ] {
-                let squared = simd.mul_add_f64s(r_x, r_x, simd.mul_f64s(r_y, r_y));
-                total = simd.add_f64s(total, squared);
-                largest = simd.max_f64s(largest, squared);
+        let [sum_x, sum_y] = self.points.sums.each_ref().map(|a| pairs::<S>(a));
+        let [difference_x, difference_y] =
+            self.points.differences.each_ref().map(|a| pairs::<S>(a));
+        let (even, odd) = (pairs::<S>(&self.rows.even), pairs::<S>(&self.rows.odd));
+        let mut total = [simd.splat_f64s(0.0); 2];
+        let mut largest = [simd.splat_f64s(0.0); 2];
+        for i in 0..sum_x.len() {
+            let (u_x, u_y) = minus_curve(simd, even, i, self.even, (sum_x, sum_y));
+            let (v_x, v_y) = minus_curve(simd, odd, i, self.odd, (difference_x, difference_y));
+            for k in 0..2 {
+                // |u ± v|² = |u|² + |v|² ± 2 u·v, and both signs occur.
+                let mut squares = simd.mul_f64s(u_x[k], u_x[k]);
+                squares = simd.mul_add_f64s(u_y[k], u_y[k], squares);
+                squares = simd.mul_add_f64s(v_x[k], v_x[k], squares);
+                squares = simd.mul_add_f64s(v_y[k], v_y[k], squares);
+                let mixed = simd.mul_f64s(u_x[k], v_x[k]);
+                let mixed = simd.abs_f64s(simd.mul_add_f64s(u_y[k], v_y[k], mixed));
+                total[k] = simd.add_f64s(total[k], squares);
+                let larger = simd.mul_add_f64s(simd.splat_f64s(2.0), mixed, squares);
+                largest[k] = simd.max_f64s(largest[k], larger);
             }
         }
-        // Twice the residuals were squared.
-        let mut sum = 0.25 * simd.reduce_sum_f64s(total);
+        let total = simd.add_f64s(total[0], total[1]);
+        let largest = simd.max_f64s(largest[0], largest[1]);
+        let mut sum = 0.5 * simd.reduce_sum_f64s(total);
         if self.count % 2 == 1 {
             sum -= self.middle_squared();
         }
@@ -186,7 +206,7 @@ impl Residuals<'_> {
         for axis in 0..2 {
             let mut u = self.points.sums[axis][middle];
             for (row, e) in self.rows.even.chunks_exact(self.rows.stride).zip(self.even) {
-                u -= row[middle] * e[axis];
+                u += row[middle] * e[axis];
             }
             squared += 0.25 * u * u;
         }
@@ -194,19 +214,33 @@ impl Residuals<'_> {
     }
 }
 
-/// `(x, y) − Σⱼ coefficients[j] · rows[j][i]`.
+/// Two vectors at a time: a coefficient is loaded once for both.
+type Pair<S> = [<S as Simd>::f64s; 2];
+
 #[inline(always)]
-fn minus_products<S: Simd>(
+fn pairs<S: Simd>(numbers: &[f64]) -> &[Pair<S>] {
+    // Padded to whole pairs, so nothing is left over.
+    S::as_simd_f64s(numbers).0.as_chunks().0
+}
+
+/// `points[i] + Σⱼ negated[j] · rows[j][i]`, x and y.
+#[inline(always)]
+fn minus_curve<S: Simd>(
     simd: S,
-    rows: &[S::f64s],
-    vectors: usize,
+    rows: &[Pair<S>],
     i: usize,
-    coefficients: &[[f64; 2]],
-    (mut x, mut y): (S::f64s, S::f64s),
-) -> (S::f64s, S::f64s) {
-    for (row, c) in rows.chunks_exact(vectors).zip(coefficients) {
-        x = simd.negate_mul_add_f64s(row[i], simd.splat_f64s(c[0]), x);
-        y = simd.negate_mul_add_f64s(row[i], simd.splat_f64s(c[1]), y);
+    negated: &[[f64; 2]],
+    (points_x, points_y): (&[Pair<S>], &[Pair<S>]),
+) -> (Pair<S>, Pair<S>) {
+    let (mut x, mut y) = (points_x[i], points_y[i]);
+    let length = points_x.len();
+    for (row, c) in negated.iter().enumerate() {
+        let b = rows[row * length + i];
+        let (c_x, c_y) = (simd.splat_f64s(c[0]), simd.splat_f64s(c[1]));
+        for k in 0..2 {
+            x[k] = simd.mul_add_f64s(b[k], c_x, x[k]);
+            y[k] = simd.mul_add_f64s(b[k], c_y, y[k]);
+        }
     }
     (x, y)
 }

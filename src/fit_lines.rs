@@ -1,0 +1,161 @@
+//! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
+
+use crate::descriptor_json::Descriptor;
+use crate::settings::{ChainArgs, Settings};
+use anyhow::{Context, Result};
+use clap::Args;
+use lariat_fit::{Fitter, MAX_POINTS};
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Descriptors of centerlines: the stage of the chain, or a filter of JSON lines
+///
+/// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines {"points":[[x,y],…]} and
+/// writes one descriptor object a line. Otherwise it is the chain's third stage.
+#[derive(Debug, Args)]
+pub(crate) struct FitArgs {
+    /// File of JSON lines, each {"points":[[x,y],…]}; `-` is standard input
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+}
+
+/// Whether `lariat fit` is the filter of JSON lines: a file is named, or standard input is a pipe or a file.
+/// A terminal or `/dev/null` there means the chain's stage.
+pub(crate) fn is_line_filter(args: &FitArgs) -> bool {
+    args.file.is_some()
+        || std::fs::metadata("/dev/stdin").is_ok_and(|input| {
+            let kind = input.file_type();
+            kind.is_fifo() || kind.is_file()
+        })
+}
+
+/// One line of the input. Further keys are of no concern here.
+#[derive(Deserialize)]
+struct Centerline {
+    points: Vec<[f64; 2]>,
+}
+
+/// Runs the filter of JSON lines.
+///
+/// # Errors
+/// Input that cannot be read, output that cannot be written, settings that make no sense. A line that makes no
+/// sense is reported and the next one read; the exit code tells of it.
+pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
+    let settings = Settings::resolve(&args.chain)?;
+    let (name, input) = open(args.file.as_deref())?;
+    let mut input = BufReader::new(input);
+    let mut output = io::BufWriter::new(io::stdout().lock());
+    let mut fitters = Fitters::new(settings);
+    let mut exit = ExitCode::SUCCESS;
+    let mut line = Vec::new();
+    for number in 1.. {
+        line.clear();
+        let read = input.read_until(b'\n', &mut line);
+        if read.with_context(|| format!("cannot read {name}"))? == 0 {
+            break;
+        }
+        if line.trim_ascii().is_empty() {
+            continue;
+        }
+        let written = match fitters.answer(&line) {
+            Ok(descriptor) => write_line(&mut output, &descriptor),
+            Err(why) => {
+                exit = ExitCode::FAILURE;
+                // What comes before the bad line is out before it is spoken of.
+                let flushed = output.flush();
+                eprintln!("lariat: {name}, line {number}: {why}");
+                flushed
+            }
+        };
+        // Whoever waits for this answer before sending the next line gets it now.
+        let flushed = written.and_then(|()| match input.buffer() {
+            [] => output.flush(),
+            _ => Ok(()),
+        });
+        if is_closed(flushed)? {
+            return Ok(exit);
+        }
+    }
+    is_closed(output.flush())?;
+    Ok(exit)
+}
+
+/// Where lines come from, and what to call it.
+fn open(file: Option<&Path>) -> Result<(String, Box<dyn Read>)> {
+    match file {
+        Some(path) if path != Path::new("-") => {
+            let name = path.display().to_string();
+            let file = File::open(path).with_context(|| format!("cannot open {name}"))?;
+            Ok((name, Box::new(file)))
+        }
+        _ => Ok(("standard input".to_owned(), Box::new(io::stdin()))),
+    }
+}
+
+fn write_line(output: &mut impl Write, descriptor: &Descriptor) -> io::Result<()> {
+    serde_json::to_writer(&mut *output, descriptor)?;
+    output.write_all(b"\n")
+}
+
+/// Whether the reader of our output has gone, which ends the work but is no error.
+pub(crate) fn is_closed(written: io::Result<()>) -> Result<bool> {
+    match written {
+        Ok(()) => Ok(false),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(true),
+        Err(error) => Err(error).context("cannot write the output"),
+    }
+}
+
+/// A fitter for every number of points that has come so far.
+struct Fitters {
+    settings: Settings,
+    by_points: HashMap<usize, Fitter>,
+}
+
+impl Fitters {
+    fn new(settings: Settings) -> Self {
+        Self {
+            settings,
+            by_points: HashMap::new(),
+        }
+    }
+
+    /// The descriptor of one line, or what is wrong with it.
+    fn answer(&mut self, line: &[u8]) -> Result<Descriptor, String> {
+        let line: Centerline = serde_json::from_slice(line).map_err(|error| {
+            format!(
+                "this is not a line {{\"points\":[[x,y],…]}} of finite numbers: {}",
+                without_place(&error)
+            )
+        })?;
+        let count = line.points.len();
+        if count > MAX_POINTS {
+            return Err(format!(
+                "{count} points are too many: give at most {MAX_POINTS}, evenly spaced"
+            ));
+        }
+        let fitter = match self.by_points.entry(count) {
+            std::collections::hash_map::Entry::Occupied(entry) => entry.into_mut(),
+            std::collections::hash_map::Entry::Vacant(entry) => {
+                let options = self.settings.fit.options(count);
+                entry.insert(Fitter::new(options).map_err(|error| error.to_string())?)
+            }
+        };
+        Descriptor::of(fitter, &line.points).map_err(|error| error.to_string())
+    }
+}
+
+/// What serde_json says, with the column; its line number is of a text of one line.
+fn without_place(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.rfind(" at line ") {
+        Some(place) => format!("{} (column {})", &text[..place], error.column()),
+        None => text,
+    }
+}

@@ -1,0 +1,123 @@
+//! The flags that overrule the file.
+
+use crate::settings::duration;
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Duration;
+use toml::Value;
+
+/// The flags of every command that makes descriptors.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ShapeArgs {
+    /// Order of the curve: it has one control point more
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) order: Option<i64>,
+    /// Points of a centerline
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) points: Option<i64>,
+    /// How the curve is computed: pinv, cholesky or qr
+    #[arg(long, value_name = "NAME")]
+    pub(crate) solver: Option<String>,
+    /// Settings file (default: lariat.toml in this folder, if there is one)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+}
+
+impl From<ShapeArgs> for ChainArgs {
+    fn from(shape: ShapeArgs) -> Self {
+        Self {
+            shape,
+            ..Self::default()
+        }
+    }
+}
+
+/// The flags of every command that runs the chain or a part of it.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ChainArgs {
+    /// Where frames come from: `rendered`, or pictures, folders of them, or a Y4M video (may be repeated)
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub(crate) source: Vec<PathBuf>,
+    /// Frames per second, or `max`
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) fps: Option<String>,
+    /// Stop after this long, for instance 10s, 500ms or 2m
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub(crate) duration: Option<Duration>,
+    /// Stop after this many frames
+    #[arg(long, value_name = "COUNT")]
+    pub(crate) frames: Option<u64>,
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// Name of the camera chain, so that several run side by side
+    #[arg(long, value_name = "NAME")]
+    pub(crate) rig: Option<String>,
+    /// Wait for slow readers instead of skipping frames
+    #[arg(long)]
+    pub(crate) lossless: bool,
+    /// Latency that counts as a miss, for instance 33ms (default: the time between two frames)
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub(crate) deadline: Option<Duration>,
+    /// Write the report into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Size of the rendered picture, for instance 640x480
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<String>,
+    /// Which of all rendered ropes
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) seed: Option<u64>,
+    /// Begin again after the last file
+    #[arg(long = "loop")]
+    pub(crate) looped: bool,
+}
+
+impl ChainArgs {
+    /// What was given: the flag, the setting's section and name, and the value as the file would have it.
+    pub(super) fn given(&self) -> Vec<(&'static str, &'static str, &'static str, Value)> {
+        // Larger than TOML's numbers is out of every range anyway.
+        let count = |n: u64| Value::Integer(i64::try_from(n).unwrap_or(i64::MAX));
+        let path = |p: &PathBuf| Value::String(p.to_string_lossy().into_owned());
+        let yes = |given: bool| given.then_some(Value::Boolean(true));
+        let text = |text: &Option<String>| text.clone().map(Value::String);
+        let fps = self.fps.as_ref().map(|text| number_or_text(text));
+        let source =
+            (!self.source.is_empty()).then(|| Value::Array(self.source.iter().map(path).collect()));
+        let duration_s = self.duration.map(|d| Value::Float(d.as_secs_f64()));
+        let deadline_us = self.deadline.map(|d| Value::Float(1e6 * d.as_secs_f64()));
+        [
+            ("--source", "capture", "source", source),
+            ("--fps", "capture", "fps", fps),
+            ("--size", "capture", "size", text(&self.size)),
+            ("--seed", "capture", "seed", self.seed.map(count)),
+            ("--loop", "capture", "loop", yes(self.looped)),
+            ("--duration", "run", "duration_s", duration_s),
+            ("--frames", "run", "frames", self.frames.map(count)),
+            ("--rig", "run", "rig", text(&self.rig)),
+            ("--lossless", "run", "lossless", yes(self.lossless)),
+            ("--deadline", "run", "deadline_us", deadline_us),
+            ("--out", "run", "out", self.out.as_ref().map(path)),
+            (
+                "--points",
+                "extract",
+                "points",
+                self.shape.points.map(Value::Integer),
+            ),
+            (
+                "--order",
+                "fit",
+                "order",
+                self.shape.order.map(Value::Integer),
+            ),
+            ("--solver", "fit", "solver", text(&self.shape.solver)),
+        ]
+        .into_iter()
+        .filter_map(|(flag, section, name, value)| Some((flag, section, name, value?)))
+        .collect()
+    }
+}
+
+fn number_or_text(text: &str) -> Value {
+    text.parse()
+        .map_or_else(|_| Value::String(text.to_owned()), Value::Float)
+}

@@ -1,0 +1,128 @@
+//! Reading `lariat.toml`: which settings it has, on which lines, and what in it is no setting.
+
+use crate::settings::keys::{self, KEYS};
+use crate::settings::problem::{Origin, Problems};
+use crate::settings::{FILE_NAME, meaning};
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue};
+
+/// A setting that the file has.
+pub(super) struct Entry {
+    /// Which of [`KEYS`].
+    pub(super) key: usize,
+    pub(super) value: toml::Value,
+    pub(super) origin: Origin,
+}
+
+/// The file to read: the one that is named, else `lariat.toml` where there is one.
+pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
+    match named {
+        Some(path) => Some(path.to_owned()),
+        None => Some(PathBuf::from(FILE_NAME)).filter(|path| path.exists()),
+    }
+}
+
+/// The settings in the file at `path`; what is none goes to `problems`.
+///
+/// # Errors
+/// The file cannot be read.
+pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
+    let text = std::fs::read_to_string(path).with_context(|| {
+        format!(
+            "cannot read the settings file {}: `lariat config init` writes one",
+            path.display()
+        )
+    })?;
+    let origin = |offset: usize| Origin::File {
+        path: path.to_owned(),
+        line: 1 + text[..offset.min(text.len())].matches('\n').count(),
+    };
+    // The same text twice: once for the values, once for where they stand.
+    let (values, places) = match (text.parse::<toml::Table>(), DeTable::parse(&text)) {
+        (Ok(values), Ok(places)) => (values, places.into_inner()),
+        (Err(error), _) | (_, Err(error)) => {
+            let offset = error.span().map_or(0, |span| span.start);
+            problems.add(
+                &origin(offset),
+                format!("this is not TOML: {}", error.message()),
+            );
+            return Ok(Vec::new());
+        }
+    };
+
+    let mut entries = Vec::new();
+    for (section, content) in &places {
+        let (name, here) = (section.get_ref().as_ref(), origin(section.span().start));
+        let DeValue::Table(content) = content.get_ref() else {
+            problems.add(&here, outside(name));
+            continue;
+        };
+        if !keys::sections().any(|known| known == name) {
+            problems.add(&here, unknown_section(name));
+            continue;
+        }
+        for key in content.keys() {
+            let (key_name, here) = (key.get_ref().as_ref(), origin(key.span().start));
+            let value = values.get(name).and_then(|section| section.get(key_name));
+            match (keys::position(name, key_name), value) {
+                (Some(key), Some(value)) => entries.push(Entry {
+                    key,
+                    value: value.clone(),
+                    origin: here,
+                }),
+                _ => problems.add(&here, unknown_key(name, key_name)),
+            }
+        }
+    }
+    Ok(entries)
+}
+
+/// About a value that stands before the first section.
+fn outside(name: &str) -> String {
+    match sections_with(name).first() {
+        Some(section) => {
+            format!("\"{name}\" stands outside any section: put it below a line [{section}]")
+        }
+        None => format!(
+            "\"{name}\" stands outside any section, and no section has it: {}",
+            the_sections()
+        ),
+    }
+}
+
+fn unknown_section(name: &str) -> String {
+    let guess = meaning::nearest(name, keys::sections())
+        .map_or(String::new(), |near| format!("did you mean [{near}]? "));
+    format!("there is no section [{name}]: {guess}{}", the_sections())
+}
+
+fn unknown_key(section: &str, name: &str) -> String {
+    let known = || {
+        KEYS.iter()
+            .filter(move |key| key.section == section)
+            .map(|key| key.name)
+    };
+    let guess = match (meaning::nearest(name, known()), sections_with(name).first()) {
+        (Some(near), _) => format!("did you mean \"{near}\"? "),
+        (None, Some(elsewhere)) => format!("it belongs in [{elsewhere}]. "),
+        (None, None) => String::new(),
+    };
+    let list: Vec<_> = known().collect();
+    format!(
+        "[{section}] has no key \"{name}\": {guess}Its keys are {}",
+        list.join(", ")
+    )
+}
+
+fn the_sections() -> String {
+    let list: Vec<_> = keys::sections().map(|name| format!("[{name}]")).collect();
+    format!("the sections are {}", list.join(", "))
+}
+
+fn sections_with(name: &str) -> Vec<&'static str> {
+    KEYS.iter()
+        .filter(|key| key.name == name)
+        .map(|key| key.section)
+        .collect()
+}

@@ -1,0 +1,278 @@
+//! The table of all settings.
+
+use crate::settings::{Settings, meaning};
+use lariat_fit::MAX_ORDER;
+use std::path::PathBuf;
+use toml::Value;
+
+/// One setting.
+pub(super) struct Key {
+    pub(super) section: &'static str,
+    pub(super) name: &'static str,
+    /// What it does, for the comment above it in a new file.
+    about: &'static str,
+    /// A value to show where the default is to have none.
+    example: &'static str,
+    /// Takes a value over, or says why not.
+    pub(super) set: fn(&mut Settings, &Value) -> Result<(), String>,
+    /// The value, as the file has it; `None` where it is not set.
+    pub(super) get: fn(&Settings) -> Option<Value>,
+}
+
+/// What each section is about.
+const SECTIONS: [(&str, &str); 5] = [
+    ("run", "The chain as a whole."),
+    ("capture", "Where frames come from."),
+    (
+        "extract",
+        "What is a rope in them, and how its centerline is given.",
+    ),
+    ("fit", "The curve that describes the centerline."),
+    ("sink", "What is shown while the chain runs."),
+];
+
+pub(super) const KEYS: &[Key] = &[
+    Key {
+        section: "run",
+        name: "rig",
+        about: "Name of this camera chain, so that several run side by side: 1 to 32 of a-z, 0-9, _ and -.",
+        example: "",
+        set: |s, v| meaning::rig(v).map(|rig| s.run.rig = rig),
+        get: |s| Some(Value::String(s.run.rig.clone())),
+    },
+    Key {
+        section: "run",
+        name: "lossless",
+        about: "Let capture wait for slow readers instead of skipping frames (for files, not for a live robot).",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.run.lossless = yes),
+        get: |s| Some(Value::Boolean(s.run.lossless)),
+    },
+    Key {
+        section: "run",
+        name: "duration_s",
+        about: "Stop after this many seconds.",
+        example: "10",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.run.duration = Some(time)),
+        get: |s| {
+            s.run
+                .duration
+                .map(|time| meaning::number_value(time.as_secs_f64()))
+        },
+    },
+    Key {
+        section: "run",
+        name: "frames",
+        about: "Stop after this many frames.",
+        example: "1000",
+        set: |s, v| meaning::whole(v, 1, i64::MAX).map(|n| s.run.frames = Some(n.unsigned_abs())),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.run.frames?).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "run",
+        name: "out",
+        about: "Write the report (table, histograms, summary.json) into this folder.",
+        example: "\"report\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.out = Some(PathBuf::from(text))),
+        get: |s| s.run.out.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
+        name: "deadline_us",
+        about: "A descriptor later than this after its image counts as a miss, in microseconds; if not set, \
+                the time between two frames.",
+        example: "33000",
+        set: |s, v| meaning::time(v, 1e-6, "microseconds").map(|time| s.run.deadline = Some(time)),
+        get: |s| {
+            s.run
+                .deadline
+                .map(|time| meaning::number_value(time.as_nanos() as f64 / 1e3))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "source",
+        about: "\"rendered\" (a rope drawn by lariat), or a picture, a folder of pictures or a Y4M video, or a \
+                list of them.",
+        example: "",
+        set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
+        get: |s| {
+            Some(match &s.capture.source[..] {
+                [one] => path_value(one),
+                many => Value::Array(many.iter().map(|path| path_value(path)).collect()),
+            })
+        },
+    },
+    Key {
+        section: "capture",
+        name: "fps",
+        about: "Frames per second, or \"max\".",
+        example: "",
+        set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
+        get: |s| Some(meaning::fps_value(s.capture.fps)),
+    },
+    Key {
+        section: "capture",
+        name: "size",
+        about: "Width and height of the rendered picture in pixels, 64 to 8192.",
+        example: "",
+        set: |s, v| meaning::size(v).map(|size| s.capture.size = size),
+        get: |s| {
+            Some(Value::Array(
+                s.capture
+                    .size
+                    .map(|side| Value::Integer(side.into()))
+                    .into(),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "seed",
+        about: "Which of all rendered ropes: the same number makes the same frames on every machine.",
+        example: "",
+        set: |s, v| meaning::whole(v, 0, i64::MAX).map(|seed| s.capture.seed = seed.unsigned_abs()),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.capture.seed).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "loop",
+        about: "Begin again after the last file.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.looped = yes),
+        get: |s| Some(Value::Boolean(s.capture.looped)),
+    },
+    Key {
+        section: "extract",
+        name: "mask",
+        about: "What is rope. \"auto\" takes what differs from the background. Or colours, one range or more:\n\
+                [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]\n\
+                Hue in degrees, 0 to 360 (twice OpenCV's 0 to 179), and [350, 10] goes through red; saturation \
+                and\nvalue from 0 to 1 (OpenCV's divided by 255).",
+        example: "",
+        set: |s, v| meaning::mask(v).map(|mask| s.extract.mask = mask),
+        get: |s| Some(meaning::mask_value(&s.extract.mask)),
+    },
+    Key {
+        section: "extract",
+        name: "points",
+        about: "Points of a centerline, at equal steps of arc length: more than the order, at most 256.",
+        example: "",
+        set: |s, v| set_count(v, 2, lariat_fit::MAX_POINTS, &mut s.extract.points),
+        get: |s| Some(Value::Integer(s.extract.points as i64)),
+    },
+    Key {
+        section: "extract",
+        name: "ropes",
+        about: "The most ropes reported, the longest first: 1 to 8.",
+        example: "",
+        set: |s, v| set_count(v, 1, 8, &mut s.extract.ropes),
+        get: |s| Some(Value::Integer(s.extract.ropes as i64)),
+    },
+    Key {
+        section: "extract",
+        name: "start",
+        about: "A rope's first point in the first frame is the end nearest to this position [x, y], in pixels; \
+                if not\nset, the end nearest to the top left.",
+        example: "[0, 0]",
+        set: |s, v| meaning::position(v).map(|at| s.extract.start = Some(at)),
+        get: |s| {
+            Some(Value::Array(
+                s.extract
+                    .start?
+                    .map(|c| meaning::number_value(c.into()))
+                    .into(),
+            ))
+        },
+    },
+    Key {
+        section: "fit",
+        name: "order",
+        about: "Order of the Bezier curve, 1 to 31: it has one control point more.",
+        example: "",
+        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.order),
+        get: |s| Some(Value::Integer(s.fit.order as i64)),
+    },
+    Key {
+        section: "fit",
+        name: "solver",
+        about: "How it is computed: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
+        example: "",
+        set: |s, v| meaning::solver(v).map(|solver| s.fit.solver = solver),
+        get: |s| Some(Value::String(s.fit.solver.to_string())),
+    },
+    Key {
+        section: "sink",
+        name: "live",
+        about: "Show a line of figures while the chain runs.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.sink.live = yes),
+        get: |s| Some(Value::Boolean(s.sink.live)),
+    },
+];
+
+fn set_count(value: &Value, low: usize, high: usize, to: &mut usize) -> Result<(), String> {
+    let number = meaning::whole(value, low as i64, high as i64)?;
+    *to = number.unsigned_abs() as usize;
+    Ok(())
+}
+
+fn path_value(path: &std::path::Path) -> Value {
+    Value::String(path.to_string_lossy().into_owned())
+}
+
+/// Which of [`KEYS`] this is.
+pub(super) fn position(section: &str, name: &str) -> Option<usize> {
+    KEYS.iter()
+        .position(|key| key.section == section && key.name == name)
+}
+
+/// The names of the sections.
+pub(super) fn sections() -> impl Iterator<Item = &'static str> + Clone {
+    SECTIONS.iter().map(|(name, _)| *name)
+}
+
+/// The text of a file with every section and, for each of its settings, what `entry` writes.
+pub(super) fn document(mut entry: impl FnMut(usize, &Key) -> String) -> String {
+    let mut text = String::new();
+    for (section, about) in SECTIONS {
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        text.push_str(&format!("[{section}]  # {about}\n"));
+        for (index, key) in KEYS.iter().enumerate() {
+            if key.section == section {
+                text.push_str(&entry(index, key));
+            }
+        }
+    }
+    text
+}
+
+/// A new settings file: every setting at its default, with its comment.
+pub(crate) fn template() -> String {
+    let defaults = Settings::default();
+    let settings = document(|_, key| {
+        let comment: String = key
+            .about
+            .lines()
+            .map(|line| format!("# {line}\n"))
+            .collect();
+        match (key.get)(&defaults) {
+            Some(value) => format!("\n{comment}{} = {value}\n", key.name),
+            None => format!("\n{comment}# {} = {}\n", key.name, key.example),
+        }
+    });
+    format!(
+        "# Settings of lariat. Flags on the command line win over this file.\n\
+         # `lariat config check` reads it critically, `lariat config show` prints what holds.\n\n{settings}"
+    )
+}

@@ -1,0 +1,177 @@
+//! `lariat trace`: pictures in, the ropes' shapes out. The same extraction and fit as in the chain, without
+//! shared memory.
+
+mod canvas;
+mod inputs;
+mod overlay;
+mod picture;
+mod report;
+
+use crate::descriptor_json::{Descriptor, thousandths};
+use crate::fit_lines::is_closed;
+use crate::settings::{Settings, ShapeArgs};
+use crate::trace::overlay::Overlays;
+use crate::trace::picture::Picture;
+use crate::trace::report::{CurveReport, Format, Report, Table, Timing};
+use anyhow::{Context, Result};
+use clap::Args;
+use lariat_extract::{Curve, Extractor, Step};
+use lariat_fit::Fitter;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// The shapes of the ropes in pictures
+#[derive(Debug, Args)]
+pub(crate) struct TraceArgs {
+    /// PNG or JPEG pictures, or folders of them
+    #[arg(required = true, value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    /// What to print: a table for people, or a JSON object a line
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// Write a PNG of each picture with curve, points and control polygon drawn over it into this folder
+    #[arg(long, value_name = "DIR")]
+    overlay: Option<PathBuf>,
+    /// Take the pictures for one moving scene: ropes keep their number and direction
+    #[arg(long)]
+    video: bool,
+    #[command(flatten)]
+    shape: ShapeArgs,
+}
+
+/// Runs `lariat trace`.
+///
+/// # Errors
+/// Settings that make no sense, output that cannot be written. A picture that cannot be read is reported and the
+/// next one taken; the exit code tells of it.
+pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
+    let settings = Settings::resolve(&args.shape.clone().into())?;
+    let mut tracer = Tracer::new(&settings, args.video)?;
+    let mut exit = ExitCode::SUCCESS;
+    let mut complain = |why: anyhow::Error| {
+        eprintln!("lariat: {why:#}");
+        exit = ExitCode::FAILURE;
+    };
+
+    let (images, missing) = inputs::pictures(&args.images);
+    missing.into_iter().for_each(&mut complain);
+    let mut overlays = match &args.overlay {
+        Some(folder) => Some(Overlays::new(folder, &images)?),
+        None => None,
+    };
+    let mut table = Table::new(&images);
+    let mut output = io::BufWriter::new(io::stdout().lock());
+    for image in &images {
+        let (picture, report) = match tracer.trace(image) {
+            Ok(traced) => traced,
+            Err(why) => {
+                complain(why);
+                continue;
+            }
+        };
+        let printed = match args.format {
+            Format::Jsonl => report.write_json(&mut output),
+            Format::Table => table.write(&report, &mut output),
+        };
+        // Each picture's result is out before the next is begun.
+        if is_closed(printed.and_then(|()| output.flush()))? {
+            break;
+        }
+        if let Some(overlays) = &mut overlays
+            && let Err(why) = overlays.write(image, picture, &report)
+        {
+            complain(why);
+        }
+    }
+    Ok(exit)
+}
+
+/// The pipeline, made once.
+struct Tracer {
+    extractor: Extractor,
+    fitter: Fitter,
+    is_video: bool,
+    points: Vec<[f64; 2]>,
+}
+
+impl Tracer {
+    fn new(settings: &Settings, is_video: bool) -> Result<Self> {
+        Ok(Self {
+            extractor: Extractor::new(settings.extract.options())?,
+            fitter: Fitter::new(settings.fit.options(settings.extract.points))?,
+            is_video,
+            points: Vec::new(),
+        })
+    }
+
+    /// The ropes in the picture at `path`.
+    fn trace(&mut self, path: &Path) -> Result<(Picture, Report)> {
+        let begin = Instant::now();
+        let picture = Picture::load(path)?;
+        let image = picture
+            .image()
+            .with_context(|| path.display().to_string())?;
+        let mut timing = Timing {
+            decode: since(begin),
+            ..Timing::default()
+        };
+
+        if !self.is_video {
+            self.extractor.reset();
+        }
+        let mut last = Instant::now();
+        let scene = self.extractor.extract_observed(&image, &mut |step| {
+            let spent = match step {
+                Step::Mask => &mut timing.mask,
+                Step::Skeleton => &mut timing.skeleton,
+                Step::Graph => &mut timing.graph,
+                Step::Points => &mut timing.points,
+            };
+            *spent += since(last);
+            last = Instant::now();
+        });
+
+        last = Instant::now();
+        let mut curves = Vec::with_capacity(scene.curves.len());
+        for curve in scene.curves {
+            self.points.clear();
+            self.points
+                .extend(curve.points.iter().map(|p| p.map(f64::from)));
+            let descriptor = Descriptor::of(&mut self.fitter, &self.points)?.rounded();
+            curves.push(curve_report(curve, descriptor));
+        }
+        timing.fit = since(last);
+        timing.total = since(begin);
+        let report = Report {
+            image: path.display().to_string(),
+            width: picture.width(),
+            height: picture.height(),
+            curves,
+            timing_us: timing.rounded(),
+        };
+        Ok((picture, report))
+    }
+}
+
+fn curve_report(curve: &Curve, descriptor: Descriptor) -> CurveReport {
+    CurveReport {
+        track: curve.track,
+        status: report::status_name(curve.status),
+        closed: curve.closed,
+        length_px: thousandths(curve.length_px.into()),
+        width_px: thousandths(curve.width_px.into()),
+        points: curve
+            .points
+            .iter()
+            .map(|p| p.map(|c| thousandths(c.into())))
+            .collect(),
+        descriptor,
+    }
+}
+
+/// Microseconds since `begin`.
+fn since(begin: Instant) -> f64 {
+    begin.elapsed().as_secs_f64() * 1e6
+}

@@ -1,0 +1,133 @@
+//! Pictures to judge a trace by eye: the curve, the points it was fitted to and its control polygon, drawn over the
+//! picture.
+
+use crate::trace::canvas::{Canvas, Ink};
+use crate::trace::picture::Picture;
+use crate::trace::report::{CurveReport, Report};
+use crate::whole_file::{self, Existing};
+use anyhow::{Context, Result, bail};
+use image::{ImageFormat, RgbImage};
+use lariat_fit::point_at;
+use std::collections::HashSet;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// A colour a rope, told apart also by those who see fewer colours (Okabe and Ito's set, without the black).
+const COLOURS: [[u8; 3]; 7] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [204, 121, 167],
+    [213, 94, 0],
+    [0, 114, 178],
+];
+
+const DARK: [u8; 3] = [20, 20, 20];
+const LIGHT: [u8; 3] = [255, 255, 255];
+
+/// The folder that overlays go to.
+pub(super) struct Overlays {
+    folder: PathBuf,
+    taken: HashSet<PathBuf>,
+    /// The pictures themselves, which no overlay may replace.
+    inputs: HashSet<PathBuf>,
+}
+
+impl Overlays {
+    /// Makes the folder.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub(super) fn new(folder: &Path, inputs: &[PathBuf]) -> Result<Self> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {} for overlays", folder.display()))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            taken: HashSet::new(),
+            inputs: inputs
+                .iter()
+                .filter_map(|path| path.canonicalize().ok())
+                .collect(),
+        })
+    }
+
+    /// Draws what was found over the picture at `path` and writes it as a PNG of the same name.
+    ///
+    /// # Errors
+    /// The file cannot be written, or would replace one of the pictures.
+    pub(super) fn write(&mut self, path: &Path, picture: Picture, report: &Report) -> Result<()> {
+        let target = self.name(path);
+        if target
+            .canonicalize()
+            .is_ok_and(|target| self.inputs.contains(&target))
+        {
+            bail!(
+                "the overlay of {} would replace the picture {}: give --overlay another folder",
+                path.display(),
+                target.display()
+            );
+        }
+        let mut png = Vec::new();
+        draw(picture.into_rgb(), report)
+            .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
+            .with_context(|| format!("cannot encode {}", target.display()))?;
+        whole_file::write(&target, &png, Existing::Replace)
+    }
+
+    /// The picture's name with `.png`, and a number where two pictures have the same.
+    fn name(&mut self, path: &Path) -> PathBuf {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut target = self.folder.join(format!("{stem}.png"));
+        let mut number = 2;
+        while !self.taken.insert(target.clone()) {
+            target = self.folder.join(format!("{stem}-{number}.png"));
+            number += 1;
+        }
+        target
+    }
+}
+
+fn draw(picture: RgbImage, report: &Report) -> RgbImage {
+    // Lines that can be seen in a large picture and do not hide a small one.
+    let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
+    let mut canvas = Canvas { picture };
+    for (index, curve) in report.curves.iter().enumerate() {
+        draw_curve(&mut canvas, curve, COLOURS[index % COLOURS.len()], line_px);
+    }
+    canvas.picture
+}
+
+/// From the bottom up: polygon, curve, points, control points, and a ring around the first point.
+fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f64) {
+    let ink = |rgb, opacity| Ink { rgb, opacity };
+    let control_points = &curve.descriptor.control_points[..];
+    let smooth = sampled(control_points, curve.length_px);
+
+    canvas.line(control_points, 0.5 * line_px + 1.0, ink(DARK, 0.35));
+    canvas.line(control_points, 0.5 * line_px, ink(LIGHT, 0.8));
+
+    canvas.line(&smooth, line_px + 1.6, ink(DARK, 0.55));
+    canvas.line(&smooth, line_px, ink(rgb, 1.0));
+
+    canvas.dots(&curve.points, 1.1 * line_px + 0.8, ink(DARK, 0.9));
+    canvas.dots(&curve.points, 0.7 * line_px, ink(LIGHT, 1.0));
+
+    canvas.dots(control_points, 2.6 * line_px + 1.6, ink(DARK, 0.8));
+    canvas.dots(control_points, 2.6 * line_px, ink(LIGHT, 1.0));
+    canvas.dots(control_points, 1.4 * line_px, ink(rgb, 1.0));
+
+    if let Some(&first) = curve.points.first() {
+        canvas.dots(&[first], 4.2 * line_px, ink(DARK, 0.8));
+        canvas.dots(&[first], 3.4 * line_px, ink(rgb, 1.0));
+        canvas.dots(&[first], 1.4 * line_px, ink(LIGHT, 1.0));
+    }
+}
+
+/// The curve as a chain of short straight lines: two pixels each, as many as a large picture needs at most.
+fn sampled(control_points: &[[f64; 2]], length_px: f64) -> Vec<[f64; 2]> {
+    let steps = (length_px / 2.0).clamp(64.0, 8192.0) as usize;
+    (0..=steps)
+        .map(|i| point_at(control_points, i as f64 / steps as f64))
+        .collect()
+}

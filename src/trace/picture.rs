@@ -1,0 +1,54 @@
+//! A picture file, decoded.
+
+use anyhow::{Context, Result};
+use image::{DynamicImage, ImageReader, RgbImage};
+use lariat_extract::{Image, ImageError, PixelFormat};
+use std::path::Path;
+
+/// A decoded picture: grey if the file is, else RGB, 8 bits a channel.
+pub(super) struct Picture(DynamicImage);
+
+impl Picture {
+    /// Reads a PNG or JPEG, whatever its name says.
+    ///
+    /// # Errors
+    /// There is no such file, it is no picture, or it is cut off or damaged.
+    pub(super) fn load(path: &Path) -> Result<Self> {
+        let shown = path.display();
+        let reader = ImageReader::open(path)
+            .and_then(ImageReader::with_guessed_format)
+            .with_context(|| format!("cannot open the picture {shown}"))?;
+        let decoded = reader
+            .decode()
+            .with_context(|| format!("cannot read {shown} as a PNG or JPEG picture"))?;
+        Ok(Self(match decoded {
+            DynamicImage::ImageLuma8(_) | DynamicImage::ImageRgb8(_) => decoded,
+            other => DynamicImage::ImageRgb8(other.into_rgb8()),
+        }))
+    }
+
+    pub(super) fn width(&self) -> u32 {
+        self.0.width()
+    }
+
+    pub(super) fn height(&self) -> u32 {
+        self.0.height()
+    }
+
+    /// The picture as the extractor takes it.
+    ///
+    /// # Errors
+    /// It is larger than the extractor takes.
+    pub(super) fn image(&self) -> Result<Image<'_>, ImageError> {
+        let (width, height) = (self.width() as usize, self.height() as usize);
+        let (channels, format) = match self.0 {
+            DynamicImage::ImageLuma8(_) => (1, PixelFormat::Gray8),
+            _ => (3, PixelFormat::Rgb8),
+        };
+        Image::new(self.0.as_bytes(), width, height, channels * width, format)
+    }
+
+    pub(super) fn into_rgb(self) -> RgbImage {
+        self.0.into_rgb8()
+    }
+}
