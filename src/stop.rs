@@ -18,14 +18,16 @@ pub(crate) struct Stop {
 }
 
 impl Stop {
-    /// From now on the two signals are a wish. A second SIGINT or SIGTERM ends the process at once.
+    /// From now on the two signals are a wish. Ctrl-C a second time ends the process at once.
     pub(crate) fn on_signals() -> anyhow::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
         let (pipe, write) = UnixStream::pair().context("no pipe for signals could be made")?;
         for signal in [SIGINT, SIGTERM] {
             let register = || -> std::io::Result<()> {
-                // In this order: the first signal finds the flag unset.
-                signal_hook::flag::register_conditional_shutdown(signal, 130, asked.clone())?;
+                if signal == SIGINT {
+                    // Before the flag is registered, so that the first signal finds it unset.
+                    signal_hook::flag::register_conditional_shutdown(signal, 130, asked.clone())?;
+                }
                 signal_hook::flag::register(signal, asked.clone())?;
                 signal_hook::low_level::pipe::register(signal, write.try_clone()?)?;
                 Ok(())

@@ -34,12 +34,15 @@ impl fmt::Display for Ending {
                 "failed with exit code {code}, for the reason it gave above"
             ),
             Self::Killed(signal) => {
-                let name = Signal::from_named_raw(*signal).map(|signal| format!(" ({signal:?})"));
-                write!(
-                    f,
-                    "was killed by signal {signal}{}",
-                    name.unwrap_or_default()
-                )
+                let name = match *signal {
+                    6 => " (SIGABRT)",
+                    7 => " (SIGBUS: is /dev/shm full?)",
+                    9 => " (SIGKILL)",
+                    11 => " (SIGSEGV)",
+                    15 => " (SIGTERM)",
+                    _ => "",
+                };
+                write!(f, "was killed by signal {signal}{name}")
             }
         }
     }
@@ -55,6 +58,7 @@ pub(crate) struct Child {
     unread: Vec<u8>,
     ready: bool,
     done: bool,
+    told_by_another: bool,
     sent: Option<Sent>,
     ending: Option<Ending>,
     told_to_stop: bool,
@@ -89,6 +93,7 @@ impl Child {
             unread: Vec::new(),
             ready: false,
             done: false,
+            told_by_another: false,
             sent: None,
             ending: None,
             told_to_stop: false,
@@ -108,6 +113,11 @@ impl Child {
     /// Whether its work is done, rather than broken off.
     pub(crate) fn is_done(&self) -> bool {
         self.done
+    }
+
+    /// Whether a signal that was not the chain's is ending it.
+    pub(crate) fn was_told_by_another(&self) -> bool {
+        self.told_by_another
     }
 
     /// What it said it sent in all, if it lived to say so.
@@ -157,6 +167,7 @@ impl Child {
             match (words.next(), words.next(), words.next()) {
                 (Some("ready"), ..) => self.ready = true,
                 (Some("done"), ..) => self.done = true,
+                (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
                 (Some("sent"), Some(count), Some(last)) => {
                     let number = |word: &str| word.parse().unwrap_or(0);
                     self.sent = Some(Sent {

@@ -121,8 +121,10 @@ impl Chain {
             child.listen();
             match child.ending() {
                 Some(Ending::Well) if child.is_done() || child.was_told_to_stop() => {}
-                Some(_) if self.fallen.is_none() => self.fallen = Some(place),
-                _ => {}
+                None if !child.was_told_by_another() => {}
+                _ => {
+                    self.fallen.get_or_insert(place);
+                }
             }
         }
         Ok(())

@@ -72,10 +72,8 @@ pub(crate) fn receive<P: lariat_wire::Payload + ?Sized>(
         // Asked before looking: what was sent before the signal is still received.
         let last_look = stop.asked();
         if let Some(mut message) = reader.next()? {
-            if backlog.overflowed(count(&message))
-                && let Some(newest) = reader.latest()?
-            {
-                message = newest;
+            if backlog.overflowed(count(&message)) {
+                message = reader.newest_after(message)?;
                 backlog.last = Some(count(&message));
             }
             return Ok(Some((message, now_ns())));

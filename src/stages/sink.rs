@@ -33,6 +33,8 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         channels.sleep(line.due(), &station)?;
     }
     line.end();
+    // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
+    station.status.ending();
     let word = if supervised {
         last_word()
     } else {

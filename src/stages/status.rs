@@ -1,7 +1,7 @@
 //! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
 //!
-//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once, `done` if the source has ended, and
-//! `sent COUNT LAST_SEQUENCE` at the end; its own end says that the process is gone, however it went.
+//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once, `done` if the source has ended,
+//! `ending` if a signal came, and `sent COUNT LAST_SEQUENCE` last; its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
@@ -59,6 +59,11 @@ impl Status {
     /// The source has ended, or as much of it was sent as was asked.
     pub(crate) fn done(&mut self) {
         self.say("done\n");
+    }
+
+    /// A signal has ended the stage's work, and its last word is to come.
+    pub(crate) fn ending(&mut self) {
+        self.say("ending\n");
     }
 
     /// The stage's last word.

@@ -16,7 +16,7 @@ fn a_stage_dies(place: usize, signal: Signal, how: &str) {
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
     let sentence = format!("lariat: {} {how}; the chain was stopped", STAGES[place]);
     assert!(ended.stderr.contains(&sentence), "{}", ended.stderr);
-    ids.map(wait_until_gone);
+    ids.into_iter().for_each(wait_until_gone);
     // A sink that was killed can report nothing; every other death is in its report.
     if STAGES[place] != "sink" || signal == Signal::TERM {
         assert!(
@@ -24,13 +24,7 @@ fn a_stage_dies(place: usize, signal: Signal, how: &str) {
             "{}",
             ended.stdout
         );
-        let frames = &bench.summary("out")["frames"];
-        let count = |key: &str| frames[key].as_u64().unwrap();
-        let lost = |key: &str| frames["lost"][key].as_u64().unwrap();
-        assert_eq!(
-            count("published"),
-            count("received") + lost("capture") + lost("extract") + lost("fit")
-        );
+        bench.assert_every_frame_is_accounted_for("out");
     }
     bench.assert_nothing_is_left();
 }
@@ -76,8 +70,7 @@ fn a_signal_to_the_chain_ends_it_in_order_with_its_report() {
             "{}",
             ended.stdout
         );
-        let frames = &bench.summary("out")["frames"];
-        assert_eq!(frames["published"], frames["received"], "{frames}");
+        bench.assert_every_frame_is_accounted_for("out");
         bench.assert_nothing_is_left();
     }
 }
@@ -90,7 +83,7 @@ fn a_killed_chain_takes_its_stages_along() {
     chain.wait_for_frames();
     chain.signal_chain(Signal::KILL);
     chain.end();
-    ids.map(wait_until_gone);
+    ids.into_iter().for_each(wait_until_gone);
     bench.assert_nothing_is_left();
 }
 

@@ -11,13 +11,13 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A domain, and a folder for the files of a test.
-pub struct Bench {
-    pub domain: String,
-    pub folder: TempDir,
+pub(crate) struct Bench {
+    pub(crate) domain: String,
+    pub(crate) folder: TempDir,
 }
 
 impl Bench {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let domain = format!(
             "t{}-{}",
@@ -30,7 +30,7 @@ impl Bench {
         }
     }
 
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lariat"));
         command
             .args(arguments)
@@ -41,12 +41,12 @@ impl Bench {
     }
 
     /// Runs a command to its end.
-    pub fn run(&self, arguments: &[&str]) -> Output {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().expect("the binary runs")
     }
 
     /// Starts `lariat run` and waits until all its stages are up.
-    pub fn start(&self, arguments: &[&str]) -> Running {
+    pub(crate) fn start(&self, arguments: &[&str]) -> Running {
         let mut process = self
             .command(&[&["run"], arguments].concat())
             .stdout(Stdio::piped())
@@ -78,18 +78,36 @@ impl Bench {
     }
 
     /// A path in the test's folder.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// What `--out FOLDER` wrote.
-    pub fn summary(&self, folder: &str) -> Value {
+    pub(crate) fn summary(&self, folder: &str) -> Value {
         let text = fs::read_to_string(self.path(folder).join("summary.json")).expect("a summary");
         serde_json::from_str(&text).expect("JSON")
     }
 
+    /// What capture sent has arrived, or is counted as lost where it was lost.
+    pub(crate) fn assert_every_frame_is_accounted_for(&self, folder: &str) {
+        let frames = &self.summary(folder)["frames"];
+        let count = |value: &Value| value.as_u64().expect("a count");
+        let lost = &frames["lost"];
+        let accounted = [
+            &frames["received"],
+            &lost["capture"],
+            &lost["extract"],
+            &lost["fit"],
+        ];
+        assert_eq!(
+            count(&frames["published"]),
+            accounted.into_iter().map(count).sum::<u64>(),
+            "{frames}"
+        );
+    }
+
     /// Names of files in shared memory and in the transport's folder that belong to this domain.
-    pub fn left_behind(&self) -> Vec<String> {
+    pub(crate) fn left_behind(&self) -> Vec<String> {
         let mut found = Vec::new();
         for entry in fs::read_dir("/dev/shm").expect("shared memory").flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
@@ -110,7 +128,7 @@ impl Bench {
         found
     }
 
-    pub fn assert_nothing_is_left(&self) {
+    pub(crate) fn assert_nothing_is_left(&self) {
         let left = self.left_behind();
         assert!(left.is_empty(), "left behind: {left:#?}");
     }
@@ -123,23 +141,23 @@ impl Drop for Bench {
 }
 
 /// A chain that runs.
-pub struct Running {
-    pub process: Child,
+pub(crate) struct Running {
+    pub(crate) process: Child,
     stderr: BufReader<std::process::ChildStderr>,
     /// capture, extract, fit, sink.
-    pub ids: [i32; 4],
+    pub(crate) ids: [i32; 4],
 }
 
 /// How a chain ended.
-pub struct Ended {
-    pub status: ExitStatus,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Ended {
+    pub(crate) status: ExitStatus,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Running {
     /// Waits until the sink has said that frames arrived.
-    pub fn wait_for_frames(&mut self) {
+    pub(crate) fn wait_for_frames(&mut self) {
         let stdout = self.process.stdout.as_mut().expect("piped");
         let mut text = String::new();
         let mut byte = [0];
@@ -153,16 +171,16 @@ impl Running {
         }
     }
 
-    pub fn signal_chain(&self, signal: Signal) {
+    pub(crate) fn signal_chain(&self, signal: Signal) {
         send(self.process.id() as i32, signal);
     }
 
-    pub fn signal_stage(&self, place: usize, signal: Signal) {
+    pub(crate) fn signal_stage(&self, place: usize, signal: Signal) {
         send(self.ids[place], signal);
     }
 
     /// Waits for its end, reading what it says meanwhile.
-    pub fn end(mut self) -> Ended {
+    pub(crate) fn end(mut self) -> Ended {
         let mut stdout = self.process.stdout.take().expect("piped");
         let (out, err) = std::thread::scope(|scope| {
             let out = scope.spawn(|| {
@@ -183,12 +201,12 @@ impl Running {
     }
 }
 
-pub fn send(id: i32, signal: Signal) {
+pub(crate) fn send(id: i32, signal: Signal) {
     kill_process(Pid::from_raw(id).expect("a process id"), signal).expect("the process is there");
 }
 
 /// Waits until a process is gone.
-pub fn wait_until_gone(id: i32) {
+pub(crate) fn wait_until_gone(id: i32) {
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
     while fs::metadata(format!("/proc/{id}")).is_ok() {
         assert!(

@@ -67,9 +67,9 @@ impl<P: ?Sized> Channel<P> {
 pub enum Delivery {
     /// The oldest waiting message makes room: a slow reader never slows the writer.
     NewestWins,
-    /// The writer waits until there is room, or until this flag is set. For sources that can wait, as files can.
+    /// The writer waits until there is room. For sources that can wait, as files can.
     Lossless {
-        /// Set: give up waiting, the message is lost.
+        /// Set: the writer is to come to its end, and waits for a slow reader only a few seconds more.
         stop: Arc<AtomicBool>,
     },
 }

@@ -9,6 +9,7 @@ mod domain;
 mod error;
 mod memory;
 mod message;
+mod patience;
 mod reader;
 mod ready;
 mod writer;

@@ -105,7 +105,7 @@ impl<P: Payload + ?Sized> Reader<P> {
 
     /// The oldest message that waits, without blocking; `None` if there is none.
     ///
-    /// Never call it while holding more than one message of this reader.
+    /// A reader may hold two messages at a time: called with both in hand, this is an error.
     pub fn next(&self) -> Result<Option<Message<P>>, WireError> {
         let sample = P::receive(&self.subscriber)
             .map_err(|cause| WireError::transport(format!("reading from {}", self.name), cause))?;
@@ -114,11 +114,17 @@ impl<P: Payload + ?Sized> Reader<P> {
 
     /// The newest message that waits, without blocking; `None` if nothing came since the last.
     pub fn latest(&self) -> Result<Option<Message<P>>, WireError> {
-        let mut newest = None;
-        while let Some(message) = self.next()? {
-            newest = Some(message);
+        self.next()?
+            .map(|first| self.newest_after(first))
+            .transpose()
+    }
+
+    /// The newest message that waits, without blocking; this one if nothing came after it.
+    pub fn newest_after(&self, mut message: Message<P>) -> Result<Message<P>, WireError> {
+        while let Some(newer) = self.next()? {
+            message = newer;
         }
-        Ok(newest)
+        Ok(message)
     }
 
     /// The newest message, waited for until the deadline; `None` if nothing came.

@@ -8,10 +8,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use iceoryx2::node::{DeadNodeView, NodeState};
+use iceoryx2::port::SendError;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::port::{BackpressureAction, BackpressureInfo, SendError};
 use iceoryx2::prelude::*;
 use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::port_factory::PortFactory as _;
@@ -19,10 +18,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, Delivery, FRAMES, Payload};
 use crate::ready::{self, Bell, Ear};
-use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
-
-/// A writer that waits for room looks this often whether the reader it waits for was killed.
-const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
+use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience};
 
 /// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
 const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
@@ -69,7 +65,7 @@ macro_rules! message_writer {
             ) -> Result<Self, WireError> {
                 let service = Self::open(domain, rig, channel, delivery, size_of::<$message>())?;
                 let builder = service.publisher_builder().max_loaned_samples(1);
-                let publisher = match wait_for_room(domain, delivery) {
+                let publisher = match patience::with_slow_readers(domain, delivery) {
                     None => builder.create(),
                     Some(wait) => builder.set_backpressure_handler(wait).create(),
                 };
@@ -109,7 +105,7 @@ impl Writer<[u8]> {
             .publisher_builder()
             .max_loaned_samples(1)
             .initial_max_slice_len(largest);
-        let publisher = match wait_for_room(domain, delivery) {
+        let publisher = match patience::with_slow_readers(domain, delivery) {
             None => builder.create(),
             Some(wait) => builder.set_backpressure_handler(wait).create(),
         };
@@ -246,49 +242,6 @@ impl<P: Payload + ?Sized> Writer<P> {
     fn broken(&self, cause: impl fmt::Debug) -> WireError {
         WireError::transport(format!("writing to {}", self.name), cause)
     }
-}
-
-/// What a lossless writer does while a reader's buffer is full: wait, unless told to stop or the reader is dead.
-fn wait_for_room(
-    domain: &Domain,
-    delivery: &Delivery,
-) -> Option<impl Fn(&BackpressureInfo) -> BackpressureAction + Send + 'static + use<>> {
-    let Delivery::Lossless { stop } = delivery else {
-        return None;
-    };
-    let stop: Arc<AtomicBool> = stop.clone();
-    let config = domain.config().clone();
-    let checks = std::sync::atomic::AtomicU64::new(0);
-    Some(move |waiting: &BackpressureInfo| {
-        if stop.load(Ordering::Relaxed) {
-            return BackpressureAction::DiscardDataAndFail;
-        }
-        if waiting.retries == 0 {
-            checks.store(0, Ordering::Relaxed);
-        }
-        let due = DEAD_READER_CHECK * (checks.load(Ordering::Relaxed) as u32 + 1);
-        if waiting.elapsed_time < due {
-            return BackpressureAction::Retry;
-        }
-        checks.fetch_add(1, Ordering::Relaxed);
-        if remove_the_dead(&config) {
-            BackpressureAction::DiscardData
-        } else {
-            BackpressureAction::Retry
-        }
-    })
-}
-
-/// Removes what killed processes left; `true` if there was one.
-fn remove_the_dead(config: &Config) -> bool {
-    let mut found = false;
-    let _ = Node::<ipc::Service>::list(config, |node| {
-        if let NodeState::Dead(dead) = node {
-            found |= DeadNodeView::try_remove_stale_resources(dead).is_ok();
-        }
-        CallbackProgression::Continue
-    });
-    found
 }
 
 /// A slot of shared memory that is being written. Dropped, it is given back unsent.

@@ -1,0 +1,63 @@
+//! How long a lossless writer waits for a reader whose buffer is full: as long as the reader lives, and when the writer
+//! is told to stop, a little longer, so that what was sent before is still delivered.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use iceoryx2::node::{DeadNodeView, NodeState};
+use iceoryx2::port::{BackpressureAction, BackpressureInfo};
+use iceoryx2::prelude::*;
+
+use crate::channel::Delivery;
+use crate::{Domain, now_ns};
+
+/// A writer that waits looks this often whether the reader was killed.
+const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
+/// A writer that was told to stop gives up this long after it noticed: a reader that is alive but stands still must not
+/// keep it for ever.
+const AFTER_STOP: Duration = Duration::from_secs(3);
+
+/// What a lossless writer does each time it finds a buffer full; `None` for a writer that does not wait.
+pub(crate) fn with_slow_readers(
+    domain: &Domain,
+    delivery: &Delivery,
+) -> Option<impl Fn(&BackpressureInfo) -> BackpressureAction + Send + 'static + use<>> {
+    let Delivery::Lossless { stop } = delivery else {
+        return None;
+    };
+    let stop = stop.clone();
+    let config = domain.config().clone();
+    let stop_noticed_ns = AtomicU64::new(0);
+    let next_check_ns = AtomicU64::new(0);
+    Some(move |waiting: &BackpressureInfo| {
+        let now_ns = now_ns();
+        if stop.load(Ordering::Relaxed) {
+            let before = stop_noticed_ns.load(Ordering::Relaxed);
+            let noticed_ns = if before == 0 { now_ns } else { before };
+            stop_noticed_ns.store(noticed_ns, Ordering::Relaxed);
+            if now_ns - noticed_ns > AFTER_STOP.as_nanos() as u64 {
+                return BackpressureAction::DiscardDataAndFail;
+            }
+        }
+        let check = DEAD_READER_CHECK.as_nanos() as u64;
+        if waiting.retries == 0 {
+            next_check_ns.store(now_ns + check, Ordering::Relaxed);
+        } else if now_ns >= next_check_ns.load(Ordering::Relaxed) {
+            next_check_ns.store(now_ns + check, Ordering::Relaxed);
+            // A reader that is removed is not waited for any more.
+            remove_the_dead(&config);
+        }
+        BackpressureAction::Retry
+    })
+}
+
+/// Removes what killed processes left.
+fn remove_the_dead(config: &Config) {
+    // What cannot be removed now is tried again at the next check.
+    let _ = Node::<ipc::Service>::list(config, |node| {
+        if let NodeState::Dead(dead) = node {
+            let _ = DeadNodeView::try_remove_stale_resources(dead);
+        }
+        CallbackProgression::Continue
+    });
+}
