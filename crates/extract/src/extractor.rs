@@ -3,9 +3,11 @@
 use crate::background::median;
 use crate::bits::BitPlane;
 use crate::centerline::{Centerliner, Source};
+use crate::color;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::Masker;
+use crate::overlaps::Overlaps;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
@@ -40,6 +42,7 @@ pub struct Extractor {
     skeleton: Skeleton,
     graph: Graph,
     zones: Zones,
+    overlaps: Overlaps,
     strands: Strands,
     centerliner: Centerliner,
     lines: Vec<Line>,
@@ -67,6 +70,7 @@ impl Extractor {
             skeleton: Skeleton::default(),
             graph: Graph::default(),
             zones: Zones::default(),
+            overlaps: Overlaps::default(),
             strands: Strands::default(),
             centerliner: Centerliner::default(),
             lines: Vec::new(),
@@ -100,10 +104,12 @@ impl Extractor {
         after(Step::Skeleton);
         self.skeleton.list(&self.thin, &self.masker.mask);
         self.graph.trace(&self.skeleton);
-        self.graph.prune(&self.skeleton);
-        self.zones.find(&self.graph, &self.skeleton);
-        self.strands
-            .join(image, &self.graph, &self.zones, &self.skeleton);
+        self.graph.prune(&mut self.skeleton);
+        self.zones.find(image, &self.graph, &self.skeleton);
+        self.overlaps
+            .join(image, &self.graph, &self.skeleton, &mut self.zones);
+        let yuv = color::is_yuv(image.format());
+        self.strands.join(yuv, &self.graph, &self.zones);
         after(Step::Graph);
         self.points();
         let Options {

@@ -13,6 +13,7 @@ mod image;
 mod line;
 mod mask;
 mod options;
+mod overlaps;
 mod pairing;
 mod plane;
 mod scene;

@@ -1,11 +1,9 @@
 //! Edges joined through crossings: each rope as a list of edges in their order.
 
-use crate::Image;
-use crate::color;
 use crate::graph::Graph;
-use crate::pairing::{ColoredArm, Pairing};
-use crate::skeleton::{NONE, Skeleton};
-use crate::zones::Zones;
+use crate::pairing::Pairing;
+use crate::skeleton::NONE;
+use crate::zones::{Arm, Zones};
 
 /// One edge on the way along a rope.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +29,6 @@ pub(crate) struct Strand {
 #[derive(Debug, Default)]
 pub(crate) struct Strands {
     pairing: Pairing,
-    zone_arms: Vec<ColoredArm>,
     /// For each end of each edge (2·edge + end) the end that it goes on to, or `NONE`.
     link: Vec<u32>,
     /// The pixels to leave out there.
@@ -44,48 +41,23 @@ pub(crate) struct Strands {
 
 impl Strands {
     /// Pairs the arms of each zone and follows each rope from end to end.
-    pub(crate) fn join(
-        &mut self,
-        image: &Image,
-        graph: &Graph,
-        zones: &Zones,
-        skeleton: &Skeleton,
-    ) {
+    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, zones: &Zones) {
         self.link.clear();
         self.link.resize(2 * graph.edges.len(), NONE);
         self.trim.clear();
         self.trim.resize(2 * graph.edges.len(), 0);
-        let arms = &zones.arms;
         let mut from = 0;
-        while from < arms.len() {
-            let zone = arms[from].zone;
-            let to = from
-                + arms[from..]
-                    .iter()
-                    .take_while(|arm| arm.zone == zone)
-                    .count();
-            self.pair_zone(image, graph, &arms[from..to], skeleton);
+        while from < zones.arms.len() {
+            let to = zones.zone_end(from);
+            self.pair_zone(yuv, &zones.arms[from..to]);
             from = to;
         }
         self.walk(graph, zones);
     }
 
-    fn pair_zone(
-        &mut self,
-        image: &Image,
-        graph: &Graph,
-        arms: &[crate::zones::Arm],
-        skeleton: &Skeleton,
-    ) {
-        self.zone_arms.clear();
-        self.zone_arms.extend(arms.iter().map(|&arm| ColoredArm {
-            arm,
-            color: strand_color(image, graph, &arm, skeleton),
-        }));
-        let yuv = color::is_yuv(image.format());
-        let partners = self.pairing.resolve(&self.zone_arms, yuv);
+    fn pair_zone(&mut self, yuv: bool, arms: &[Arm]) {
         let slot = |i: usize| 2 * arms[i].edge as usize + usize::from(arms[i].end);
-        for (i, &j) in partners.iter().enumerate() {
+        for (i, &j) in self.pairing.resolve(arms, yuv).iter().enumerate() {
             self.trim[slot(i)] = arms[i].trim;
             if j != i {
                 self.link[slot(i)] = slot(j) as u32;
@@ -98,13 +70,7 @@ impl Strands {
         self.legs.clear();
         self.strands.clear();
         self.used.clear();
-        self.used.extend(
-            graph
-                .edges
-                .iter()
-                .zip(&zones.inside)
-                .map(|(edge, &inside)| !edge.alive || inside),
-        );
+        self.used.extend_from_slice(&zones.inside);
         for slot in 0..self.link.len() {
             if self.link[slot] == NONE && graph.edges[slot / 2].nodes[0] != NONE {
                 self.follow(slot, graph);
@@ -149,30 +115,4 @@ impl Strands {
             });
         }
     }
-}
-
-/// The mean color along the arm's strand, just outside of the crossing.
-fn strand_color(
-    image: &Image,
-    graph: &Graph,
-    arm: &crate::zones::Arm,
-    skeleton: &Skeleton,
-) -> [f32; 3] {
-    let pixels = graph.pixels(arm.edge as usize);
-    let from = arm.trim as usize;
-    let to = (from + (4.0 * arm.half_px) as usize + 3).min(pixels.len());
-    let mut sum = [0.0; 3];
-    for i in from..to {
-        let i = if arm.end == 0 {
-            i
-        } else {
-            pixels.len() - 1 - i
-        };
-        let pixel = &skeleton.pixels[pixels[i] as usize];
-        let color = color::native(image, usize::from(pixel.x), usize::from(pixel.y));
-        for (s, c) in sum.iter_mut().zip(color) {
-            *s += f32::from(c);
-        }
-    }
-    sum.map(|s| s / (to - from).max(1) as f32)
 }
