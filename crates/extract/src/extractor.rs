@@ -137,7 +137,8 @@ impl Extractor {
     fn points(&mut self) {
         self.count = 0;
         for strand in &self.strands.strands {
-            if self.count == self.options.ropes {
+            let least_px = (SHORTEST - 1.5) * 2.0 * self.zones.half_px;
+            if self.count == self.options.ropes || strand.length_px < least_px {
                 break;
             }
             if self.lines.len() <= self.count {

@@ -9,6 +9,8 @@ const MOST_EDGES: usize = 4096;
 /// A free end nearer to its junction than this many half-widths is a bump of the rope's edge or a
 /// corner of its tip (which lies √2 half-widths off), not a rope.
 const SPUR_HALVES: f32 = 1.5;
+/// The same for two free ends at one junction: the corners of a frayed or hollow tip.
+const FORK_HALVES: f32 = 3.0;
 
 /// A skeleton pixel where a strand ends or several meet.
 #[derive(Clone, Copy, Debug)]
@@ -177,6 +179,22 @@ impl Graph {
         };
         let half = skeleton.pixels[junction.pixel as usize].half_px;
         edge.length_px < SPUR_HALVES * half + 1.0
+            || edge.length_px < FORK_HALVES * half && self.is_fork(e, junction.pixel)
+    }
+
+    /// Whether another free end, no shorter than edge `e` but about as short, is at `junction`.
+    fn is_fork(&self, e: usize, junction: u32) -> bool {
+        let length_px = self.edges[e].length_px;
+        self.edges.iter().enumerate().any(|(other, edge)| {
+            let [a, b] = edge.nodes;
+            if other == e || a == NONE || edge.length_px > 2.0 * length_px {
+                return false;
+            }
+            let (a, b) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            let meets =
+                a.pixel == junction && b.degree == 1 || b.pixel == junction && a.degree == 1;
+            meets && (edge.length_px, other) > (length_px, e)
+        })
     }
 
     /// The pixels of edge `e` from its first node to its second.

@@ -24,6 +24,7 @@ mod strands;
 mod thin;
 mod threshold;
 mod track;
+mod unroll;
 mod vec2;
 mod zones;
 

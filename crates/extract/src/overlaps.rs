@@ -10,6 +10,7 @@ use crate::color;
 use crate::graph::Graph;
 use crate::pairing::Pairing;
 use crate::skeleton::{NONE, Skeleton};
+use crate::unroll::Unroll;
 use crate::zones::{Arm, Zones};
 
 /// Widths that an overlap may be long without showing in the mask's width.
@@ -49,7 +50,8 @@ impl Overlaps {
             if zones.inside[e] || edge.nodes[0] == NONE || widths > LONGEST_WIDTHS {
                 continue;
             }
-            if let Some(candidate) = self.weigh(e, widths, yuv, zones) {
+            let unroll = Unroll::of(e, graph, skeleton, zones.half_px);
+            if let Some(candidate) = self.weigh(e, unroll, widths, yuv, zones) {
                 self.candidates.push(candidate);
             }
         }
@@ -72,7 +74,14 @@ impl Overlaps {
     }
 
     /// What is gained by reading edge `e` as an overlap, if anything.
-    fn weigh(&mut self, e: usize, widths: f32, yuv: bool, zones: &Zones) -> Option<Candidate> {
+    fn weigh(
+        &mut self,
+        e: usize,
+        unroll: Option<Unroll>,
+        widths: f32,
+        yuv: bool,
+        zones: &Zones,
+    ) -> Option<Candidate> {
         let arm_of = |end: u8| {
             zones
                 .arms
@@ -93,8 +102,16 @@ impl Overlaps {
             }
             self.pairing.resolve(arms, yuv);
             apart += self.pairing.best_cost;
+            let first = self.arms.len();
             self.arms
                 .extend(arms.iter().filter(|arm| arm.edge as usize != e));
+            if zone == ends[1]
+                && let Some(unroll) = &unroll
+            {
+                self.arms[first..]
+                    .iter_mut()
+                    .for_each(|arm| unroll.apply(arm));
+            }
         }
         self.pairing.resolve(&self.arms, yuv);
         let gain = apart - self.pairing.best_cost - PER_WIDTH * widths;

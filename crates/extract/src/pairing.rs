@@ -96,7 +96,8 @@ impl Pairing {
     }
 }
 
-fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
+/// What it costs to read arms `a` and `b` as one strand.
+pub(crate) fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
     let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);

@@ -12,6 +12,7 @@ use crate::Image;
 use crate::color;
 use crate::graph::Graph;
 use crate::skeleton::{NONE, Skeleton};
+use crate::unroll::Unroll;
 use crate::vec2::{self, Vec2};
 
 /// One end of an edge where it meets a zone.
@@ -30,6 +31,13 @@ pub(crate) struct Arm {
     pub(crate) half_px: f32,
     /// The mean native color along the strand, just outside of the crossing.
     pub(crate) color: [f32; 3],
+}
+
+impl Arm {
+    /// The end of the edge that this is, as 2·edge + end.
+    pub(crate) fn slot(&self) -> usize {
+        2 * self.edge as usize + usize::from(self.end)
+    }
 }
 
 /// Memory and result of the step.
@@ -90,8 +98,27 @@ impl Zones {
                 }
             }
         }
+        self.unroll_arms(graph, skeleton);
         self.arms
             .sort_unstable_by_key(|arm| (arm.zone, arm.edge, arm.end));
+    }
+
+    /// Moves the arms at the far end of each long overlap to where they would be were it straight.
+    fn unroll_arms(&mut self, graph: &Graph, skeleton: &Skeleton) {
+        for e in 0..graph.edges.len() {
+            if !self.inside[e] {
+                continue;
+            }
+            let Some(unroll) = Unroll::of(e, graph, skeleton, self.half_px) else {
+                continue;
+            };
+            let far = graph.edges[e].nodes[1];
+            for arm in &mut self.arms {
+                if graph.edges[arm.edge as usize].nodes[usize::from(arm.end)] == far {
+                    unroll.apply(arm);
+                }
+            }
+        }
     }
 
     /// Where the arms of the zone that begins at `from` end.
