@@ -28,7 +28,6 @@ fn looped(t: f32) -> Vec2 {
 
 fn assert_near(curve: &lariat_extract::Curve, rope: &Rope, what: &str) {
     let error = error(curve, rope);
-    eprintln!("{what}: {error:?} width {}", curve.width_px);
     assert!(error.mean_px <= 0.3, "{what}: {error:?}");
     assert!(error.ends_px <= 1.0, "{what}: {error:?}");
     assert!(error.correspondence_px <= 2.0, "{what}: {error:?}");
@@ -71,14 +70,6 @@ fn ropes_of_every_width_and_color_come_out_where_they_are() {
                 (curve.closed, curve.border, curve.status),
                 (false, [false; 2], Status::Ok)
             );
-            let e = error(curve, &rope);
-            if e.mean_px > 0.3 || e.ends_px > 1.0 {
-                eprintln!(
-                    "BAD {what} {e:?} {:?} {:?}",
-                    curve.points[0], curve.points[119]
-                );
-                continue;
-            }
             assert_near(curve, &rope, &what);
         }
     }
@@ -159,7 +150,11 @@ fn a_rope_that_leaves_the_image_is_whole() {
     let table = Table::new(200, 160, WHITE);
     let rope = Rope::along(10.0, BLUE, |t| [-30.0 + 180.0 * t, 40.0 + 60.0 * t]);
     let mut extractor = extractor();
-    let scene = see(&mut extractor, &table.draw(&[rope.clone()]), &table);
+    let scene = see(
+        &mut extractor,
+        &table.draw(std::slice::from_ref(&rope)),
+        &table,
+    );
     assert_eq!(scene.curves.len(), 1);
     let curve = &scene.curves[0];
     assert_eq!(curve.border, [true, false]);
