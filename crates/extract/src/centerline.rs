@@ -8,6 +8,7 @@
 
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
+use crate::path;
 use crate::plane::Plane;
 use crate::section::{self, Measure, Sections};
 use crate::skeleton::Skeleton;
@@ -43,7 +44,7 @@ impl Centerliner {
         let legs = &source.legs[strand.from as usize..strand.to as usize];
         let mut half_px = mean_half(source, legs);
         let step_px = (half_px / 4.0).clamp(0.75, 4.0);
-        lay(source, legs, strand.closed, half_px, line);
+        path::lay(source, legs, strand.closed, half_px, line);
         if line.samples.len() < 3 || line.length_px() < step_px {
             return false;
         }
@@ -132,6 +133,7 @@ impl Centerliner {
                 at: [x.clamp(0.0, right), y.clamp(0.0, bottom)],
                 weight: 1.0,
                 width_px,
+                side: 0.0,
             });
         }
     }
@@ -151,7 +153,7 @@ impl Centerliner {
 
     fn median_width(&mut self, line: &Line) -> Option<f32> {
         self.widths.clear();
-        let seen = line.samples.iter().filter(|s| s.weight > 0.0);
+        let seen = line.samples.iter().filter(|s| s.weight >= 1.0);
         self.widths.extend(seen.map(|s| s.width_px));
         (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
     }
@@ -188,51 +190,4 @@ fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
         weight += length;
     }
     (sum / weight).max(0.5)
-}
-
-/// The pixels of the legs outside of crossings, in order; what lies between two legs is hidden.
-fn lay(source: &Source, legs: &[Leg], closed: bool, half_px: f32, line: &mut Line) {
-    line.clear();
-    line.closed = closed;
-    for (i, leg) in legs.iter().enumerate() {
-        let pixels = source.graph.pixels(leg.edge as usize);
-        let edge = &source.graph.edges[leg.edge as usize];
-        let free = |first: bool| {
-            let node = edge.nodes[usize::from(first == leg.reversed)];
-            let outer = if first { i == 0 } else { i + 1 == legs.len() };
-            let degree = source.graph.nodes.get(node as usize).map(|n| n.degree);
-            !closed && outer && degree == Some(1)
-        };
-        // Thinning bends the last pixels before a tip toward a corner of it.
-        let tip = ((1.4 * half_px) as usize).min(pixels.len() / 3);
-        let trim = [
-            leg.trim[0] as usize + if free(true) { tip } else { 0 },
-            leg.trim[1] as usize + if free(false) { tip } else { 0 },
-        ];
-        let range = trim[0]..pixels.len().saturating_sub(trim[1]).max(trim[0]);
-        let hidden = |i: usize, range: &std::ops::Range<usize>, trim: [usize; 2]| {
-            i == range.start && trim[0] > 0 || i + 1 == range.end && trim[1] > 0
-        };
-        for k in range.clone() {
-            let index = if leg.reversed {
-                pixels.len() - 1 - k
-            } else {
-                k
-            };
-            let at = source.skeleton.pixels[pixels[index] as usize].at();
-            let bridge = hidden(k, &range, trim) && legs.len() > 1;
-            let weight = if bridge { 0.0 } else { 1.0 };
-            line.samples.push(Sample {
-                at,
-                weight,
-                width_px: 2.0 * half_px,
-            });
-        }
-    }
-    if closed
-        && line.samples.len() > 1
-        && line.samples[0].at == line.samples[line.samples.len() - 1].at
-    {
-        line.samples.pop();
-    }
 }
