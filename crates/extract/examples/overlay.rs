@@ -102,7 +102,7 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
 /// A color that changes along the curve, so that the order through crossings can be seen: from blue
 /// over green to yellow on the first curve, from magenta over red to white on the next.
 fn ramp(curve: usize, rho: f32) -> [u8; 3] {
-    let stops: [[f32; 3]; 3] = if curve % 2 == 0 {
+    let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
         [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]
     } else {
         [
