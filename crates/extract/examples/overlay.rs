@@ -9,14 +9,6 @@ use std::time::Instant;
 use image::{Rgb, RgbImage};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
 
-const COLORS: [[u8; 3]; 6] = [
-    [0, 160, 255],
-    [255, 220, 0],
-    [0, 255, 160],
-    [255, 0, 255],
-    [255, 128, 0],
-    [255, 255, 255],
-];
 /// Every point is drawn this many times larger.
 const ZOOM: u32 = 2;
 
@@ -66,7 +58,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 c.border.map(u8::from)
             );
         }
-        println!(" | crossings {}", scene.crossings.len());
+        print!(" | crossings {}", scene.crossings.len());
+        for c in scene.crossings {
+            print!(
+                " ({:.0} {:.0} over {:.2} under {:.2} sure {:.2})",
+                c.at[0], c.at[1], c.over_rho, c.under_rho, c.confidence
+            );
+        }
+        println!();
         draw(&picture, &scene).save(Path::new(out).join(format!("{name}.png")))?;
     }
     Ok(())
@@ -76,8 +75,9 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
     let (width, height) = picture.dimensions();
     let filter = image::imageops::FilterType::Nearest;
     let mut out = image::imageops::resize(picture, ZOOM * width, ZOOM * height, filter);
-    for (curve, color) in scene.curves.iter().zip(COLORS.iter().cycle()) {
-        for pair in curve.points.windows(2) {
+    for (c, curve) in scene.curves.iter().enumerate() {
+        for (i, pair) in curve.points.windows(2).enumerate() {
+            let color = ramp(c, i as f32 / curve.points.len() as f32);
             let steps = 4
                 * ZOOM as usize
                 * (1 + (pair[1][0] - pair[0][0]).abs() as usize
@@ -85,7 +85,7 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
             for k in 0..=steps {
                 let t = k as f32 / steps as f32;
                 let at = [0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i]));
-                dot(&mut out, at, 0, *color);
+                dot(&mut out, at, 1, color);
             }
         }
         if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last()) {
@@ -97,6 +97,26 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
         dot(&mut out, crossing.at, 2, [255, 255, 255]);
     }
     out
+}
+
+/// A color that changes along the curve, so that the order through crossings can be seen: from blue
+/// over green to yellow on the first curve, from magenta over red to white on the next.
+fn ramp(curve: usize, rho: f32) -> [u8; 3] {
+    let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
+        [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]
+    } else {
+        [
+            [255.0, 0.0, 255.0],
+            [255.0, 60.0, 0.0],
+            [255.0, 255.0, 255.0],
+        ]
+    };
+    let (from, t) = if rho < 0.5 {
+        (0, 2.0 * rho)
+    } else {
+        (1, 2.0 * rho - 1.0)
+    };
+    std::array::from_fn(|c| (stops[from][c] + t * (stops[from + 1][c] - stops[from][c])) as u8)
 }
 
 fn dot(out: &mut RgbImage, at: [f32; 2], radius: i32, color: [u8; 3]) {

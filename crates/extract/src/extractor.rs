@@ -3,9 +3,12 @@
 use crate::background::median;
 use crate::bits::BitPlane;
 use crate::centerline::{Centerliner, Source};
+use crate::color;
+use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::Masker;
+use crate::overlaps::Overlaps;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
@@ -40,6 +43,7 @@ pub struct Extractor {
     skeleton: Skeleton,
     graph: Graph,
     zones: Zones,
+    overlaps: Overlaps,
     strands: Strands,
     centerliner: Centerliner,
     lines: Vec<Line>,
@@ -48,6 +52,7 @@ pub struct Extractor {
     /// The first `count` are this image's; the rest is memory.
     curves: Vec<Curve>,
     count: usize,
+    crosser: Crosser,
     crossings: Vec<Crossing>,
 }
 
@@ -67,6 +72,7 @@ impl Extractor {
             skeleton: Skeleton::default(),
             graph: Graph::default(),
             zones: Zones::default(),
+            overlaps: Overlaps::default(),
             strands: Strands::default(),
             centerliner: Centerliner::default(),
             lines: Vec::new(),
@@ -74,6 +80,7 @@ impl Extractor {
             tracker: Tracker::default(),
             curves: Vec::new(),
             count: 0,
+            crosser: Crosser::default(),
             crossings: Vec::new(),
         })
     }
@@ -100,21 +107,24 @@ impl Extractor {
         after(Step::Skeleton);
         self.skeleton.list(&self.thin, &self.masker.mask);
         self.graph.trace(&self.skeleton);
-        self.graph.prune(&self.skeleton);
-        self.zones.find(&self.graph, &self.skeleton);
-        self.strands
-            .join(image, &self.graph, &self.zones, &self.skeleton);
+        self.graph.prune(&mut self.skeleton);
+        self.zones.find(image, &self.graph, &self.skeleton);
+        self.overlaps
+            .join(image, &self.graph, &self.skeleton, &mut self.zones);
+        let yuv = color::is_yuv(image.format());
+        self.strands.join(yuv, &self.graph, &self.zones);
         after(Step::Graph);
         self.points();
-        let Options {
-            ropes,
-            start,
-            keep_lost_frames,
-            ..
-        } = self.options;
-        self.count =
-            self.tracker
-                .update(&mut self.curves, self.count, ropes, start, keep_lost_frames);
+        let seen = self.count;
+        let options = &self.options;
+        self.count = self.tracker.update(&mut self.curves, seen, options);
+        self.crosser.find(
+            image,
+            (&self.graph, &self.skeleton, &self.zones),
+            &self.lines[..seen],
+            &self.curves[..seen],
+            &mut self.crossings,
+        );
         after(Step::Points);
         Scene {
             curves: &self.curves[..self.count],
@@ -124,6 +134,8 @@ impl Extractor {
 
     /// Forgets the past: the next image is a new scene.
     pub fn reset(&mut self) {
+        self.count = 0;
+        self.crossings.clear();
         self.tracker.reset();
     }
 
@@ -131,7 +143,8 @@ impl Extractor {
     fn points(&mut self) {
         self.count = 0;
         for strand in &self.strands.strands {
-            if self.count == self.options.ropes {
+            let least_px = (SHORTEST - 1.5) * 2.0 * self.zones.half_px;
+            if self.count == self.options.ropes || strand.length_px < least_px {
                 break;
             }
             if self.lines.len() <= self.count {
@@ -149,6 +162,11 @@ impl Extractor {
                 continue;
             }
             line.resample(self.options.points, &mut self.spaced);
+            // Smoothing may carry a tip at the image's border a little over it.
+            let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
+            for Sample { at: [x, y], .. } in &mut self.spaced {
+                (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
+            }
             if self.curves.len() <= self.count {
                 self.curves.push(Curve::empty());
             }

@@ -9,12 +9,14 @@ const MOST_EDGES: usize = 4096;
 /// A free end nearer to its junction than this many half-widths is a bump of the rope's edge or a
 /// corner of its tip (which lies √2 half-widths off), not a rope.
 const SPUR_HALVES: f32 = 1.5;
+/// The same for two free ends at one junction: the corners of a frayed or hollow tip.
+const FORK_HALVES: f32 = 3.0;
 
 /// A skeleton pixel where a strand ends or several meet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) pixel: u32,
-    /// Ends of living edges here.
+    /// Ends of edges here.
     pub(crate) degree: u32,
 }
 
@@ -27,7 +29,6 @@ pub(crate) struct Edge {
     pub(crate) from: u32,
     pub(crate) to: u32,
     pub(crate) length_px: f32,
-    pub(crate) alive: bool,
 }
 
 /// Memory and result of the tracing.
@@ -55,7 +56,7 @@ impl Graph {
         self.visited.clear();
         self.visited.resize(pixels.len(), false);
         for (i, pixel) in pixels.iter().enumerate() {
-            if pixel.degree != 2 {
+            if pixel.degree != 2 && pixel.degree != 0 {
                 self.node_of[i] = self.nodes.len() as u32;
                 self.nodes.push(Node {
                     pixel: i as u32,
@@ -113,12 +114,11 @@ impl Graph {
             from,
             to: self.chain.len() as u32,
             length_px,
-            alive: true,
         });
     }
 
-    /// Takes away spurs, the shortest first, as long as there are any.
-    pub(crate) fn prune(&mut self, skeleton: &Skeleton) {
+    /// Takes spurs out of `skeleton`, the shortest first, and traces again, until there are none.
+    pub(crate) fn prune(&mut self, skeleton: &mut Skeleton) {
         loop {
             self.spurs.clear();
             for e in 0..self.edges.len() {
@@ -139,19 +139,36 @@ impl Graph {
                 let e = self.spurs[i] as usize;
                 // An earlier removal may have made this one the continuation of a strand.
                 if self.is_spur(e, skeleton) {
-                    self.edges[e].alive = false;
-                    for node in self.edges[e].nodes {
-                        self.nodes[node as usize].degree -= 1;
-                    }
+                    self.remove(e, skeleton);
                 }
             }
+            self.trace(skeleton);
+        }
+    }
+
+    /// Takes the pixels of spur `e` out of the skeleton, all but its junction.
+    fn remove(&mut self, e: usize, skeleton: &mut Skeleton) {
+        for node in self.edges[e].nodes {
+            self.nodes[node as usize].degree -= 1;
+        }
+        let Edge {
+            from, to, nodes, ..
+        } = self.edges[e];
+        let tip_first = self.nodes[nodes[0] as usize].degree == 0;
+        let (from, to) = if tip_first {
+            (from, to - 1)
+        } else {
+            (from + 1, to)
+        };
+        for &pixel in &self.chain[from as usize..to as usize] {
+            skeleton.remove(pixel);
         }
     }
 
     fn is_spur(&self, e: usize, skeleton: &Skeleton) -> bool {
         let edge = &self.edges[e];
         let [a, b] = edge.nodes;
-        if !edge.alive || a == NONE || a == b {
+        if a == NONE || a == b {
             return false;
         }
         let (a, b) = (self.nodes[a as usize], self.nodes[b as usize]);
@@ -162,6 +179,22 @@ impl Graph {
         };
         let half = skeleton.pixels[junction.pixel as usize].half_px;
         edge.length_px < SPUR_HALVES * half + 1.0
+            || edge.length_px < FORK_HALVES * half && self.is_fork(e, junction.pixel)
+    }
+
+    /// Whether another free end, no shorter than edge `e` but about as short, is at `junction`.
+    fn is_fork(&self, e: usize, junction: u32) -> bool {
+        let length_px = self.edges[e].length_px;
+        self.edges.iter().enumerate().any(|(other, edge)| {
+            let [a, b] = edge.nodes;
+            if other == e || a == NONE || edge.length_px > 2.0 * length_px {
+                return false;
+            }
+            let (a, b) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            let meets =
+                a.pixel == junction && b.degree == 1 || b.pixel == junction && a.degree == 1;
+            meets && (edge.length_px, other) > (length_px, e)
+        })
     }
 
     /// The pixels of edge `e` from its first node to its second.

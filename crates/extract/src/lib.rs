@@ -1,10 +1,53 @@
 //! From an image to the ordered centerlines of the ropes in it.
+//!
+//! A pure library: no input or output, no clock, no threads, and once warm no allocation per frame.
+//! [`Extractor::extract`] takes an [`Image`] in the camera's own pixel format and returns a
+//! [`Scene`]: for each rope N points at equal steps of arc length through the middle of the rope,
+//! between pixels, with its width at each point; and the crossings, with which rope is on top.
+//!
+//! ```
+//! use lariat_extract::{Extractor, Image, Options, PixelFormat};
+//!
+//! // A dark bar, 9 pixels wide, on a light table.
+//! let (width, height) = (200, 100);
+//! let mut bytes = vec![220u8; width * height];
+//! for row in bytes.chunks_exact_mut(width).skip(40).take(9) {
+//!     row[30..170].fill(40);
+//! }
+//! let image = Image::new(&bytes, width, height, width, PixelFormat::Gray8)?;
+//! let mut extractor = Extractor::new(Options::default())?;
+//! let scene = extractor.extract(&image);
+//! let rope = &scene.curves[0];
+//! assert_eq!(rope.points.len(), 120);
+//! assert!((rope.width_px - 9.0).abs() < 0.2);
+//! assert!((rope.points[60][1] - 44.0).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The steps
+//!
+//! | step | module | from → to |
+//! |---|---|---|
+//! | mask | `background`, `difference`, `threshold` or `hsv`, then `components` | image → one bit a pixel, and how unlike the table each pixel is |
+//! | skeleton | `thin` | mask → lines one pixel wide |
+//! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
+//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
+//!
+//! # Bounds
+//!
+//! Any bytes are taken, without a panic, in bounded time: the mask step reads each pixel a fixed
+//! number of times; a mask that covers more than 60% of the image, or that breaks into more than one
+//! run for each 16 pixels, is no picture of ropes and gives none; thinning makes at most 128 passes,
+//! over the rows that still change; a skeleton of more than 131,072 pixels or 4096 strands is noise
+//! and gives none; crossings of more than ten arms are resolved pair by pair; at most
+//! [`Options::ropes`] curves and 32 crossings are reported.
 
 mod background;
 mod bits;
 mod centerline;
 mod color;
 mod components;
+mod crossings;
 mod difference;
 mod extractor;
 mod graph;
@@ -13,7 +56,9 @@ mod image;
 mod line;
 mod mask;
 mod options;
+mod overlaps;
 mod pairing;
+mod path;
 mod plane;
 mod scene;
 mod section;
@@ -23,6 +68,7 @@ mod strands;
 mod thin;
 mod threshold;
 mod track;
+mod unroll;
 mod vec2;
 mod zones;
 

@@ -6,10 +6,17 @@ use crate::vec2::{self, Vec2};
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sample {
     pub(crate) at: Vec2,
-    /// How much the position is measured: 1 by the image, 0 not at all (inside of a crossing).
+    /// How much the position is measured: 1 by the image, 0 not at all (inside of a crossing),
+    /// [`OVERLAP`] where two strands lie side by side.
     pub(crate) weight: f32,
     pub(crate) width_px: f32,
+    /// In an overlap, where this strand lies in it: −1 along the tangent's −normal edge, 1 along
+    /// the other.
+    pub(crate) side: f32,
 }
+
+/// The weight of a sample in an overlap: only one of its edges is its own.
+pub(crate) const OVERLAP: f32 = 0.2;
 
 /// Samples in order; a closed line's last is joined to its first without being repeated.
 #[derive(Debug, Default)]
@@ -106,12 +113,9 @@ impl Line {
 fn between(a: &Sample, b: &Sample, t: f32) -> Sample {
     Sample {
         at: vec2::along(a.at, vec2::sub(b.at, a.at), t),
-        weight: if a.weight == 0.0 || b.weight == 0.0 {
-            0.0
-        } else {
-            1.0
-        },
+        weight: a.weight.min(b.weight),
         width_px: a.width_px + t * (b.width_px - a.width_px),
+        side: a.side + t * (b.side - a.side),
     }
 }
 
@@ -126,6 +130,7 @@ mod tests {
                 at,
                 weight: 1.0,
                 width_px: at[0],
+                side: 0.0,
             })
             .collect();
         Line {

@@ -11,18 +11,15 @@ use crate::zones::Arm;
 
 /// What an arm that stays alone costs: as much as half a turn by 2.1 rad (120°), which a rope of
 /// ordinary stiffness does not make within its own width.
-const ALONE: f32 = 0.55;
+const ALONE: f32 = 0.6;
+/// What each further one costs: two ends seldom lie at one place.
+const ALONE_TOO: f32 = 1.4;
 /// Zones with more arms than this (945 pairings) are resolved pair by pair, the cheapest first.
 const MOST_ARMS: usize = 10;
 /// Levels of color difference that count as much as a bend by one radian.
 const COLOR_LEVELS: f32 = 60.0;
-
-/// An arm with the color of its strand.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ColoredArm {
-    pub(crate) arm: Arm,
-    pub(crate) color: [f32; 3],
-}
+/// What color may say at most: less than two arms alone, since a rope's end may be taped or dyed.
+const MOST_COLOR: f32 = 0.9;
 
 /// Memory of the search.
 #[derive(Debug, Default)]
@@ -32,12 +29,13 @@ pub(crate) struct Pairing {
     /// For each arm its partner, or itself when it stays alone.
     partner: Vec<usize>,
     best: Vec<usize>,
-    best_cost: f32,
+    /// The cost of the result.
+    pub(crate) best_cost: f32,
 }
 
 impl Pairing {
     /// For each of `arms`, all of one zone, the index of its partner, or its own when it ends here.
-    pub(crate) fn resolve(&mut self, arms: &[ColoredArm], yuv: bool) -> &[usize] {
+    pub(crate) fn resolve(&mut self, arms: &[Arm], yuv: bool) -> &[usize] {
         let n = arms.len();
         self.costs.clear();
         for a in arms {
@@ -52,16 +50,17 @@ impl Pairing {
         if n == 2 {
             // Nothing else is here: the strand goes on.
             self.best.swap(0, 1);
+            self.best_cost = self.costs[1];
         } else if n <= MOST_ARMS {
-            self.best_cost = n as f32 * ALONE;
-            self.search(n, 0, 0.0);
+            self.best_cost = f32::INFINITY;
+            self.search(n, 0, 0.0, ALONE);
         } else {
             self.greedy(n);
         }
         &self.best
     }
 
-    fn search(&mut self, n: usize, from: usize, so_far: f32) {
+    fn search(&mut self, n: usize, from: usize, so_far: f32, alone: f32) {
         if so_far >= self.best_cost {
             return;
         }
@@ -73,12 +72,12 @@ impl Pairing {
         for j in i + 1..n {
             if self.partner[j] == j {
                 (self.partner[i], self.partner[j]) = (j, i);
-                self.search(n, i + 1, so_far + self.costs[i * n + j]);
+                self.search(n, i + 1, so_far + self.costs[i * n + j], alone);
                 (self.partner[i], self.partner[j]) = (i, j);
             }
         }
         // Alone: skipped by starting after it, so it must not be found free again.
-        self.search(n, i + 1, so_far + ALONE);
+        self.search(n, i + 1, so_far + alone, ALONE_TOO);
     }
 
     fn greedy(&mut self, n: usize) {
@@ -89,24 +88,22 @@ impl Pairing {
             }
         }
         self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        self.best_cost = n as f32 * ALONE;
         for &(cost, i, j) in &self.order {
             if cost < 2.0 * ALONE && self.best[i] == i && self.best[j] == j {
                 (self.best[i], self.best[j]) = (j, i);
+                self.best_cost += cost - 2.0 * ALONE;
             }
         }
     }
 }
 
-fn cost(a: &ColoredArm, b: &ColoredArm, yuv: bool) -> f32 {
-    let bend = bending(
-        a.arm.at,
-        a.arm.into,
-        b.arm.at,
-        vec2::scale(b.arm.into, -1.0),
-    );
-    let (wa, wb) = (a.arm.half_px, b.arm.half_px);
+/// What it costs to read arms `a` and `b` as one strand.
+pub(crate) fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
+    let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
+    let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
-    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(1.5);
+    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
     // The narrowest ropes measure their width too coarsely for it to say much.
     bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color * color
 }
@@ -123,27 +120,19 @@ pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
 mod tests {
     use super::*;
 
-    fn arm(at: Vec2, angle_deg: f32, color: f32) -> ColoredArm {
+    /// An arm of a crossing in the middle, coming from `angle_deg`.
+    fn spoke(angle_deg: f32, color: f32) -> Arm {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
-        let arm = Arm {
+        Arm {
             edge: 0,
             end: 0,
             zone: 0,
             trim: 0,
-            at: vec2::add(at, [50.0, 50.0]),
+            at: [50.0 + 10.0 * cos, 50.0 + 10.0 * sin],
             into: [-cos, -sin],
             half_px: 5.0,
-        };
-        ColoredArm {
-            arm,
             color: [color; 3],
         }
-    }
-
-    /// An arm of a crossing at the origin, coming from `angle_deg`.
-    fn spoke(angle_deg: f32, color: f32) -> ColoredArm {
-        let (sin, cos) = angle_deg.to_radians().sin_cos();
-        arm([10.0 * cos, 10.0 * sin], angle_deg, color)
     }
 
     #[test]
@@ -167,9 +156,9 @@ mod tests {
     fn color_outweighs_a_bend() {
         let arms = [
             spoke(0.0, 200.0),
-            spoke(70.0, 20.0),
+            spoke(40.0, 20.0),
             spoke(180.0, 20.0),
-            spoke(250.0, 200.0),
+            spoke(220.0, 200.0),
         ];
         assert_eq!(Pairing::default().resolve(&arms, false), [3, 2, 1, 0]);
     }

@@ -11,6 +11,8 @@ use crate::vec2::{self, Vec2};
 
 /// Half-widths to each side, beyond 3 px, that an edge is looked for.
 const REACH: f32 = 1.6;
+/// The same in an overlap, where the other strand may lie in between.
+const BESIDE: f32 = 3.4;
 /// The part of a half-width around the center where no edge is looked for: shine lies there.
 const CORE: f32 = 0.35;
 
@@ -51,11 +53,24 @@ impl Sections {
             let sample = line.samples[i];
             let normal = vec2::normal(line.tangent(i, reach));
             let level = 0.5 * self.contrast_near(i, line, how);
+            let overlap = sample.weight < 1.0;
+            let reach_px = if overlap { BESIDE } else { REACH } * how.half_px + 3.0;
             let seen = sample.weight > 0.0;
-            let edges = seen.then(|| edges(difference, sample.at, normal, level, how.half_px));
-            self.found.push(edges.flatten().map(|[left, right]| Found {
-                center: vec2::along(sample.at, normal, 0.5 * (right - left)),
-                width_px: left + right,
+            let edges =
+                seen.then(|| edges(difference, sample.at, normal, level, how.half_px, reach_px));
+            self.found.push(edges.flatten().map(|[left, right]| {
+                // Of two strands side by side, this one lies half the rest of the width aside.
+                let rest = (left + right - 2.0 * how.half_px).max(0.0);
+                let (aside, width_px) = if overlap {
+                    (0.5 * sample.side * rest, (left + right - rest).max(0.1))
+                } else {
+                    (0.0, left + right)
+                };
+                let far = rest > 2.4 * how.half_px;
+                Found {
+                    center: vec2::along(sample.at, normal, 0.5 * (right - left) + aside),
+                    width_px: if overlap && far { 0.0 } else { width_px },
+                }
             }));
         }
         let expected = 2.0 * how.half_px;
@@ -112,6 +127,7 @@ fn edges(
     normal: Vec2,
     level: f32,
     half_px: f32,
+    reach_px: f32,
 ) -> Option<[f32; 2]> {
     let left = edge(
         difference,
@@ -119,16 +135,26 @@ fn edges(
         vec2::scale(normal, -1.0),
         level,
         half_px,
+        reach_px,
     )?;
-    Some([left, edge(difference, center, normal, level, half_px)?])
+    Some([
+        left,
+        edge(difference, center, normal, level, half_px, reach_px)?,
+    ])
 }
 
-fn edge(difference: &Plane, center: Vec2, out: Vec2, level: f32, half_px: f32) -> Option<f32> {
+fn edge(
+    difference: &Plane,
+    center: Vec2,
+    out: Vec2,
+    level: f32,
+    half_px: f32,
+    reach_px: f32,
+) -> Option<f32> {
     let step = (half_px / 12.0).max(0.5);
-    let limit = REACH * half_px + 3.0;
     let mut at = CORE * half_px;
     let mut before = difference.sample(vec2::along(center, out, at));
-    while at < limit {
+    while at < reach_px {
         let next = at + step;
         let value = difference.sample(vec2::along(center, out, next));
         if value < level {
@@ -144,38 +170,38 @@ fn edge(difference: &Plane, center: Vec2, out: Vec2, level: f32, half_px: f32) -
     None
 }
 
-/// Where the rope ends, from `inside` along the unit vector `out`: the tip, and whether it is the
-/// image's border instead.
+/// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
+/// the distance of the tip, and whether the image's border cuts it.
 pub(crate) fn tip(
     difference: &Plane,
-    inside: Vec2,
-    out: Vec2,
+    at: impl Fn(f32) -> Vec2,
     level: f32,
     limit_px: f32,
-) -> (Vec2, bool) {
+) -> (f32, bool) {
+    const STEP: f32 = 0.5;
     let (right, bottom) = (
         difference.width() as f32 - 1.0,
         difference.height() as f32 - 1.0,
     );
     let inner = |p: Vec2| p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= right && p[1] <= bottom;
-    let clamp = |p: Vec2| [p[0].clamp(0.0, right), p[1].clamp(0.0, bottom)];
-    let mut before = difference.sample(inside);
-    let mut at = 0.0;
-    while at < limit_px {
-        let p = vec2::along(inside, out, at + 0.5);
-        if !inner(p) {
-            return (clamp(p), true);
-        }
+    let mut before = difference.sample(at(0.0));
+    let mut far = 0.0;
+    while far < limit_px {
+        let p = at(far + STEP);
         let value = difference.sample(p);
         if value < level {
-            let part = if before > value {
-                ((before - level) / (before - value)).max(0.0)
+            let fall = before - value;
+            let part = if fall > 0.0 {
+                ((before - level) / fall).clamp(0.0, 1.0)
             } else {
                 0.0
             };
-            return (vec2::along(inside, out, at + 0.5 * part), false);
+            return (far + STEP * part, false);
         }
-        (at, before) = (at + 0.5, value);
+        if !inner(p) {
+            return (far + STEP, true);
+        }
+        (far, before) = (far + STEP, value);
     }
-    (clamp(vec2::along(inside, out, at)), false)
+    (far, false)
 }

@@ -84,6 +84,22 @@ impl Skeleton {
         }
     }
 
+    /// Takes pixel `i` out: no neighbor leads to it any more.
+    pub(crate) fn remove(&mut self, i: u32) {
+        let Pixel {
+            neighbors, degree, ..
+        } = self.pixels[i as usize];
+        for &other in &neighbors[..usize::from(degree)] {
+            let other = &mut self.pixels[other as usize];
+            let degree = usize::from(other.degree);
+            if let Some(k) = other.neighbors[..degree].iter().position(|&n| n == i) {
+                other.neighbors.swap(k, degree - 1);
+                other.degree -= 1;
+            }
+        }
+        self.pixels[i as usize].degree = 0;
+    }
+
     fn link(&mut self, thin: &BitPlane, i: usize, x: i32, y: i32) {
         let (x, y) = (x as usize, y as usize);
         let word = y * thin.words_per_row() + x / 64;

@@ -137,6 +137,7 @@ mod tests {
                     at: [r * cos, r * sin],
                     weight,
                     width_px: 7.0,
+                    side: 0.0,
                 }
             })
             .collect();
@@ -170,6 +171,7 @@ mod tests {
                     at: [15.0 * cos, 15.0 * sin],
                     weight: 1.0,
                     width_px: 3.0,
+                    side: 0.0,
                 }
             })
             .collect();

@@ -8,8 +8,11 @@
 //! but both strands at once, and its junctions are one zone. Strands that run along each other
 //! show as an edge that is nearly two ropes wide.
 
+use crate::Image;
+use crate::color;
 use crate::graph::Graph;
 use crate::skeleton::{NONE, Skeleton};
+use crate::unroll::Unroll;
 use crate::vec2::{self, Vec2};
 
 /// One end of an edge where it meets a zone.
@@ -26,6 +29,15 @@ pub(crate) struct Arm {
     /// Its direction there, into the zone.
     pub(crate) into: Vec2,
     pub(crate) half_px: f32,
+    /// The mean native color along the strand, just outside of the crossing.
+    pub(crate) color: [f32; 3],
+}
+
+impl Arm {
+    /// The end of the edge that this is, as 2·edge + end.
+    pub(crate) fn slot(&self) -> usize {
+        2 * self.edge as usize + usize::from(self.end)
+    }
 }
 
 /// Memory and result of the step.
@@ -45,8 +57,8 @@ pub(crate) struct Zones {
 }
 
 impl Zones {
-    /// Joins junctions to zones and finds their arms.
-    pub(crate) fn find(&mut self, graph: &Graph, skeleton: &Skeleton) {
+    /// Joins junctions to zones by the shape of the mask, and finds their arms.
+    pub(crate) fn find(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
         self.measure_halves(graph, skeleton);
         self.parent.clear();
         self.parent.extend(0..graph.nodes.len() as u32);
@@ -54,29 +66,68 @@ impl Zones {
         self.inside.resize(graph.edges.len(), false);
         for e in 0..graph.edges.len() {
             if self.is_overlap(e, graph, skeleton) {
-                self.inside[e] = true;
-                let [a, b] = graph.edges[e].nodes;
-                let (a, b) = (self.root(a), self.root(b));
-                self.parent[a.max(b) as usize] = a.min(b);
+                self.join(e, graph);
             }
         }
+        self.collect_arms(image, graph, skeleton);
+    }
+
+    /// Makes edge `e` the inside of a zone, and its two nodes one.
+    pub(crate) fn join(&mut self, e: usize, graph: &Graph) {
+        self.inside[e] = true;
+        let [a, b] = graph.edges[e].nodes;
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// Finds the arms of all zones.
+    pub(crate) fn collect_arms(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
         self.arms.clear();
         for e in 0..graph.edges.len() {
             let edge = &graph.edges[e];
-            if !edge.alive || self.inside[e] || edge.nodes[0] == NONE {
+            if self.inside[e] || edge.nodes[0] == NONE {
                 continue;
             }
             for end in 0..2u8 {
                 let node = edge.nodes[usize::from(end)];
                 if graph.nodes[node as usize].degree >= 2 {
                     let zone = self.root(node);
-                    let arm = self.arm(e, end, zone, graph, skeleton);
+                    let mut arm = self.arm(e, end, zone, graph, skeleton);
+                    arm.color = strand_color(image, graph, &arm, skeleton);
                     self.arms.push(arm);
                 }
             }
         }
+        self.unroll_arms(graph, skeleton);
         self.arms
             .sort_unstable_by_key(|arm| (arm.zone, arm.edge, arm.end));
+    }
+
+    /// Moves the arms at the far end of each long overlap to where they would be were it straight.
+    fn unroll_arms(&mut self, graph: &Graph, skeleton: &Skeleton) {
+        for e in 0..graph.edges.len() {
+            if !self.inside[e] {
+                continue;
+            }
+            let Some(unroll) = Unroll::of(e, graph, skeleton, self.half_px) else {
+                continue;
+            };
+            let far = graph.edges[e].nodes[1];
+            for arm in &mut self.arms {
+                if graph.edges[arm.edge as usize].nodes[usize::from(arm.end)] == far {
+                    unroll.apply(arm);
+                }
+            }
+        }
+    }
+
+    /// Where the arms of the zone that begins at `from` end.
+    pub(crate) fn zone_end(&self, from: usize) -> usize {
+        let zone = self.arms[from].zone;
+        from + self.arms[from..]
+            .iter()
+            .take_while(|arm| arm.zone == zone)
+            .count()
     }
 
     fn root(&mut self, mut node: u32) -> u32 {
@@ -93,15 +144,13 @@ impl Zones {
         let half = |&p: &u32| skeleton.pixels[p as usize].half_px;
         self.halves.clear();
         for e in 0..graph.edges.len() {
-            if graph.edges[e].alive {
-                self.halves.extend(graph.pixels(e).iter().map(half));
-            }
+            self.halves.extend(graph.pixels(e).iter().map(half));
         }
         self.half_px = quantile(&mut self.halves, 0.45).max(0.5);
         self.edge_half_px.clear();
         for e in 0..graph.edges.len() {
             let mut value = self.half_px;
-            if graph.edges[e].alive && graph.edges[e].length_px > 6.0 * self.half_px {
+            if graph.edges[e].length_px > 6.0 * self.half_px {
                 self.halves.clear();
                 self.halves.extend(graph.pixels(e).iter().map(half));
                 value = quantile(&mut self.halves, 0.35).max(0.5);
@@ -114,7 +163,7 @@ impl Zones {
     fn is_overlap(&self, e: usize, graph: &Graph, skeleton: &Skeleton) -> bool {
         let edge = &graph.edges[e];
         let [a, b] = edge.nodes;
-        if !edge.alive || a == NONE || a == b {
+        if a == NONE || a == b {
             return false;
         }
         let (a, b) = (&graph.nodes[a as usize], &graph.nodes[b as usize]);
@@ -159,7 +208,7 @@ impl Zones {
             }
             trim = (trim + (0.3 * half_px) as usize).min(most);
         }
-        let reach = ((3.5 * half_px) as usize).max(5);
+        let reach = ((3.5 * half_px) as usize).max(7);
         let last = (trim + reach).min(pixels.len() - 1);
         let into = line_direction((trim..=last).map(|i| pixel(i).at()), pixel(last).at());
         let at = pixel(trim).at();
@@ -171,8 +220,30 @@ impl Zones {
             at,
             into,
             half_px,
+            color: [0.0; 3],
         }
     }
+}
+
+/// The mean color along the arm's strand, just outside of the crossing.
+fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) -> [f32; 3] {
+    let pixels = graph.pixels(arm.edge as usize);
+    let from = arm.trim as usize;
+    let to = (from + (4.0 * arm.half_px) as usize + 3).min(pixels.len());
+    let mut sum = [0.0; 3];
+    for i in from..to {
+        let i = if arm.end == 0 {
+            i
+        } else {
+            pixels.len() - 1 - i
+        };
+        let pixel = &skeleton.pixels[pixels[i] as usize];
+        let color = color::native(image, usize::from(pixel.x), usize::from(pixel.y));
+        for (s, c) in sum.iter_mut().zip(color) {
+            *s += f32::from(c);
+        }
+    }
+    sum.map(|s| s / (to - from).max(1) as f32)
 }
 
 /// The direction of the least-squares line through `points`, pointing away from `far`, their last.
