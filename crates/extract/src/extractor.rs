@@ -1,6 +1,22 @@
 //! The steps in their order, and the memory they share from frame to frame.
 
+use crate::background::median;
+use crate::bits::BitPlane;
+use crate::centerline::{Centerliner, Source};
+use crate::color;
+use crate::graph::Graph;
+use crate::line::{Line, Sample};
+use crate::mask::Masker;
+use crate::overlaps::Overlaps;
+use crate::skeleton::Skeleton;
+use crate::strands::Strands;
+use crate::thin::Thinner;
+use crate::track::Tracker;
+use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Options, OptionsError, Scene};
+
+/// A rope is at least this many times as long as wide.
+const SHORTEST: f32 = 4.0;
 
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,7 +35,22 @@ pub enum Step {
 #[derive(Debug)]
 pub struct Extractor {
     options: Options,
+    size: (usize, usize),
+    masker: Masker,
+    thin: BitPlane,
+    thinner: Thinner,
+    skeleton: Skeleton,
+    graph: Graph,
+    zones: Zones,
+    overlaps: Overlaps,
+    strands: Strands,
+    centerliner: Centerliner,
+    lines: Vec<Line>,
+    spaced: Vec<Sample>,
+    tracker: Tracker,
+    /// The first `count` are this image's; the rest is memory.
     curves: Vec<Curve>,
+    count: usize,
     crossings: Vec<Crossing>,
 }
 
@@ -32,12 +63,27 @@ impl Extractor {
         options.check()?;
         Ok(Self {
             options,
+            size: (0, 0),
+            masker: Masker::default(),
+            thin: BitPlane::default(),
+            thinner: Thinner::default(),
+            skeleton: Skeleton::default(),
+            graph: Graph::default(),
+            zones: Zones::default(),
+            overlaps: Overlaps::default(),
+            strands: Strands::default(),
+            centerliner: Centerliner::default(),
+            lines: Vec::new(),
+            spaced: Vec::new(),
+            tracker: Tracker::default(),
             curves: Vec::new(),
+            count: 0,
             crossings: Vec::new(),
         })
     }
 
-    /// The ropes in `image`, taken as the next frame of the same scene.
+    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is
+    /// a new scene.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
     }
@@ -45,22 +91,92 @@ impl Extractor {
     /// As [`extract`](Self::extract), calling `after` when each step is finished, so that a caller
     /// who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
-        let _ = (image.row(0), &self.options);
-        if image.format() == crate::PixelFormat::Nv12 {
-            let _ = image.chroma_row(0);
+        let size = (image.width(), image.height());
+        if size != self.size {
+            self.reset();
+            self.size = size;
         }
-        for step in [Step::Mask, Step::Skeleton, Step::Graph, Step::Points] {
-            after(step);
-        }
+        self.masker.run(image, &self.options.mask);
+        after(Step::Mask);
+        self.thin.copy_from(&self.masker.mask);
+        let most_passes = (size.0.min(size.1) / 8).clamp(16, 128) as u32;
+        self.thinner.thin(&mut self.thin, most_passes);
+        after(Step::Skeleton);
+        self.skeleton.list(&self.thin, &self.masker.mask);
+        self.graph.trace(&self.skeleton);
+        self.graph.prune(&mut self.skeleton);
+        self.zones.find(image, &self.graph, &self.skeleton);
+        self.overlaps
+            .join(image, &self.graph, &self.skeleton, &mut self.zones);
+        let yuv = color::is_yuv(image.format());
+        self.strands.join(yuv, &self.graph, &self.zones);
+        after(Step::Graph);
+        self.points();
+        let Options {
+            ropes,
+            start,
+            keep_lost_frames,
+            ..
+        } = self.options;
+        self.count =
+            self.tracker
+                .update(&mut self.curves, self.count, ropes, start, keep_lost_frames);
+        after(Step::Points);
         Scene {
-            curves: &self.curves,
+            curves: &self.curves[..self.count],
             crossings: &self.crossings,
         }
     }
 
     /// Forgets the past: the next image is a new scene.
     pub fn reset(&mut self) {
-        self.curves.clear();
-        self.crossings.clear();
+        self.tracker.reset();
+    }
+
+    /// A curve for each strand that is long enough to be a rope, the longest first.
+    fn points(&mut self) {
+        self.count = 0;
+        for strand in &self.strands.strands {
+            let least_px = (SHORTEST - 1.5) * 2.0 * self.zones.half_px;
+            if self.count == self.options.ropes || strand.length_px < least_px {
+                break;
+            }
+            if self.lines.len() <= self.count {
+                self.lines.push(Line::default());
+            }
+            let line = &mut self.lines[self.count];
+            let source = Source {
+                difference: &self.masker.difference,
+                skeleton: &self.skeleton,
+                graph: &self.graph,
+                zones: &self.zones,
+                legs: &self.strands.legs,
+            };
+            if !self.centerliner.build(&source, strand, line) {
+                continue;
+            }
+            line.resample(self.options.points, &mut self.spaced);
+            if self.curves.len() <= self.count {
+                self.curves.push(Curve::empty());
+            }
+            let curve = &mut self.curves[self.count];
+            curve.closed = line.closed;
+            curve.border = line.border;
+            curve.length_px = line.length_px();
+            curve.widths_px.clear();
+            curve
+                .widths_px
+                .extend(self.spaced.iter().map(|s| s.width_px));
+            curve.width_px = median(&mut curve.widths_px);
+            curve.widths_px.clear();
+            curve
+                .widths_px
+                .extend(self.spaced.iter().map(|s| s.width_px));
+            curve.points.clear();
+            curve.points.extend(self.spaced.iter().map(|s| s.at));
+            if curve.length_px >= SHORTEST * curve.width_px {
+                self.count += 1;
+            }
+        }
     }
 }

@@ -1,9 +1,32 @@
 //! From an image to the ordered centerlines of the ropes in it.
 
+mod background;
+mod bits;
+mod centerline;
+mod color;
+mod components;
+mod difference;
 mod extractor;
+mod graph;
+mod hsv;
 mod image;
+mod line;
+mod mask;
 mod options;
+mod overlaps;
+mod pairing;
+mod plane;
 mod scene;
+mod section;
+mod skeleton;
+mod smooth;
+mod strands;
+mod thin;
+mod threshold;
+mod track;
+mod unroll;
+mod vec2;
+mod zones;
 
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};

@@ -35,6 +35,22 @@ pub struct Curve {
     pub length_px: f32,
 }
 
+impl Curve {
+    /// A curve yet to be filled.
+    pub(crate) fn empty() -> Self {
+        Self {
+            track: 0,
+            status: Status::Ok,
+            closed: false,
+            border: [false; 2],
+            points: Vec::new(),
+            widths_px: Vec::new(),
+            width_px: 0.0,
+            length_px: 0.0,
+        }
+    }
+}
+
 /// A place where a rope passes over a rope, another or itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {

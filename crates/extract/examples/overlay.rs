@@ -1,0 +1,112 @@
+//! Draws what is seen over pictures: `overlay [--video] OUT_DIR IMAGE…`.
+//!
+//! Prints one line an image: curves, their lengths and widths, crossings, and time by step. With
+//! `--video` the images are frames of one moving scene.
+
+use std::path::Path;
+use std::time::Instant;
+
+use image::{Rgb, RgbImage};
+use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
+
+const COLORS: [[u8; 3]; 6] = [
+    [0, 160, 255],
+    [255, 220, 0],
+    [0, 255, 160],
+    [255, 0, 255],
+    [255, 128, 0],
+    [255, 255, 255],
+];
+/// Every point is drawn this many times larger.
+const ZOOM: u32 = 2;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let video = arguments.first().is_some_and(|a| a == "--video");
+    arguments.drain(..usize::from(video));
+    let [out, images @ ..] = &arguments[..] else {
+        return Err("usage: overlay [--video] OUT_DIR IMAGE…".into());
+    };
+    std::fs::create_dir_all(out)?;
+    let mut extractor = Extractor::new(Options::default())?;
+    for path in images {
+        let picture = image::open(path)?.to_rgb8();
+        let (width, height) = picture.dimensions();
+        let (width, height) = (width as usize, height as usize);
+        let view = Image::new(
+            picture.as_raw(),
+            width,
+            height,
+            3 * width,
+            PixelFormat::Rgb8,
+        )?;
+        if !video {
+            extractor.reset();
+        }
+        let mut times = Vec::new();
+        let mut since = Instant::now();
+        let scene = extractor.extract_observed(&view, &mut |_| {
+            times.push(since.elapsed().as_micros());
+            since = Instant::now();
+        });
+        let name = Path::new(path)
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        print!("{name} curves {} us {times:?}", scene.curves.len());
+        for c in scene.curves {
+            print!(
+                " | {} {:?} {:.0}x{:.1}",
+                c.track, c.status, c.length_px, c.width_px
+            );
+            print!(
+                "{}{:?}",
+                if c.closed { " closed" } else { "" },
+                c.border.map(u8::from)
+            );
+        }
+        println!(" | crossings {}", scene.crossings.len());
+        draw(&picture, &scene).save(Path::new(out).join(format!("{name}.png")))?;
+    }
+    Ok(())
+}
+
+fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
+    let (width, height) = picture.dimensions();
+    let filter = image::imageops::FilterType::Nearest;
+    let mut out = image::imageops::resize(picture, ZOOM * width, ZOOM * height, filter);
+    for (curve, color) in scene.curves.iter().zip(COLORS.iter().cycle()) {
+        for pair in curve.points.windows(2) {
+            let steps = 4
+                * ZOOM as usize
+                * (1 + (pair[1][0] - pair[0][0]).abs() as usize
+                    + (pair[1][1] - pair[0][1]).abs() as usize);
+            for k in 0..=steps {
+                let t = k as f32 / steps as f32;
+                let at = [0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i]));
+                dot(&mut out, at, 0, *color);
+            }
+        }
+        if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last()) {
+            dot(&mut out, first, 4, [0, 255, 0]);
+            dot(&mut out, last, 4, [255, 0, 0]);
+        }
+    }
+    for crossing in scene.crossings {
+        dot(&mut out, crossing.at, 2, [255, 255, 255]);
+    }
+    out
+}
+
+fn dot(out: &mut RgbImage, at: [f32; 2], radius: i32, color: [u8; 3]) {
+    let center = at.map(|c| ((c + 0.5) * ZOOM as f32) as i32);
+    for dy in -radius..=radius {
+        for dx in -radius..=radius {
+            let (x, y) = (center[0] + dx, center[1] + dy);
+            if x >= 0 && y >= 0 && (x as u32) < out.width() && (y as u32) < out.height() {
+                out.put_pixel(x as u32, y as u32, Rgb(color));
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! A picture of one bit a pixel, 64 pixels to a word: what the mask and the skeleton are made of.
+
+/// One bit a pixel. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); bits past the width
+/// are always 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct BitPlane {
+    words: Vec<u64>,
+    words_per_row: usize,
+    width: usize,
+    height: usize,
+}
+
+impl BitPlane {
+    /// Takes this size, all pixels 0, keeping the memory it has.
+    pub(crate) fn resize(&mut self, width: usize, height: usize) {
+        self.width = width;
+        self.height = height;
+        self.words_per_row = width.div_ceil(64);
+        self.words.clear();
+        self.words.resize(self.words_per_row * height, 0);
+    }
+
+    /// Takes the size and the pixels of `other`.
+    pub(crate) fn copy_from(&mut self, other: &BitPlane) {
+        self.width = other.width;
+        self.height = other.height;
+        self.words_per_row = other.words_per_row;
+        self.words.clear();
+        self.words.extend_from_slice(&other.words);
+    }
+
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    pub(crate) fn height(&self) -> usize {
+        self.height
+    }
+
+    pub(crate) fn words_per_row(&self) -> usize {
+        self.words_per_row
+    }
+
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    pub(crate) fn row(&self, y: usize) -> &[u64] {
+        &self.words[y * self.words_per_row..][..self.words_per_row]
+    }
+
+    pub(crate) fn row_mut(&mut self, y: usize) -> &mut [u64] {
+        &mut self.words[y * self.words_per_row..][..self.words_per_row]
+    }
+
+    /// Whether pixel (x, y) is set; outside the picture nothing is.
+    pub(crate) fn get(&self, x: i32, y: i32) -> bool {
+        if x < 0 || y < 0 || x as usize >= self.width || y as usize >= self.height {
+            return false;
+        }
+        let (x, y) = (x as usize, y as usize);
+        self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// Sets pixels `from..to` of row `y` to `value`.
+    pub(crate) fn fill(&mut self, y: usize, from: usize, to: usize, value: bool) {
+        let row = self.row_mut(y);
+        let mut x = from;
+        while x < to {
+            let end = to.min((x / 64 + 1) * 64);
+            let bits = (u64::MAX >> (64 - (end - x))) << (x % 64);
+            if value {
+                row[x / 64] |= bits;
+            } else {
+                row[x / 64] &= !bits;
+            }
+            x = end;
+        }
+    }
+
+    /// How many pixels are set.
+    pub(crate) fn count(&self) -> usize {
+        self.words.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    /// The word of ones up to the width, for the last word of a row.
+    pub(crate) fn last_word_mask(&self) -> u64 {
+        match self.width % 64 {
+            0 => u64::MAX,
+            used => u64::MAX >> (64 - used),
+        }
+    }
+}
+
+/// The pixels to the left of those in word `i` of `row`, each moved to its right neighbor's bit.
+#[inline(always)]
+pub(crate) fn left_of(row: &[u64], i: usize) -> u64 {
+    let carry = if i > 0 { row[i - 1] >> 63 } else { 0 };
+    row[i] << 1 | carry
+}
+
+/// The pixels to the right of those in word `i` of `row`, each moved to its left neighbor's bit.
+#[inline(always)]
+pub(crate) fn right_of(row: &[u64], i: usize) -> u64 {
+    let carry = if i + 1 < row.len() {
+        row[i + 1] << 63
+    } else {
+        0
+    };
+    row[i] >> 1 | carry
+}

@@ -1,0 +1,216 @@
+//! From a strand of skeleton pixels to a smooth line through the middle of the rope, tip to tip.
+//!
+//! The pixels outside of crossings are spaced evenly and smoothed; the ends, which thinning has bent
+//! and shortened, are cut and run on straight to where the rope's difference from the table falls
+//! to half; then every sample is moved to the middle of its cross-section, twice, the second time
+//! with the better normals. Inside of crossings nothing is measured: the line bridges them as the
+//! curve of least bending between the parts that are.
+
+use crate::graph::Graph;
+use crate::line::{Line, Sample};
+use crate::plane::Plane;
+use crate::section::{self, Measure, Sections};
+use crate::skeleton::Skeleton;
+use crate::smooth::Smoother;
+use crate::strands::{Leg, Strand};
+use crate::vec2;
+use crate::zones::{Zones, quantile};
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Centerliner {
+    sections: Sections,
+    smoother: Smoother,
+    spaced: Vec<Sample>,
+    widths: Vec<f32>,
+}
+
+/// What a strand is made of.
+pub(crate) struct Source<'a> {
+    pub(crate) difference: &'a Plane,
+    pub(crate) skeleton: &'a Skeleton,
+    pub(crate) graph: &'a Graph,
+    pub(crate) zones: &'a Zones,
+    pub(crate) legs: &'a [Leg],
+}
+
+impl Centerliner {
+    /// Fills `line` with the centerline of `strand`; false when too little of it is left.
+    pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
+        let legs = &source.legs[strand.from as usize..strand.to as usize];
+        let mut half_px = mean_half(source, legs);
+        let step_px = (half_px / 4.0).clamp(0.75, 4.0);
+        lay(source, legs, strand.closed, half_px, line);
+        if line.samples.len() < 3 || line.length_px() < step_px {
+            return false;
+        }
+        self.space(line, step_px);
+        self.smoother.smooth(line, (half_px).max(2.5) / step_px);
+        self.extend(source, line, half_px, step_px, 0.0);
+        for (tolerance, reach_px) in [
+            (1.6, (0.6 * half_px).max(2.5)),
+            (1.25, (0.6 * half_px).max(2.5)),
+        ] {
+            let how = Measure {
+                half_px,
+                step_px,
+                tolerance,
+            };
+            self.sections.measure(line, source.difference, how);
+            self.fill_widths(line, 2.0 * half_px);
+            self.smoother.smooth(line, reach_px / step_px);
+            half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
+            self.extend(source, line, half_px, step_px, half_px);
+        }
+        line.samples.len() >= 2
+    }
+
+    /// Spaces the line's samples evenly, about `step_px` apart.
+    fn space(&mut self, line: &mut Line, step_px: f32) {
+        let steps = (line.length_px() / step_px).ceil().max(2.0) as usize;
+        let count = if line.closed { steps } else { steps + 1 };
+        line.resample(count, &mut self.spaced);
+        std::mem::swap(&mut line.samples, &mut self.spaced);
+    }
+
+    /// Cuts `cut_px` from each visible end and runs on straight to the tip, then spaces evenly.
+    fn extend(
+        &mut self,
+        source: &Source,
+        line: &mut Line,
+        half_px: f32,
+        step_px: f32,
+        cut_px: f32,
+    ) {
+        if !line.closed {
+            for end in 0..2 {
+                self.extend_end(source, line, half_px, step_px, cut_px);
+                line.samples.reverse();
+                line.border.swap(0, 1);
+                let _ = end;
+            }
+        }
+        self.space(line, step_px);
+    }
+
+    /// Works on the last end of the line.
+    fn extend_end(
+        &mut self,
+        source: &Source,
+        line: &mut Line,
+        half_px: f32,
+        step_px: f32,
+        cut_px: f32,
+    ) {
+        let n = line.samples.len();
+        let cut = ((cut_px / step_px) as usize).min(n / 4);
+        line.samples.truncate(n - cut);
+        let last = line.samples.len() - 1;
+        let back = ((3.0 * half_px / step_px) as usize)
+            .clamp(2, 1 + last / 2)
+            .min(last);
+        let from = line.samples[last - back].at;
+        let inside = line.samples[last].at;
+        let out = vec2::unit_or(vec2::sub(inside, from), [1.0, 0.0]);
+        // The rope's own contrast: the median along the piece that the direction comes from.
+        self.widths.clear();
+        self.widths.extend(
+            line.samples[last - back..]
+                .iter()
+                .map(|s| source.difference.sample(s.at)),
+        );
+        let level = 0.5 * quantile(&mut self.widths, 0.5).max(2.0);
+        let limit = cut_px + 4.0 * half_px + 4.0;
+        let (tip, border) = section::tip(source.difference, inside, out, level, limit);
+        line.border[1] = border;
+        let gap = vec2::distance(inside, tip);
+        let count = (gap / step_px).ceil() as usize;
+        let width_px = line.samples[last].width_px;
+        for k in 1..=count {
+            let at = vec2::along(inside, vec2::sub(tip, inside), k as f32 / count as f32);
+            line.samples.push(Sample {
+                at,
+                weight: 1.0,
+                width_px,
+            });
+        }
+    }
+
+    /// Gives samples without a measured width the last one that was, so that nothing depends on
+    /// what stood there before.
+    fn fill_widths(&mut self, line: &mut Line, otherwise: f32) {
+        let mut last = self.median_width(line).unwrap_or(otherwise);
+        for sample in &mut line.samples {
+            if sample.weight > 0.0 {
+                last = sample.width_px;
+            } else {
+                sample.width_px = last;
+            }
+        }
+    }
+
+    fn median_width(&mut self, line: &Line) -> Option<f32> {
+        self.widths.clear();
+        let seen = line.samples.iter().filter(|s| s.weight > 0.0);
+        self.widths.extend(seen.map(|s| s.width_px));
+        (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
+    }
+}
+
+/// Half the rope's width as the skeleton knows it, weighted by the lengths of the legs.
+fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for leg in legs {
+        let length = source.graph.edges[leg.edge as usize].length_px + 0.1;
+        sum += length * source.zones.edge_half_px[leg.edge as usize];
+        weight += length;
+    }
+    (sum / weight).max(0.5)
+}
+
+/// The pixels of the legs outside of crossings, in order; what lies between two legs is hidden.
+fn lay(source: &Source, legs: &[Leg], closed: bool, half_px: f32, line: &mut Line) {
+    line.clear();
+    line.closed = closed;
+    for (i, leg) in legs.iter().enumerate() {
+        let pixels = source.graph.pixels(leg.edge as usize);
+        let edge = &source.graph.edges[leg.edge as usize];
+        let free = |first: bool| {
+            let node = edge.nodes[usize::from(first == leg.reversed)];
+            let outer = if first { i == 0 } else { i + 1 == legs.len() };
+            let degree = source.graph.nodes.get(node as usize).map(|n| n.degree);
+            !closed && outer && degree == Some(1)
+        };
+        // Thinning bends the last pixels before a tip toward a corner of it.
+        let tip = ((1.4 * half_px) as usize).min(pixels.len() / 3);
+        let trim = [
+            leg.trim[0] as usize + if free(true) { tip } else { 0 },
+            leg.trim[1] as usize + if free(false) { tip } else { 0 },
+        ];
+        let range = trim[0]..pixels.len().saturating_sub(trim[1]).max(trim[0]);
+        let hidden = |i: usize, range: &std::ops::Range<usize>, trim: [usize; 2]| {
+            i == range.start && trim[0] > 0 || i + 1 == range.end && trim[1] > 0
+        };
+        for k in range.clone() {
+            let index = if leg.reversed {
+                pixels.len() - 1 - k
+            } else {
+                k
+            };
+            let at = source.skeleton.pixels[pixels[index] as usize].at();
+            let bridge = hidden(k, &range, trim) && legs.len() > 1;
+            let weight = if bridge { 0.0 } else { 1.0 };
+            line.samples.push(Sample {
+                at,
+                weight,
+                width_px: 2.0 * half_px,
+            });
+        }
+    }
+    if closed
+        && line.samples.len() > 1
+        && line.samples[0].at == line.samples[line.samples.len() - 1].at
+    {
+        line.samples.pop();
+    }
+}

@@ -1,0 +1,59 @@
+//! Pixels as three numbers, whatever the format: what colors are compared in.
+
+use crate::{Image, PixelFormat};
+
+/// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
+/// YUV formats; the brightness alone, three times the same, of `Gray8`.
+pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
+    let row = image.row(y);
+    match image.format() {
+        PixelFormat::Gray8 => [row[x]; 3],
+        PixelFormat::Rgb8 => [row[3 * x], row[3 * x + 1], row[3 * x + 2]],
+        PixelFormat::Bgr8 => [row[3 * x + 2], row[3 * x + 1], row[3 * x]],
+        PixelFormat::Yuyv => {
+            let pair = 4 * (x / 2);
+            [row[2 * x], row[pair + 1], row[pair + 3]]
+        }
+        PixelFormat::Nv12 => {
+            let chroma = image.chroma_row(y);
+            let pair = 2 * (x / 2);
+            [row[x], chroma[pair], chroma[pair + 1]]
+        }
+    }
+}
+
+/// The pixel as red, green and blue.
+pub(crate) fn rgb(image: &Image, x: usize, y: usize) -> [u8; 3] {
+    let pixel = native(image, x, y);
+    if is_yuv(image.format()) {
+        yuv_to_rgb(pixel)
+    } else {
+        pixel
+    }
+}
+
+pub(crate) fn is_yuv(format: PixelFormat) -> bool {
+    matches!(format, PixelFormat::Yuyv | PixelFormat::Nv12)
+}
+
+/// BT.601, full range.
+fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
+    let (y, u, v) = (f32::from(y), f32::from(u) - 128.0, f32::from(v) - 128.0);
+    let to_byte = |c: f32| (c + 0.5).clamp(0.0, 255.0) as u8;
+    [
+        to_byte(y + 1.402 * v),
+        to_byte(y - 0.344_136 * u - 0.714_136 * v),
+        to_byte(y + 1.772 * u),
+    ]
+}
+
+/// How far two native colors lie apart: the largest difference of a channel, U and V counting
+/// double because they span half the range that red, green and blue do.
+///
+/// A mixture of rope and table at a share α lies exactly α times as far from the table as the rope
+/// does, in this measure: that is what the sub-pixel edges are read from.
+pub(crate) fn distance(a: [f32; 3], b: [f32; 3], yuv: bool) -> f32 {
+    let chroma = if yuv { 2.0 } else { 1.0 };
+    let d = |i: usize| (a[i] - b[i]).abs();
+    d(0).max(chroma * d(1)).max(chroma * d(2))
+}

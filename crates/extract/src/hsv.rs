@@ -1,0 +1,83 @@
+//! The mask by color ranges in hue, saturation and value, as users know them.
+
+use crate::bits::BitPlane;
+use crate::color;
+use crate::plane::Plane;
+use crate::{HsvRange, Image};
+
+/// Fills `mask`, and `inside` with 255 and 0 alike, by whether a pixel lies in any range.
+pub(crate) fn apply(image: &Image, ranges: &[HsvRange], inside: &mut Plane, mask: &mut BitPlane) {
+    let (width, height) = (image.width(), image.height());
+    inside.resize(width, height);
+    mask.resize(width, height);
+    for y in 0..height {
+        let (bytes, words) = (inside.row_mut(y), mask.row_mut(y));
+        // Neighbors on a table are mostly equal: the last answer is often the next.
+        let (mut last, mut answer) = ([0; 3], contains(ranges, [0; 3]));
+        for (x, byte) in bytes.iter_mut().enumerate() {
+            let rgb = color::rgb(image, x, y);
+            if rgb != last {
+                (last, answer) = (rgb, contains(ranges, rgb));
+            }
+            *byte = if answer { 255 } else { 0 };
+            words[x / 64] |= u64::from(answer) << (x % 64);
+        }
+    }
+}
+
+fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
+    let (hue, saturation, value) = hsv(rgb);
+    let within = |[low, high]: [f32; 2], v: f32| (low..=high).contains(&v);
+    ranges.iter().any(|range| {
+        let [low, high] = range.hue_deg;
+        let hue_fits = if low <= high {
+            (low..=high).contains(&hue)
+        } else {
+            hue >= low || hue <= high
+        };
+        hue_fits && within(range.saturation, saturation) && within(range.value, value)
+    })
+}
+
+/// Hue in degrees (0 of a gray), saturation and value from 0 to 1.
+fn hsv(rgb: [u8; 3]) -> (f32, f32, f32) {
+    let [r, g, b] = rgb.map(|c| f32::from(c) / 255.0);
+    let value = r.max(g).max(b);
+    let chroma = value - r.min(g).min(b);
+    if chroma == 0.0 {
+        return (0.0, 0.0, value);
+    }
+    let sextant = if value == r {
+        ((g - b) / chroma).rem_euclid(6.0)
+    } else if value == g {
+        (b - r) / chroma + 2.0
+    } else {
+        (r - g) / chroma + 4.0
+    };
+    (60.0 * sextant, chroma / value, value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_primary_colors_have_their_hues() {
+        assert_eq!(hsv([255, 0, 0]), (0.0, 1.0, 1.0));
+        assert_eq!(hsv([0, 255, 0]), (120.0, 1.0, 1.0));
+        assert_eq!(hsv([0, 0, 255]), (240.0, 1.0, 1.0));
+        assert_eq!(hsv([51, 51, 51]), (0.0, 0.0, 0.2));
+    }
+
+    #[test]
+    fn a_hue_range_may_wrap_through_red() {
+        let red = HsvRange {
+            hue_deg: [350.0, 10.0],
+            saturation: [0.5, 1.0],
+            value: [0.0, 1.0],
+        };
+        assert!(contains(&[red], [200, 10, 30]));
+        assert!(contains(&[red], [200, 30, 10]));
+        assert!(!contains(&[red], [10, 200, 30]));
+    }
+}

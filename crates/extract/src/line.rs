@@ -1,0 +1,162 @@
+//! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
+
+use crate::vec2::{self, Vec2};
+
+/// One sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sample {
+    pub(crate) at: Vec2,
+    /// How much the position is measured: 1 by the image, 0 not at all (inside of a crossing).
+    pub(crate) weight: f32,
+    pub(crate) width_px: f32,
+}
+
+/// Samples in order; a closed line's last is joined to its first without being repeated.
+#[derive(Debug, Default)]
+pub(crate) struct Line {
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) closed: bool,
+    /// Which ends leave the image.
+    pub(crate) border: [bool; 2],
+}
+
+impl Line {
+    pub(crate) fn clear(&mut self) {
+        self.samples.clear();
+        self.closed = false;
+        self.border = [false; 2];
+    }
+
+    /// Segments: between neighbors, and from last to first of a closed line.
+    fn segments(&self) -> usize {
+        match self.samples.len() {
+            0 | 1 => 0,
+            n if self.closed => n,
+            n => n - 1,
+        }
+    }
+
+    pub(crate) fn length_px(&self) -> f32 {
+        let n = self.samples.len();
+        (0..self.segments())
+            .map(|i| vec2::distance(self.samples[i].at, self.samples[(i + 1) % n].at))
+            .sum()
+    }
+
+    /// Fills `out` with `count` samples at equal arc lengths: from tip to tip, or, closed, once
+    /// around. A stretch that touches a sample of weight 0 keeps weight 0.
+    pub(crate) fn resample(&self, count: usize, out: &mut Vec<Sample>) {
+        out.clear();
+        let (n, segments) = (self.samples.len(), self.segments());
+        let length = self.length_px();
+        if segments == 0 || length <= 0.0 {
+            out.extend(
+                self.samples
+                    .iter()
+                    .cycle()
+                    .take(if n == 0 { 0 } else { count }),
+            );
+            return;
+        }
+        let intervals = if self.closed { count } else { count - 1 };
+        let step = f64::from(length) / intervals.max(1) as f64;
+        let (mut segment, mut passed) = (0, 0.0f64);
+        let span = |i: usize| {
+            f64::from(vec2::distance(
+                self.samples[i].at,
+                self.samples[(i + 1) % n].at,
+            ))
+        };
+        let mut here = span(0);
+        for k in 0..count {
+            let target = step * k as f64;
+            while passed + here < target && segment + 1 < segments {
+                passed += here;
+                segment += 1;
+                here = span(segment);
+            }
+            let t = if here > 0.0 {
+                ((target - passed) / here).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            out.push(between(
+                &self.samples[segment],
+                &self.samples[(segment + 1) % n],
+                t as f32,
+            ));
+        }
+    }
+
+    /// The unit tangent at sample `i`, from the samples `reach` before and after.
+    pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
+        let n = self.samples.len();
+        let (a, b) = if self.closed {
+            ((i + n - reach % n) % n, (i + reach) % n)
+        } else {
+            (i.saturating_sub(reach), (i + reach).min(n - 1))
+        };
+        vec2::unit_or(
+            vec2::sub(self.samples[b].at, self.samples[a].at),
+            [1.0, 0.0],
+        )
+    }
+}
+
+fn between(a: &Sample, b: &Sample, t: f32) -> Sample {
+    Sample {
+        at: vec2::along(a.at, vec2::sub(b.at, a.at), t),
+        weight: if a.weight == 0.0 || b.weight == 0.0 {
+            0.0
+        } else {
+            1.0
+        },
+        width_px: a.width_px + t * (b.width_px - a.width_px),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(points: &[Vec2], closed: bool) -> Line {
+        let samples = points
+            .iter()
+            .map(|&at| Sample {
+                at,
+                weight: 1.0,
+                width_px: at[0],
+            })
+            .collect();
+        Line {
+            samples,
+            closed,
+            border: [false; 2],
+        }
+    }
+
+    #[test]
+    fn equal_steps_run_from_tip_to_tip() {
+        let mut out = Vec::new();
+        line(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0], [10.0, 10.0]], false).resample(5, &mut out);
+        let at: Vec<_> = out.iter().map(|s| s.at).collect();
+        assert_eq!(
+            at,
+            [
+                [0.0, 0.0],
+                [5.0, 0.0],
+                [10.0, 0.0],
+                [10.0, 5.0],
+                [10.0, 10.0]
+            ]
+        );
+        assert_eq!(out[1].width_px, 5.0);
+    }
+
+    #[test]
+    fn a_ring_is_sampled_once_around() {
+        let mut out = Vec::new();
+        line(&[[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]], true).resample(4, &mut out);
+        assert_eq!(out[3].at, [0.0, 10.0]);
+    }
+}

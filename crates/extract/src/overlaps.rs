@@ -1,0 +1,124 @@
+//! Overlaps that shape alone does not show: an edge between two junctions of three arms each.
+//!
+//! A rope has two ends, so a junction of three arms is rare: an end that lies on a rope. Two of them
+//! joined by an edge are far more often one crossing at a flat angle, or two strands that run along
+//! each other, and the edge is both strands at once. The two readings are weighed by what their
+//! pairings cost, bends and lone ends together.
+
+use crate::Image;
+use crate::color;
+use crate::graph::Graph;
+use crate::pairing::Pairing;
+use crate::skeleton::{NONE, Skeleton};
+use crate::unroll::Unroll;
+use crate::zones::{Arm, Zones};
+
+/// Widths that an overlap may be long without showing in the mask's width.
+const LONGEST_WIDTHS: f32 = 8.0;
+/// What a width of such an overlap costs: the longer, the less likely.
+const PER_WIDTH: f32 = 0.06;
+
+/// Memory of the weighing.
+#[derive(Debug, Default)]
+pub(crate) struct Overlaps {
+    pairing: Pairing,
+    arms: Vec<Arm>,
+    candidates: Vec<Candidate>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    gain: f32,
+    edge: usize,
+    zones: [u32; 2],
+}
+
+impl Overlaps {
+    /// Joins zones of three arms whose common edge is cheaper read as an overlap.
+    pub(crate) fn join(
+        &mut self,
+        image: &Image,
+        graph: &Graph,
+        skeleton: &Skeleton,
+        zones: &mut Zones,
+    ) {
+        let yuv = color::is_yuv(image.format());
+        self.candidates.clear();
+        for e in 0..graph.edges.len() {
+            let edge = &graph.edges[e];
+            let widths = edge.length_px / (2.0 * zones.half_px);
+            if zones.inside[e] || edge.nodes[0] == NONE || widths > LONGEST_WIDTHS {
+                continue;
+            }
+            let unroll = Unroll::of(e, graph, skeleton, zones.half_px);
+            if let Some(candidate) = self.weigh(e, unroll, widths, yuv, zones) {
+                self.candidates.push(candidate);
+            }
+        }
+        self.candidates
+            .sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain));
+        for i in 0..self.candidates.len() {
+            let Candidate {
+                edge,
+                zones: [a, b],
+                ..
+            } = self.candidates[i];
+            let taken = |c: &Candidate| c.zones.contains(&a) || c.zones.contains(&b);
+            if !self.candidates[..i].iter().any(taken) {
+                zones.join(edge, graph);
+            }
+        }
+        if !self.candidates.is_empty() {
+            zones.collect_arms(image, graph, skeleton);
+        }
+    }
+
+    /// What is gained by reading edge `e` as an overlap, if anything.
+    fn weigh(
+        &mut self,
+        e: usize,
+        unroll: Option<Unroll>,
+        widths: f32,
+        yuv: bool,
+        zones: &Zones,
+    ) -> Option<Candidate> {
+        let arm_of = |end: u8| {
+            zones
+                .arms
+                .iter()
+                .position(|arm| arm.edge as usize == e && arm.end == end)
+        };
+        let ends = [arm_of(0)?, arm_of(1)?].map(|i| zones.arms[i].zone);
+        if ends[0] == ends[1] {
+            return None;
+        }
+        self.arms.clear();
+        let mut apart = 0.0;
+        for zone in ends {
+            let from = zones.arms.partition_point(|arm| arm.zone < zone);
+            let arms = &zones.arms[from..zones.zone_end(from)];
+            if arms.len() != 3 {
+                return None;
+            }
+            self.pairing.resolve(arms, yuv);
+            apart += self.pairing.best_cost;
+            let first = self.arms.len();
+            self.arms
+                .extend(arms.iter().filter(|arm| arm.edge as usize != e));
+            if zone == ends[1]
+                && let Some(unroll) = &unroll
+            {
+                self.arms[first..]
+                    .iter_mut()
+                    .for_each(|arm| unroll.apply(arm));
+            }
+        }
+        self.pairing.resolve(&self.arms, yuv);
+        let gain = apart - self.pairing.best_cost - PER_WIDTH * widths;
+        (gain > 0.0).then_some(Candidate {
+            gain,
+            edge: e,
+            zones: ends,
+        })
+    }
+}

@@ -1,0 +1,181 @@
+//! Cross-sections: where across a rope its two edges lie, between pixels.
+//!
+//! A rope's edge is where the difference from the table is half of the rope's own: the lens spreads
+//! an edge evenly to both sides, so that point stays in place, whatever the sharpness and however
+//! bright the rope is. The own difference is the median of the sections around, so that one speck of
+//! shine does not move an edge.
+
+use crate::line::Line;
+use crate::plane::Plane;
+use crate::vec2::{self, Vec2};
+
+/// Half-widths to each side, beyond 3 px, that an edge is looked for.
+const REACH: f32 = 1.6;
+/// The part of a half-width around the center where no edge is looked for: shine lies there.
+const CORE: f32 = 0.35;
+
+/// Memory of the measuring.
+#[derive(Debug, Default)]
+pub(crate) struct Sections {
+    contrast: Vec<f32>,
+    window: Vec<f32>,
+    found: Vec<Option<Found>>,
+}
+
+/// The middle and the width of one section.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    center: Vec2,
+    width_px: f32,
+}
+
+/// How the sections of one line are taken.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measure {
+    /// Half the rope's width, as known so far.
+    pub(crate) half_px: f32,
+    /// Distance between the line's samples.
+    pub(crate) step_px: f32,
+    /// How much a section's width may differ from the rope's, as a factor.
+    pub(crate) tolerance: f32,
+}
+
+impl Sections {
+    /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
+    /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
+    pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
+        self.measure_contrast(line, difference, how);
+        let reach = ((how.half_px / how.step_px) as usize).max(2);
+        self.found.clear();
+        for i in 0..line.samples.len() {
+            let sample = line.samples[i];
+            let normal = vec2::normal(line.tangent(i, reach));
+            let level = 0.5 * self.contrast_near(i, line, how);
+            let seen = sample.weight > 0.0;
+            let edges = seen.then(|| edges(difference, sample.at, normal, level, how.half_px));
+            self.found.push(edges.flatten().map(|[left, right]| Found {
+                center: vec2::along(sample.at, normal, 0.5 * (right - left)),
+                width_px: left + right,
+            }));
+        }
+        let expected = 2.0 * how.half_px;
+        let plausible = expected / how.tolerance..expected * how.tolerance;
+        for (sample, found) in line.samples.iter_mut().zip(&self.found) {
+            match found {
+                Some(found) if plausible.contains(&found.width_px) => {
+                    (sample.at, sample.width_px) = (found.center, found.width_px);
+                }
+                _ => sample.weight = 0.0,
+            }
+        }
+    }
+
+    /// The rope's own difference from the table at each sample.
+    fn measure_contrast(&mut self, line: &Line, difference: &Plane, how: Measure) {
+        let reach = ((how.half_px / how.step_px) as usize).max(2);
+        self.contrast.clear();
+        for (i, sample) in line.samples.iter().enumerate() {
+            let normal = vec2::normal(line.tangent(i, reach));
+            let sum: f32 = [-0.5, -0.25, 0.0, 0.25, 0.5]
+                .iter()
+                .map(|k| difference.sample(vec2::along(sample.at, normal, k * how.half_px)))
+                .sum();
+            self.contrast.push(sum / 5.0);
+        }
+    }
+
+    /// The median contrast of the visible samples within three widths.
+    fn contrast_near(&mut self, i: usize, line: &Line, how: Measure) -> f32 {
+        let reach = ((6.0 * how.half_px / how.step_px) as usize).max(4);
+        let stride = (reach / 6).max(1);
+        let n = line.samples.len();
+        self.window.clear();
+        for k in (0..=2 * reach).step_by(stride) {
+            let Some(j) = (i + k).checked_sub(reach) else {
+                continue;
+            };
+            if j < n && line.samples[j].weight > 0.0 {
+                self.window.push(self.contrast[j]);
+            }
+        }
+        if self.window.is_empty() {
+            return self.contrast[i].max(2.0);
+        }
+        crate::background::median(&mut self.window).max(2.0)
+    }
+}
+
+/// The distances along −`normal` and +`normal` at which the difference falls below `level`.
+fn edges(
+    difference: &Plane,
+    center: Vec2,
+    normal: Vec2,
+    level: f32,
+    half_px: f32,
+) -> Option<[f32; 2]> {
+    let left = edge(
+        difference,
+        center,
+        vec2::scale(normal, -1.0),
+        level,
+        half_px,
+    )?;
+    Some([left, edge(difference, center, normal, level, half_px)?])
+}
+
+fn edge(difference: &Plane, center: Vec2, out: Vec2, level: f32, half_px: f32) -> Option<f32> {
+    let step = (half_px / 12.0).max(0.5);
+    let limit = REACH * half_px + 3.0;
+    let mut at = CORE * half_px;
+    let mut before = difference.sample(vec2::along(center, out, at));
+    while at < limit {
+        let next = at + step;
+        let value = difference.sample(vec2::along(center, out, next));
+        if value < level {
+            let part = if before > value {
+                ((before - level) / (before - value)).max(0.0)
+            } else {
+                0.0
+            };
+            return Some(at + part * step);
+        }
+        (at, before) = (next, value);
+    }
+    None
+}
+
+/// Where the rope ends, from `inside` along the unit vector `out`: the tip, and whether it is the
+/// image's border instead.
+pub(crate) fn tip(
+    difference: &Plane,
+    inside: Vec2,
+    out: Vec2,
+    level: f32,
+    limit_px: f32,
+) -> (Vec2, bool) {
+    let (right, bottom) = (
+        difference.width() as f32 - 1.0,
+        difference.height() as f32 - 1.0,
+    );
+    let inner = |p: Vec2| p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= right && p[1] <= bottom;
+    let clamp = |p: Vec2| [p[0].clamp(0.0, right), p[1].clamp(0.0, bottom)];
+    let mut before = difference.sample(inside);
+    let mut at = 0.0;
+    while at < limit_px {
+        let p = vec2::along(inside, out, at + 0.5);
+        if !inner(p) {
+            return (clamp(p), true);
+        }
+        let value = difference.sample(p);
+        if value < level {
+            let part = if before > value {
+                ((before - level) / (before - value)).max(0.0)
+            } else {
+                0.0
+            };
+            return (vec2::along(inside, out, at + 0.5 * part), false);
+        }
+        (at, before) = (at + 0.5, value);
+    }
+    (clamp(vec2::along(inside, out, at)), false)
+}

@@ -1,0 +1,58 @@
+//! A long overlap laid straight, so that what its arms bend against it can be told from how both
+//! strands bend together.
+
+use crate::graph::Graph;
+use crate::skeleton::Skeleton;
+use crate::vec2::{self, Vec2};
+use crate::zones::Arm;
+
+/// Overlaps shorter than this many half-widths are not bent enough to matter.
+const SHORTEST_HALVES: f32 = 4.0;
+
+/// The motion that lays the far end of an overlap straight ahead of its near end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unroll {
+    from: Vec2,
+    from_tangent: Vec2,
+    to: Vec2,
+    to_tangent: Vec2,
+    length_px: f32,
+}
+
+impl Unroll {
+    /// The motion for edge `e`, from its first node to its second; nothing for a short one.
+    pub(crate) fn of(e: usize, graph: &Graph, skeleton: &Skeleton, half_px: f32) -> Option<Self> {
+        let length_px = graph.edges[e].length_px;
+        if length_px < SHORTEST_HALVES * half_px {
+            return None;
+        }
+        let pixels = graph.pixels(e);
+        let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
+        let last = pixels.len() - 1;
+        let reach = ((3.0 * half_px) as usize).clamp(3, last.max(3)).min(last);
+        Some(Self {
+            from: at(0),
+            from_tangent: vec2::unit_or(vec2::sub(at(reach), at(0)), [1.0, 0.0]),
+            to: at(last),
+            to_tangent: vec2::unit_or(vec2::sub(at(last), at(last - reach)), [1.0, 0.0]),
+            length_px,
+        })
+    }
+
+    /// Moves an arm of the far end.
+    pub(crate) fn apply(&self, arm: &mut Arm) {
+        let turn = |v: Vec2| {
+            let (ahead, aside) = (
+                vec2::dot(v, self.to_tangent),
+                vec2::cross(self.to_tangent, v),
+            );
+            vec2::add(
+                vec2::scale(self.from_tangent, ahead),
+                vec2::scale(vec2::normal(self.from_tangent), aside),
+            )
+        };
+        let end = vec2::along(self.from, self.from_tangent, self.length_px);
+        arm.at = vec2::add(end, turn(vec2::sub(arm.at, self.to)));
+        arm.into = turn(arm.into);
+    }
+}
