@@ -13,8 +13,11 @@ use crate::section::{self, Measure, Sections};
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
 use crate::strands::{Leg, Strand};
-use crate::vec2;
+use crate::vec2::{self, Vec2};
 use crate::zones::{Zones, quantile};
+
+/// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
+const SHARPEST: f32 = 0.8;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -47,10 +50,7 @@ impl Centerliner {
         self.space(line, step_px);
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
         self.extend(source, line, half_px, step_px, 0.0);
-        for (tolerance, reach_px) in [
-            (1.6, (0.6 * half_px).max(2.5)),
-            (1.25, (0.6 * half_px).max(2.5)),
-        ] {
+        for tolerance in [1.6, 1.25] {
             let how = Measure {
                 half_px,
                 step_px,
@@ -58,9 +58,10 @@ impl Centerliner {
             };
             self.sections.measure(line, source.difference, how);
             self.fill_widths(line, 2.0 * half_px);
+            let reach_px = (0.35 * half_px).max(2.5);
             self.smoother.smooth(line, reach_px / step_px);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
-            self.extend(source, line, half_px, step_px, half_px);
+            self.extend(source, line, half_px, step_px, 0.7 * half_px);
         }
         line.samples.len() >= 2
     }
@@ -83,11 +84,10 @@ impl Centerliner {
         cut_px: f32,
     ) {
         if !line.closed {
-            for end in 0..2 {
+            for _end in 0..2 {
                 self.extend_end(source, line, half_px, step_px, cut_px);
                 line.samples.reverse();
                 line.border.swap(0, 1);
-                let _ = end;
             }
         }
         self.space(line, step_px);
@@ -106,12 +106,9 @@ impl Centerliner {
         let cut = ((cut_px / step_px) as usize).min(n / 4);
         line.samples.truncate(n - cut);
         let last = line.samples.len() - 1;
-        let back = ((3.0 * half_px / step_px) as usize)
-            .clamp(2, 1 + last / 2)
-            .min(last);
-        let from = line.samples[last - back].at;
-        let inside = line.samples[last].at;
-        let out = vec2::unit_or(vec2::sub(inside, from), [1.0, 0.0]);
+        let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
+        let back = back.clamp(1, (last / 3).max(1)).min(last);
+        let path = onward(line, last, back);
         // The rope's own contrast: the median along the piece that the direction comes from.
         self.widths.clear();
         self.widths.extend(
@@ -120,16 +117,19 @@ impl Centerliner {
                 .map(|s| source.difference.sample(s.at)),
         );
         let level = 0.5 * quantile(&mut self.widths, 0.5).max(2.0);
-        let limit = cut_px + 4.0 * half_px + 4.0;
-        let (tip, border) = section::tip(source.difference, inside, out, level, limit);
+        let limit_px = cut_px + 4.0 * half_px + 4.0;
+        let (far, border) = section::tip(source.difference, &path, level, limit_px);
         line.border[1] = border;
-        let gap = vec2::distance(inside, tip);
-        let count = (gap / step_px).ceil() as usize;
+        let count = (far / step_px).ceil() as usize;
         let width_px = line.samples[last].width_px;
+        let (right, bottom) = (
+            source.difference.width() as f32 - 1.0,
+            source.difference.height() as f32 - 1.0,
+        );
         for k in 1..=count {
-            let at = vec2::along(inside, vec2::sub(tip, inside), k as f32 / count as f32);
+            let [x, y] = path(far * k as f32 / count as f32);
             line.samples.push(Sample {
-                at,
+                at: [x.clamp(0.0, right), y.clamp(0.0, bottom)],
                 weight: 1.0,
                 width_px,
             });
@@ -154,6 +154,28 @@ impl Centerliner {
         let seen = line.samples.iter().filter(|s| s.weight > 0.0);
         self.widths.extend(seen.map(|s| s.width_px));
         (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
+    }
+}
+
+/// The way on from sample `last`: a position for each distance along the arc through the samples
+/// `back` and twice `back` before it.
+fn onward(line: &Line, last: usize, back: usize) -> impl Fn(f32) -> Vec2 + use<> {
+    let at = |i: usize| line.samples[i].at;
+    let here = at(last);
+    let new = vec2::sub(here, at(last - back));
+    let old = vec2::sub(at(last - back), at(last.saturating_sub(2 * back)));
+    let length = vec2::norm(new).max(1e-3);
+    let direction = vec2::unit_or(new, [1.0, 0.0]);
+    let turn = if last >= 2 * back {
+        vec2::angle(old, new).clamp(-SHARPEST, SHARPEST)
+    } else {
+        0.0
+    };
+    move |far: f32| {
+        // The chord to a point `far` ahead on a circle lies half the angle off the tangent.
+        let (sin, cos) = (0.5 * turn * (1.0 + far / length)).sin_cos();
+        let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
+        vec2::along(here, ahead, far)
     }
 }
 

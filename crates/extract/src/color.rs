@@ -22,6 +22,22 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
+/// The native color at a position between pixels, bilinear; past the edge the edge's goes on.
+pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
+    let (right, bottom) = (image.width() - 1, image.height() - 1);
+    let (x, y) = (x.clamp(0.0, right as f32), y.clamp(0.0, bottom as f32));
+    let (x0, y0) = (x as usize, y as usize);
+    let (x1, y1) = ((x0 + 1).min(right), (y0 + 1).min(bottom));
+    let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+    let at = |x: usize, y: usize| native(image, x, y).map(f32::from);
+    let corners = [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)];
+    std::array::from_fn(|c| {
+        let [a, b, d, e] = corners.map(|corner| corner[c]);
+        let (top, low) = (a + fx * (b - a), d + fx * (e - d));
+        top + fy * (low - top)
+    })
+}
+
 /// The pixel as red, green and blue.
 pub(crate) fn rgb(image: &Image, x: usize, y: usize) -> [u8; 3] {
     let pixel = native(image, x, y);

@@ -4,6 +4,7 @@ use crate::background::median;
 use crate::bits::BitPlane;
 use crate::centerline::{Centerliner, Source};
 use crate::color;
+use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::Masker;
@@ -51,6 +52,7 @@ pub struct Extractor {
     /// The first `count` are this image's; the rest is memory.
     curves: Vec<Curve>,
     count: usize,
+    crosser: Crosser,
     crossings: Vec<Crossing>,
 }
 
@@ -78,6 +80,7 @@ impl Extractor {
             tracker: Tracker::default(),
             curves: Vec::new(),
             count: 0,
+            crosser: Crosser::default(),
             crossings: Vec::new(),
         })
     }
@@ -112,15 +115,16 @@ impl Extractor {
         self.strands.join(yuv, &self.graph, &self.zones);
         after(Step::Graph);
         self.points();
-        let Options {
-            ropes,
-            start,
-            keep_lost_frames,
-            ..
-        } = self.options;
-        self.count =
-            self.tracker
-                .update(&mut self.curves, self.count, ropes, start, keep_lost_frames);
+        let seen = self.count;
+        let options = &self.options;
+        self.count = self.tracker.update(&mut self.curves, seen, options);
+        self.crosser.find(
+            image,
+            (&self.graph, &self.skeleton, &self.zones),
+            &self.lines[..seen],
+            &self.curves[..seen],
+            &mut self.crossings,
+        );
         after(Step::Points);
         Scene {
             curves: &self.curves[..self.count],
@@ -130,6 +134,8 @@ impl Extractor {
 
     /// Forgets the past: the next image is a new scene.
     pub fn reset(&mut self) {
+        self.count = 0;
+        self.crossings.clear();
         self.tracker.reset();
     }
 
@@ -156,6 +162,11 @@ impl Extractor {
                 continue;
             }
             line.resample(self.options.points, &mut self.spaced);
+            // Smoothing may carry a tip at the image's border a little over it.
+            let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
+            for Sample { at: [x, y], .. } in &mut self.spaced {
+                (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
+            }
             if self.curves.len() <= self.count {
                 self.curves.push(Curve::empty());
             }

@@ -5,6 +5,7 @@ mod bits;
 mod centerline;
 mod color;
 mod components;
+mod crossings;
 mod difference;
 mod extractor;
 mod graph;

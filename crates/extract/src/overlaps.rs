@@ -14,9 +14,9 @@ use crate::unroll::Unroll;
 use crate::zones::{Arm, Zones};
 
 /// Widths that an overlap may be long without showing in the mask's width.
-const LONGEST_WIDTHS: f32 = 8.0;
+const LONGEST_WIDTHS: f32 = 12.0;
 /// What a width of such an overlap costs: the longer, the less likely.
-const PER_WIDTH: f32 = 0.06;
+const PER_WIDTH: f32 = 0.04;
 
 /// Memory of the weighing.
 #[derive(Debug, Default)]

@@ -11,7 +11,9 @@ use crate::zones::Arm;
 
 /// What an arm that stays alone costs: as much as half a turn by 2.1 rad (120°), which a rope of
 /// ordinary stiffness does not make within its own width.
-const ALONE: f32 = 0.55;
+const ALONE: f32 = 0.6;
+/// What each further one costs: two ends seldom lie at one place.
+const ALONE_TOO: f32 = 1.4;
 /// Zones with more arms than this (945 pairings) are resolved pair by pair, the cheapest first.
 const MOST_ARMS: usize = 10;
 /// Levels of color difference that count as much as a bend by one radian.
@@ -50,15 +52,15 @@ impl Pairing {
             self.best.swap(0, 1);
             self.best_cost = self.costs[1];
         } else if n <= MOST_ARMS {
-            self.best_cost = n as f32 * ALONE;
-            self.search(n, 0, 0.0);
+            self.best_cost = f32::INFINITY;
+            self.search(n, 0, 0.0, ALONE);
         } else {
             self.greedy(n);
         }
         &self.best
     }
 
-    fn search(&mut self, n: usize, from: usize, so_far: f32) {
+    fn search(&mut self, n: usize, from: usize, so_far: f32, alone: f32) {
         if so_far >= self.best_cost {
             return;
         }
@@ -70,12 +72,12 @@ impl Pairing {
         for j in i + 1..n {
             if self.partner[j] == j {
                 (self.partner[i], self.partner[j]) = (j, i);
-                self.search(n, i + 1, so_far + self.costs[i * n + j]);
+                self.search(n, i + 1, so_far + self.costs[i * n + j], alone);
                 (self.partner[i], self.partner[j]) = (i, j);
             }
         }
         // Alone: skipped by starting after it, so it must not be found free again.
-        self.search(n, i + 1, so_far + ALONE);
+        self.search(n, i + 1, so_far + alone, ALONE_TOO);
     }
 
     fn greedy(&mut self, n: usize) {

@@ -71,7 +71,7 @@ pub struct Crossing {
 /// The ropes seen in one image, borrowed from the extractor until the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene<'a> {
-    /// The ropes, the oldest track first.
+    /// The ropes seen, the longest first, then the lost ones.
     pub curves: &'a [Curve],
     /// Where they cross, at most 32.
     pub crossings: &'a [Crossing],

@@ -144,38 +144,38 @@ fn edge(difference: &Plane, center: Vec2, out: Vec2, level: f32, half_px: f32) -
     None
 }
 
-/// Where the rope ends, from `inside` along the unit vector `out`: the tip, and whether it is the
-/// image's border instead.
+/// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
+/// the distance of the tip, and whether the image's border cuts it.
 pub(crate) fn tip(
     difference: &Plane,
-    inside: Vec2,
-    out: Vec2,
+    at: impl Fn(f32) -> Vec2,
     level: f32,
     limit_px: f32,
-) -> (Vec2, bool) {
+) -> (f32, bool) {
+    const STEP: f32 = 0.5;
     let (right, bottom) = (
         difference.width() as f32 - 1.0,
         difference.height() as f32 - 1.0,
     );
     let inner = |p: Vec2| p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= right && p[1] <= bottom;
-    let clamp = |p: Vec2| [p[0].clamp(0.0, right), p[1].clamp(0.0, bottom)];
-    let mut before = difference.sample(inside);
-    let mut at = 0.0;
-    while at < limit_px {
-        let p = vec2::along(inside, out, at + 0.5);
-        if !inner(p) {
-            return (clamp(p), true);
-        }
+    let mut before = difference.sample(at(0.0));
+    let mut far = 0.0;
+    while far < limit_px {
+        let p = at(far + STEP);
         let value = difference.sample(p);
         if value < level {
-            let part = if before > value {
-                ((before - level) / (before - value)).max(0.0)
+            let fall = before - value;
+            let part = if fall > 0.0 {
+                ((before - level) / fall).clamp(0.0, 1.0)
             } else {
                 0.0
             };
-            return (vec2::along(inside, out, at + 0.5 * part), false);
+            return (far + STEP * part, false);
         }
-        (at, before) = (at + 0.5, value);
+        if !inner(p) {
+            return (far + STEP, true);
+        }
+        (far, before) = (far + STEP, value);
     }
-    (clamp(vec2::along(inside, out, at)), false)
+    (far, false)
 }

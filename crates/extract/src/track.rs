@@ -5,6 +5,7 @@
 //! without a match is out of sight and keeps its number for a while; one that comes into sight takes
 //! the number of a lost rope of about its length, or else a new one.
 
+use crate::Options;
 use crate::scene::{Curve, Status};
 use crate::vec2::{self, Vec2};
 
@@ -15,6 +16,9 @@ const LENGTH_FACTOR: f32 = 1.35;
 /// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
 /// length less.
 const PARTIAL: f32 = 0.85;
+
+/// Frames after which a rope is missed when it goes out of sight.
+const SETTLED: u32 = 3;
 
 /// Memory of the tracking: all ropes, seen or lost.
 #[derive(Debug, Default)]
@@ -32,6 +36,8 @@ struct Track {
     number: u32,
     /// Frames since it was last seen; 0: now.
     age: u32,
+    /// Frames in which it was seen.
+    frames: u32,
     /// The curve of this image that it is.
     current: Option<usize>,
     closed: bool,
@@ -64,9 +70,7 @@ impl Tracker {
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
-        most: usize,
-        start: Option<Vec2>,
-        keep_lost: u32,
+        options: &Options,
     ) -> usize {
         for track in &mut self.tracks {
             track.current = None;
@@ -76,7 +80,7 @@ impl Tracker {
         self.match_lost(&curves[..count]);
         for (c, curve) in curves.iter_mut().enumerate().take(count) {
             if !self.tracks.iter().any(|t| t.current == Some(c)) {
-                self.orient_new(curve, start);
+                self.orient_new(curve, options.start);
                 self.add(c);
             }
         }
@@ -88,14 +92,17 @@ impl Tracker {
         }
         let mut t = 0;
         while t < self.tracks.len() {
-            if self.tracks[t].age > keep_lost {
+            let track = &self.tracks[t];
+            // What was seen for a moment only was hardly a rope: it is not missed.
+            let missed = track.frames >= SETTLED && track.age <= options.keep_lost_frames;
+            if track.age > 0 && !missed {
                 let gone = self.tracks.remove(t);
                 self.spare.push(gone);
             } else {
                 t += 1;
             }
         }
-        self.report_lost(curves, count, most)
+        self.report_lost(curves, count, options.ropes)
     }
 
     /// Matches tracks and curves that lie near each other, the nearest first.
@@ -180,6 +187,7 @@ impl Tracker {
         let mut track = self.spare.pop().unwrap_or_else(|| Track {
             number: 0,
             age: 0,
+            frames: 0,
             current: None,
             closed: false,
             border: [false; 2],
@@ -194,6 +202,8 @@ impl Tracker {
         track.current = Some(curve);
         track.points.clear();
         track.whole_px = 0.0;
+        track.frames = 0;
+        track.age = 0;
         self.tracks.push(track);
     }
 
@@ -222,6 +232,7 @@ impl Tracker {
         let whole = curve.length_px >= PARTIAL * track.whole_px;
         curve.status = if whole { Status::Ok } else { Status::Partial };
         track.age = 0;
+        track.frames = track.frames.saturating_add(1);
         track.closed = curve.closed;
         track.border = curve.border;
         track.points.clear();

@@ -208,7 +208,7 @@ impl Zones {
             }
             trim = (trim + (0.3 * half_px) as usize).min(most);
         }
-        let reach = ((3.5 * half_px) as usize).max(5);
+        let reach = ((3.5 * half_px) as usize).max(7);
         let last = (trim + reach).min(pixels.len() - 1);
         let into = line_direction((trim..=last).map(|i| pixel(i).at()), pixel(last).at());
         let at = pixel(trim).at();

@@ -1,0 +1,84 @@
+//! Once warm, no frame allocates.
+//!
+//! The counting allocator needs `unsafe`: it only counts and passes on to the system's.
+#![allow(unsafe_code)]
+
+mod drawing;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use drawing::{Rope, Table, extractor};
+use lariat_extract::{Image, PixelFormat};
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is being torn down has no counter any more, and none is needed.
+    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call is passed on unchanged to the system allocator, which keeps the contract.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps `alloc`'s contract, which is the same.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System` with this layout, as all of ours do.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as for `dealloc`; the caller answers for the size.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn no_frame_of_a_moving_rope_allocates_once_warm() {
+    let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
+    table.noise = 2.0;
+    let frames: Vec<Vec<u8>> = (0..40)
+        .map(|frame| {
+            let phase = frame as f32 * std::f32::consts::TAU / 40.0;
+            let (sin, cos) = (0.3 * phase.sin()).sin_cos();
+            let first = Rope::along(7.0, [30.0, 60.0, 130.0], move |t| {
+                let a = -4.4 + 8.8 * t;
+                let (x, y) = (
+                    16.0 * a - (36.0 + 6.0 * phase.cos()) * a.sin(),
+                    40.0 * a.cos(),
+                );
+                [150.0 + x * cos - y * sin, 110.0 + x * sin + y * cos]
+            });
+            let second = Rope::along(7.0, [160.0, 60.0, 60.0], move |t| {
+                [30.0 + 240.0 * t, 190.0 + 15.0 * (4.0 * t + phase).sin()]
+            });
+            table.seed = frame;
+            table.draw(&[first, second])
+        })
+        .collect();
+    let mut extractor = extractor();
+    let mut run = |frames: &[Vec<u8>]| {
+        let mut curves = 0;
+        for rgb in frames {
+            let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
+            curves += extractor.extract(&image).curves.len();
+        }
+        curves
+    };
+    run(&frames);
+    let before = COUNT.get();
+    assert_eq!(run(&frames), 80);
+    assert_eq!(COUNT.get() - before, 0);
+}
