@@ -7,7 +7,7 @@ use clap::Args;
 use lariat_fit::{Fitter, MAX_POINTS};
 use serde::Deserialize;
 use std::collections::HashMap;
-use std::fs::File;
+use std::fs::{File, FileType};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
@@ -29,10 +29,12 @@ pub(crate) struct FitArgs {
 /// A terminal or `/dev/null` there means the chain's stage.
 pub(crate) fn is_line_filter(args: &FitArgs) -> bool {
     args.file.is_some()
-        || std::fs::metadata("/dev/stdin").is_ok_and(|input| {
-            let kind = input.file_type();
-            kind.is_fifo() || kind.is_file()
-        })
+        || std::fs::metadata("/dev/stdin").is_ok_and(|input| brings_lines(input.file_type()))
+}
+
+fn brings_lines(input: FileType) -> bool {
+    // Some programs make their children's pipes of sockets.
+    input.is_fifo() || input.is_file() || input.is_socket()
 }
 
 /// One line of the input. Further keys are of no concern here.
@@ -157,5 +159,18 @@ fn without_place(error: &serde_json::Error) -> String {
     match text.rfind(" at line ") {
         Some(place) => format!("{} (column {})", &text[..place], error.column()),
         None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_brings_lines_and_the_null_device_does_not() {
+        let kind = |path: &str| std::fs::metadata(path).unwrap().file_type();
+        assert!(brings_lines(kind("Cargo.toml")));
+        assert!(!brings_lines(kind("/dev/null")));
+        assert!(!brings_lines(kind("/")));
     }
 }

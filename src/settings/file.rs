@@ -85,7 +85,7 @@ fn outside(name: &str) -> String {
             format!("\"{name}\" stands outside any section: put it below a line [{section}]")
         }
         None => format!(
-            "\"{name}\" stands outside any section, and no section has it: {}",
+            "\"{name}\" stands outside any section, and no section has it. {}",
             the_sections()
         ),
     }
@@ -93,8 +93,8 @@ fn outside(name: &str) -> String {
 
 fn unknown_section(name: &str) -> String {
     let guess = meaning::nearest(name, keys::sections())
-        .map_or(String::new(), |near| format!("did you mean [{near}]? "));
-    format!("there is no section [{name}]: {guess}{}", the_sections())
+        .map_or(String::new(), |near| format!("Did you mean [{near}]? "));
+    format!("there is no section [{name}]. {guess}{}", the_sections())
 }
 
 fn unknown_key(section: &str, name: &str) -> String {
@@ -104,20 +104,20 @@ fn unknown_key(section: &str, name: &str) -> String {
             .map(|key| key.name)
     };
     let guess = match (meaning::nearest(name, known()), sections_with(name).first()) {
-        (Some(near), _) => format!("did you mean \"{near}\"? "),
-        (None, Some(elsewhere)) => format!("it belongs in [{elsewhere}]. "),
+        (Some(near), _) => format!("Did you mean \"{near}\"? "),
+        (None, Some(elsewhere)) => format!("It belongs in [{elsewhere}]. "),
         (None, None) => String::new(),
     };
     let list: Vec<_> = known().collect();
     format!(
-        "[{section}] has no key \"{name}\": {guess}Its keys are {}",
+        "[{section}] has no key \"{name}\". {guess}Its keys are {}",
         list.join(", ")
     )
 }
 
 fn the_sections() -> String {
     let list: Vec<_> = keys::sections().map(|name| format!("[{name}]")).collect();
-    format!("the sections are {}", list.join(", "))
+    format!("The sections are {}", list.join(", "))
 }
 
 fn sections_with(name: &str) -> Vec<&'static str> {

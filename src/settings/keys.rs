@@ -83,8 +83,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "run",
         name: "deadline_us",
-        about: "A descriptor later than this after its image counts as a miss, in microseconds; if not set, \
-                the time between two frames.",
+        about: "A descriptor later than this after its image counts as a miss, in microseconds; if not \
+                set,\nthe time between two frames.",
         example: "33000",
         set: |s, v| meaning::time(v, 1e-6, "microseconds").map(|time| s.run.deadline = Some(time)),
         get: |s| {
@@ -96,7 +96,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "source",
-        about: "\"rendered\" (a rope drawn by lariat), or a picture, a folder of pictures or a Y4M video, or a \
+        about: "\"rendered\" (a rope drawn by lariat), or a picture, a folder of pictures or a Y4M video, or a\n\
                 list of them.",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),

@@ -191,7 +191,7 @@ pub(super) fn solver(value: &Value) -> Result<Solver, String> {
     let name = value.as_str().unwrap_or_default();
     name.parse().map_err(|_| {
         let guess = nearest(name, NAMES.into_iter())
-            .map_or(String::new(), |near| format!("did you mean \"{near}\"? "));
+            .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
         format!("{guess}The solvers are \"pinv\", \"cholesky\" and \"qr\"")
     })
 }
@@ -224,9 +224,9 @@ fn hsv_range(value: &Value) -> Result<HsvRange, String> {
     let names = || CHANNELS.iter().map(|(name, _)| *name);
     if let Some(unknown) = range.keys().find(|key| !names().any(|name| name == *key)) {
         let guess = nearest(unknown, names())
-            .map_or(String::new(), |near| format!("did you mean \"{near}\"? "));
+            .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
         return Err(format!(
-            "a range has no \"{unknown}\": {guess}It has hue_deg, saturation and value"
+            "a range has no \"{unknown}\". {guess}It has hue_deg, saturation and value"
         ));
     }
     // What is left out may be anything.

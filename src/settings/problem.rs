@@ -34,17 +34,18 @@ impl Origin {
     }
 }
 
-/// Sentences about what is wrong, one a line.
+/// Sentences about what is wrong, one a line, in the order of the file's lines.
 #[derive(Debug, Default)]
-pub(crate) struct Problems(Vec<String>);
+pub(crate) struct Problems(Vec<(Origin, String)>);
 
 impl Problems {
     pub(super) fn add(&mut self, origin: &Origin, what: impl fmt::Display) {
-        self.0.push(match origin {
+        let sentence = match origin {
             Origin::Default => what.to_string(),
-            Origin::Flag(flag) => format!("{flag}: {what}"),
-            Origin::File { .. } => format!("{origin}: {what}"),
-        });
+            _ => format!("{origin}: {what}"),
+        };
+        let place = self.0.partition_point(|(earlier, _)| earlier <= origin);
+        self.0.insert(place, (origin.clone(), sentence));
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -58,7 +59,8 @@ impl Problems {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.join("\n"))
+        let sentences: Vec<_> = self.0.iter().map(|(_, text)| &text[..]).collect();
+        f.write_str(&sentences.join("\n"))
     }
 }
 

@@ -23,17 +23,27 @@ pub(super) fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) 
 
 fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     let about = || format!("cannot list the folder {}", folder.display());
-    let mut pictures = Vec::new();
+    let (mut pictures, mut folders) = (Vec::new(), Vec::new());
     for entry in std::fs::read_dir(folder).with_context(about)? {
         let path = entry.with_context(about)?.path();
-        if is_picture_name(&path) && path.is_file() {
+        if path.is_dir() {
+            folders.push(path.display().to_string());
+        } else if is_picture_name(&path) && path.is_file() {
             pictures.push(path);
         }
     }
-    if pictures.is_empty() {
+    if pictures.is_empty() && folders.is_empty() {
         bail!(
             "there is no PNG or JPEG in the folder {}: name the pictures, or another folder",
             folder.display()
+        );
+    }
+    if pictures.is_empty() {
+        folders.sort_by(|a, b| natural_order(a, b));
+        bail!(
+            "there is no PNG or JPEG in the folder {} itself: name one of its folders, such as {}",
+            folder.display(),
+            folders[0]
         );
     }
     pictures.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));

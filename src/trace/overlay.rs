@@ -105,13 +105,13 @@ fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f
     let smooth = sampled(control_points, curve.length_px);
 
     canvas.line(control_points, 0.5 * line_px + 1.0, ink(DARK, 0.35));
-    canvas.line(control_points, 0.5 * line_px, ink(LIGHT, 0.8));
+    canvas.line(control_points, 0.5 * line_px, ink(rgb, 0.8));
 
     canvas.line(&smooth, line_px + 1.6, ink(DARK, 0.55));
     canvas.line(&smooth, line_px, ink(rgb, 1.0));
 
-    canvas.dots(&curve.points, 1.1 * line_px + 0.8, ink(DARK, 0.9));
-    canvas.dots(&curve.points, 0.7 * line_px, ink(LIGHT, 1.0));
+    canvas.dots(&curve.points, 1.2 * line_px + 1.4, ink(DARK, 0.9));
+    canvas.dots(&curve.points, 1.2 * line_px, ink(LIGHT, 1.0));
 
     canvas.dots(control_points, 2.6 * line_px + 1.6, ink(DARK, 0.8));
     canvas.dots(control_points, 2.6 * line_px, ink(LIGHT, 1.0));

@@ -1,0 +1,380 @@
+//! `lariat config`, and how settings are read.
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn lariat(folder: &TempDir, args: &[&str]) -> Command {
+    let mut command = assert_cmd::cargo::cargo_bin_cmd!("lariat");
+    command.current_dir(folder).args(args);
+    command
+}
+
+/// What a command prints, and what it complains about; exactly one of the two says something.
+fn outcome(folder: &TempDir, args: &[&str]) -> Result<String, String> {
+    let output = lariat(folder, args).output().unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let complaint = String::from_utf8(output.stderr).unwrap();
+    if output.status.success() {
+        assert_eq!(complaint, "");
+        Ok(printed)
+    } else {
+        assert_eq!(printed, "");
+        Err(complaint)
+    }
+}
+
+fn write(folder: &TempDir, text: &str) {
+    std::fs::write(folder.path().join("lariat.toml"), text).unwrap();
+}
+
+/// What `config check` says about this text.
+fn complaint(text: &str) -> String {
+    let folder = TempDir::new().unwrap();
+    write(&folder, text);
+    outcome(&folder, &["config", "check"]).expect_err(text)
+}
+
+/// Settings without the remark where each came from.
+fn values(shown: &str) -> toml::Table {
+    shown.parse().unwrap()
+}
+
+#[test]
+fn a_new_file_holds_the_defaults() {
+    let folder = TempDir::new().unwrap();
+    let defaults = outcome(&folder, &["config", "show"]).unwrap();
+    assert!(defaults.contains("order = 8  # default"), "{defaults}");
+
+    outcome(&folder, &["config", "init"]).unwrap();
+    assert_eq!(
+        outcome(&folder, &["config", "check"]).unwrap(),
+        "lariat.toml is good\n"
+    );
+    let written = std::fs::read_to_string(folder.path().join("lariat.toml")).unwrap();
+    assert_eq!(values(&written), values(&defaults));
+    let shown = outcome(&folder, &["config", "show"]).unwrap();
+    assert_eq!(values(&shown), values(&defaults));
+    assert!(
+        !shown.contains("default\n"),
+        "every one comes from the file: {shown}"
+    );
+}
+
+#[test]
+fn the_examples_in_a_new_file_are_good() {
+    let folder = TempDir::new().unwrap();
+    outcome(&folder, &["config", "init"]).unwrap();
+    let path = folder.path().join("lariat.toml");
+    let examples = std::fs::read_to_string(&path)
+        .unwrap()
+        .replace("# duration_s", "duration_s")
+        .replace("# frames", "frames")
+        .replace("# out", "out")
+        .replace("# deadline_us", "deadline_us")
+        .replace("# start", "start")
+        .replace("mask = \"auto\"", "")
+        .replace("# [{", "mask = [{");
+    std::fs::write(&path, examples).unwrap();
+    let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
+    assert_eq!(shown["run"].as_table().unwrap().len(), 6);
+    assert_eq!(shown["extract"].as_table().unwrap().len(), 4);
+    assert_eq!(
+        shown["extract"]["mask"].to_string(),
+        "[{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]"
+    );
+}
+
+#[test]
+fn a_file_that_is_there_is_kept_unless_force_is_said() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "[fit]\norder = 5\n");
+    let complaint = outcome(&folder, &["config", "init"]).unwrap_err();
+    assert!(complaint.contains("--force"), "{complaint}");
+    assert!(
+        outcome(&folder, &["config", "show"])
+            .unwrap()
+            .contains("order = 5")
+    );
+    outcome(&folder, &["config", "init", "--force"]).unwrap();
+    assert!(
+        outcome(&folder, &["config", "show"])
+            .unwrap()
+            .contains("order = 8")
+    );
+    let names: Vec<_> = std::fs::read_dir(&folder).unwrap().collect();
+    assert_eq!(names.len(), 1, "no temporary files: {names:?}");
+}
+
+#[test]
+fn flags_win_over_the_file_and_the_file_over_the_defaults() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "[fit]\norder = 5\nsolver = \"qr\"\n");
+    let shown = outcome(
+        &folder,
+        &[
+            "config",
+            "show",
+            "--order",
+            "6",
+            "--fps",
+            "max",
+            "--source",
+            "a.png",
+            "b",
+            "--duration",
+            "2m",
+            "--deadline",
+            "33ms",
+            "--size",
+            "800x600",
+            "--seed",
+            "7",
+            "--loop",
+            "--lossless",
+            "--rig",
+            "left-arm",
+            "--frames",
+            "240",
+            "--points",
+            "60",
+            "--out",
+            "report",
+        ],
+    )
+    .unwrap();
+    for line in [
+        "order = 6  # --order",
+        "solver = \"qr\"  # lariat.toml, line 3",
+        "fps = \"max\"  # --fps",
+        "source = [\"a.png\", \"b\"]  # --source",
+        "duration_s = 120  # --duration",
+        "deadline_us = 33000  # --deadline",
+        "size = [800, 600]  # --size",
+        "seed = 7  # --seed",
+        "loop = true  # --loop",
+        "lossless = true  # --lossless",
+        "rig = \"left-arm\"  # --rig",
+        "frames = 240  # --frames",
+        "points = 60  # --points",
+        "out = \"report\"  # --out",
+        "ropes = 8  # default",
+    ] {
+        assert!(shown.lines().any(|shown| shown == line), "{line}\n{shown}");
+    }
+}
+
+#[test]
+fn another_file_is_read_where_one_is_named() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "[fit]\norder = 5\n");
+    std::fs::write(folder.path().join("other.toml"), "[fit]\norder = 3\n").unwrap();
+    let shown = outcome(&folder, &["config", "show", "--config", "other.toml"]).unwrap();
+    assert!(shown.contains("order = 3  # other.toml, line 2"), "{shown}");
+    let missing = outcome(&folder, &["config", "show", "--config", "none.toml"]).unwrap_err();
+    assert!(missing.contains("none.toml"), "{missing}");
+}
+
+#[test]
+fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
+    assert_eq!(
+        complaint("[fit]\n\n# the curve\noder = 7\n"),
+        "lariat: lariat.toml, line 4: [fit] has no key \"oder\". Did you mean \"order\"? Its keys are order, \
+         solver\n"
+    );
+    assert_eq!(
+        complaint("[run]\nduration = 7\n"),
+        "lariat: lariat.toml, line 2: [run] has no key \"duration\". Did you mean \"duration_s\"? Its keys \
+         are rig, lossless, duration_s, frames, out, deadline_us\n"
+    );
+    assert_eq!(
+        complaint("[fit]\npoints = 7\n"),
+        "lariat: lariat.toml, line 2: [fit] has no key \"points\". It belongs in [extract]. Its keys are \
+         order, solver\n"
+    );
+    assert_eq!(
+        complaint("\n[captur]\nfps = 7\n"),
+        "lariat: lariat.toml, line 2: there is no section [captur]. Did you mean [capture]? The sections are \
+         [run], [capture], [extract], [fit], [sink]\n"
+    );
+    assert_eq!(
+        complaint("order = 8\n"),
+        "lariat: lariat.toml, line 1: \"order\" stands outside any section: put it below a line [fit]\n"
+    );
+    assert_eq!(
+        complaint("[extract]\nmask = [{ hue = [1, 2] }]\n"),
+        "lariat: lariat.toml, line 2: mask = [{ hue = [1, 2] }]: a range has no \"hue\". Did you mean \
+         \"hue_deg\"? It has hue_deg, saturation and value\n"
+    );
+}
+
+#[test]
+fn a_wrong_unit_is_converted() {
+    for (text, advice) in [
+        ("[capture]\nfps = \"30 Hz\"", "without a unit: write 30"),
+        (
+            "[capture]\nfps = \"33.3ms\"",
+            "not the time between two frames: write 30",
+        ),
+        (
+            "[run]\nduration_s = \"500ms\"",
+            "a number of seconds, without a unit: write 0.5",
+        ),
+        (
+            "[run]\ndeadline_us = \"33ms\"",
+            "a number of microseconds, without a unit: write 33000",
+        ),
+        (
+            "[extract]\nmask = [{ hue_deg = [100, 130], saturation = [50, 255] }]",
+            "OpenCV's 0 to 255 is divided by 255, so write saturation = [0.2, 1]",
+        ),
+        ("[fit]\norder = \"8\"", "write the number without quotes: 8"),
+    ] {
+        let complaint = complaint(text);
+        assert!(complaint.contains("lariat.toml, line 2: "), "{complaint}");
+        assert!(complaint.contains(advice), "{complaint}");
+    }
+}
+
+#[test]
+fn a_range_turned_around_is_turned_back_but_a_hue_may_go_through_red() {
+    let complaint = complaint("[extract]\nmask = [{ saturation = [0.9, 0.2] }]\n");
+    assert!(
+        complaint.contains("put the smaller first, saturation = [0.2, 0.9]"),
+        "{complaint}"
+    );
+    let folder = TempDir::new().unwrap();
+    write(&folder, "[extract]\nmask = [{ hue_deg = [350, 10] }]\n");
+    let shown = outcome(&folder, &["config", "show"]).unwrap();
+    assert!(
+        shown.contains("[{ hue_deg = [350, 10], saturation = [0, 1], value = [0, 1] }]"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn values_that_cannot_be_are_refused() {
+    for text in [
+        "[run]\nrig = \"Left Arm\"",
+        "[run]\nrig = \"\"",
+        "[run]\nrig = \"abcdefghijklmnopqrstuvwxyz0123456\"",
+        "[run]\nlossless = \"yes\"",
+        "[run]\nduration_s = 0",
+        "[run]\nduration_s = -3",
+        "[run]\nduration_s = nan",
+        "[run]\nduration_s = 1e12",
+        "[run]\nframes = 0",
+        "[run]\ndeadline_us = inf",
+        "[run]\nout = 5",
+        "[capture]\nsource = []",
+        "[capture]\nsource = 5",
+        "[capture]\nsource = [\"a\", 5]",
+        "[capture]\nfps = 0",
+        "[capture]\nfps = -30",
+        "[capture]\nfps = \"fast\"",
+        "[capture]\nfps = true",
+        "[capture]\nsize = [640]",
+        "[capture]\nsize = [640, 63]",
+        "[capture]\nsize = [640, 9000]",
+        "[capture]\nsize = \"640\"",
+        "[capture]\nseed = -1",
+        "[extract]\nmask = \"blue\"",
+        "[extract]\nmask = []",
+        "[extract]\nmask = [5]",
+        "[extract]\nmask = [{ hue_deg = [0, 400] }]",
+        "[extract]\nmask = [{ hue_deg = 20 }]",
+        "[extract]\nmask = [{ value = [-0.1, 1] }]",
+        "[extract]\npoints = 257",
+        "[extract]\npoints = 1",
+        "[extract]\nropes = 9",
+        "[extract]\nropes = 0",
+        "[extract]\nstart = [1]",
+        "[extract]\nstart = [nan, 1]",
+        "[fit]\norder = 0",
+        "[fit]\norder = 32",
+        "[fit]\norder = 8.5",
+        "[fit]\nsolver = \"svd\"",
+        "[sink]\nlive = 1",
+    ] {
+        let complaint = complaint(text);
+        assert!(
+            complaint.starts_with("lariat: lariat.toml, line 2: "),
+            "{text}: {complaint}"
+        );
+        assert_eq!(complaint.lines().count(), 1, "{complaint}");
+    }
+}
+
+#[test]
+fn settings_that_do_not_go_together_are_refused() {
+    assert_eq!(
+        complaint("[extract]\npoints = 5\n"),
+        "lariat: lariat.toml, line 2: 5 points cannot fix the 9 control points of order 8: give at least 9 \
+         points, or choose an order of at most 4\n"
+    );
+    let folder = TempDir::new().unwrap();
+    write(&folder, "[fit]\norder = 24\n");
+    outcome(&folder, &["config", "check"]).unwrap();
+    let complaint = outcome(&folder, &["config", "show", "--solver", "cholesky"]).unwrap_err();
+    assert!(
+        complaint.starts_with("lariat: --solver: at order 24"),
+        "{complaint}"
+    );
+}
+
+#[test]
+fn everything_that_is_wrong_is_said_at_once_in_the_order_of_lines() {
+    let complaint = complaint("[fit]\nsolver = \"x\"\norder = 99\n[capture]\nfps = 0\nfsp = 1\n");
+    let lines: Vec<_> = complaint
+        .lines()
+        .map(|line| {
+            line.trim_start_matches("lariat: ")
+                .split(": ")
+                .next()
+                .unwrap()
+        })
+        .collect();
+    assert_eq!(
+        lines,
+        [
+            "lariat.toml, line 2",
+            "lariat.toml, line 3",
+            "lariat.toml, line 5",
+            "lariat.toml, line 6"
+        ]
+    );
+}
+
+#[test]
+fn what_is_no_toml_is_said_with_its_line() {
+    for text in [
+        "[fit]\norder = \n",
+        "[fit\norder = 8",
+        "[fit]\norder = 8\norder = 9\n",
+    ] {
+        let complaint = complaint(text);
+        assert!(complaint.contains("line "), "{complaint}");
+        assert!(complaint.contains("this is not TOML"), "{complaint}");
+    }
+}
+
+#[test]
+fn a_flag_that_makes_no_sense_is_named() {
+    let folder = TempDir::new().unwrap();
+    for (flag, value) in [
+        ("--fps", "30 Hz"),
+        ("--fps", "-1"),
+        ("--order", "0"),
+        ("--order", "-1"),
+        ("--points", "1000"),
+        ("--duration", "5parsec"),
+        ("--deadline", "0"),
+        ("--size", "640"),
+        ("--rig", "A"),
+        ("--solver", "svd"),
+        ("--frames", "0"),
+    ] {
+        let complaint =
+            outcome(&folder, &["config", "show", &format!("{flag}={value}")]).unwrap_err();
+        assert!(complaint.contains(flag), "{complaint}");
+    }
+}
