@@ -1,6 +1,5 @@
 //! What arrives, and what does not.
 
-use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,6 +11,9 @@ use rustix::process::Signal;
 use serde_json::json;
 
 use crate::rig::Bench;
+
+/// One rope's track and control points.
+type Shape = (u32, Vec<[f64; 2]>);
 
 /// What the libraries make of the rendered rope, frame by frame.
 struct Library {
@@ -32,8 +34,8 @@ impl Library {
         }
     }
 
-    /// The next frame's number, and each rope's track and control points.
-    fn next(&mut self) -> (u64, Vec<(u32, Vec<[f64; 2]>)>) {
+    /// The next frame's number, and the shapes in it.
+    fn next(&mut self) -> (u64, Vec<Shape>) {
         let frame = self.source.next().unwrap().expect("without end");
         self.source.write(&mut self.pixels);
         let (width, height, stride) = (frame.width, frame.height, frame.stride);
@@ -126,12 +128,7 @@ fn wait(reader: &Reader<Descriptors>) -> lariat_wire::Message<Descriptors> {
             return message;
         }
         assert!(Instant::now() < deadline, "no descriptor came");
-        reader
-            .sleep(
-                Some(deadline),
-                None::<std::os::fd::BorrowedFd>.as_ref().map(AsFd::as_fd),
-            )
-            .unwrap();
+        reader.sleep(Some(deadline), None).unwrap();
     }
 }
 
