@@ -90,7 +90,7 @@ fn no_stage_allocates_per_frame_once_warm() {
     measure_a_loan();
     let mut settings = Settings::default();
     settings.sink.live = false;
-    settings.capture.fps = Fps::PerSecond(200.0);
+    settings.capture.fps = Fps::PerSecond(100.0);
     let mut frames = 0;
     std::thread::scope(|scope| {
         for (index, (_, run)) in STAGES.iter().enumerate() {
