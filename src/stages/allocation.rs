@@ -15,7 +15,9 @@ use rustix::process::{Signal, getpid, kill_process};
 use super::{capture, extract, fit, sink};
 use crate::settings::{Fps, Settings};
 
-const STAGES: [(&str, fn(&Settings) -> anyhow::Result<()>); 4] = [
+type Stage = fn(&Settings) -> anyhow::Result<()>;
+
+const STAGES: [(&str, Stage); 4] = [
     ("sink", sink::run),
     ("fit", fit::run),
     ("extract", extract::run),
@@ -110,10 +112,10 @@ fn no_stage_allocates_per_frame_once_warm() {
                 break message.trace.captured;
             }
         };
-        // Warm: every buffer has met the rope crossing itself, which it does first in frame 200.
-        let begin = wait_for(400);
+        // The rope first crosses itself while allocations are counted: 5 s into its motion.
+        let begin = wait_for(200);
         WARM.store(true, Ordering::SeqCst);
-        let end = wait_for(700);
+        let end = wait_for(900);
         WARM.store(false, Ordering::SeqCst);
         frames = end - begin;
         kill_process(getpid(), Signal::TERM).expect("a signal to itself");
@@ -126,10 +128,9 @@ fn no_stage_allocates_per_frame_once_warm() {
             "{name} allocated"
         );
         let loans = LOANS[stage].load(Ordering::SeqCst);
-        // A frame more at each end: counting begins and ends amid the work on one.
-        assert!(
-            loans <= MESSAGES[stage] * 302,
-            "{name}: {loans} for 300 frames"
-        );
+        // Capture is some frames ahead of what this reader has seen when counting begins and ends, more on a busy
+        // machine; a second box a message would still show.
+        let most = MESSAGES[stage] * frames * 3 / 2;
+        assert!(loans <= most, "{name}: {loans} for {frames} frames");
     }
 }
