@@ -140,7 +140,7 @@ impl<P: Payload + ?Sized> Reader<P> {
         }
     }
 
-    /// Sleeps until a message may have come, until `also` is readable, a signal came, or the deadline is over.
+    /// Sleeps until a message waits or may wait, until `also` is readable, a signal came, or the deadline is over.
     /// Call [`next`](Self::next) or [`latest`](Self::latest) after it.
     pub fn sleep(
         &self,
@@ -150,8 +150,8 @@ impl<P: Payload + ?Sized> Reader<P> {
         sleep_for_any([self], deadline, also)
     }
 
-    /// Becomes readable when a message came: for a `poll` of one's own. [`sleep`](Self::sleep) empties it.
-    /// `None` for a reader that is never woken.
+    /// Becomes readable when a message came: for a `poll` of one's own, with a timeout of 100 ms at most, after a
+    /// [`sleep`](Self::sleep) whose deadline is over has emptied it. `None` for a reader that is never woken.
     pub fn descriptor(&self) -> Option<BorrowedFd<'_>> {
         self.ear.as_ref().map(Ear::descriptor)
     }
@@ -163,7 +163,7 @@ pub trait Woken {
     fn ear(&self) -> Option<BorrowedFd<'_>>;
 
     #[doc(hidden)]
-    fn attend(&self) -> Result<(), WireError>;
+    fn attend(&self) -> Result<bool, WireError>;
 }
 
 impl<P: Payload + ?Sized> Woken for Reader<P> {
@@ -171,30 +171,40 @@ impl<P: Payload + ?Sized> Woken for Reader<P> {
         self.descriptor()
     }
 
-    /// Empties the bell, which would ring for ever otherwise, and answers a lossless writer's call.
-    fn attend(&self) -> Result<(), WireError> {
-        let Some(ear) = &self.ear else { return Ok(()) };
-        if ear.empty()?.called {
-            // Looking takes up this reader's end of a new writer's channel.
-            self.subscriber.has_samples().map_err(|cause| {
-                WireError::transport(format!("reading from {}", self.name), cause)
-            })?;
+    /// Makes ready to sleep; `true` if there is no reason to, because a message waits.
+    ///
+    /// Empties the bell, which would ring for ever otherwise; looks for messages after it, because one whose ring was
+    /// emptied would be slept over; and answers a lossless writer's call.
+    fn attend(&self) -> Result<bool, WireError> {
+        let Some(ear) = &self.ear else {
+            return Ok(false);
+        };
+        let called = ear.empty()?.called;
+        // Looking also takes up this reader's end of a new writer's channel, which is what a call asks for.
+        let waits = self
+            .subscriber
+            .has_samples()
+            .map_err(|cause| WireError::transport(format!("reading from {}", self.name), cause))?;
+        if called {
             ear.answer();
         }
-        Ok(())
+        Ok(waits)
     }
 }
 
-/// Sleeps until a message may have come for one of the readers, until `also` is readable, a signal came, or the
+/// Sleeps until a message waits or may wait for one of the readers, until `also` is readable, a signal came, or the
 /// deadline is over.
 pub fn sleep_for_any<const N: usize>(
     readers: [&dyn Woken; N],
     deadline: Option<Instant>,
     also: Option<BorrowedFd>,
 ) -> Result<(), WireError> {
-    let ears = readers.map(Woken::ear);
-    ready::wait(ears, deadline, also)?;
-    readers.iter().try_for_each(|reader| reader.attend())
+    for reader in readers {
+        if reader.attend()? {
+            return Ok(());
+        }
+    }
+    ready::wait(readers.map(Woken::ear), deadline, also)
 }
 
 /// A message in shared memory. Held, it keeps its slot from being used again.

@@ -2,7 +2,7 @@
 //! The event service beside every channel: wakes a waiting reader, so that nothing polls or sleeps.
 
 use std::os::fd::BorrowedFd;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
@@ -12,6 +12,14 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use crate::{Domain, WireError};
+
+/// No sleep is longer than this.
+///
+/// In iceoryx2 0.10 a ring that comes while its listener empties the bell can be emptied too, and yet leave the bell
+/// marked as rung: then every later ring is taken for one that was already sent, and none arrives. Readers look for
+/// messages after emptying, so that this takes a ring that comes late, after its message was read; then this bound ends
+/// the sleep, and emptying the bell again mends it.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
 /// A message was sent.
 const MESSAGE: usize = 0;
@@ -120,7 +128,8 @@ impl Ear {
     }
 }
 
-/// Waits for a bell, for `also` to become readable, for a signal, or for the deadline, whichever is first.
+/// Waits for a bell, for `also` to become readable, for a signal, for the deadline or [`LONGEST_SLEEP`], whichever is
+/// first.
 pub(crate) fn wait<const N: usize>(
     ears: [Option<BorrowedFd>; N],
     deadline: Option<Instant>,
@@ -140,9 +149,12 @@ pub(crate) fn wait<const N: usize>(
         polled[count] = PollFd::from_borrowed_fd(descriptor, PollFlags::IN);
         count += 1;
     }
-    let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
-    let left = left.and_then(|left| Timespec::try_from(left).ok());
-    match poll(&mut polled[..count], left.as_ref()) {
+    let left = deadline.map_or(LONGEST_SLEEP, |deadline| {
+        deadline
+            .saturating_duration_since(Instant::now())
+            .min(LONGEST_SLEEP)
+    });
+    match poll(&mut polled[..count], Timespec::try_from(left).ok().as_ref()) {
         Ok(_) | Err(Errno::INTR) => Ok(()),
         Err(cause) => Err(WireError::transport("waiting for a message", cause)),
     }

@@ -88,6 +88,10 @@ fn a_waiting_reader_wakes_for_a_message_a_descriptor_or_its_deadline() {
     let (readable, _) = rustix::pipe::pipe().unwrap();
     reader.sleep(None, Some(readable.as_fd())).unwrap();
     assert!(reader.latest().unwrap().is_none());
+    send(&writer, 8);
+    // A message that waits is not slept over, whatever has become of its bell.
+    reader.sleep(None, None).unwrap();
+    assert_eq!(reader.latest().unwrap().unwrap().trace.fitted, 8);
 }
 
 #[test]
