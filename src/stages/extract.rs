@@ -26,6 +26,7 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut sent = Sent::default();
     let mut backlog = Backlog::default();
     let mut unreadable = Warned::default();
+    let mut size = (0, 0);
     while let Some((frame, started_ns)) = receive(
         &frames,
         &mut backlog,
@@ -38,7 +39,13 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         slot.trace.extract_started_ns = started_ns;
         (slot.width, slot.height) = (header.width, header.height);
         match image(header, &frame) {
-            Ok(image) => fill(&mut slot, &extractor.extract(&image)),
+            Ok(image) => {
+                if size != (image.width(), image.height()) {
+                    size = (image.width(), image.height());
+                    extractor.prepare(size.0, size.1);
+                }
+                fill(&mut slot, &extractor.extract(&image));
+            }
             // The frame is answered all the same: a stage never goes silent while frames come in.
             Err(cause) => {
                 unreadable.once(&cause);

@@ -1,5 +1,7 @@
 //! The four stages as processes: thin shells that receive, call a library, and send.
 
+#[cfg(test)]
+mod allocation;
 pub(crate) mod capture;
 pub(crate) mod extract;
 pub(crate) mod fit;

@@ -9,12 +9,13 @@ use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::Masker;
 use crate::overlaps::Overlaps;
+use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
 use crate::track::Tracker;
 use crate::zones::Zones;
-use crate::{Crossing, Curve, Image, Options, OptionsError, Scene};
+use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
@@ -96,7 +97,7 @@ impl Extractor {
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         let size = (image.width(), image.height());
         if size != self.size {
-            self.reset();
+            self.new_scene();
             self.size = size;
         }
         self.masker.run(image, &self.options.mask);
@@ -132,8 +133,28 @@ impl Extractor {
         }
     }
 
-    /// Forgets the past: the next image is a new scene.
+    /// Makes the buffers for images of this size, by extracting from a picture full of ropes, and
+    /// forgets the past. Not needed, but without it buffers grow when a scene first gets richer.
+    pub fn prepare(&mut self, width: usize, height: usize) {
+        let pixels = rehearse::picture(width, height);
+        if let Some(image) = rehearse::image(&pixels, width, height) {
+            let wanted = std::mem::replace(&mut self.options.mask, Mask::Auto);
+            // Twice: what is kept of the first frame is compared with the second.
+            self.extract(&image);
+            self.extract(&image);
+            self.options.mask = wanted;
+        }
+        self.reset();
+    }
+
+    /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first
+    /// again.
     pub fn reset(&mut self) {
+        self.new_scene();
+        self.tracker.restart();
+    }
+
+    fn new_scene(&mut self) {
         self.count = 0;
         self.crossings.clear();
         self.tracker.reset();

@@ -60,6 +60,7 @@ mod overlaps;
 mod pairing;
 mod path;
 mod plane;
+mod rehearse;
 mod scene;
 mod section;
 mod skeleton;

@@ -105,12 +105,12 @@ impl Overlaps {
             let first = self.arms.len();
             self.arms
                 .extend(arms.iter().filter(|arm| arm.edge as usize != e));
-            if zone == ends[1]
-                && let Some(unroll) = &unroll
-            {
-                self.arms[first..]
-                    .iter_mut()
-                    .for_each(|arm| unroll.apply(arm));
+            for arm in &mut self.arms[first..] {
+                match &unroll {
+                    Some(unroll) if zone == ends[1] => unroll.apply(arm),
+                    Some(unroll) => unroll.tell_side(arm),
+                    None => {}
+                }
             }
         }
         self.pairing.resolve(&self.arms, yuv);

@@ -9,11 +9,13 @@ use crate::color;
 use crate::vec2::{self, Vec2};
 use crate::zones::Arm;
 
-/// What an arm that stays alone costs: as much as half a turn by 2.1 rad (120°), which a rope of
-/// ordinary stiffness does not make within its own width.
+/// What an arm that stays alone costs: as much as an arc by 1.5 rad (89°), which a rope of ordinary
+/// stiffness does not make within its own width.
 const ALONE: f32 = 0.6;
 /// What each further one costs: two ends seldom lie at one place.
 const ALONE_TOO: f32 = 1.4;
+/// What it costs to change sides in an overlap that is too wide for strands to cross in it.
+const OTHER_SIDE: f32 = 0.8;
 /// Zones with more arms than this (945 pairings) are resolved pair by pair, the cheapest first.
 const MOST_ARMS: usize = 10;
 /// Levels of color difference that count as much as a bend by one radian.
@@ -104,8 +106,13 @@ pub(crate) fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
     let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
+    let sides = if a.side * b.side < 0.0 {
+        OTHER_SIDE
+    } else {
+        0.0
+    };
     // The narrowest ropes measure their width too coarsely for it to say much.
-    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color * color
+    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color * color + sides
 }
 
 /// The bending energy (times length / 4) of the cubic from `from` in direction `out` to `to` in
@@ -132,6 +139,7 @@ mod tests {
             into: [-cos, -sin],
             half_px: 5.0,
             color: [color; 3],
+            side: 0.0,
         }
     }
 

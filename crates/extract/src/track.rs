@@ -64,6 +64,11 @@ impl Tracker {
         self.started = false;
     }
 
+    /// Numbers ropes from the first again.
+    pub(crate) fn restart(&mut self) {
+        self.next = 0;
+    }
+
     /// Numbers and turns the curves of a new image, and says which lost ropes are to be reported by
     /// appending them to `curves` from `count` on. Returns the new count.
     pub(crate) fn update(

@@ -9,6 +9,13 @@ use crate::zones::Arm;
 /// Overlaps shorter than this many half-widths are not bent enough to matter.
 const SHORTEST_HALVES: f32 = 4.0;
 
+/// Half-widths (beyond half a pixel) that an overlap of strands side by side has at its narrowest;
+/// where strands cross, the narrowest is one rope.
+const BESIDE_HALVES: f32 = 1.35;
+
+/// Of thinner ropes whole pixels do not tell one strand from two.
+const THINNEST_HALF_PX: f32 = 2.0;
+
 /// The motion that lays the far end of an overlap straight ahead of its near end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unroll {
@@ -17,6 +24,9 @@ pub(crate) struct Unroll {
     to: Vec2,
     to_tangent: Vec2,
     length_px: f32,
+    /// Whether the overlap is wider than one rope all along: then the strands lie side by side and
+    /// do not cross in it.
+    beside: bool,
 }
 
 impl Unroll {
@@ -30,7 +40,12 @@ impl Unroll {
         let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
         let last = pixels.len() - 1;
         let reach = ((3.0 * half_px) as usize).clamp(3, last.max(3)).min(last);
+        let narrowest = pixels
+            .iter()
+            .map(|&p| skeleton.pixels[p as usize].half_px)
+            .fold(f32::INFINITY, f32::min);
         Some(Self {
+            beside: half_px >= THINNEST_HALF_PX && narrowest >= BESIDE_HALVES * half_px + 0.5,
             from: at(0),
             from_tangent: vec2::unit_or(vec2::sub(at(reach), at(0)), [1.0, 0.0]),
             to: at(last),
@@ -54,5 +69,13 @@ impl Unroll {
         let end = vec2::along(self.from, self.from_tangent, self.length_px);
         arm.at = vec2::add(end, turn(vec2::sub(arm.at, self.to)));
         arm.into = turn(arm.into);
+        self.tell_side(arm);
+    }
+
+    /// Notes on which side of the overlap an arm (moved, if of the far end) lies.
+    pub(crate) fn tell_side(&self, arm: &mut Arm) {
+        if self.beside {
+            arm.side = vec2::cross(self.from_tangent, vec2::sub(arm.at, self.from)).signum();
+        }
     }
 }

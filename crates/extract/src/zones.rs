@@ -31,6 +31,8 @@ pub(crate) struct Arm {
     pub(crate) half_px: f32,
     /// The mean native color along the strand, just outside of the crossing.
     pub(crate) color: [f32; 3],
+    /// Which side of an overlap of strands that do not cross it lies on, −1 or 1; 0: of none.
+    pub(crate) side: f32,
 }
 
 impl Arm {
@@ -112,10 +114,13 @@ impl Zones {
             let Some(unroll) = Unroll::of(e, graph, skeleton, self.half_px) else {
                 continue;
             };
-            let far = graph.edges[e].nodes[1];
+            let [near, far] = graph.edges[e].nodes;
             for arm in &mut self.arms {
-                if graph.edges[arm.edge as usize].nodes[usize::from(arm.end)] == far {
+                let node = graph.edges[arm.edge as usize].nodes[usize::from(arm.end)];
+                if node == far {
                     unroll.apply(arm);
+                } else if node == near {
+                    unroll.tell_side(arm);
                 }
             }
         }
@@ -171,6 +176,7 @@ impl Zones {
             return false;
         }
         let width = 2.0 * self.half_px;
+        // Nearer than this, even two crossings of their own are better resolved together.
         if edge.length_px <= 0.8 * width + 1.0 {
             return true;
         }
@@ -181,6 +187,8 @@ impl Zones {
         let expected = width * (1.0 - s) / (s * (1.0 + s));
         let pixels = graph.pixels(e);
         let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
+        // Along a crossing's bisector the half-width falls evenly from the junctions to the middle,
+        // along a strand at once; the rest allows for whole pixels.
         let wide = mean >= 0.5 * (at_ends + self.half_px) - 0.06 * width;
         let swollen = mean >= 1.12 * self.half_px + 0.15;
         wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
@@ -221,6 +229,7 @@ impl Zones {
             into,
             half_px,
             color: [0.0; 3],
+            side: 0.0,
         }
     }
 }

@@ -146,6 +146,33 @@ fn two_ropes_that_cross_stay_two() {
 }
 
 #[test]
+fn strands_that_run_along_each_other_keep_their_own_centers() {
+    for (width_px, stretch) in [(8.0, 25.0), (8.0, 50.0), (12.0, 40.0)] {
+        let mut table = Table::new(320, 240, WHITE);
+        table.noise = 1.5;
+        let ropes = [-1.0f32, 1.0].map(|side| {
+            Rope::along(width_px, BLUE, move |t| {
+                let x = 30.0 + 260.0 * t;
+                let apart = ((x - 160.0).abs() - stretch).max(0.0);
+                [x, 120.0 + side * (0.48 * width_px + apart * apart / 220.0)]
+            })
+        });
+        let mut extractor = extractor();
+        let scene = see(&mut extractor, &table.draw(&ropes), &table);
+        let what = format!("{width_px} px for {stretch} px");
+        assert_eq!(scene.curves.len(), 2, "{what}");
+        for curve in scene.curves {
+            let best = ropes
+                .iter()
+                .map(|r| error(curve, r).mean_px)
+                .fold(f32::MAX, f32::min);
+            // A strand on the wrong side, or in the middle of both, would be half a width off.
+            assert!(best <= 1.0, "{what}: {best}");
+        }
+    }
+}
+
+#[test]
 fn a_rope_that_leaves_the_image_is_whole() {
     let table = Table::new(200, 160, WHITE);
     let rope = Rope::along(10.0, BLUE, |t| [-30.0 + 180.0 * t, 40.0 + 60.0 * t]);

@@ -104,8 +104,7 @@ impl Table {
 fn cover(rope: &Rope, width: usize, height: usize) -> Vec<f32> {
     let half = rope.width_px / 2.0;
     let mut cover = vec![0.0f32; width * height];
-    let last = rope.points.len() - 2;
-    for (k, pair) in rope.points.windows(2).enumerate() {
+    for pair in rope.points.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
@@ -123,43 +122,35 @@ fn cover(rope: &Rope, width: usize, height: usize) -> Vec<f32> {
                 let ahead = (d[0] * along[0] + d[1] * along[1]) / length;
                 let aside = (d[0] * along[1] - d[1] * along[0]) / length;
                 let beyond = (-ahead).max(ahead - length);
-                // Inside, pieces overlap like beads; the two ends are cut straight.
-                let end = !rope.closed && (k == 0 && ahead < 0.0 || k == last && ahead > length);
-                let share = if end {
-                    (half - aside.abs() + 0.5).clamp(0.0, 1.0) * (0.5 - beyond).clamp(0.0, 1.0)
-                } else {
-                    let out = beyond.max(0.0);
-                    (half - (aside * aside + out * out).sqrt() + 0.5).clamp(0.0, 1.0)
-                };
+                // Pieces overlap like beads; the tips are cut straight below.
+                let out = beyond.max(0.0);
+                let share = (half - (aside * aside + out * out).sqrt() + 0.5).clamp(0.0, 1.0);
                 let cell = &mut cover[y * width + x];
                 *cell = cell.max(share);
             }
         }
     }
     if !rope.closed {
-        cut_end(
-            rope.points[0],
-            rope.points[3],
-            half,
-            &mut cover,
-            width,
-            height,
-        );
-        let n = rope.points.len();
-        cut_end(
-            rope.points[n - 1],
-            rope.points[n - 4],
-            half,
-            &mut cover,
-            width,
-            height,
-        );
+        let points = &rope.points;
+        cut_end(points.iter(), half, &mut cover, width, height);
+        cut_end(points.iter().rev(), half, &mut cover, width, height);
     }
     cover
 }
 
-/// Takes away what the beads near `tip` cover beyond it.
-fn cut_end(tip: Vec2, inner: Vec2, half: f32, cover: &mut [f32], width: usize, height: usize) {
+/// Takes away what the beads near the first of `points` cover beyond it.
+fn cut_end<'a>(
+    mut points: impl Iterator<Item = &'a Vec2>,
+    half: f32,
+    cover: &mut [f32],
+    width: usize,
+    height: usize,
+) {
+    let Some(&tip) = points.next() else { return };
+    // The direction is that of the last pixel's worth of rope.
+    let Some(&inner) = points.find(|&&p| distance(p, tip) > 1.0) else {
+        return;
+    };
     let length = distance(tip, inner).max(1e-6);
     let out = [(tip[0] - inner[0]) / length, (tip[1] - inner[1]) / length];
     for y in 0..height {

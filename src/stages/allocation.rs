@@ -1,0 +1,136 @@
+#![allow(unsafe_code)] // An allocator is unsafe by its trait, and so is naming the domain in the environment.
+//! The four stages as they are, each in a thread here: once warm, none of them allocates per frame.
+//!
+//! The transport does: iceoryx2 0.10 keeps each slot that it lends in a small box of its own, one a message, made when
+//! the slot is lent and freed when it is sent. Those are told apart by their size, and counted too.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Reader, Rig, Writer};
+use rustix::process::{Signal, getpid, kill_process};
+
+use super::{capture, extract, fit, sink};
+use crate::settings::{Fps, Settings};
+
+type Stage = fn(&Settings) -> anyhow::Result<()>;
+
+const STAGES: [(&str, Stage); 4] = [
+    ("sink", sink::run),
+    ("fit", fit::run),
+    ("extract", extract::run),
+    ("capture", capture::run),
+];
+
+/// Messages that a stage sends for each frame: capture's second is the truth.
+const MESSAGES: [u64; STAGES.len()] = [0, 1, 1, 2];
+
+/// Whether allocations are counted now.
+static WARM: AtomicBool = AtomicBool::new(false);
+/// Bytes of the box that the transport makes for a slot; measured.
+static LENT: AtomicUsize = AtomicUsize::new(0);
+static ALLOCATIONS: [AtomicU64; STAGES.len()] = [const { AtomicU64::new(0) }; STAGES.len()];
+static LOANS: [AtomicU64; STAGES.len()] = [const { AtomicU64::new(0) }; STAGES.len()];
+
+thread_local! {
+    /// Which stage this thread is.
+    static STAGE: Cell<Option<usize>> = const { Cell::new(None) };
+    /// Whether this thread measures what a slot costs.
+    static MEASURES: Cell<bool> = const { Cell::new(false) };
+}
+
+struct Counting;
+
+fn count(bytes: usize) {
+    if MEASURES.get() {
+        LENT.store(bytes, Ordering::Relaxed);
+    }
+    if let (true, Some(stage)) = (WARM.load(Ordering::Relaxed), STAGE.get()) {
+        let is_loan = bytes == LENT.load(Ordering::Relaxed);
+        let counter = if is_loan { &LOANS } else { &ALLOCATIONS };
+        counter[stage].fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Lends a slot, to see what the transport allocates for it.
+fn measure_a_loan() {
+    let domain = Domain::open().expect("a domain");
+    let rig = "measured".parse().expect("a plain name");
+    let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins);
+    let writer = writer.expect("a writer");
+    drop(writer.slot().expect("a slot"));
+    MEASURES.set(true);
+    let slot = writer.slot();
+    MEASURES.set(false);
+    drop(slot.expect("a slot"));
+}
+
+// SAFETY: every call goes to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size());
+        // SAFETY: the caller's promise is the one that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn no_stage_allocates_per_frame_once_warm() {
+    let domain = format!("a{}", std::process::id());
+    // SAFETY: nothing but the standard library, which locks it, looks at this process's environment.
+    unsafe { std::env::set_var("LARIAT_DOMAIN", &domain) };
+    measure_a_loan();
+    let mut settings = Settings::default();
+    settings.sink.live = false;
+    settings.capture.fps = Fps::PerSecond(100.0);
+    let mut frames = 0;
+    std::thread::scope(|scope| {
+        for (index, (_, run)) in STAGES.iter().enumerate() {
+            let settings = &settings;
+            scope.spawn(move || {
+                STAGE.set(Some(index));
+                run(settings).expect("the stage runs");
+            });
+        }
+        let domain = Domain::open().expect("a domain");
+        let reader = Reader::descriptors(&domain, &Rig::default()).expect("a reader");
+        // Waits for a frame, and says how many capture had sent by then.
+        let wait_for = |fitted: u64| loop {
+            let message = reader.wait(Instant::now() + Duration::from_secs(60));
+            let message = message.expect("readable").expect("a descriptor");
+            if message.trace.fitted >= fitted {
+                break message.trace.captured;
+            }
+        };
+        // The rope first crosses itself while allocations are counted: 5 s into its motion.
+        let begin = wait_for(200);
+        WARM.store(true, Ordering::SeqCst);
+        let end = wait_for(900);
+        WARM.store(false, Ordering::SeqCst);
+        frames = end - begin;
+        kill_process(getpid(), Signal::TERM).expect("a signal to itself");
+    });
+    let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{domain}"));
+    for (stage, (name, _)) in STAGES.iter().enumerate() {
+        assert_eq!(
+            ALLOCATIONS[stage].load(Ordering::SeqCst),
+            0,
+            "{name} allocated"
+        );
+        let loans = LOANS[stage].load(Ordering::SeqCst);
+        // Capture is some frames ahead of what this reader has seen when counting begins and ends, more on a busy
+        // machine; a second box a message would still show.
+        let most = MESSAGES[stage] * frames * 3 / 2;
+        assert!(loans <= most, "{name}: {loans} for {frames} frames");
+    }
+}
