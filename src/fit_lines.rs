@@ -15,11 +15,11 @@ use std::process::ExitCode;
 
 /// Descriptors of centerlines: the stage of the chain, or a filter of JSON lines
 ///
-/// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines {"points":[[x,y],…]} and
+/// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines `{"points":[[x,y],…]}` and
 /// writes one descriptor object a line. Otherwise it is the chain's third stage.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
-    /// File of JSON lines, each {"points":[[x,y],…]}; `-` is standard input
+    /// File of JSON lines, each `{"points":[[x,y],…]}`; `-` is standard input
     file: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
