@@ -230,7 +230,7 @@ pub struct Curve {
     pub border: u32,
     /// How many points are meant.
     pub count: u32,
-    /// Mean width of the rope in the image.
+    /// Median width of the rope in the image.
     pub width_px: f32,
     /// Arc length of the centerline.
     pub length_px: f32,
@@ -382,7 +382,7 @@ pub struct Descriptor {
     pub condition: f64,
     /// Arc length of the centerline, in pixels.
     pub length_px: f64,
-    /// Mean width of the rope, in pixels.
+    /// Median width of the rope, in pixels.
     pub width_px: f64,
     /// The control points, `[x, y]` in pixels.
     pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
