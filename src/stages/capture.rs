@@ -122,6 +122,9 @@ fn send_next(
         slot.trace = trace;
         slot.send()?;
     }
+    // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader on
+    // the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
+    std::thread::yield_now();
     Ok(true)
 }
 

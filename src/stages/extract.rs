@@ -22,11 +22,14 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     } = &station;
     let frames = Reader::create(domain, rig, &FRAMES, Some(delivery))?;
     let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
-    station.status.ready();
     let mut sent = Sent::default();
     let mut backlog = Backlog::default();
     let mut unreadable = Warned::default();
-    let mut size = (0, 0);
+    // Most likely the size that is coming. Another is prepared for with its first frame.
+    let [width, height] = settings.capture.size.map(|side| side as usize);
+    let mut size = (width, height);
+    extractor.prepare(width, height);
+    station.status.ready();
     while let Some((frame, started_ns)) = receive(
         &frames,
         &mut backlog,
