@@ -2,11 +2,11 @@
 
 use anyhow::Context;
 use lariat_capture::{FrameSource, Pacer};
-use lariat_wire::{Centerlines, FrameHeader, TRUTH, Trace, Writer, now_ns};
+use lariat_wire::{Centerlines, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
 
 use super::Station;
 use super::status::Sent;
-use crate::settings::Settings;
+use crate::settings::{Fps, Settings};
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
@@ -24,6 +24,7 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         .has_truth()
         .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
         .transpose()?;
+    tell_of_another_pace(settings, source.as_ref());
     precise_timer();
     station.status.ready();
     let result = send_frames(
@@ -126,6 +127,18 @@ fn send_next(
     // the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
     std::thread::yield_now();
     Ok(true)
+}
+
+/// A video that was made for another rate is shown at the one that is set; the user may not have known.
+fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
+    if let (Some(native), Fps::PerSecond(fps), SourceKind::Video) =
+        (source.native_fps(), settings.capture.fps, source.kind())
+        && (native - fps).abs() > 0.01 * fps
+    {
+        tracing::info!(
+            "the video was made for {native:.2} frames/s and is sent at {fps}: --fps {native:.2} shows it as it was"
+        );
+    }
 }
 
 /// Lets a wait end when it is due: the kernel otherwise takes 50 µs of leeway. Not to be had is no fault.

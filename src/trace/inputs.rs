@@ -1,7 +1,9 @@
 //! From the paths that the user named to the pictures they mean.
 
 use anyhow::{Context, Result, bail};
+use lariat_capture::natural_order;
 use std::cmp::Ordering;
+use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 /// The pictures, in the user's order and a folder's in natural order; and what is wrong with the rest.
@@ -27,7 +29,7 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     for entry in std::fs::read_dir(folder).with_context(about)? {
         let path = entry.with_context(about)?.path();
         if path.is_dir() {
-            folders.push(path.display().to_string());
+            folders.push(path);
         } else if is_picture_name(&path) && path.is_file() {
             pictures.push(path);
         }
@@ -39,15 +41,19 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
         );
     }
     if pictures.is_empty() {
-        folders.sort_by(|a, b| natural_order(a, b));
+        folders.sort_by(|a, b| by_name(a, b));
         bail!(
             "there is no PNG or JPEG in the folder {} itself: name one of its folders, such as {}",
             folder.display(),
-            folders[0]
+            folders[0].display()
         );
     }
-    pictures.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
+    pictures.sort_by(|a, b| by_name(a, b));
     Ok(pictures)
+}
+
+fn by_name(a: &Path, b: &Path) -> Ordering {
+    natural_order(a.as_os_str().as_bytes(), b.as_os_str().as_bytes())
 }
 
 fn is_picture_name(path: &Path) -> bool {
@@ -56,59 +62,4 @@ fn is_picture_name(path: &Path) -> bool {
             .iter()
             .any(|known| extension.eq_ignore_ascii_case(known))
     })
-}
-
-/// As people count: `frame9` before `frame10`.
-fn natural_order(a: &str, b: &str) -> Ordering {
-    let (mut rest_a, mut rest_b) = (a, b);
-    loop {
-        let (piece_a, piece_b) = (first_piece(rest_a), first_piece(rest_b));
-        let order = if starts_with_digit(piece_a) && starts_with_digit(piece_b) {
-            let (number_a, number_b) = (
-                piece_a.trim_start_matches('0'),
-                piece_b.trim_start_matches('0'),
-            );
-            // Without leading zeros, more digits are a larger number.
-            let by_length = number_a.len().cmp(&number_b.len());
-            by_length.then_with(|| number_a.cmp(number_b))
-        } else {
-            piece_a.cmp(piece_b)
-        };
-        if order != Ordering::Equal {
-            return order;
-        }
-        if piece_a.is_empty() {
-            // Alike but for leading zeros: any order, as long as it is always the same.
-            return a.cmp(b);
-        }
-        (rest_a, rest_b) = (&rest_a[piece_a.len()..], &rest_b[piece_b.len()..]);
-    }
-}
-
-/// The digits or the other characters that `text` begins with.
-fn first_piece(text: &str) -> &str {
-    let is_number = starts_with_digit(text);
-    let end = text
-        .find(|c: char| c.is_ascii_digit() != is_number)
-        .unwrap_or(text.len());
-    &text[..end]
-}
-
-fn starts_with_digit(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_digit())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_in_names_count() {
-        let mut names = ["b2", "a10", "a9", "a", "a010", "a9b", "10", "9", ""];
-        names.sort_by(|a, b| natural_order(a, b));
-        assert_eq!(
-            names,
-            ["", "9", "10", "a", "a9", "a9b", "a010", "a10", "b2"]
-        );
-    }
 }

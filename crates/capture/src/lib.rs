@@ -15,7 +15,8 @@ mod source;
 mod video;
 mod yuv;
 
+pub use natural::natural_order;
 pub use open::{Source, open};
-pub use pace::{Pace, PaceError, Pacer, Wait, wait_until};
+pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, SourceError};

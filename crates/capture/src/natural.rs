@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 /// Compares names piece by piece, numbers by their value; names that differ only in leading zeros or in case by their
 /// bytes. A total order.
-pub(crate) fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
+pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
         let order = match (rest_a, rest_b) {

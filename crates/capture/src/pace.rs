@@ -2,10 +2,6 @@
 
 use std::str::FromStr;
 
-use lariat_wire::now_ns;
-use rustix::thread::clock_nanosleep_absolute;
-use rustix::time::{ClockId, Timespec};
-
 const NS_PER_S: u64 = 1_000_000_000;
 
 /// How fast frames are to come.
@@ -91,32 +87,6 @@ impl Pacer {
     }
 }
 
-/// How a wait ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wait {
-    /// The moment has come.
-    Reached,
-    /// A signal came first: look whether to stop, then wait again for the same moment.
-    Interrupted,
-}
-
-/// Sleeps until a moment of [`now_ns`]; returns at once if it has passed, and early when a signal arrives.
-pub fn wait_until(due_ns: u64) -> Wait {
-    if now_ns() >= due_ns {
-        return Wait::Reached;
-    }
-    let due = Timespec {
-        // Below 2³⁵ whatever the input.
-        tv_sec: (due_ns / NS_PER_S) as i64,
-        tv_nsec: (due_ns % NS_PER_S) as _,
-    };
-    // The only error that these arguments leave possible is EINTR.
-    match clock_nanosleep_absolute(ClockId::Monotonic, &due) {
-        Ok(()) => Wait::Reached,
-        Err(_) => Wait::Interrupted,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,13 +124,5 @@ mod tests {
             assert!(error.to_string().contains(&format!("`{text}`")), "{error}");
         }
         assert!(Pacer::new(Pace::Fps(f64::NAN)).is_err());
-    }
-
-    #[test]
-    fn a_wait_ends_not_before_its_moment() {
-        let due_ns = now_ns() + 3_000_000;
-        while wait_until(due_ns) == Wait::Interrupted {}
-        assert!(now_ns() >= due_ns);
-        assert_eq!(wait_until(0), Wait::Reached);
     }
 }

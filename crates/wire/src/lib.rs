@@ -5,6 +5,7 @@
 
 mod channel;
 mod clock;
+mod codes;
 mod domain;
 mod error;
 mod memory;
@@ -16,6 +17,7 @@ mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, Payload, TRUTH};
 pub use clock::now_ns;
+pub use codes::{Basis, PixelFormat, SourceKind, Status};
 pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use message::*;

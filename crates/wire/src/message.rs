@@ -9,6 +9,8 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
+use crate::codes::{Basis, PixelFormat, Status};
+
 /// Most curves in one frame.
 pub const MAX_CURVES: usize = 8;
 /// Most points of one centerline.
@@ -17,120 +19,6 @@ pub const MAX_POINTS: usize = 256;
 pub const MAX_CONTROL_POINTS: usize = 32;
 /// Most crossings reported for one frame.
 pub const MAX_CROSSINGS: usize = 32;
-
-/// How the bytes of a frame make pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum PixelFormat {
-    /// One byte of luminance a pixel.
-    Gray8 = 1,
-    /// Three bytes a pixel: red, green, blue.
-    Rgb8 = 2,
-    /// Three bytes a pixel: blue, green, red.
-    Bgr8 = 3,
-    /// Two bytes a pixel: Y₀ U Y₁ V for each pair of pixels.
-    Yuyv = 4,
-    /// A plane of Y, then at half the size a plane of U V pairs with the same stride.
-    Nv12 = 5,
-}
-
-impl PixelFormat {
-    /// The format a header's number stands for, if it stands for one.
-    pub const fn from_code(code: u32) -> Option<Self> {
-        Some(match code {
-            1 => Self::Gray8,
-            2 => Self::Rgb8,
-            3 => Self::Bgr8,
-            4 => Self::Yuyv,
-            5 => Self::Nv12,
-            _ => return None,
-        })
-    }
-
-    /// Bytes of one row without padding.
-    pub const fn row_bytes(self, width: u32) -> usize {
-        let width = width as usize;
-        match self {
-            Self::Gray8 | Self::Nv12 => width,
-            Self::Rgb8 | Self::Bgr8 => 3 * width,
-            Self::Yuyv => 4 * width.div_ceil(2),
-        }
-    }
-
-    /// Bytes of a whole image whose rows are `stride` bytes apart.
-    pub const fn image_bytes(self, stride: u32, height: u32) -> usize {
-        let (stride, height) = (stride as usize, height as usize);
-        match self {
-            Self::Nv12 => stride * (height + height.div_ceil(2)),
-            _ => stride * height,
-        }
-    }
-}
-
-/// What kind of source a frame came from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum SourceKind {
-    /// A rope drawn by lariat, with known truth.
-    Rendered = 1,
-    /// Picture files.
-    Files = 2,
-    /// A video file.
-    Video = 3,
-    /// A camera.
-    Camera = 4,
-}
-
-/// What is known of a rope in this frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Status {
-    /// Seen whole.
-    Ok = 1,
-    /// A part of it is covered.
-    Partial = 2,
-    /// Not seen now: the curve is the last known shape.
-    Lost = 3,
-}
-
-impl Status {
-    /// The status a message's number stands for, if it stands for one.
-    pub const fn from_code(code: u32) -> Option<Self> {
-        Some(match code {
-            1 => Self::Ok,
-            2 => Self::Partial,
-            3 => Self::Lost,
-            _ => return None,
-        })
-    }
-}
-
-/// The functions a descriptor's control points weigh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Basis {
-    /// Bernstein polynomials of degree `order`.
-    Bezier = 1,
-    /// Clamped B-spline with uniform knots.
-    BSpline = 2,
-    /// Rational Bernstein functions.
-    RationalBezier = 3,
-    /// A truncated Fourier series, for closed shapes.
-    Fourier = 4,
-}
-
-impl Basis {
-    /// The basis a message's number stands for, if it stands for one.
-    pub const fn from_code(code: u32) -> Option<Self> {
-        Some(match code {
-            1 => Self::Bezier,
-            2 => Self::BSpline,
-            3 => Self::RationalBezier,
-            4 => Self::Fourier,
-            _ => return None,
-        })
-    }
-}
 
 /// The way of one frame through the chain. Every message carries it; every stage adds its own lines.
 ///
@@ -466,6 +354,7 @@ impl Descriptors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SourceKind;
     use std::mem::{offset_of, size_of};
 
     #[test]

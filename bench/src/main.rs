@@ -1,2 +1,0 @@
-//! Every speed and accuracy figure that lariat claims.
-fn main() {}
