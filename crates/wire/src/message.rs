@@ -82,7 +82,7 @@ pub struct FrameHeader {
     pub stride: u32,
     /// A [`PixelFormat`]'s number.
     pub pixel_format: u32,
-    /// A [`SourceKind`]'s number.
+    /// A [`SourceKind`](crate::SourceKind)'s number.
     pub source: u32,
     /// Always 0.
     pub reserved: u32,
