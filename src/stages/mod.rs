@@ -8,7 +8,9 @@ pub(crate) mod fit;
 pub(crate) mod sink;
 pub(crate) mod status;
 
-use lariat_wire::{Delivery, Domain, Rig, now_ns};
+use std::os::fd::AsFd;
+
+use lariat_wire::{Delivery, Domain, Message, Payload, Reader, Rig, WireError, now_ns};
 
 use crate::settings::Settings;
 use crate::stop::Stop;
@@ -63,13 +65,12 @@ impl Backlog {
 /// Receives the next message of a stage, sleeping until there is one; `None` when the stage is to end and nothing waits.
 ///
 /// Returns the message with the moment it was in hand.
-pub(crate) fn receive<P: lariat_wire::Payload + ?Sized>(
-    reader: &lariat_wire::Reader<P>,
+pub(crate) fn receive<P: Payload + ?Sized>(
+    reader: &Reader<P>,
     backlog: &mut Backlog,
-    count: impl Fn(&lariat_wire::Message<P>) -> u64,
+    count: impl Fn(&Message<P>) -> u64,
     stop: &Stop,
-) -> Result<Option<(lariat_wire::Message<P>, u64)>, lariat_wire::WireError> {
-    use std::os::fd::AsFd;
+) -> Result<Option<(Message<P>, u64)>, WireError> {
     loop {
         // Asked before looking: what was sent before the signal is still received.
         let last_look = stop.asked();
