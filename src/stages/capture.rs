@@ -116,7 +116,7 @@ fn send_next(
         stride: frame.stride,
         pixel_format: frame.format as u32,
         source: source.kind() as u32,
-        reserved: 0,
+        reserved: [0; 7],
     };
     slot.send()?;
     if let Some(mut slot) = truth_slot {

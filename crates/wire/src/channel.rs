@@ -164,8 +164,6 @@ impl<P: Payload + ?Sized> Channel<P> {
                 .service_builder(&service_name)
                 .publish_subscribe::<P>()
                 .user_header::<P::Header>()
-                // A cache line, so that the widest loads never straddle one.
-                .payload_alignment(Alignment::new(64).expect("64 is a power of two"))
                 .enable_safe_overflow(overflow)
                 .subscriber_max_buffer_size(self.buffer)
                 .subscriber_max_borrowed_samples(BORROWED)

@@ -164,6 +164,28 @@ fn frames_travel_with_their_header_on_a_cache_line() {
 }
 
 #[test]
+fn a_slot_for_a_frame_takes_the_frames_bytes_and_little_more() {
+    let (domain, rig) = (domain(), rig("slots"));
+    let largest = 640 * 480 * 3;
+    let writer = Writer::frames(&domain, &rig, &Delivery::NewestWins, largest).unwrap();
+    let segment = std::fs::read_dir("/dev/shm")
+        .unwrap()
+        .flatten()
+        .find(|entry| {
+            let file = entry.file_name().to_string_lossy().into_owned();
+            file.contains(&writer.id()) && file.ends_with(".data")
+        })
+        .expect("the frames' segment");
+    // Four readers, each with three frames waiting and two in hand, and the one that is being written.
+    let slots = 4 * (3 + 2) + 1;
+    let bytes = segment.metadata().unwrap().len() as usize;
+    assert!(
+        (slots * largest..slots * (largest + 1024)).contains(&bytes),
+        "{bytes} bytes for {slots} slots of {largest}"
+    );
+}
+
+#[test]
 fn a_second_writer_is_refused_and_told_what_to_do() {
     let (domain, rig) = (domain(), rig("second"));
     let _first = Writer::frames(&domain, &rig, &Delivery::NewestWins, 100).unwrap();
