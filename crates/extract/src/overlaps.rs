@@ -3,12 +3,14 @@
 //! A rope has two ends, so a junction of three arms is rare: an end that lies on a rope. Two of them
 //! joined by an edge are far more often one crossing at a flat angle, or two strands that run along
 //! each other, and the edge is both strands at once. The two readings are weighed by what their
-//! pairings cost, bends and lone ends together.
+//! pairings cost, bends and lone ends together. Where two edges join the same two junctions, the
+//! longer is the loop that a strand makes: were it the overlap, a rope would lie upon itself all
+//! around.
 
 use crate::Image;
 use crate::color;
 use crate::graph::Graph;
-use crate::pairing::Pairing;
+use crate::pairing::{ALONE, ALONE_TOO, Pairing};
 use crate::skeleton::{NONE, Skeleton};
 use crate::unroll::Unroll;
 use crate::zones::{Arm, Zones};
@@ -51,7 +53,7 @@ impl Overlaps {
                 continue;
             }
             let unroll = Unroll::of(e, graph, skeleton, zones.half_px);
-            if let Some(candidate) = self.weigh(e, unroll, widths, yuv, zones) {
+            if let Some(candidate) = self.weigh(e, graph, unroll, widths, yuv, zones) {
                 self.candidates.push(candidate);
             }
         }
@@ -77,6 +79,7 @@ impl Overlaps {
     fn weigh(
         &mut self,
         e: usize,
+        graph: &Graph,
         unroll: Option<Unroll>,
         widths: f32,
         yuv: bool,
@@ -92,15 +95,24 @@ impl Overlaps {
         if ends[0] == ends[1] {
             return None;
         }
-        self.arms.clear();
-        let mut apart = 0.0;
-        for zone in ends {
+        let arms = ends.map(|zone| {
             let from = zones.arms.partition_point(|arm| arm.zone < zone);
-            let arms = &zones.arms[from..zones.zone_end(from)];
-            if arms.len() != 3 {
-                return None;
+            &zones.arms[from..zones.zone_end(from)]
+        });
+        if arms.iter().any(|arms| arms.len() != 3) {
+            return None;
+        }
+        let detour = detour(e, arms);
+        let length_px = |e: u32| graph.edges[e as usize].length_px;
+        if detour.is_some_and(|detour| length_px(detour) < length_px(e as u32)) {
+            return None;
+        }
+        self.arms.clear();
+        let (mut apart, mut detour_alone) = (0.0, 0);
+        for (zone, arms) in ends.into_iter().zip(arms) {
+            for (i, &partner) in self.pairing.resolve(arms, yuv).iter().enumerate() {
+                detour_alone += usize::from(partner == i && Some(arms[i].edge) == detour);
             }
-            self.pairing.resolve(arms, yuv);
             apart += self.pairing.best_cost;
             let first = self.arms.len();
             self.arms
@@ -113,6 +125,10 @@ impl Overlaps {
                 }
             }
         }
+        if detour_alone == 2 {
+            // Not an end on a rope, twice, but both ends of one rope at one place.
+            apart += ALONE_TOO - ALONE;
+        }
         self.pairing.resolve(&self.arms, yuv);
         let gain = apart - self.pairing.best_cost - PER_WIDTH * widths;
         (gain > 0.0).then_some(Candidate {
@@ -121,4 +137,10 @@ impl Overlaps {
             zones: ends,
         })
     }
+}
+
+/// The other edge, if any, that joins the same two zones, of these arms, as edge `e`.
+fn detour(e: usize, arms: [&[Arm]; 2]) -> Option<u32> {
+    let mut others = arms[0].iter().map(|arm| arm.edge);
+    others.find(|&edge| edge as usize != e && arms[1].iter().any(|arm| arm.edge == edge))
 }

@@ -11,9 +11,9 @@ use crate::zones::Arm;
 
 /// What an arm that stays alone costs: as much as an arc by 1.5 rad (89°), which a rope of ordinary
 /// stiffness does not make within its own width.
-const ALONE: f32 = 0.6;
+pub(crate) const ALONE: f32 = 0.6;
 /// What each further one costs: two ends seldom lie at one place.
-const ALONE_TOO: f32 = 1.4;
+pub(crate) const ALONE_TOO: f32 = 1.4;
 /// What it costs to change sides in an overlap that is too wide for strands to cross in it.
 const OTHER_SIDE: f32 = 0.8;
 /// Zones with more arms than this (945 pairings) are resolved pair by pair, the cheapest first.

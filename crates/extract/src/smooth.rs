@@ -76,7 +76,8 @@ impl Smoother {
         self.eliminate();
         for (sample, row) in samples.iter_mut().zip(&self.rows) {
             sample.at = [row.right[0] as f32, row.right[1] as f32];
-            sample.width_px = row.right[2] as f32;
+            // Carried on from where it was seen, a width may fall through zero.
+            sample.width_px = (row.right[2] as f32).max(0.0);
         }
     }
 
@@ -159,6 +160,16 @@ mod tests {
             assert!((radius - 20.0).abs() < allowed, "{i}: {radius}");
             assert!((sample.width_px - 7.0).abs() < 1e-3);
         }
+    }
+
+    #[test]
+    fn a_width_that_falls_where_the_rope_is_hidden_stops_at_nothing() {
+        let mut line = arc(60, 20.0, 12..60);
+        for (i, sample) in line.samples.iter_mut().enumerate() {
+            sample.width_px = 9.0 - 0.5 * i as f32;
+        }
+        Smoother::default().smooth(&mut line, 3.0);
+        assert!(line.samples.iter().all(|s| s.width_px >= 0.0));
     }
 
     #[test]

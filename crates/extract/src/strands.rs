@@ -8,6 +8,9 @@ use crate::zones::{Arm, Zones};
 /// What more the pairings of a crossing may cost to make one rope of a ring and a strand: a bend by
 /// some 35° each.
 const RING: f32 = 0.35;
+/// How many times a ring's own bend in the crossing counts then. A ring that crosses a strand runs
+/// straight there; one that touches it and must bend to close is more likely the loop of a rope.
+const RING_BEND: f32 = 1.25;
 
 /// One edge on the way along a rope.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +110,7 @@ impl Strands {
                         let arm = |slot: usize| &zones.arms[self.arm[slot] as usize];
                         cost(arm(i), arm(j), yuv)
                     };
-                    let more = cost(a, c) + cost(b, d) - cost(a, b) - cost(c, d);
+                    let more = cost(a, c) + cost(b, d) - RING_BEND * cost(a, b) - cost(c, d);
                     if more < best.0 {
                         best = (more, [a, b, c, d]);
                     }

@@ -10,6 +10,7 @@ use drawing::{Random, Rope, Table, Vec2, distance, error, extractor, see};
 const WHITE: [f32; 3] = [215.0, 212.0, 205.0];
 const BLUE: [f32; 3] = [30.0, 60.0, 130.0];
 const SAMPLES: usize = 400;
+const LOOPS: usize = 200;
 
 /// A sum of four random waves in each direction.
 fn random_rope(random: &mut Random) -> Rope {
@@ -117,4 +118,73 @@ fn random_ropes_are_connected_rightly_through_their_crossings() {
         mean_px < 0.05 && ends_px < 0.5,
         "mean {mean_px}, ends {ends_px}"
     );
+}
+
+/// A rope that bends gently, makes one tight loop the same way, and bends gently on: where the loop
+/// closes, its strands touch almost along each other.
+fn tightly_looped(random: &mut Random) -> Rope {
+    let width_px = random.within(8.0, 13.0);
+    let radius_px = width_px * random.within(1.8, 2.6);
+    let turn = random.within(0.75, 1.0) * TAU;
+    let gentle = [(); 2].map(|()| 1.0 / (width_px * random.within(9.0, 16.0)));
+    let arms_px = [(); 2].map(|()| random.within(110.0, 160.0));
+    let ramp_px = width_px * random.within(0.5, 2.0);
+    let heading = random.within(0.0, TAU);
+    let loop_px = turn * radius_px;
+    let length_px = arms_px[0] + loop_px + arms_px[1];
+    let steps = 1500;
+    let step = length_px / steps as f32;
+    let bend = |s: f32| {
+        let rise = |x: f32| (0.5 + x / ramp_px).clamp(0.0, 1.0);
+        let inside = rise(s - arms_px[0]) * rise(arms_px[0] + loop_px - s);
+        let outside = gentle[usize::from(s > arms_px[0] + 0.5 * loop_px)];
+        outside + inside * (1.0 / radius_px - outside)
+    };
+    let (mut points, mut angle, mut at) = (Vec::new(), heading, [0.0f32; 2]);
+    for i in 0..=steps {
+        points.push(at);
+        angle += step * bend((i as f32 + 0.5) * step);
+        at = [at[0] + step * angle.cos(), at[1] + step * angle.sin()];
+    }
+    let side = |c: usize| {
+        let of = |p: &Vec2| p[c];
+        let (low, high) = points
+            .iter()
+            .map(of)
+            .fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(v), h.max(v)));
+        0.5 * (low + high)
+    };
+    let middle = [side(0), side(1)];
+    for p in &mut points {
+        *p = [p[0] - middle[0] + 320.0, p[1] - middle[1] + 240.0];
+    }
+    Rope {
+        points,
+        width_px,
+        color: BLUE,
+        closed: false,
+    }
+}
+
+#[test]
+fn a_tight_loop_that_touches_itself_belongs_to_the_rope() {
+    let mut random = Random(11);
+    let mut wrong_turns = Vec::new();
+    for rope in 0..LOOPS {
+        let truth = tightly_looped(&mut random);
+        let mut table = Table::new(640, 480, WHITE);
+        table.noise = random.within(0.0, 4.0);
+        table.seed = random.bits();
+        let mut extractor = extractor();
+        let rgb = table.draw(std::slice::from_ref(&truth));
+        let scene = see(&mut extractor, &rgb, &table);
+        assert_eq!(scene.curves.len(), 1, "rope {rope}");
+        assert!(!scene.curves[0].closed, "rope {rope}");
+        let error = error(&scene.curves[0], &truth);
+        if error.correspondence_px > 2.0 {
+            wrong_turns.push((rope, error));
+        }
+    }
+    // The tightest loops close so flat that arms bend no more the wrong way round than the right one.
+    assert!(100 * wrong_turns.len() <= LOOPS, "{wrong_turns:?}");
 }

@@ -224,6 +224,29 @@ fn a_ring_has_no_ends() {
 }
 
 #[test]
+fn a_ring_that_a_rope_crosses_stays_a_ring() {
+    for off_px in [-25.0, 0.0, 25.0] {
+        let table = Table::new(320, 240, BLACK);
+        let mut ring = Rope::along(9.0, GREEN, |t| {
+            let (sin, cos) = (t * std::f32::consts::TAU).sin_cos();
+            [160.0 + 60.0 * cos, 120.0 + 60.0 * sin]
+        });
+        ring.closed = true;
+        let rope = Rope::along(9.0, GREEN, |t| {
+            let x = 20.0 + 280.0 * t;
+            [x, 120.0 + off_px + 6.0 * (3.0 * t).sin()]
+        });
+        let mut extractor = extractor();
+        let scene = see(&mut extractor, &table.draw(&[ring, rope.clone()]), &table);
+        let mut closed: Vec<_> = scene.curves.iter().map(|c| c.closed).collect();
+        closed.sort_unstable();
+        assert_eq!(closed, [false, true], "{off_px} px off the middle");
+        let open = scene.curves.iter().find(|c| !c.closed);
+        assert_near(open.expect("one is open"), &rope, &format!("{off_px} px"));
+    }
+}
+
+#[test]
 fn an_empty_table_has_no_rope() {
     for (i, color) in [WHITE, BLACK, GRAY, [255.0; 3], [0.0; 3]]
         .into_iter()
