@@ -24,7 +24,10 @@ impl WithSimd for FoldPoints<'_> {
 
     // Plain code: the compiler makes vectors of it for the machine that pulp has chosen.
     #[inline(always)]
-    #[allow(clippy::neg_cmp_op_on_partial_ord)]
+    #[allow(
+        clippy::neg_cmp_op_on_partial_ord,
+        reason = "not below the limit, so that NaN is refused too"
+    )]
     fn with_simd<S: Simd>(self, _: S) -> bool {
         let half = self.points.len().div_ceil(2);
         let second = &self.points[self.points.len() - half..];

@@ -1,7 +1,7 @@
 //! A sink allocates nothing for a message once it is made. In its own binary: the allocator counts for all threads.
 #![allow(unsafe_code)] // A global allocator is an unsafe trait; this one counts and passes everything on.
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "each test binary uses a part of it")]
 mod chain;
 
 use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};

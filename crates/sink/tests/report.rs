@@ -1,6 +1,6 @@
 //! The report says what happened: in a table for people, in a summary for programs, in histograms for plots.
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "each test binary uses a part of it")]
 mod chain;
 
 use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};

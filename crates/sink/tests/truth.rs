@@ -1,6 +1,6 @@
 //! Errors against a truth whose distance is known.
 
-#[allow(dead_code)]
+#[allow(dead_code, reason = "each test binary uses a part of it")]
 mod chain;
 
 use chain::{Chain, centerlines, descriptors, received_ns, straight};
