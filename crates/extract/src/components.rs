@@ -190,7 +190,8 @@ mod tests {
             let set = |x: usize, y: usize| bits[(y * 3 + x / 64) % 64] >> (x % 64) & 1 == 1;
             let mut plane = BitPlane::default();
             plane.resize(width, height);
-            let mut picture = image::GrayImage::new(width as u32, height as u32);
+            // An empty row more: imageproc 0.25 panics on a picture of one pixel that is set.
+            let mut picture = image::GrayImage::new(width as u32, height as u32 + 1);
             for y in 0..height {
                 for x in 0..width {
                     if set(x, y) {
@@ -203,7 +204,7 @@ mod tests {
             let mut areas = std::collections::HashMap::new();
             labels.pixels().for_each(|p| *areas.entry(p[0]).or_insert(0u32) += 1);
             prop_assert!(Components::default().drop_specks(&mut plane, limit).is_ok());
-            for (x, y, label) in labels.enumerate_pixels() {
+            for (x, y, label) in labels.enumerate_pixels().filter(|&(_, y, _)| y < height as u32) {
                 let stays = label[0] != 0 && areas[&label[0]] >= limit;
                 prop_assert_eq!(plane.get(x as i32, y as i32), stays);
             }
