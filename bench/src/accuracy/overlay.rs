@@ -1,7 +1,8 @@
 //! What was found, drawn over the photographs: pictures to look at.
 //!
 //! The photograph is darkened. White: the label's outline. Grey: the drawn edges. Coloured from red at the first tip to
-//! violet at the last: the curve, so that a wrong connection shows as a jump of colour. At a crossing the strand on top
+//! violet at the last: the curve, so that a wrong connection shows as a jump of colour (on the contact sheet the whole
+//! rope, for only that is seen there). At a crossing the strand on top
 //! is white, over a black stretch of the lower one; what the extractor is unsure of (confidence below a half) is ringed.
 
 use std::io::Cursor;
@@ -36,8 +37,7 @@ pub(super) fn write_set(folder: &Path, pairs: &[Pair], images: &[Measured]) -> R
     for (pair, measured) in pairs.iter().zip(images) {
         let photo = photo::load(&pair.image)?.into_rgb8();
         let overlay = overlay(&photo, &Labels::load(&pair.label)?, measured);
-        let height = (overlay.height() * THUMBNAIL_PX).div_ceil(overlay.width());
-        thumbnails.push(imageops::thumbnail(&overlay, THUMBNAIL_PX, height));
+        thumbnails.push(thumbnail(&photo, measured));
         write(&folder.join(format!("{}.png", pair.name)), &overlay)?;
     }
     write(&folder.join("contact.png"), &sheet(&thumbnails))
@@ -62,6 +62,20 @@ fn sheet(thumbnails: &[RgbImage]) -> RgbImage {
         imageops::replace(&mut sheet, thumbnail, x.into(), y.into());
     }
     sheet
+}
+
+/// The photograph, small, with the curves as wide as their ropes.
+fn thumbnail(photo: &RgbImage, measured: &Measured) -> RgbImage {
+    let mut canvas = Canvas::darkened(photo, 1.0);
+    for curve in &measured.curves {
+        for pair in spline::through(curve).windows(2) {
+            let radius_px = f64::from(SCALE) * pair[0].half_px;
+            canvas.line(pair[0].at, pair[1].at, radius_px, hue(pair[0].rho));
+        }
+    }
+    let (width, height) = canvas.picture.dimensions();
+    let height = (height * THUMBNAIL_PX).div_ceil(width);
+    imageops::thumbnail(&canvas.picture, THUMBNAIL_PX, height)
 }
 
 fn overlay(photo: &RgbImage, label: &Labels, measured: &Measured) -> RgbImage {
