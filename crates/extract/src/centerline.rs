@@ -11,6 +11,7 @@ use crate::line::{Line, Sample};
 use crate::path;
 use crate::plane::Plane;
 use crate::section::{self, Measure, Sections};
+use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
 use crate::strands::{Leg, Strand};
@@ -51,16 +52,19 @@ impl Centerliner {
         self.space(line, step_px);
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
         self.extend(source, line, half_px, step_px, 0.0);
+        let mut shading = Shading::FLAT;
         for tolerance in [1.6, 1.25] {
             let how = Measure {
                 half_px,
                 step_px,
                 tolerance,
+                shading,
             };
             self.sections.measure(line, source.difference, how);
             self.fill_widths(line, 2.0 * half_px);
             let reach_px = (0.35 * half_px).max(2.5);
             self.smoother.smooth(line, reach_px / step_px);
+            shading = Shading::measure(line, source.difference, how);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
             self.extend(source, line, half_px, step_px, 0.7 * half_px);
         }

@@ -63,6 +63,7 @@ mod plane;
 mod rehearse;
 mod scene;
 mod section;
+mod shading;
 mod skeleton;
 mod smooth;
 mod strands;

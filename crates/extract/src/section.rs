@@ -1,12 +1,13 @@
 //! Cross-sections: where across a rope its two edges lie, between pixels.
 //!
-//! A rope's edge is where the difference from the table is half of the rope's own: the lens spreads
+//! A rope's edge is where the difference from the table is half of the rope's own there: the lens spreads
 //! an edge evenly to both sides, so that point stays in place, whatever the sharpness and however
 //! bright the rope is. The own difference is the median of the sections around, so that one speck of
-//! shine does not move an edge.
+//! shine does not move an edge, times what [`Shading`] says is left of it at the rim.
 
 use crate::line::Line;
 use crate::plane::Plane;
+use crate::shading::Shading;
 use crate::vec2::{self, Vec2};
 
 /// Half-widths to each side, beyond 3 px, that an edge is looked for.
@@ -40,6 +41,8 @@ pub(crate) struct Measure {
     pub(crate) step_px: f32,
     /// How much a section's width may differ from the rope's, as a factor.
     pub(crate) tolerance: f32,
+    /// At which share of the rope's contrast its edges lie.
+    pub(crate) shading: Shading,
 }
 
 impl Sections {
@@ -52,12 +55,13 @@ impl Sections {
         for i in 0..line.samples.len() {
             let sample = line.samples[i];
             let normal = vec2::normal(line.tangent(i, reach));
-            let level = 0.5 * self.contrast_near(i, line, how);
+            let contrast = self.contrast_near(i, line, how);
+            let levels = how.shading.shares.map(|share| share * contrast);
             let overlap = sample.weight < 1.0;
             let reach_px = if overlap { BESIDE } else { REACH } * how.half_px + 3.0;
             let seen = sample.weight > 0.0;
             let edges =
-                seen.then(|| edges(difference, sample.at, normal, level, how.half_px, reach_px));
+                seen.then(|| edges(difference, sample.at, normal, levels, how.half_px, reach_px));
             self.found.push(edges.flatten().map(|[left, right]| {
                 // Of two strands side by side, this one lies half the rest of the width aside.
                 let rest = (left + right - 2.0 * how.half_px).max(0.0);
@@ -120,12 +124,12 @@ impl Sections {
     }
 }
 
-/// The distances along −`normal` and +`normal` at which the difference falls below `level`.
+/// The distances along −`normal` and +`normal` at which the difference falls below each level.
 fn edges(
     difference: &Plane,
     center: Vec2,
     normal: Vec2,
-    level: f32,
+    levels: [f32; 2],
     half_px: f32,
     reach_px: f32,
 ) -> Option<[f32; 2]> {
@@ -133,13 +137,13 @@ fn edges(
         difference,
         center,
         vec2::scale(normal, -1.0),
-        level,
+        levels[0],
         half_px,
         reach_px,
     )?;
     Some([
         left,
-        edge(difference, center, normal, level, half_px, reach_px)?,
+        edge(difference, center, normal, levels[1], half_px, reach_px)?,
     ])
 }
 

@@ -1,0 +1,128 @@
+//! How a round rope darkens toward its edges, and so what share of its own contrast is left there.
+//!
+//! Under even and directed light together a cylinder shows, at the position u across it (−1 to 1), a + b·√(1 − u²) + d·u
+//! (Lambert's law; d is light from the side). Fitted to the middle of the rope's mean cross-section, where no blur
+//! reaches, this tells the contrast at its rim; the lens shows half of what lies within its blur of the rim, and that
+//! level is the rope's true edge. Half of the contrast in the middle would draw a round rope too narrow by a third of
+//! a pixel, and beside a lamp aside as well.
+
+use crate::line::{Line, Sample};
+use crate::plane::Plane;
+use crate::section::Measure;
+use crate::vec2::{self, Vec2};
+
+/// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
+const BLURS: std::ops::RangeInclusive<f32> = 0.5..=2.0;
+/// Nearer to the edge than this many σ the blur reaches in: 2% of the table are left there.
+const CLEAR: f32 = 2.0;
+/// Distance between the samples across an edge, and how many there are to each side of it.
+const HOP_PX: f32 = 0.5;
+const HOPS: usize = 6;
+/// Positions across half of the rope, those of the fit.
+const POSITIONS: usize = 6;
+/// Sections that are read along one rope.
+const SECTIONS: usize = 96;
+/// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
+const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
+
+/// The share of the rope's contrast at which its edges lie, along the tangent's −normal and +normal side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shading {
+    pub(crate) shares: [f32; 2],
+}
+
+impl Shading {
+    /// A ribbon: as bright at its edges as in its middle.
+    pub(crate) const FLAT: Self = Self { shares: [0.5; 2] };
+
+    /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
+    /// narrow to tell.
+    pub(crate) fn measure(line: &Line, difference: &Plane, how: Measure) -> Self {
+        let half_px = how.half_px;
+        let blur_px = blur(line, difference, how);
+        let most = (1.0 - CLEAR * blur_px / half_px).min(0.8);
+        if most < 0.3 {
+            return Self::FLAT;
+        }
+        let position = |k: usize| most * (k as f32 - POSITIONS as f32) / POSITIONS as f32;
+        let mut profile = [0.0f32; 2 * POSITIONS + 1];
+        for_each_section(line, how, |sample, normal| {
+            for (k, sum) in profile.iter_mut().enumerate() {
+                let across = 0.5 * sample.width_px * position(k);
+                *sum += difference.sample(vec2::along(sample.at, normal, across));
+            }
+        });
+        fit(&profile, position).map_or(Self::FLAT, |model| {
+            Self::at_the_rim(model, half_px, blur_px)
+        })
+    }
+
+    /// The levels at the rims of a rope shaded by [a, b, d], over its contrast.
+    fn at_the_rim([a, b, d]: [f32; 3], half_px: f32, blur_px: f32) -> Self {
+        // The mean of √(1 − u²) over the middle, as the contrast is measured: u = 0, ±¼, ±½.
+        let contrast = a + b * (1.0 + 2.0 * 0.968_246 + 2.0 * 0.866_025) / 5.0;
+        let (mut weight, mut within) = (0.0, [0.0; 2]);
+        // The half of the blur that lies within the rope, to three σ.
+        for k in 0..12 {
+            let sigmas = 0.25 * (k as f32 + 0.5);
+            let u = (1.0 - sigmas * blur_px / half_px).max(0.0);
+            let w = (-0.5 * sigmas * sigmas).exp();
+            let round = a + b * (1.0 - u * u).sqrt();
+            weight += w;
+            within[0] += w * (round - d * u);
+            within[1] += w * (round + d * u);
+        }
+        let share =
+            |sum: f32| (0.5 * sum / (weight * contrast)).clamp(*SHARES.start(), *SHARES.end());
+        Self {
+            shares: within.map(share),
+        }
+    }
+}
+
+/// Calls `read` with some of the line's samples outside of crossings, evenly spread, and the normals there.
+fn for_each_section(line: &Line, how: Measure, mut read: impl FnMut(&Sample, Vec2)) {
+    let reach = ((how.half_px / how.step_px) as usize).max(2);
+    let stride = (line.samples.len() / SECTIONS).max(1);
+    for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
+        if sample.weight >= 1.0 {
+            read(sample, vec2::normal(line.tangent(i, reach)));
+        }
+    }
+}
+
+/// σ of the blur in pixels, from the mean fall of the difference across the rope's edges: a blurred step of height h has
+/// the slope h / (σ√(2π)) in its middle.
+fn blur(line: &Line, difference: &Plane, how: Measure) -> f32 {
+    let mut levels = [0.0f32; 2 * HOPS + 1];
+    for_each_section(line, how, |sample, normal| {
+        for side in [-1.0, 1.0] {
+            for (k, sum) in levels.iter_mut().enumerate() {
+                let out = 0.5 * sample.width_px + HOP_PX * (k as f32 - HOPS as f32);
+                *sum += difference.sample(vec2::along(sample.at, normal, side * out.max(0.0)));
+            }
+        }
+    });
+    let slopes = levels.windows(3).map(|l| (l[0] - l[2]) / (2.0 * HOP_PX));
+    let steepest = slopes.fold(0.0, f32::max);
+    let inside = (HOPS / 2).min(HOPS - 1);
+    let height = levels[HOPS - inside] - levels[2 * HOPS];
+    let root = (2.0 * std::f32::consts::PI).sqrt();
+    (height / (root * steepest.max(1e-3))).clamp(*BLURS.start(), *BLURS.end())
+}
+
+/// Least squares of a + b·√(1 − u²) + d·u over symmetric positions, where the last term stands by itself.
+fn fit(profile: &[f32], position: impl Fn(usize) -> f32) -> Option<[f32; 3]> {
+    let n = profile.len() as f32;
+    let (mut sum_c, mut sum_cc, mut sum_uu) = (0.0, 0.0, 0.0);
+    let (mut sum_y, mut sum_cy, mut sum_uy) = (0.0, 0.0, 0.0);
+    for (k, &y) in profile.iter().enumerate() {
+        let u = position(k);
+        let c = (1.0 - u * u).sqrt();
+        (sum_c, sum_cc, sum_uu) = (sum_c + c, sum_cc + c * c, sum_uu + u * u);
+        (sum_y, sum_cy, sum_uy) = (sum_y + y, sum_cy + c * y, sum_uy + u * y);
+    }
+    let b = (n * sum_cy - sum_c * sum_y) / (n * sum_cc - sum_c * sum_c);
+    let a = (sum_y - b * sum_c) / n;
+    (sum_y > 0.0 && b.is_finite()).then_some([a, b, sum_uy / sum_uu])
+}
