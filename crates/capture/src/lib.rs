@@ -11,6 +11,7 @@ mod pace;
 mod picture;
 mod pictures;
 mod rendered;
+pub mod scenes;
 mod source;
 mod video;
 mod yuv;
