@@ -52,9 +52,10 @@ struct Rules {
 
 impl Rules {
     fn of(class: Class, random: &mut SplitMix64) -> Self {
+        let some = random.next_u64() as usize % 3;
         let mut rules = Self {
             width_px: [7.0, 14.0],
-            crossings: 0..=2,
+            crossings: some..=some,
             sin: [0.574, 1.0],
             ropes: 1,
             swing: [0.1, 0.7],

@@ -77,6 +77,8 @@ impl Look {
                 look.fall = [cos_turns(turns), sin_turns(turns)].map(|c| (2.0 * fall * c) as f32);
                 look.spot = [random.uniform(0.2, 0.8), random.uniform(0.2, 0.8)];
                 look.spot_light = random.uniform(0.0, 0.25) as f32;
+                // The lightest place is not overexposed.
+                look.exposure = 1.1 / (1.0 + fall as f32 + look.spot_light);
             }
             Class::Texture => look.mottling = draw(0.04, 0.09),
             Class::Shadow => look.shadow = draw(0.15, 0.35),
@@ -100,8 +102,14 @@ impl Look {
             random.uniform(22.0, 55.0)
         };
         self.table = [(); 3].map(|()| (value * random.uniform(0.93, 1.05)) as f32);
+        // Two ropes that touch are of one colour as often as not.
+        let is_alike = class != Class::SeveralColors && random.sign() > 0.0;
         let mut hues: Vec<f64> = Vec::new();
         while self.coats.len() < ropes {
+            if let Some(&coat) = self.coats.first().filter(|_| is_alike) {
+                self.coats.push(coat);
+                continue;
+            }
             let hue = random.uniform(0.0, 1.0);
             let apart = |other: &f64| {
                 let d = (hue - other).abs();

@@ -223,3 +223,53 @@ fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Seen) -> [f32; 3] {
     let shine = coat.shine * (facing / 0.96).min(1.0).powi(coat.shine_power);
     coat.rgb.map(|value| value * light + shine)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Class;
+    use super::*;
+    use crate::rendered::portable::SplitMix64;
+
+    fn straight(from: [f64; 2], to: [f64; 2], width_px: f64) -> Painted {
+        let line = Line::through(&[from, to], false, 200);
+        let layout = Layout {
+            seen_px: vec![[0.0, line.length_px()]],
+            border: vec![[false; 2]],
+            tops: Vec::new(),
+            lines: vec![line],
+            width_px,
+        };
+        let random = &mut SplitMix64::new(1, 1);
+        let look = Look::of(Class::Medium, 1, 1, width_px, random);
+        paint(&layout, &look, 120, 100)
+    }
+
+    #[test]
+    fn a_rope_covers_its_length_times_its_width_about_its_middle() {
+        // Along the pixels, and askew; widths that are no whole numbers.
+        for (from, to) in [
+            ([20.0, 40.3], [100.0, 40.3]),
+            ([20.4, 20.0], [91.7, 83.1]),
+            ([60.21, 15.0], [60.21, 88.0]),
+        ] {
+            for width_px in [4.0, 7.3, 16.9] {
+                let painted = straight(from, to, width_px);
+                let length_px = ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt();
+                let area: f64 = painted.cover.iter().map(|&c| f64::from(c)).sum();
+                // Two edges, each to 1/32 px at worst.
+                let off_px = (area / length_px - width_px).abs();
+                assert!(off_px < 0.0626, "{width_px} px: {off_px}");
+                for k in 0..2 {
+                    let weighted = painted
+                        .cover
+                        .iter()
+                        .enumerate()
+                        .map(|(i, &c)| f64::from(c) * [i % 120, i / 120][k] as f64);
+                    let middle = weighted.sum::<f64>() / area;
+                    let wanted = 0.5 * (from[k] + to[k]);
+                    assert!((middle - wanted).abs() < 0.04, "{middle} for {wanted}");
+                }
+            }
+        }
+    }
+}
