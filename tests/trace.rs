@@ -212,6 +212,28 @@ fn a_picture_without_a_rope_has_no_curves() {
 }
 
 #[test]
+fn a_picture_taken_sideways_is_traced_upright() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("wave.jpg");
+    image::imageops::rotate270(&wave_picture())
+        .save(&path)
+        .unwrap();
+    // An EXIF note, "turn me right" (orientation 6), behind the start of the image.
+    let mut note = b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08".to_vec();
+    note.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0]);
+    let lying = std::fs::read(&path).unwrap();
+    std::fs::write(&path, [&lying[..2], &note, &lying[2..]].concat()).unwrap();
+    let output = trace(&folder, &["wave.jpg", "--format", "jsonl"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let report = &lines(&output.stdout)[0];
+    assert_eq!([&report["width"], &report["height"]], [320, 240]);
+    let points = points(&report["curves"][0]["points"]);
+    assert!(points.into_iter().all(|p| distance_to_wave(p) < 1.0));
+}
+
+#[test]
 fn a_large_picture_is_no_trouble() {
     let folder = TempDir::new().unwrap();
     // Grey keeps the test quick; a rope of 5,000 px in 48 million pixels.

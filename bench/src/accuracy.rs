@@ -1,20 +1,49 @@
-//! How close the extractor's curves are to the truth: on drawn ropes of every class (`rendered`).
+//! How close the extractor's curves are to the truth.
+//!
+//! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
+//! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
+//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`), and told (`report`,
+//! `csv`, `overlay`).
 
+mod assignment;
+mod causes;
+mod coverage;
+mod csv;
+mod dataset;
+mod drawing;
+mod labels;
+mod measure;
+mod overlap;
+mod overlay;
+mod paint;
+mod photo;
 mod rendered;
+mod report;
+mod spline;
+mod strip;
+mod whole_file;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::Result;
+
+use measure::Bench;
 
 /// What to measure, and what to write beside the table.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("pictures").required(true).args(["dataset", "rendered"]))]
 pub(crate) struct Args {
+    /// Photographs with ground-truth labels: a folder of sets, each with `images/` (PNG, JPEG) and `labels/` (8-bit grey
+    /// PNG of the same name: 0 is the table, 1… the ropes)
+    #[arg(long, value_name = "DIR")]
+    dataset: Option<PathBuf>,
     #[command(flatten)]
     rendered: rendered::Args,
     /// Also writes one line for each image, with all its figures
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Also draws what was found over each picture
+    /// Also draws what was found over each photograph, and a contact sheet for each set: DIR/SET/IMAGE.png; or
+    /// over each drawn picture: DIR/CLASS-SEED.png
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
 }
@@ -22,10 +51,31 @@ pub(crate) struct Args {
 /// Measures what was asked for and prints it.
 ///
 /// # Errors
-/// The results cannot be written: a sentence that names the file.
+/// The data cannot be read or the results cannot be written: a sentence that names the file.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    if !args.rendered.are_asked_for() {
-        bail!("nothing to measure was named: give --rendered");
+    match &args.dataset {
+        Some(folder) => run_on_photographs(folder, args),
+        None => rendered::run(&args.rendered, args.csv.as_deref(), args.overlay.as_deref()),
     }
-    rendered::run(&args.rendered, args.csv.as_deref(), args.overlay.as_deref())
+}
+
+fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
+    let sets = dataset::find(folder)?;
+    let mut bench = Bench::new()?;
+    let mut measured = Vec::new();
+    for set in &sets {
+        let images: Result<_> = set.pairs.iter().map(|pair| bench.measure(pair)).collect();
+        measured.push((set.name.as_str(), images?));
+    }
+    // Only now, so that a broken picture leaves nothing half-written behind.
+    if let Some(path) = &args.csv {
+        whole_file::write(path, csv::table(&measured).as_bytes())?;
+    }
+    if let Some(folder) = &args.overlay {
+        for (set, (_, images)) in sets.iter().zip(&measured) {
+            overlay::write_set(&folder.join(&set.name), &set.pairs, images)?;
+        }
+    }
+    print!("{}", report::table(&measured));
+    Ok(())
 }

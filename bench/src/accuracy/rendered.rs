@@ -32,13 +32,6 @@ pub(crate) struct Args {
     size: [usize; 2],
 }
 
-impl Args {
-    /// Whether drawn ropes were asked for at all.
-    pub(crate) fn are_asked_for(&self) -> bool {
-        self.rendered
-    }
-}
-
 fn size(text: &str) -> Result<[usize; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| {
         let [width, height] = [width, height].map(str::parse::<usize>);
@@ -97,8 +90,7 @@ pub(crate) fn run(args: &Args, csv: Option<&Path>, overlay: Option<&Path>) -> Re
     }
     print!("{}", table::foot(&measured));
     if let Some(path) = csv {
-        let unwritten = || format!("cannot write {}", path.display());
-        std::fs::write(path, table::csv(&measured)).with_context(unwritten)?;
+        super::whole_file::write(path, table::csv(&measured).as_bytes())?;
     }
     Ok(())
 }
