@@ -7,9 +7,11 @@
 mod camera;
 mod class;
 mod layout;
+mod leaving;
 mod line;
 mod look;
 mod paint;
+mod rules;
 mod score;
 mod shape;
 
@@ -56,6 +58,14 @@ pub struct TrueCrossing {
     pub under: (usize, f64),
 }
 
+/// A place where two strands run side by side in contact, and do not cross.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueTouch {
+    /// Of each strand: its rope, the middle of the stretch as normalized arc length, and half of the stretch's length
+    /// in pixels. At its ends more than half a width of table shows between the strands.
+    pub strands: [(usize, f64, f64); 2],
+}
+
 /// What is true of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Truth {
@@ -63,6 +73,8 @@ pub struct Truth {
     pub ropes: Vec<TrueRope>,
     /// Every crossing.
     pub crossings: Vec<TrueCrossing>,
+    /// Every place where strands touch without crossing, in the class that is about it.
+    pub touches: Vec<TrueTouch>,
 }
 
 /// A drawn picture.
@@ -173,6 +185,16 @@ fn truth(layout: &layout::Layout) -> Truth {
                 angle_deg: top.angle_deg,
                 over: place(top.lines[0], top.along_px[0]),
                 under: place(top.lines[1], top.along_px[1]),
+            })
+            .collect(),
+        touches: layout
+            .touches
+            .iter()
+            .map(|touch| TrueTouch {
+                strands: [0, 1].map(|k| {
+                    let (line, rho) = place(touch.lines[k], touch.along_px[k]);
+                    (line, rho, touch.reach_px[k])
+                }),
             })
             .collect(),
     }

@@ -17,7 +17,7 @@ struct Bounds {
     mean_px: f64,
     correspondence_p95_px: f64,
     end_px: f64,
-    /// Wrongly connected crossings.
+    /// Wrongly connected crossings, and touching strands taken for each other.
     misconnected: usize,
 }
 
@@ -65,6 +65,7 @@ const UNLIT_SIDE: Bounds = Bounds {
 };
 const TOUCH: Bounds = Bounds {
     // Two ropes of one colour that touch are taken to cross.
+    misconnected: 2,
     mean_px: 8.0,
     correspondence_p95_px: 60.0,
     end_px: 60.0,

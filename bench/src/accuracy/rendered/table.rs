@@ -88,8 +88,11 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
     let ends_px = quantile(ends.iter().copied(), 0.95);
     let worst_end_px = ends.iter().copied().fold(0.0, f64::max);
     let width_px = mean(all(|s| &s.width_errors_px).into_iter().map(f64::abs));
-    let (connected, of) = share(&scores, |c| c.connected);
-    let (ordered, _) = share(&scores, |c| c.order_right);
+    let (mut connected, mut of) = share(&scores, |c| c.connected);
+    let (ordered, crossings) = share(&scores, |c| c.order_right);
+    let touches = || scores.iter().flat_map(|score| &score.touches);
+    connected += touches().filter(|&&is_kept_apart| is_kept_apart).count();
+    of += touches().count();
     let is_connected = connected as f64 >= CONNECTED * of as f64;
     let met = [
         wrong == 0,
@@ -98,7 +101,7 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
         ends_px <= ENDS_PX,
         is_connected,
     ];
-    let counted = |n: usize| {
+    let counted = |n: usize, of: usize| {
         if of == 0 {
             "-".to_owned()
         } else {
@@ -112,8 +115,8 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
         marked(format!("{mean_px:.3}"), met[1]),
         marked(format!("{correspondence_px:.2}"), met[2]),
         marked(format!("{ends_px:.2}"), met[3]),
-        marked(counted(connected), met[4]),
-        counted(ordered),
+        marked(counted(connected, of), met[4]),
+        counted(ordered, crossings),
         if met.iter().all(|&is| is) {
             "✓"
         } else {
@@ -124,7 +127,12 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
 
 /// How bad a picture is: miscounted or wrongly connected ones first, then by their farthest point.
 fn badness(score: &Score) -> (usize, f64) {
-    let broken = score.crossings.iter().filter(|c| !c.connected).count();
+    let broken = score.crossings.iter().filter(|c| !c.connected).count()
+        + score
+            .touches
+            .iter()
+            .filter(|&&is_kept_apart| !is_kept_apart)
+            .count();
     let farthest_px = score.correspondences_px.iter().copied().fold(0.0, f64::max);
     (broken + usize::from(score.is_miscounted()), farthest_px)
 }
@@ -137,7 +145,7 @@ pub(super) fn foot(measured: &[Measured]) -> String {
     });
     let mut text = format!(
         "\nTo reach (! where it is not): no wrong count, mean ≤ {MEAN_PX} px, correspondence p95 ≤ {CORRESPONDENCE_PX} px, \
-         ends p95 ≤ {ENDS_PX} px, {}% of the crossings connected.\nThe worst pictures:\n",
+         ends p95 ≤ {ENDS_PX} px, {}% of the crossings above {FLATTEST_DEG}° and of the touching strands connected.\nThe worst pictures:\n",
         100.0 * CONNECTED
     );
     for m in order.iter().take(WORST) {
@@ -160,7 +168,7 @@ pub(super) fn foot(measured: &[Measured]) -> String {
 pub(super) fn csv(measured: &[Measured]) -> String {
     let mut text = String::from(
         "class,seed,width_px,ropes,curves,misclosed,mean_px,correspondence_p95_px,correspondence_max_px,end_max_px,\
-         width_error_px,crossings,connected,order_right,flattest_deg\n",
+         width_error_px,crossings,connected,order_right,flattest_deg,touches,kept_apart\n",
     );
     for m in measured {
         let score = &m.score;
@@ -175,7 +183,7 @@ pub(super) fn csv(measured: &[Measured]) -> String {
             .fold(90.0, f64::min);
         let _ = writeln!(
             text,
-            "{},{},{:.2},{},{},{},{:.4},{:.4},{:.4},{:.4},{:.4},{},{},{},{flattest_deg:.1}",
+            "{},{},{:.2},{},{},{},{:.4},{:.4},{:.4},{:.4},{:.4},{},{},{},{flattest_deg:.1},{},{}",
             m.class,
             m.seed,
             m.width_px,
@@ -190,6 +198,12 @@ pub(super) fn csv(measured: &[Measured]) -> String {
             score.crossings.len(),
             count(|c| c.connected),
             count(|c| c.order_right),
+            score.touches.len(),
+            score
+                .touches
+                .iter()
+                .filter(|&&is_kept_apart| is_kept_apart)
+                .count(),
         );
     }
     text

@@ -92,7 +92,8 @@ impl Line {
 
     /// The ends of segment `i`.
     pub(super) fn segment(&self, i: usize) -> [Vec2; 2] {
-        [self.points[i], self.points[(i + 1) % self.points.len()]]
+        let next = if i + 1 == self.points.len() { 0 } else { i + 1 };
+        [self.points[i], self.points[next]]
     }
 
     /// The point at an arc length; beyond a tip, the tip.
@@ -196,7 +197,11 @@ fn pair_meetings(of: [usize; 2], [a, b]: [&Line; 2], near_px: f64, found: &mut F
         let mut j = if is_same { i + 2 } else { 0 };
         while j < b.segments() {
             let [r, s] = b.segment(j);
-            if let Some((u, v)) = meet([p, q], [r, s]) {
+            let distance_px = norm(minus(r, p));
+            // Farther apart, they do not reach each other.
+            if distance_px < 1.01 * (a.step_px + b.step_px)
+                && let Some((u, v)) = meet([p, q], [r, s])
+            {
                 let (along, other) = (minus(q, p), minus(s, r));
                 let scale = norm(along) * norm(other);
                 let sin = cross(along, other).abs() / scale;
@@ -209,7 +214,6 @@ fn pair_meetings(of: [usize; 2], [a, b]: [&Line; 2], near_px: f64, found: &mut F
                     sin,
                 });
             }
-            let distance_px = norm(minus(r, p));
             let mut apart_px = (j as f64 - i as f64) * a.step_px;
             if is_same && a.closed {
                 apart_px = apart_px.min(a.length_px() - apart_px);

@@ -236,6 +236,7 @@ mod tests {
             seen_px: vec![[0.0, line.length_px()]],
             border: vec![[false; 2]],
             tops: Vec::new(),
+            touches: Vec::new(),
             lines: vec![line],
             width_px,
         };

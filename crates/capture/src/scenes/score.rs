@@ -63,6 +63,8 @@ pub struct Score {
     pub width_errors_px: Vec<f64>,
     /// Every true crossing.
     pub crossings: Vec<CrossingScore>,
+    /// For every place where strands touch without crossing: whether curves go straight on along both of them.
+    pub touches: Vec<bool>,
 }
 
 impl Score {
@@ -134,6 +136,10 @@ pub fn score(truth: &Truth, curves: &[SeenCurve], crossings: &[SeenCrossing]) ->
             order_right: connection::is_order_right(truth, crossing, &lines, crossings),
         })
         .collect();
+    let touches = truth.touches.iter();
+    score.touches = touches
+        .map(|touch| connection::is_kept_apart(truth, touch, &lines))
+        .collect();
     score
 }
 
@@ -168,7 +174,7 @@ impl Score {
 #[cfg(test)]
 mod tests {
     use super::super::line::{Line, Vec2};
-    use super::super::{TrueCrossing, TrueRope};
+    use super::super::{TrueCrossing, TrueRope, TrueTouch};
     use super::*;
 
     const CURVE_POINTS: usize = 120;
@@ -202,6 +208,7 @@ mod tests {
         let truth = Truth {
             ropes: vec![rope],
             crossings: vec![crossing],
+            touches: Vec::new(),
         };
         (line, truth)
     }
@@ -313,6 +320,7 @@ mod tests {
                 border: [false; 2],
             }],
             crossings: Vec::new(),
+            touches: Vec::new(),
         };
         let mut seen: Vec<[f32; 2]> = (0..CURVE_POINTS)
             .map(|i| {
@@ -327,6 +335,44 @@ mod tests {
             seen.reverse();
         }
         assert!(score(&truth, &[curve(&seen, false)], &[]).is_miscounted());
+    }
+
+    /// Two strands that come together, run 60 px side by side, and part.
+    #[test]
+    fn strands_exchanged_where_they_touch_are_found_out() {
+        let side = |sign: f64| {
+            let knots: Vec<Vec2> = (0..=100)
+                .map(|i| {
+                    let x = 3.0 * f64::from(i) - 150.0;
+                    let away = (x.abs() - 30.0).max(0.0) / 120.0;
+                    [200.0 + x, 150.0 + sign * (4.0 + 60.0 * away * away)]
+                })
+                .collect();
+            Line::through(&knots, false, 1999)
+        };
+        let lines = [side(-1.0), side(1.0)];
+        let rope = |line: &Line| TrueRope {
+            points: line.points.clone(),
+            length_px: line.length_px(),
+            width_px: 8.0,
+            closed: false,
+            border: [false; 2],
+        };
+        let truth = Truth {
+            ropes: lines.iter().map(rope).collect(),
+            crossings: Vec::new(),
+            touches: vec![TrueTouch {
+                strands: [(0, 0.5, 70.0), (1, 0.5, 70.0)],
+            }],
+        };
+        let right = lines.each_ref().map(points);
+        let half = CURVE_POINTS / 2;
+        let exchanged = [0, 1].map(|k| [&right[k][..half], &right[1 - k][half..]].concat());
+        for (seen, is_kept_apart) in [(right, true), (exchanged, false)] {
+            let curves = seen.each_ref().map(|points| curve(points, false));
+            let score = score(&truth, &curves, &[]);
+            assert_eq!(score.touches, [is_kept_apart]);
+        }
     }
 
     #[test]

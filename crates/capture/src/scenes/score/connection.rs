@@ -5,7 +5,7 @@
 //! loop is longer; one that ends there, or goes on elsewhere, comes by only once.
 
 use super::super::line::{Vec2, dot, minus, mix, norm};
-use super::super::{TrueCrossing, TrueRope, Truth};
+use super::super::{TrueCrossing, TrueRope, TrueTouch, Truth};
 use super::SeenCrossing;
 
 /// A curve's points with their arc lengths.
@@ -111,19 +111,28 @@ fn covered_px(width_px: f64, angle_deg: f64) -> f64 {
 pub(super) fn is_connected(truth: &Truth, crossing: &TrueCrossing, curves: &[Polyline]) -> bool {
     [crossing.over, crossing.under].iter().all(|&(rope, rho)| {
         let rope = &truth.ropes[rope];
+        // Half a width beyond what is covered, where the strands are apart and the next crossing has not begun.
+        let reach_px = covered_px(rope.width_px, crossing.angle_deg) + 0.5 * rope.width_px;
         curves
             .iter()
-            .any(|curve| follows(rope, rho, crossing, curve))
+            .any(|curve| follows(rope, rho, reach_px, curve))
     })
 }
 
-fn follows(rope: &TrueRope, rho: f64, crossing: &TrueCrossing, curve: &Polyline) -> bool {
+/// Whether some curve goes straight on along each of two strands that touch.
+pub(super) fn is_kept_apart(truth: &Truth, touch: &TrueTouch, curves: &[Polyline]) -> bool {
+    touch.strands.iter().all(|&(rope, rho, reach_px)| {
+        let follows = |curve| follows(&truth.ropes[rope], rho, reach_px, curve);
+        curves.iter().any(follows)
+    })
+}
+
+/// Whether a curve goes along a rope from so far before a place to as far behind it.
+fn follows(rope: &TrueRope, rho: f64, reach_px: f64, curve: &Polyline) -> bool {
     if curve.segments() == 0 {
         return false;
     }
     let width_px = rope.width_px;
-    // Half a width beyond what the crossing covers, where the strands are apart and the next crossing has not begun.
-    let reach_px = covered_px(width_px, crossing.angle_deg) + 0.5 * width_px;
     let line = Polyline::new(&rope.points, rope.closed);
     let middle_px = rho * line.length_px();
     // Nearer to this strand than to the other one; 2 px is what a chord between a curve's points may be off a bend.
@@ -132,7 +141,7 @@ fn follows(rope: &TrueRope, rho: f64, crossing: &TrueCrossing, curve: &Polyline)
         [-reach_px, reach_px].map(|px| curve.passages_px(line.at(middle_px + px), within_px));
     // The strand's own length, and what a detour takes: less than a loop's 3π widths by far.
     let wanted_px = 2.0 * reach_px;
-    let spare_px = 0.3 * wanted_px + width_px;
+    let spare_px = 0.3 * wanted_px.min(10.0 * width_px) + width_px;
     before.iter().any(|&from_px| {
         after.iter().any(|&to_px| {
             let mut length_px = (to_px - from_px).abs();
@@ -141,7 +150,7 @@ fn follows(rope: &TrueRope, rho: f64, crossing: &TrueCrossing, curve: &Polyline)
                 length_px = curve.length_px() - length_px;
                 half_way_px += 0.5 * curve.length_px();
             }
-            let off_px = norm(minus(curve.at(half_way_px), crossing.at));
+            let off_px = norm(minus(curve.at(half_way_px), line.at(middle_px)));
             (length_px - wanted_px).abs() < spare_px && off_px < 0.5 * reach_px + width_px
         })
     })
