@@ -1,5 +1,6 @@
 //! How close the extractor's curves are to the truth.
 //!
+//! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
 //! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
 //! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`), and told (`report`,
 //! `csv`, `overlay`).
@@ -16,12 +17,13 @@ mod overlap;
 mod overlay;
 mod paint;
 mod photo;
+mod rendered;
 mod report;
 mod spline;
 mod strip;
 mod whole_file;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
@@ -29,15 +31,19 @@ use measure::Bench;
 
 /// What to measure, and what to write beside the table.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("pictures").required(true).args(["dataset", "rendered"]))]
 pub(crate) struct Args {
     /// Photographs with ground-truth labels: a folder of sets, each with `images/` (PNG, JPEG) and `labels/` (8-bit grey
     /// PNG of the same name: 0 is the table, 1… the ropes)
     #[arg(long, value_name = "DIR")]
-    dataset: PathBuf,
+    dataset: Option<PathBuf>,
+    #[command(flatten)]
+    rendered: rendered::Args,
     /// Also writes one line for each image, with all its figures
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Also draws what was found over each photograph, and a contact sheet for each set: DIR/SET/IMAGE.png
+    /// Also draws what was found over each photograph, and a contact sheet for each set: DIR/SET/IMAGE.png; or
+    /// over each drawn picture: DIR/CLASS-SEED.png
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
 }
@@ -47,7 +53,14 @@ pub(crate) struct Args {
 /// # Errors
 /// The data cannot be read or the results cannot be written: a sentence that names the file.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let sets = dataset::find(&args.dataset)?;
+    match &args.dataset {
+        Some(folder) => run_on_photographs(folder, args),
+        None => rendered::run(&args.rendered, args.csv.as_deref(), args.overlay.as_deref()),
+    }
+}
+
+fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
+    let sets = dataset::find(folder)?;
     let mut bench = Bench::new()?;
     let mut measured = Vec::new();
     for set in &sets {

@@ -12,6 +12,7 @@ mod pace;
 mod picture;
 mod pictures;
 mod rendered;
+pub mod scenes;
 mod source;
 mod video;
 mod yuv;

@@ -6,7 +6,7 @@
 
 mod draw;
 mod motion;
-mod portable;
+pub(crate) mod portable;
 mod table;
 mod truth;
 

@@ -1,0 +1,130 @@
+//! Curves against drawn ropes, whose centerlines are known: a table with a row for each class of picture.
+//!
+//! Every picture is a scene of its own to a fresh extractor with default options. A picture whose ropes are miscounted
+//! or wrongly connected is in every column all the same: what was missed is measured by its distance from what was seen.
+
+mod overlay;
+mod table;
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
+use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
+
+/// Which pictures are drawn.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Drawn ropes with known truth: a row for each class of picture
+    #[arg(long)]
+    rendered: bool,
+    /// This class alone (may be given several times)
+    #[arg(long, value_name = "NAME", requires = "rendered")]
+    class: Vec<Class>,
+    /// Pictures of each class
+    #[arg(long, value_name = "N", default_value_t = 50, requires = "rendered")]
+    seeds: u64,
+    /// Seed of the first picture
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rendered")]
+    seed: u64,
+    /// Size of the pictures
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size, requires = "rendered")]
+    size: [usize; 2],
+}
+
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        let [width, height] = [width, height].map(str::parse::<usize>);
+        Some([width.ok()?, height.ok()?])
+    });
+    sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
+}
+
+/// One picture's result.
+struct Measured {
+    class: Class,
+    seed: u64,
+    /// Median true width.
+    width_px: f64,
+    score: Score,
+}
+
+/// Draws, extracts, scores, and prints the table.
+///
+/// # Errors
+/// A picture does not fit the size, or a file cannot be written.
+pub(crate) fn run(args: &Args, csv: Option<&Path>, overlay: Option<&Path>) -> Result<()> {
+    if args.seeds == 0 {
+        bail!("no pictures were asked for: give --seeds 1 or more");
+    }
+    if let Some(folder) = overlay {
+        let unmade = || format!("cannot make the folder {}", folder.display());
+        std::fs::create_dir_all(folder).with_context(unmade)?;
+    }
+    let classes = if args.class.is_empty() {
+        Class::ALL.to_vec()
+    } else {
+        args.class.clone()
+    };
+    let mut extractor = Extractor::new(Options::default())?;
+    let mut measured = Vec::new();
+    println!("{}", table::head());
+    for class in classes {
+        let first = measured.len();
+        for seed in args.seed..args.seed.saturating_add(args.seeds) {
+            let still = scenes::draw(class, seed, args.size[0], args.size[1])?;
+            extractor.reset();
+            let image = image(&still)?;
+            let scene = extractor.extract(&image);
+            if let Some(folder) = overlay {
+                overlay::write(&folder.join(format!("{class}-{seed}.png")), &still, &scene)?;
+            }
+            measured.push(Measured {
+                class,
+                seed,
+                width_px: still.truth.ropes[0].width_px,
+                score: held_against(&still, &scene),
+            });
+        }
+        println!("{}", table::row(class, &measured[first..]));
+    }
+    print!("{}", table::foot(&measured));
+    if let Some(path) = csv {
+        super::whole_file::write(path, table::csv(&measured).as_bytes())?;
+    }
+    Ok(())
+}
+
+fn image(still: &Still) -> Result<Image<'_>> {
+    let stride = 3 * still.width;
+    let image = Image::new(
+        &still.rgb,
+        still.width,
+        still.height,
+        stride,
+        PixelFormat::Rgb8,
+    );
+    Ok(image?)
+}
+
+fn held_against(still: &Still, scene: &Scene) -> Score {
+    let curves: Vec<SeenCurve> = scene
+        .curves
+        .iter()
+        .map(|curve| SeenCurve {
+            points: &curve.points,
+            width_px: curve.width_px,
+            closed: curve.closed,
+        })
+        .collect();
+    let crossings: Vec<SeenCrossing> = scene
+        .crossings
+        .iter()
+        .map(|crossing| SeenCrossing {
+            at: crossing.at,
+            over: (crossing.over, crossing.over_rho),
+            under: (crossing.under, crossing.under_rho),
+        })
+        .collect();
+    score(&still.truth, &curves, &crossings)
+}

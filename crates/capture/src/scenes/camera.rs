@@ -1,0 +1,165 @@
+//! From the light on the table and the ropes to the bytes of a picture: shadow, light, blur, motion, noise.
+
+use super::line::Vec2;
+use super::look::Look;
+use super::paint::Painted;
+use crate::rendered::portable::SplitMix64;
+
+/// The picture, three bytes a pixel.
+pub(super) fn expose(
+    painted: &Painted,
+    look: &Look,
+    width_px: f64,
+    [width, height]: [usize; 2],
+    random: &mut SplitMix64,
+) -> Vec<u8> {
+    let mut shadow = Vec::new();
+    if look.shadow > 0.0 {
+        // Away from the lamp, and as soft as the rope is high.
+        let shift = 0.3 * width_px as f32;
+        shadow = painted.cover.iter().map(|&cover| [cover; 3]).collect();
+        shadow = moved(&shadow, [width, height], [shift, 1.3 * shift]);
+        blur(&mut shadow, [width, height], 0.3 * width_px as f32);
+    }
+    let pattern = Pattern::new(random);
+    let mut picture = Vec::with_capacity(width * height);
+    for (i, (light, cover)) in painted.light.iter().zip(&painted.cover).enumerate() {
+        let (x, y) = (i % width, i / width);
+        let at = [x as f64 / width as f64, y as f64 / height as f64];
+        let away = [0, 1].map(|k| at[k] - look.spot[k]);
+        let spot = 1.0 / (1.0 + 12.0 * (away[0] * away[0] + away[1] * away[1]));
+        let lamp = look.exposure
+            * (1.0
+                + look.fall[0] * (at[0] - 0.5) as f32
+                + look.fall[1] * (at[1] - 0.5) as f32
+                + look.spot_light * spot as f32);
+        let shade = shadow.get(i).map_or(1.0, |s| 1.0 - look.shadow * s[0]);
+        let table = shade * (1.0 + look.mottling * pattern.at([x, y].map(|c| c as f64)) as f32);
+        picture.push([0, 1, 2].map(|k| lamp * (light[k] + (1.0 - cover) * look.table[k] * table)));
+    }
+    blur(&mut picture, [width, height], look.blur_px);
+    if look.motion_px != [0.0; 2] {
+        smear(&mut picture, [width, height], look.motion_px);
+    }
+    let mut bytes = Vec::with_capacity(3 * width * height);
+    for value in picture.iter().flatten() {
+        let noisy = value + look.noise * normal(random);
+        bytes.push((noisy + 0.5).clamp(0.0, 255.0) as u8);
+    }
+    bytes
+}
+
+/// About normal, of variance 1: a sum of four uniform numbers in [−½, ½) has a variance of ⅓.
+fn normal(random: &mut SplitMix64) -> f32 {
+    let bits = random.next_u64();
+    let sum: f32 = (0..4)
+        .map(|k| ((bits >> (16 * k)) & 0xFFFF) as f32 / 65536.0 - 0.5)
+        .sum();
+    sum * 3f32.sqrt()
+}
+
+/// Gaussian blur; the border's pixels stand for what is outside.
+fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
+    // The Gaussian is below 2 % of its middle beyond 2.8 σ.
+    let reach = (2.8 * sigma_px).ceil().max(1.0) as isize;
+    let mut kernel: Vec<f32> = (-reach..=reach)
+        .map(|d| (-0.5 * (d as f32 / sigma_px).powi(2)).exp())
+        .collect();
+    let sum: f32 = kernel.iter().sum();
+    kernel.iter_mut().for_each(|weight| *weight /= sum);
+    let mut row = vec![[0.0; 3]; width.max(height)];
+    let mut pass = |start: usize, stride: usize, count: usize| {
+        for (i, value) in row[..count].iter_mut().enumerate() {
+            *value = picture[start + i * stride];
+        }
+        for i in 0..count {
+            let mut sum = [0.0; 3];
+            for (k, weight) in kernel.iter().enumerate() {
+                let at = (i as isize + k as isize - reach).clamp(0, count as isize - 1) as usize;
+                for (sum, value) in sum.iter_mut().zip(row[at]) {
+                    *sum += weight * value;
+                }
+            }
+            picture[start + i * stride] = sum;
+        }
+    };
+    (0..height).for_each(|y| pass(y * width, 1, width));
+    (0..width).for_each(|x| pass(x, width, height));
+}
+
+/// The picture moved by less than a whole number of pixels, by linear interpolation.
+fn moved(picture: &[[f32; 3]], [width, height]: [usize; 2], by: [f32; 2]) -> Vec<[f32; 3]> {
+    let value = |x: isize, y: isize| {
+        let x = x.clamp(0, width as isize - 1) as usize;
+        let y = y.clamp(0, height as isize - 1) as usize;
+        picture[y * width + x]
+    };
+    let whole = by.map(|d| d.floor() as isize);
+    let [u, v] = [by[0] - whole[0] as f32, by[1] - whole[1] as f32];
+    (0..width * height)
+        .map(|i| {
+            let (x, y) = (
+                (i % width) as isize - whole[0],
+                (i / width) as isize - whole[1],
+            );
+            let (a, b) = (value(x, y), value(x - 1, y));
+            let (c, d) = (value(x, y - 1), value(x - 1, y - 1));
+            [0, 1, 2].map(|k| {
+                (1.0 - v) * ((1.0 - u) * a[k] + u * b[k]) + v * ((1.0 - u) * c[k] + u * d[k])
+            })
+        })
+        .collect()
+}
+
+/// The mean of what is seen while the picture moves: from half of `by` behind to half ahead, so that the truth is the
+/// middle of the motion.
+fn smear(picture: &mut [[f32; 3]], size: [usize; 2], by: [f32; 2]) {
+    // Steps of less than half a pixel.
+    let steps = ((by[0] * by[0] + by[1] * by[1]).sqrt() / 0.4)
+        .ceil()
+        .max(1.0) as usize;
+    let mut sum = vec![[0.0; 3]; picture.len()];
+    for k in 0..steps {
+        let share = (k as f32 + 0.5) / steps as f32 - 0.5;
+        let frame = moved(picture, size, by.map(|d| share * d));
+        for (sum, value) in sum.iter_mut().zip(frame) {
+            for (sum, value) in sum.iter_mut().zip(value) {
+                *sum += value / steps as f32;
+            }
+        }
+    }
+    picture.copy_from_slice(&sum);
+}
+
+/// The table's pattern: two octaves of random heights on a grid, smoothly joined.
+struct Pattern {
+    heights: Vec<f64>,
+}
+
+impl Pattern {
+    const GRID: usize = 32;
+
+    fn new(random: &mut SplitMix64) -> Self {
+        let count = Self::GRID * Self::GRID;
+        Self {
+            heights: (0..count).map(|_| random.uniform(-1.0, 1.0)).collect(),
+        }
+    }
+
+    fn at(&self, at_px: Vec2) -> f64 {
+        // Of 35 and of 11 px.
+        self.octave(at_px.map(|c| c / 35.0)) + 0.5 * self.octave(at_px.map(|c| c / 11.0))
+    }
+
+    fn octave(&self, [x, y]: Vec2) -> f64 {
+        let (column, row) = (x as usize, y as usize);
+        let ease = |x: f64| x * x * (3.0 - 2.0 * x);
+        let (u, v) = (ease(x - column as f64), ease(y - row as f64));
+        let height = |column: usize, row: usize| {
+            self.heights[(row % Self::GRID) * Self::GRID + column % Self::GRID]
+        };
+        let upper = height(column, row) * (1.0 - u) + height(column + 1, row) * u;
+        let lower = height(column, row + 1) * (1.0 - u) + height(column + 1, row + 1) * u;
+        upper * (1.0 - v) + lower * v
+    }
+}

@@ -1,0 +1,145 @@
+//! What can make a picture of ropes hard, one thing at a time.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A kind of picture. Unless its own matter says otherwise, a picture shows one rope of 7 to 14 px with up to two
+/// crossings above 35°, bends of a radius of at least 1.5 widths, strands at least two widths apart (between their
+/// centres), a camera's blur of 0.6 px and noise of 2 levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// A rope of 4 to 6 px.
+    Thin,
+    /// A rope of 7 to 15 px.
+    Medium,
+    /// A rope of 16 to 30 px.
+    Thick,
+    /// Sensor noise of 6 to 14 levels.
+    Noise,
+    /// Out of focus: a Gaussian of 1.2 to 3 px, at most a third of the rope's width.
+    Blur,
+    /// A shutter open while the camera moves 3 to 10 px, at most ¾ of the rope's width.
+    MotionBlur,
+    /// The light falls to 35–60 % from one side to the other, with a lamp's spot.
+    UnevenLight,
+    /// A rope that shines like plastic: a highlight near white along it.
+    Shine,
+    /// A coarse twist and dashes on the rope, a mottled table.
+    Texture,
+    /// A soft shadow beside the rope.
+    Shadow,
+    /// No crossing.
+    Crossings0,
+    /// One crossing above 30°.
+    Crossings1,
+    /// Two crossings above 30°.
+    Crossings2,
+    /// Three crossings above 30°.
+    Crossings3,
+    /// Four crossings above 30°.
+    Crossings4,
+    /// Five crossings above 30°.
+    Crossings5,
+    /// One or two crossings, at least one of 20° to 30°.
+    FlatCrossings,
+    /// Two strands (of one rope, or of two) run side by side in contact for 1 to 4 widths and part again, uncrossed.
+    Touch,
+    /// A tip beside a strand, or pointing at it, 0.3 to 2 widths from its edge (1.5 px at least).
+    EndsNear,
+    /// A tip that touches a strand's edge, or lies on it by up to 0.3 widths.
+    EndsTouching,
+    /// One end or both leave the image.
+    Border,
+    /// A closed loop with up to two crossings.
+    Closed,
+    /// A dark rope on a light table.
+    DarkOnLight,
+    /// A light rope on a dark table.
+    LightOnDark,
+    /// Two to four ropes of different colours, with up to three crossings in all.
+    SeveralColors,
+    /// Seeds 2k and 2k + 1 show the same, the second in half the light.
+    LightChange,
+}
+
+impl Class {
+    /// Every class, in the order of the table.
+    pub const ALL: [Self; 26] = [
+        Self::Thin,
+        Self::Medium,
+        Self::Thick,
+        Self::Noise,
+        Self::Blur,
+        Self::MotionBlur,
+        Self::UnevenLight,
+        Self::Shine,
+        Self::Texture,
+        Self::Shadow,
+        Self::Crossings0,
+        Self::Crossings1,
+        Self::Crossings2,
+        Self::Crossings3,
+        Self::Crossings4,
+        Self::Crossings5,
+        Self::FlatCrossings,
+        Self::Touch,
+        Self::EndsNear,
+        Self::EndsTouching,
+        Self::Border,
+        Self::Closed,
+        Self::DarkOnLight,
+        Self::LightOnDark,
+        Self::SeveralColors,
+        Self::LightChange,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Thin => "thin",
+            Self::Medium => "medium",
+            Self::Thick => "thick",
+            Self::Noise => "noise",
+            Self::Blur => "blur",
+            Self::MotionBlur => "motion-blur",
+            Self::UnevenLight => "uneven-light",
+            Self::Shine => "shine",
+            Self::Texture => "texture",
+            Self::Shadow => "shadow",
+            Self::Crossings0 => "crossings-0",
+            Self::Crossings1 => "crossings-1",
+            Self::Crossings2 => "crossings-2",
+            Self::Crossings3 => "crossings-3",
+            Self::Crossings4 => "crossings-4",
+            Self::Crossings5 => "crossings-5",
+            Self::FlatCrossings => "flat-crossings",
+            Self::Touch => "touch",
+            Self::EndsNear => "ends-near",
+            Self::EndsTouching => "ends-touching",
+            Self::Border => "border",
+            Self::Closed => "closed",
+            Self::DarkOnLight => "dark-on-light",
+            Self::LightOnDark => "light-on-dark",
+            Self::SeveralColors => "several-colors",
+            Self::LightChange => "light-change",
+        }
+    }
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Class {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|class| class.name() == name);
+        found.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("there is no class '{name}': choose one of {names}")
+        })
+    }
+}

@@ -1,0 +1,140 @@
+//! What a class asks of its curves, and whether curves are so.
+
+use std::ops::RangeInclusive;
+
+use super::Class;
+use super::line::{Found, Line, Meeting, meetings};
+use crate::rendered::portable::SplitMix64;
+
+/// Between the centres of strands that are not meant to be near, in widths.
+const CLEAR_WIDTHS: f64 = 2.0;
+/// No bend is tighter, however thin the rope: 120 points must be able to say it.
+const LEAST_RADIUS_PX: f64 = 16.0;
+
+/// What a class asks of its curves.
+pub(super) struct Rules {
+    pub(super) width_px: [f64; 2],
+    crossings: RangeInclusive<usize>,
+    /// Sine of the flattest crossing, and of what the flattest one may be at most.
+    sin: [f64; 2],
+    pub(super) ropes: usize,
+    pub(super) swing: [f64; 2],
+}
+
+impl Rules {
+    pub(super) fn of(class: Class, random: &mut SplitMix64) -> Self {
+        let some = random.next_u64() as usize % 3;
+        let mut rules = Self {
+            width_px: [7.0, 14.0],
+            crossings: some..=some,
+            sin: [0.574, 1.0],
+            ropes: 1,
+            swing: [0.1, 0.7],
+        };
+        // At least 30°.
+        let mut crossings = |count: usize, swing| {
+            rules.crossings = count..=count;
+            rules.sin[0] = 0.5;
+            rules.swing = swing;
+        };
+        match class {
+            Class::Crossings0 => crossings(0, [0.0, 0.4]),
+            Class::Crossings1 => crossings(1, [0.2, 0.7]),
+            Class::Crossings2 => crossings(2, [0.3, 0.9]),
+            Class::Crossings3 => crossings(3, [0.4, 1.0]),
+            Class::Crossings4 => crossings(4, [0.5, 1.0]),
+            Class::Crossings5 => crossings(5, [0.6, 1.0]),
+            Class::FlatCrossings => {
+                rules.crossings = 1..=2;
+                rules.sin = [0.342, 0.5];
+                rules.swing = [0.2, 0.8];
+            }
+            Class::Thin => rules.width_px = [4.0, 6.0],
+            Class::Medium => rules.width_px = [7.0, 15.0],
+            Class::Thick => rules.width_px = [16.0, 30.0],
+            Class::SeveralColors => {
+                rules.crossings = 0..=3;
+                rules.ropes = 2 + (random.next_u64() % 3) as usize;
+                rules.swing = [0.0, 0.3];
+            }
+            _ => {}
+        }
+        rules
+    }
+}
+
+/// How many crossings above 30°, of ropes that are otherwise as they like.
+pub(super) fn crossed(times: usize) -> Rules {
+    Rules {
+        width_px: [7.0, 14.0],
+        crossings: times..=times,
+        sin: [0.5, 1.0],
+        ropes: 1,
+        swing: [0.0, 0.5],
+    }
+}
+
+/// Whether no bend is too tight for the rope.
+pub(super) fn bends_enough(line: &Line, width_px: f64) -> bool {
+    line.least_radius_px() >= (1.5 * width_px).max(LEAST_RADIUS_PX)
+}
+
+/// The lines' crossings if they are as the rules ask: their number, angles, distances from each other and from the
+/// tips, and no two strands near each other elsewhere.
+pub(super) fn crossings_as_asked(
+    lines: &[Line],
+    seen_px: &[[f64; 2]],
+    rules: &Rules,
+    width_px: f64,
+) -> Option<Found> {
+    let found = meetings(lines, CLEAR_WIDTHS * width_px);
+    let [least, flattest] = rules.sin;
+    let flat = found.meetings.iter().map(|m| m.sin).fold(1.0, f64::min);
+    let is_asked = rules.crossings.contains(&found.meetings.len())
+        && flat >= least
+        && (found.meetings.is_empty() || flat <= flattest);
+    if !is_asked {
+        return None;
+    }
+    // Along a strand, half of what the crossing covers: w/2 (1/sin θ + 1/tan θ).
+    let covered_px = |m: &Meeting| {
+        0.5 * width_px * (1.0 + (1.0 - m.sin * m.sin).max(0.0).sqrt()) / m.sin.max(1e-6)
+    };
+    let mut places: Vec<(usize, f64, f64)> = Vec::new();
+    for meeting in &found.meetings {
+        for side in 0..2 {
+            let line = meeting.lines[side];
+            let along_px = meeting.along_px[side];
+            let covered_px = covered_px(meeting);
+            let keeps_off = |other_px: f64, other_covered_px: f64| {
+                let mut apart_px = (along_px - other_px).abs();
+                if lines[line].closed {
+                    apart_px = apart_px.min(lines[line].length_px() - apart_px);
+                }
+                apart_px > covered_px + other_covered_px + width_px
+            };
+            let is_clear = places
+                .iter()
+                .all(|&(l, at_px, covered_px)| l != line || keeps_off(at_px, covered_px));
+            let [from_px, to_px] = seen_px[line];
+            let tips_clear =
+                lines[line].closed || (keeps_off(from_px, width_px) && keeps_off(to_px, width_px));
+            if !is_clear || !tips_clear {
+                return None;
+            }
+            places.push((line, along_px, covered_px));
+        }
+    }
+    let is_near_a_crossing = |of: [usize; 2], along_px: [f64; 2]| {
+        found.meetings.iter().any(|m| {
+            // Straight strands are 2w apart at w / sin(θ/2) from their crossing; bent ones farther on.
+            let reach_px = 1.6 * width_px / m.sin_half.max(1e-6);
+            m.lines == of && (0..2).all(|k| (m.along_px[k] - along_px[k]).abs() < reach_px)
+        })
+    };
+    let near = &found.near;
+    let is_clear = near
+        .iter()
+        .all(|&(of, at_px)| is_near_a_crossing(of, at_px));
+    is_clear.then_some(found)
+}
