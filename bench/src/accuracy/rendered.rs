@@ -14,6 +14,7 @@ use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
 
 /// Which pictures are drawn.
 #[derive(clap::Args)]
+#[group(id = "drawn")]
 pub(crate) struct Args {
     /// Drawn ropes with known truth: a row for each class of picture
     #[arg(long)]
