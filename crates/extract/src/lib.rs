@@ -33,6 +33,9 @@
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
 //!
+//! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
+//! it is knotted (`knot`).
+//!
 //! # Bounds
 //!
 //! Any bytes are taken, without a panic, in bounded time: the mask step reads each pixel a fixed
@@ -53,6 +56,7 @@ mod extractor;
 mod graph;
 mod hsv;
 mod image;
+mod knot;
 mod line;
 mod mask;
 mod options;
@@ -75,5 +79,6 @@ mod zones;
 
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
+pub use knot::{CrossingSequence, Pass};
 pub use options::{HsvRange, Mask, Options, OptionsError};
 pub use scene::{Crossing, Curve, Scene, Status};
