@@ -12,10 +12,12 @@ use crate::fit_lines::is_closed;
 use crate::settings::{Settings, ShapeArgs};
 use crate::trace::overlay::Overlays;
 use crate::trace::picture::Picture;
-use crate::trace::report::{CurveReport, Format, Report, Table, Timing};
+use crate::trace::report::{
+    CrossingReport, CurveReport, Format, Report, StrandReport, Table, Timing,
+};
 use anyhow::{Context, Result};
 use clap::Args;
-use lariat_extract::{Curve, Extractor, Step};
+use lariat_extract::{Crossing, CrossingSequence, Curve, Extractor, Scene, Step};
 use lariat_fit::Fitter;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -135,12 +137,13 @@ impl Tracer {
 
         last = Instant::now();
         let mut curves = Vec::with_capacity(scene.curves.len());
-        for curve in scene.curves {
+        for (index, curve) in scene.curves.iter().enumerate() {
             self.points.clear();
             self.points
                 .extend(curve.points.iter().map(|p| p.map(f64::from)));
             let descriptor = Descriptor::of(&mut self.fitter, &self.points)?.rounded();
-            curves.push(curve_report(curve, descriptor));
+            let sequence = CrossingSequence::of(&scene, index);
+            curves.push(curve_report(curve, &sequence, descriptor));
         }
         timing.fit = since(last);
         timing.total = since(begin);
@@ -149,25 +152,49 @@ impl Tracer {
             width: picture.width(),
             height: picture.height(),
             curves,
+            crossings: scene
+                .crossings
+                .iter()
+                .map(|crossing| crossing_report(&scene, crossing))
+                .collect(),
             timing_us: timing.rounded(),
         };
         Ok((picture, report))
     }
 }
 
-fn curve_report(curve: &Curve, descriptor: Descriptor) -> CurveReport {
+fn curve_report(curve: &Curve, sequence: &CrossingSequence, descriptor: Descriptor) -> CurveReport {
+    let rounded = |x: &f32| thousandths((*x).into());
     CurveReport {
         track: curve.track,
         status: report::status_name(curve.status),
         closed: curve.closed,
-        length_px: thousandths(curve.length_px.into()),
-        width_px: thousandths(curve.width_px.into()),
+        border: curve.border,
+        length_px: rounded(&curve.length_px),
+        width_px: rounded(&curve.width_px),
         points: curve
             .points
             .iter()
-            .map(|p| p.map(|c| thousandths(c.into())))
+            .map(|p| p.map(|c| rounded(&c)))
             .collect(),
+        widths_px: curve.widths_px.iter().map(rounded).collect(),
+        crossing_sequence: sequence.to_string(),
+        pulls_straight: sequence.pulls_straight(),
         descriptor,
+    }
+}
+
+fn crossing_report(scene: &Scene, crossing: &Crossing) -> CrossingReport {
+    let strand = |curve: usize, rho: f32| StrandReport {
+        track: scene.curves[curve].track,
+        // To a tenth of a pixel of a rope of a thousand.
+        rho: (f64::from(rho) * 1e4).round() / 1e4,
+    };
+    CrossingReport {
+        at: crossing.at.map(|c| thousandths(c.into())),
+        over: strand(crossing.over, crossing.over_rho),
+        under: strand(crossing.under, crossing.under_rho),
+        confidence: thousandths(crossing.confidence.into()),
     }
 }
 
