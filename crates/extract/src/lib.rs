@@ -28,7 +28,7 @@
 //!
 //! | step | module | from → to |
 //! |---|---|---|
-//! | mask | `background`, `difference`, `threshold` or `hsv`, then `components` | image → one bit a pixel, and how unlike the table each pixel is |
+//! | mask | `background`, `difference`, `threshold` or `hsv`, or made elsewhere; then `components` | image → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `thin` | mask → lines one pixel wide |
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
@@ -80,5 +80,6 @@ mod zones;
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};
+pub use mask::MaskError;
 pub use options::{HsvRange, Mask, Options, OptionsError};
 pub use scene::{Crossing, Curve, Scene, Status};
