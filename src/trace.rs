@@ -3,6 +3,7 @@
 
 mod canvas;
 mod inputs;
+mod masks;
 mod overlay;
 mod picture;
 mod report;
@@ -10,14 +11,15 @@ mod report;
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::fit_lines::is_closed;
 use crate::settings::{Settings, ShapeArgs};
+use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::picture::Picture;
 use crate::trace::report::{
     CrossingReport, CurveReport, Format, Report, StrandReport, Table, Timing,
 };
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
-use lariat_extract::{Crossing, CrossingSequence, Curve, Extractor, Scene, Step};
+use lariat_extract::{Crossing, CrossingSequence, Curve, Extractor, Mask, Scene, Step};
 use lariat_fit::Fitter;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -39,6 +41,9 @@ pub(crate) struct TraceArgs {
     /// Take the pictures for one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
+    /// Take each picture's mask from this folder: a PNG of the picture's name and size, white for rope
+    #[arg(long, value_name = "DIR")]
+    mask: Option<PathBuf>,
     #[command(flatten)]
     shape: ShapeArgs,
 }
@@ -50,7 +55,7 @@ pub(crate) struct TraceArgs {
 /// next one taken; the exit code tells of it.
 pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     let settings = Settings::resolve(&args.shape.clone().into())?;
-    let mut tracer = Tracer::new(&settings, args.video)?;
+    let mut tracer = Tracer::new(&settings, &args)?;
     let mut exit = ExitCode::SUCCESS;
     let mut complain = |why: anyhow::Error| {
         eprintln!("lariat: {why:#}");
@@ -95,15 +100,20 @@ struct Tracer {
     extractor: Extractor,
     fitter: Fitter,
     is_video: bool,
+    masks: Option<Masks>,
     points: Vec<[f64; 2]>,
 }
 
 impl Tracer {
-    fn new(settings: &Settings, is_video: bool) -> Result<Self> {
+    fn new(settings: &Settings, args: &TraceArgs) -> Result<Self> {
+        if settings.extract.mask == Mask::External && args.mask.is_none() {
+            bail!("the settings say mask = \"external\": name the masks' folder with --mask DIR");
+        }
         Ok(Self {
             extractor: Extractor::new(settings.extract.options())?,
             fitter: Fitter::new(settings.fit.options(settings.extract.points))?,
-            is_video,
+            is_video: args.video,
+            masks: args.mask.as_deref().map(Masks::new).transpose()?,
             points: Vec::new(),
         })
     }
@@ -115,6 +125,10 @@ impl Tracer {
         let image = picture
             .image()
             .with_context(|| path.display().to_string())?;
+        let mask = match &self.masks {
+            Some(masks) => Some(masks.of(path)?),
+            None => None,
+        };
         let mut timing = Timing {
             decode: since(begin),
             ..Timing::default()
@@ -124,7 +138,7 @@ impl Tracer {
             self.extractor.reset();
         }
         let mut last = Instant::now();
-        let scene = self.extractor.extract_observed(&image, &mut |step| {
+        let mut watch = |step| {
             let spent = match step {
                 Step::Mask => &mut timing.mask,
                 Step::Skeleton => &mut timing.skeleton,
@@ -133,7 +147,17 @@ impl Tracer {
             };
             *spent += since(last);
             last = Instant::now();
-        });
+        };
+        let scene = match &mask {
+            None => self.extractor.extract_observed(&image, &mut watch),
+            Some((name, mask)) => {
+                let about = || name.display().to_string();
+                let mask = mask.image().with_context(about)?;
+                self.extractor
+                    .extract_masked_observed(&image, &mask, &mut watch)
+                    .with_context(about)?
+            }
+        };
 
         last = Instant::now();
         let mut curves = Vec::with_capacity(scene.curves.len());

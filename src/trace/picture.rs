@@ -48,6 +48,11 @@ impl Picture {
         Image::new(self.0.as_bytes(), width, height, channels * width, format)
     }
 
+    /// As one byte a pixel.
+    pub(super) fn into_gray(self) -> Self {
+        Self(DynamicImage::ImageLuma8(self.0.into_luma8()))
+    }
+
     pub(super) fn into_rgb(self) -> RgbImage {
         self.0.into_rgb8()
     }
