@@ -145,6 +145,8 @@ impl Capture {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Extract {
     pub(crate) mask: Mask,
+    /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
+    pub(crate) mask_deadline: Duration,
     /// Points of a centerline.
     pub(crate) points: usize,
     /// The most ropes reported.
@@ -157,6 +159,7 @@ impl Default for Extract {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            mask_deadline: Duration::from_millis(50),
             points: 120,
             ropes: 8,
             start: None,

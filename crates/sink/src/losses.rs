@@ -45,6 +45,8 @@ pub(crate) struct Ledger {
     steps: Counters,
     received: u64,
     stale: u64,
+    /// Frames that extract says it skipped for want of a mask.
+    masks_late: u64,
     restarts: Restarts,
 }
 
@@ -56,6 +58,7 @@ impl Ledger {
             steps: [0; 4],
             received: 0,
             stale: 0,
+            masks_late: 0,
             restarts: Restarts::default(),
         }
     }
@@ -86,6 +89,7 @@ impl Ledger {
 
     /// Counts what was under way when the chain stopped.
     pub(crate) fn finish(&mut self, sent: FinalCounts) {
+        self.masks_late = sent.masks_late.unwrap_or(0);
         let (before, fitted_ns) = match self.last {
             Some(last) => last,
             None if self.from_start => ([0; 4], 0),
@@ -149,9 +153,12 @@ impl Ledger {
     /// What each link lost. The subtractions cannot be negative: no step is smaller than the next stage's.
     pub(crate) fn lost(&self) -> Lost {
         let [source, captured, extracted, fitted] = self.steps;
+        // A sink that came late has not counted all that extract skipped.
+        let mask = self.masks_late.min(captured - extracted);
         Lost {
             source: source - captured,
-            capture: captured - extracted,
+            capture: captured - extracted - mask,
+            mask,
             extract: extracted - fitted,
             fit: fitted - self.received,
         }
