@@ -13,6 +13,7 @@ mod problem;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
 pub(crate) use keys::template;
+pub(crate) use meaning::mask_text;
 pub(crate) use problem::Problems;
 
 use crate::settings::keys::KEYS;

@@ -5,15 +5,14 @@ mod canvas;
 mod inputs;
 mod masks;
 mod overlay;
-mod picture;
 mod report;
 
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::fit_lines::is_closed;
+use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
-use crate::trace::picture::Picture;
 use crate::trace::report::{
     CrossingReport, CurveReport, Format, Report, StrandReport, Table, Timing,
 };

@@ -275,6 +275,11 @@ fn channel(index: usize, value: &Value) -> Result<[f32; 2], String> {
     Ok([a as f32, b as f32])
 }
 
+/// A mask as the file has it.
+pub(crate) fn mask_text(mask: &Mask) -> String {
+    mask_value(mask).to_string()
+}
+
 pub(super) fn mask_value(mask: &Mask) -> Value {
     let ranges = match mask {
         Mask::Auto => return Value::String("auto".to_owned()),

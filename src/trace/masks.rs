@@ -1,6 +1,6 @@
 //! Masks from elsewhere, as pictures in a folder: each of the name of the picture it belongs to.
 
-use crate::trace::picture::Picture;
+use crate::picture::Picture;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 

@@ -197,6 +197,11 @@ impl Extractor {
         self.tracker.reset();
     }
 
+    /// The mask of the last image.
+    pub(crate) fn mask(&self) -> &BitPlane {
+        &self.masker.mask
+    }
+
     /// A curve for each strand that is long enough to be a rope, the longest first.
     fn points(&mut self) {
         self.count = 0;

@@ -120,6 +120,19 @@ impl Masker {
     }
 }
 
+/// The mask of `image` as extraction takes it, cleaned: 255 for rope and 0 for the rest, a byte a pixel, row by row.
+///
+/// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
+pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
+    let mut masker = Masker::default();
+    masker.run(image, how);
+    let mask = &masker.mask;
+    let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| if mask.get(x as i32, y as i32) { 255 } else { 0 })
+        .collect()
+}
+
 /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all
 /// words at once: most of the noise, before anything counts pieces.
 fn smooth(mask: &mut BitPlane, original: &mut BitPlane) {
