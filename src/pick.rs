@@ -51,7 +51,9 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;
     let share = 100.0 * covered / pixels.len() as f64;
     let text = format!(
-        "# {shown}: {share:.1} % of it is in this mask.\n[extract]\nmask = {}\n",
+        "# {}: {share:.1} % of it is in this mask.\n[extract]\nmask = {}\n",
+        // A comment ends where its line does.
+        shown.to_string().replace(char::is_control, " "),
         mask_text(&mask)
     );
     std::io::stdout().write_all(text.as_bytes())?;

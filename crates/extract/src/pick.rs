@@ -1,14 +1,14 @@
 //! The colour ranges of the ropes in a picture, for a mask by colour: proposed by itself, or for the rope at a point.
 //!
 //! Which pixels are rope is known first, from elsewhere (`evidence`): from the automatic mask where it finds ropes, one
-//! class a colour; else from a region of like colour that grows from the point. Then a box in hue, saturation and
+//! class a colour; else from a region of like colour that grows from the point (`grow`). Then a box in hue, saturation and
 //! value is sought that holds the rope's pixels and keeps all others out (`range`).
 
 mod evidence;
 mod grow;
 mod range;
 
-use crate::{HsvRange, Image};
+use crate::{HsvRange, Image, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
 
@@ -50,15 +50,12 @@ pub enum PickError {
     },
     /// What has the point's colour is no rope.
     #[error(
-        "the colour at ({}, {}) goes on over {:.0} % of the image: that is no rope's. Give a point on the rope, and if \
-         it is one, its colour does not tell it from the table",
-        .at[0], .at[1], 100.0 * .share
+        "what has the colour at ({}, {}) is no rope: give a point on the rope. If it is one, its colour does not tell \
+         it from the table", .at[0], .at[1]
     )]
-    Everywhere {
+    NotARope {
         /// The point.
         at: [f32; 2],
-        /// How much of the image has its colour, 0 to 1.
-        share: f32,
     },
     /// Without a point: nothing stands out.
     #[error("no rope stands out from the table by itself: give a point on it")]
@@ -81,31 +78,36 @@ pub fn pick(image: &Image, at: Option<[f32; 2]>) -> Result<Picked, PickError> {
             return Err(PickError::Outside { at, last });
         }
     }
-    let evidence = evidence::automatic(image);
+    let evidence = evidence::of_mask(image, Mask::Auto);
     let Some(at) = at else {
         let evidence = evidence.ok_or(PickError::NoRope)?;
-        return Ok(ranges(image, &evidence, 0..evidence.classes));
+        return picked(image, &evidence, 0..evidence.classes).ok_or(PickError::NoRope);
     };
-    if let Some(evidence) = &evidence
-        && let Some(class) = class_near(evidence, at)
+    if let Some(evidence) = evidence
+        && let Some(class) = class_near(&evidence, at)
+        && let Some(picked) = picked(image, &evidence, class..class + 1)
     {
-        return Ok(ranges(image, evidence, class..class + 1));
+        return Ok(picked);
     }
-    let evidence = grow::region(image, at)?;
-    // The rope goes on where the region does not reach: what the first range finds beside it is no table.
-    let first = range::fit(image, &evidence, 0);
-    let evidence = evidence.with_all_in(image, &first.range);
-    Ok(ranges(image, &evidence, 0..1))
+    let region = grow::rope(image, at)?;
+    let picked = picked(image, &region, 0..1).ok_or(PickError::NotARope { at })?;
+    // The table has colours too. What counts is whether they make a rope where the point is.
+    evidence::of_mask(image, Mask::Hsv(picked.ranges.clone()))
+        .and_then(|seen| class_near(&seen, at))
+        .map(|_| picked)
+        .ok_or(PickError::NotARope { at })
 }
 
-fn ranges(image: &Image, evidence: &Evidence, classes: std::ops::Range<usize>) -> Picked {
-    let fits = classes.map(|class| range::fit(image, evidence, class));
-    let fits: Vec<range::Fit> = fits.collect();
-    let worst = fits.iter().map(|fit| fit.agreement).fold(1.0, f32::min);
-    Picked {
+/// The ranges of these classes; `None` if none has a pixel.
+fn picked(image: &Image, evidence: &Evidence, classes: std::ops::Range<usize>) -> Option<Picked> {
+    let fits: Vec<range::Fit> = classes
+        .filter_map(|class| range::fit(image, evidence, class))
+        .collect();
+    let worst = fits.iter().map(|fit| fit.agreement).reduce(f32::min)?;
+    Some(Picked {
         ranges: fits.iter().map(|fit| fit.range).collect(),
         agreement: worst,
-    }
+    })
 }
 
 /// The class of the rope pixel nearest to `at`, if one is near.

@@ -3,11 +3,11 @@
 use crate::bits::BitPlane;
 use crate::hsv;
 use crate::vec2;
-use crate::{Curve, Extractor, HsvRange, Image, Options, color};
+use crate::{Curve, Extractor, Image, Mask, Options, color};
 
 /// Pixels this near to a rope are mixtures of rope and table, and evidence of neither.
 const GUARD_PX: i32 = 2;
-/// So much of the automatic mask must lie along the curves found in it; less, and it is a pattern, not ropes.
+/// So much of a mask must lie along the curves found in it; less, and it is a pattern, not ropes.
 const LEAST_ALONG: f32 = 0.7;
 /// The part of a half-width in which a rope's own colour is looked for.
 const CORE: f32 = 0.6;
@@ -60,17 +60,6 @@ impl Evidence {
         evidence
     }
 
-    /// The same with every pixel in `range` for rope.
-    pub(super) fn with_all_in(&self, image: &Image, range: &HsvRange) -> Self {
-        let region: Vec<bool> = (0..self.labels.len())
-            .map(|i| {
-                let rgb = color::rgb(image, i % self.width, i / self.width);
-                self.labels[i] == Label::Rope(0) || hsv::contains(&[*range], rgb)
-            })
-            .collect();
-        Self::of_region(&region, self.width)
-    }
-
     /// Makes the table beside rope unknown.
     fn guard(&mut self, is_rope: impl Fn(usize) -> bool) {
         let (width, height) = (self.width as i32, (self.labels.len() / self.width) as i32);
@@ -92,10 +81,14 @@ impl Evidence {
     }
 }
 
-/// What the automatic mask knows, if it finds ropes: its pixels belong to the curve that they are nearest to, and curves
-/// of one colour are one class.
-pub(super) fn automatic(image: &Image) -> Option<Evidence> {
-    let mut extractor = Extractor::new(Options::default()).ok()?;
+/// What a mask knows, if extraction finds ropes in it: its pixels belong to the curve that they are nearest to, and
+/// curves of one colour are one class.
+pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
+    let options = Options {
+        mask,
+        ..Options::default()
+    };
+    let mut extractor = Extractor::new(options).ok()?;
     let curves = extractor.extract(image).curves.to_vec();
     let mask = extractor.mask();
     let (width, height) = (image.width(), image.height());

@@ -6,9 +6,10 @@
 
 use super::PickError;
 use super::evidence::{Evidence, median_color};
+use super::range;
 use crate::background::Background;
 use crate::vec2::Vec2;
-use crate::{Image, color};
+use crate::{Image, color, hsv};
 
 /// Tolerances tried, in levels: from noise to any edge that a camera shows, by steps of a seventh.
 const TOLERANCES: [f32; 20] = [
@@ -25,8 +26,25 @@ const PLAIN: f32 = 8.0;
 const TABLE_LEVELS: f32 = 14.0;
 const TABLE_RESIDUALS: f32 = 6.0;
 
-/// The region at `at`, a point in the image.
-pub(super) fn region(image: &Image, at: Vec2) -> Result<Evidence, PickError> {
+/// The rope at `at`, a point in the image: the region, and all that has the region's colours elsewhere.
+pub(super) fn rope(image: &Image, at: Vec2) -> Result<Evidence, PickError> {
+    let mut region = region(image, at)?;
+    let width = image.width();
+    if let Some(fit) = range::fit(image, &Evidence::of_region(&region, width), 0) {
+        // The rope goes on where the region does not reach, behind another strand: that is no table.
+        for (i, set) in region.iter_mut().enumerate() {
+            *set |= hsv::contains(&[fit.range], color::rgb(image, i % width, i / width));
+        }
+    }
+    Ok(Evidence::of_region(&region, width))
+}
+
+fn area(region: &[bool]) -> usize {
+    region.iter().filter(|set| **set).count()
+}
+
+/// The region that grows from `at`.
+fn region(image: &Image, at: Vec2) -> Result<Vec<bool>, PickError> {
     let (width, height) = (image.width(), image.height());
     let (x, y) = (
         at[0].round().max(0.0) as usize,
@@ -48,19 +66,15 @@ pub(super) fn region(image: &Image, at: Vec2) -> Result<Evidence, PickError> {
             color::distance(rgb, seed, false)
         })
         .collect();
-    let regions = TOLERANCES.map(|tolerance| flood(&far, width, [x, y], tolerance));
-    let area = |region: &[bool]| region.iter().filter(|set| **set).count();
+    let mut regions = TOLERANCES.map(|tolerance| flood(&far, width, [x, y], tolerance));
     let areas: Vec<usize> = regions.iter().map(|region| area(region)).collect();
     let leap = |i: &usize| areas[i + 1] as f32 / areas[*i].max(1) as f32;
     let before = (0..areas.len() - 1)
         .filter(|&i| areas[i] as f32 <= MOST * far.len() as f32)
         .max_by(|a, b| leap(a).total_cmp(&leap(b)));
     match before {
-        Some(i) if areas[i] > 0 => Ok(Evidence::of_region(&regions[i], width)),
-        _ => Err(PickError::Everywhere {
-            at,
-            share: areas[0] as f32 / far.len() as f32,
-        }),
+        Some(i) if areas[i] > 0 => Ok(std::mem::take(&mut regions[i])),
+        _ => Err(PickError::NotARope { at }),
     }
 }
 

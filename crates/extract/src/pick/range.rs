@@ -16,6 +16,8 @@ const HUES: usize = 360;
 const COST: f32 = 0.002;
 /// How far a hue goes on where nothing stops it, in degrees: a sixth of the circle is another colour.
 const FREE_HUE: usize = 20;
+/// A rope without colour that reaches below this value is a dark one: a fifth of the scale.
+const DARK: usize = STEPS / 5;
 /// Rounds of the ascent; it has come to rest after two or three.
 const ROUNDS: usize = 6;
 
@@ -39,8 +41,8 @@ struct Pixel {
 /// First and last step of each channel, both within.
 type Box3 = [[usize; 2]; 3];
 
-/// The range of a class.
-pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Fit {
+/// The range of a class; `None` of one without a pixel.
+pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Option<Fit> {
     let width = image.width();
     let rgb = |i: usize| color::rgb(image, i % width, i / width);
     let is_rope = |label: &Label| matches!(label, Label::Rope(c) if usize::from(*c) == class);
@@ -49,6 +51,9 @@ pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Fit {
         .filter(|(_, label)| is_rope(label))
         .map(|(i, _)| rgb(i))
         .collect();
+    if own.is_empty() {
+        return None;
+    }
     let middle = own_hue(&own);
     let pixels: Vec<Pixel> = labels()
         .filter(|(_, label)| **label != Label::Unknown)
@@ -57,17 +62,17 @@ pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Fit {
             is_rope: is_rope(label),
         })
         .collect();
-    let mut search = Search {
+    let search = Search {
         pixels,
         has_hue: middle.is_some(),
         rope: own.len() as f32,
     };
     let sides = search.best_box();
     let agreement = search.agreement(&sides);
-    Fit {
+    Some(Fit {
         range: range(&sides, middle),
         agreement,
-    }
+    })
 }
 
 /// The hue that the rope's pixels have in the mean, each by its chroma; `None` of a rope without colour.
@@ -124,7 +129,7 @@ struct Search {
 }
 
 impl Search {
-    fn best_box(&mut self) -> Box3 {
+    fn best_box(&self) -> Box3 {
         let mut sides = self.middle_of_the_rope();
         for _ in 0..ROUNDS {
             let before = sides;
@@ -187,6 +192,8 @@ impl Search {
         if channel != SATURATION || self.has_hue {
             *low = self.lower_side(&counts[..=last], *high, outwards, |best| match channel {
                 HUE => best.saturating_sub(FREE_HUE),
+                // A black rope in the shade is still black; a red one has no hue any more.
+                VALUE if !self.has_hue && best < DARK => 0,
                 _ => best / 2,
             });
         }
