@@ -11,6 +11,8 @@ const GUARD_PX: i32 = 2;
 const LEAST_ALONG: f32 = 0.7;
 /// The part of a half-width in which a rope's own colour is looked for.
 const CORE: f32 = 0.6;
+/// Beyond this part of a half-width a rope's pixels are mixtures with the table.
+const EDGE: f32 = 0.8;
 /// Ropes whose hues differ by less are of one colour, in degrees.
 const SAME_HUE_DEG: f32 = 20.0;
 /// Ropes without colour whose values differ by less are of one class.
@@ -103,6 +105,7 @@ pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
         .max()
         .map_or(0, |&last| usize::from(last) + 1);
     let label = |i: usize| match owner[i] {
+        Some((_, far)) if far > EDGE => Label::Unknown,
         Some((curve, _)) => Label::Rope(classes[usize::from(curve)]),
         None if mask.get((i % width) as i32, (i / width) as i32) => Label::Unknown,
         None => Label::Table,
