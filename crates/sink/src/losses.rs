@@ -3,7 +3,8 @@
 //! Each stage numbers what it sends. Of two consecutive messages at the sink, let Δs, Δc, Δe, Δf be how far the source's
 //! number and the counters of capture, extract and fit have moved: the source skipped Δs − Δc frames, the link after
 //! capture lost Δc − Δe, the one after extract Δe − Δf, the one after fit Δf − 1. The sums telescope, so that every frame
-//! that was published is received or lost on exactly one link.
+//! that was published is received or lost on exactly one link. How many of Δc − Δe extract skipped for want of a mask, it
+//! says at its end.
 //!
 //! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
 //! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
