@@ -3,8 +3,9 @@
 use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use lariat_wire::{Delivery, Domain, MASKS, Reader, Rig};
+use lariat_wire::{Delivery, Domain, FRAMES, FrameHeader, MASKS, Reader, Rig, Writer};
 
 use crate::frames::wait_for_next;
 use crate::rig::Bench;
@@ -90,19 +91,54 @@ fn without_a_process_that_makes_masks_every_frame_is_skipped_and_counted() {
 }
 
 #[test]
+fn a_later_frames_mask_says_that_an_earlier_ones_will_not_come() {
+    // Nobody would wait for this deadline: what ends the wait is the next frame's mask.
+    let bench = external(3_600_000_000);
+    let domain = Domain::named(&bench.domain).unwrap();
+    let delivery = Delivery::Lossless {
+        stop: Arc::default(),
+    };
+    let rig = Rig::default();
+    let frames = Reader::create(&domain, &rig, &FRAMES, Some(&delivery)).unwrap();
+    let masks = Writer::masks(&domain, &rig, &delivery, 640 * 480).unwrap();
+    let chain = bench.start(&[
+        "--lossless",
+        "--fps",
+        "max",
+        "--frames",
+        "6",
+        "--out",
+        "out",
+    ]);
+    for number in 1..=6 {
+        let frame = wait_for_next(&frames, Instant::now() + Duration::from_secs(60));
+        if number % 2 == 0 {
+            let mut mask = masks.frame_slot(640 * 480).unwrap();
+            mask.fill(0);
+            *mask.header_mut() = frame.header().of_mask();
+            mask.send().unwrap();
+        }
+    }
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let frames_seen = &bench.summary("out")["frames"];
+    assert_eq!(
+        (&frames_seen["received"], &frames_seen["lost"]["mask"]),
+        (&3.into(), &3.into())
+    );
+    bench.assert_every_frame_is_accounted_for("out");
+    drop((frames, masks, domain));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn a_mask_of_another_size_is_named_and_its_frame_answered_without_a_rope() {
     let bench = external(30_000_000);
     let domain = Domain::named(&bench.domain).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
     let delivery = Delivery::Lossless { stop: stop.clone() };
-    let frames = Reader::create(
-        &domain,
-        &Rig::default(),
-        &lariat_wire::FRAMES,
-        Some(&delivery),
-    )
-    .unwrap();
-    let masks = lariat_wire::Writer::masks(&domain, &Rig::default(), &delivery, 16).unwrap();
+    let frames = Reader::create(&domain, &Rig::default(), &FRAMES, Some(&delivery)).unwrap();
+    let masks = Writer::masks(&domain, &Rig::default(), &delivery, 16).unwrap();
     let chain = bench.start(&[
         "--lossless",
         "--fps",
@@ -113,10 +149,10 @@ fn a_mask_of_another_size_is_named_and_its_frame_answered_without_a_rope() {
         "out",
     ]);
     for _ in 0..5 {
-        let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+        let deadline = Instant::now() + Duration::from_secs(30);
         let frame = wait_for_next(&frames, deadline);
         let mut mask = masks.frame_slot(16).unwrap();
-        *mask.header_mut() = lariat_wire::FrameHeader {
+        *mask.header_mut() = FrameHeader {
             width: 4,
             height: 4,
             stride: 4,
@@ -148,8 +184,8 @@ fn masks_have_one_writer_and_can_be_looked_at() {
     let domain = Domain::named(&bench.domain).unwrap();
     let rig = Rig::default();
     let reader = Reader::create(&domain, &rig, &MASKS, None).unwrap();
-    let writer = lariat_wire::Writer::masks(&domain, &rig, &Delivery::NewestWins, 12).unwrap();
-    let second = lariat_wire::Writer::masks(&domain, &rig, &Delivery::NewestWins, 12);
+    let writer = Writer::masks(&domain, &rig, &Delivery::NewestWins, 12).unwrap();
+    let second = Writer::masks(&domain, &rig, &Delivery::NewestWins, 12);
     let said = second.unwrap_err().to_string();
     assert!(
         said.contains("lariat/default/masks already has a writer"),
