@@ -18,7 +18,7 @@ use crate::trace::report::{
 };
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use lariat_extract::{Crossing, CrossingSequence, Curve, Extractor, Mask, Scene, Step};
+use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Scene, Step};
 use lariat_fit::Fitter;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -159,34 +159,46 @@ impl Tracer {
         };
 
         last = Instant::now();
-        let mut curves = Vec::with_capacity(scene.curves.len());
-        for (index, curve) in scene.curves.iter().enumerate() {
+        let mut descriptors = Vec::with_capacity(scene.curves.len());
+        for curve in scene.curves {
             self.points.clear();
             self.points
                 .extend(curve.points.iter().map(|p| p.map(f64::from)));
-            let descriptor = Descriptor::of(&mut self.fitter, &self.points)?.rounded();
-            let sequence = CrossingSequence::of(&scene, index);
-            curves.push(curve_report(curve, &sequence, descriptor));
+            descriptors.push(Descriptor::of(&mut self.fitter, &self.points)?.rounded());
         }
         timing.fit = since(last);
         timing.total = since(begin);
-        let report = Report {
-            image: path.display().to_string(),
-            width: picture.width(),
-            height: picture.height(),
-            curves,
-            crossings: scene
-                .crossings
-                .iter()
-                .map(|crossing| crossing_report(&scene, crossing))
-                .collect(),
-            timing_us: timing.rounded(),
-        };
+        let report = report(path, &picture, &scene, descriptors, timing.rounded());
         Ok((picture, report))
     }
 }
 
-fn curve_report(curve: &Curve, sequence: &CrossingSequence, descriptor: Descriptor) -> CurveReport {
+fn report(
+    path: &Path,
+    picture: &Picture,
+    scene: &Scene,
+    descriptors: Vec<Descriptor>,
+    timing_us: Timing,
+) -> Report {
+    let curves = descriptors.into_iter().enumerate();
+    let crossings = scene.crossings.iter();
+    Report {
+        image: path.display().to_string(),
+        width: picture.width(),
+        height: picture.height(),
+        curves: curves
+            .map(|(index, descriptor)| curve_report(scene, index, descriptor))
+            .collect(),
+        crossings: crossings
+            .map(|crossing| crossing_report(scene, crossing))
+            .collect(),
+        timing_us,
+    }
+}
+
+fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveReport {
+    let curve = &scene.curves[index];
+    let sequence = CrossingSequence::of(scene, index);
     let rounded = |x: &f32| thousandths((*x).into());
     CurveReport {
         track: curve.track,

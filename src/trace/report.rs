@@ -140,24 +140,7 @@ impl Table {
 
     pub(super) fn write(&mut self, report: &Report, output: &mut impl Write) -> io::Result<()> {
         let width = self.name_width;
-        if !self.has_heading {
-            self.has_heading = true;
-            writeln!(
-                output,
-                "{:<width$}  {:>9}  {:>4}  {:<7}  {:>9}  {:>8}  {:>9}  {:>5}  {:>7}  {:>7}  {:>8}",
-                "image",
-                "size",
-                "rope",
-                "status",
-                "length px",
-                "width px",
-                "crossings",
-                "order",
-                "rms px",
-                "max px",
-                "time ms"
-            )?;
-        }
+        self.head(output)?;
         let name = self.shortened(&report.image);
         let size = format!("{}×{}", report.width, report.height);
         let time_ms = report.timing_us.total / 1e3;
@@ -204,6 +187,29 @@ impl Table {
             }
         }
         Ok(())
+    }
+
+    /// The heading, before the first row.
+    fn head(&mut self, output: &mut impl Write) -> io::Result<()> {
+        let width = self.name_width;
+        if std::mem::replace(&mut self.has_heading, true) {
+            return Ok(());
+        }
+        writeln!(
+            output,
+            "{:<width$}  {:>9}  {:>4}  {:<7}  {:>9}  {:>8}  {:>9}  {:>5}  {:>7}  {:>7}  {:>8}",
+            "image",
+            "size",
+            "rope",
+            "status",
+            "length px",
+            "width px",
+            "crossings",
+            "order",
+            "rms px",
+            "max px",
+            "time ms"
+        )
     }
 
     fn shortened(&self, name: &str) -> String {

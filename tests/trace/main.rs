@@ -1,5 +1,8 @@
 //! `lariat trace` on pictures drawn here.
 
+mod crossings;
+mod masks;
+
 use assert_cmd::Command;
 use image::{GrayImage, Rgb, RgbImage};
 use serde_json::Value;
@@ -151,53 +154,6 @@ fn a_rope_is_traced_and_described() {
         let p = lariat_fit::point_at(&control_points, f64::from(i) / 100.0);
         assert!(distance_to_wave(p) < 2.0, "{p:?}");
     }
-}
-
-/// A flat loop: the rope comes from the left, turns back over itself and goes on to the right.
-fn looped(t: f64) -> [f64; 2] {
-    let a = std::f64::consts::TAU * (1.4 * t - 0.2);
-    [
-        160.0 + 18.0 * (a - std::f64::consts::PI) + 60.0 * a.sin(),
-        120.0 + 60.0 * a.cos(),
-    ]
-}
-
-#[test]
-fn a_crossing_has_its_two_strands_and_a_loop_pulls_straight() {
-    let folder = TempDir::new().unwrap();
-    save(&folder, "loop.png", &rope_picture(320, 240, looped));
-    let output = trace(&folder, &["loop.png", "--format", "jsonl"])
-        .output()
-        .unwrap();
-    let report = &lines(&output.stdout)[0];
-    let curve = &report["curves"][0];
-    assert_eq!(curve["widths_px"].as_array().unwrap().len(), 120);
-    assert_eq!(curve["border"], serde_json::json!([false, false]));
-    let [crossing] = &report["crossings"].as_array().unwrap()[..] else {
-        panic!("one crossing: {report}")
-    };
-    assert_eq!(keys(crossing).join(" "), "at confidence over under");
-    let mut rhos = Vec::new();
-    for strand in ["over", "under"] {
-        assert_eq!(crossing[strand]["track"], curve["track"]);
-        rhos.push(crossing[strand]["rho"].as_f64().unwrap());
-        // There the curve is, but for the distance of two of its points.
-        let at = &points(&curve["points"])[(rhos[rhos.len() - 1] * 119.0).round() as usize];
-        let crossing: [f64; 2] = serde_json::from_value(crossing["at"].clone()).unwrap();
-        let apart = (at[0] - crossing[0]).hypot(at[1] - crossing[1]);
-        assert!(apart < 4.0, "{apart}");
-    }
-    assert!((rhos[0] - rhos[1]).abs() > 0.2, "{rhos:?}");
-    let sequence = curve["crossing_sequence"].as_str().unwrap();
-    assert!(["O1 U1", "U1 O1"].contains(&sequence), "{sequence}");
-    assert_eq!(curve["pulls_straight"], true, "whichever strand is on top");
-
-    let table = trace(&folder, &["loop.png"]).output().unwrap();
-    let table = String::from_utf8(table.stdout).unwrap();
-    assert!(
-        table.contains(&format!("{sequence}: pulls straight")),
-        "{table}"
-    );
 }
 
 #[test]
@@ -464,61 +420,6 @@ fn colours_and_limits_come_from_the_settings_file() {
     };
     assert_eq!(settings("[200, 240]"), 1, "the rope is blue");
     assert_eq!(settings("[340, 20]"), 0, "and not red");
-}
-
-#[test]
-fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
-    let folder = TempDir::new().unwrap();
-    std::fs::create_dir(folder.path().join("masks")).unwrap();
-    // Nothing tells this rope from its table but the mask.
-    save(&folder, "table.jpg", &RgbImage::from_pixel(320, 240, TABLE));
-    let mask = wave_picture();
-    let white = |pixel: &Rgb<u8>| if pixel.0[0] < 130 { 255 } else { 0 };
-    let mask = GrayImage::from_fn(320, 240, |x, y| image::Luma([white(mask.get_pixel(x, y))]));
-    mask.save(folder.path().join("masks/table.png")).unwrap();
-    let args = ["table.jpg", "--mask", "masks", "--format", "jsonl"];
-    let output = trace(&folder, &args).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    let report = &lines(&output.stdout)[0];
-    assert_eq!(report["curves"].as_array().unwrap().len(), 1);
-    for p in points(&report["curves"][0]["points"]) {
-        assert!(distance_to_wave(p) < 1.0, "{p:?}");
-    }
-}
-
-#[test]
-fn a_mask_that_is_missing_or_of_another_size_is_named() {
-    let folder = TempDir::new().unwrap();
-    save(&folder, "wave.png", &wave_picture());
-    let said = |args: &[&str]| {
-        let output = trace(&folder, args).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{output:?}");
-        String::from_utf8(output.stderr).unwrap()
-    };
-    assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
-        "lariat: there is no folder masks: --mask takes a folder of PNG pictures, white for rope\n"
-    );
-    std::fs::create_dir(folder.path().join("masks")).unwrap();
-    assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
-        "lariat: there is no mask of wave.png: it would be masks/wave.png\n"
-    );
-    save(&folder, "masks/wave.png", &RgbImage::new(20, 10));
-    assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
-        "lariat: masks/wave.png: the mask is 20×10 pixels and its image 320×240: give each image a mask of its own \
-         size\n"
-    );
-    std::fs::write(
-        folder.path().join("lariat.toml"),
-        "[extract]\nmask = \"external\"\n",
-    )
-    .unwrap();
-    assert_eq!(
-        said(&["wave.png"]),
-        "lariat: the settings say mask = \"external\": name the masks' folder with --mask DIR\n"
-    );
 }
 
 #[test]
