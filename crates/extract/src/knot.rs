@@ -145,9 +145,12 @@ fn in_order_of_appearance(passes: &[Pass]) -> Vec<usize> {
     order
 }
 
-/// The position at a normalized arc length; before the first point and after the last, those.
+/// The position at a normalized arc length; before the first point and after the last, those. The origin, where there
+/// are no points.
 fn along(points: &[Vec2], rho: f32) -> Vec2 {
-    let last = points.len() - 1;
+    let Some(last) = points.len().checked_sub(1) else {
+        return [0.0; 2];
+    };
     let at = rho.clamp(0.0, 1.0) * last as f32;
     let i = (at as usize).min(last.saturating_sub(1));
     let next = (i + 1).min(last);
