@@ -1,12 +1,13 @@
 //! How close the extractor's curves are to the truth.
 //!
 //! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
-//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`), and told (`report`,
-//! `csv`, `overlay`).
+//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`, `crossings`), and told
+//! (`report`, `csv`, `overlay`).
 
 mod assignment;
 mod causes;
 mod coverage;
+mod crossings;
 mod csv;
 mod dataset;
 mod drawing;
@@ -40,6 +41,11 @@ pub(crate) struct Args {
     /// Also draws what was found over each photograph, and a contact sheet for each set: DIR/SET/IMAGE.png
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
+    /// Which strand is on top at each crossing, told by eye: a line `SET/IMAGE,x,y,degrees,yes|no` for each, with the
+    /// direction of the upper strand, and whether that is sure [default: the list that comes with this bench, if it has
+    /// one for a data set of this name]
+    #[arg(long, value_name = "FILE")]
+    crossings: Option<PathBuf>,
 }
 
 /// Measures what was asked for and prints it.
@@ -48,6 +54,11 @@ pub(crate) struct Args {
 /// The data cannot be read or the results cannot be written: a sentence that names the file.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let sets = dataset::find(&args.dataset)?;
+    let list = args
+        .crossings
+        .clone()
+        .or_else(|| crossings::list_for(&args.dataset));
+    let seen = list.map(|list| crossings::load(&list)).transpose()?;
     let mut bench = Bench::new()?;
     let mut measured = Vec::new();
     for set in &sets {
@@ -64,5 +75,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
     }
     print!("{}", report::table(&measured));
+    print!("{}", crossings::table(&measured, &seen.unwrap_or_default()));
     Ok(())
 }
