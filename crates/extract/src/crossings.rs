@@ -2,8 +2,9 @@
 //! strand lies on top there ([`crate::over`]).
 
 use crate::Image;
-use crate::meet::{Meeter, Place};
+use crate::meet::Meeter;
 use crate::over::Judge;
+use crate::place::Place;
 use crate::scene::{Crossing, Curve};
 
 /// The most crossings reported.

@@ -31,7 +31,7 @@
 //! | mask | `background`, `difference`, `threshold` or `hsv`, then `components` | image → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `thin` | mask → lines one pixel wide |
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
-//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`) | strands → curves with numbers that last |
+//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
 //!
 //! # Bounds
 //!
@@ -61,6 +61,7 @@ mod over;
 mod overlaps;
 mod pairing;
 mod path;
+mod place;
 mod plane;
 mod rehearse;
 mod scene;

@@ -6,6 +6,7 @@
 //! may meet several times within one overlap: an odd number of meetings is one crossing, an even
 //! number none, as only then the strands come out of the overlap on the sides they went in.
 
+use crate::place::Place;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
@@ -14,16 +15,6 @@ use crate::vec2::{self, Vec2};
 const BLOCK: usize = 8;
 /// Meetings that are looked at; 32 crossings are reported at most.
 const MOST: usize = 256;
-/// A rope that bends back to cross itself needs more way than this, in widths: the centerline of
-/// the tightest loop, whose hole is closed, is π widths long.
-const TIGHTEST: f32 = 2.0;
-
-/// A place on a curve: its index, and the point with its fraction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
-    pub(crate) curve: usize,
-    pub(crate) at: f32,
-}
 
 /// Two places that lie over each other.
 #[derive(Clone, Copy, Debug)]
@@ -195,60 +186,6 @@ fn one_overlap(curves: &[Curve], m: &Meeting, n: &Meeting) -> bool {
         let on = |curve: &Curve, from: f32, to: f32| curve.at(from + t * curve.step(from, to));
         vec2::distance(on(a, m.a.at, n.a.at), on(b, m.b.at, n.b.at)) < half_px
     })
-}
-
-impl Curve {
-    /// Pieces between points; of a closed curve also from the last to the first.
-    pub(crate) fn intervals(&self) -> usize {
-        match self.points.len() {
-            0 | 1 => 0,
-            n if self.closed => n,
-            n => n - 1,
-        }
-    }
-
-    fn piece(&self, i: usize) -> [Vec2; 2] {
-        [self.points[i], self.points[(i + 1) % self.points.len()]]
-    }
-
-    /// Whether pieces `i` and `j` are too near along the curve to cross each other.
-    fn neighbors(&self, i: usize, j: usize) -> bool {
-        let apart = self.step(i as f32, j as f32).abs();
-        apart < 1.5 || apart * self.spacing_px() < TIGHTEST * self.width_px
-    }
-
-    /// From place `from` to place `to` (points with fractions), the shorter way of a closed curve.
-    fn step(&self, from: f32, to: f32) -> f32 {
-        let (step, around) = (to - from, self.intervals() as f32);
-        if self.closed && step.abs() > 0.5 * around {
-            step - around.copysign(step)
-        } else {
-            step
-        }
-    }
-
-    /// How long the way between two places is, in pixels.
-    fn way_px(&self, from: f32, to: f32) -> f32 {
-        self.step(from, to).abs() * self.spacing_px()
-    }
-
-    /// From one point to the next, in pixels.
-    pub(crate) fn spacing_px(&self) -> f32 {
-        self.length_px / self.intervals().max(1) as f32
-    }
-
-    /// The position at a place.
-    fn at(&self, place: f32) -> Vec2 {
-        let pieces = self.intervals();
-        let place = if self.closed {
-            place.rem_euclid(pieces as f32)
-        } else {
-            place
-        };
-        let i = (place.max(0.0) as usize).min(pieces - 1);
-        let [from, to] = self.piece(i);
-        vec2::along(from, vec2::sub(to, from), place - i as f32)
-    }
 }
 
 #[cfg(test)]

@@ -141,6 +141,27 @@ fn the_upper_of_two_ropes_of_one_color_is_told_by_its_shading() {
 }
 
 #[test]
+fn a_lens_out_of_focus_hides_the_order_seldom() {
+    let mut random = Random(407);
+    let (mut seen, mut right) = (0, 0);
+    for _ in 0..80 {
+        let mut cross = Cross::random(&mut random);
+        for strand in [&mut cross.above, &mut cross.below] {
+            strand.surface.shade = 0.3;
+            strand.surface.braid = 0.0;
+            strand.width_px = strand.width_px.max(8.0);
+        }
+        // A Gaussian of 1.6 px.
+        (cross.soften, cross.noise) = (5, 2.0);
+        if let Some(found) = see(&cross, &mut random) {
+            seen += 1;
+            right += usize::from(found.right);
+        }
+    }
+    assert!(seen >= 75 && 100 * right >= 95 * seen, "{right} of {seen}");
+}
+
+#[test]
 fn confidence_tells_how_often_it_is_right() {
     let mut random = Random(402);
     let mut bins = [(0.0f32, 0.0f32, 0.0f32); 3];
