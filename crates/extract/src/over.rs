@@ -42,9 +42,9 @@ const MOST_SAMPLES: usize = 320;
 const ROUNDING: f32 = 1.0;
 /// How fast certainty grows with the margin between the strands. The logistic regression of "right"
 /// over 2200 drawn crossings (every contrast from none on; braided, speckled, blurred by lens and by
-/// motion, shining, flat) gives a slope of 10 for the log-odds; half of it makes the hyperbolic
+/// motion, shining, flat) gives a slope of 12 for the log-odds; half of it makes the hyperbolic
 /// tangent of the same curve. The number of samples does not enter: what misleads is not noise.
-const CERTAINTY: f32 = 5.0;
+const CERTAINTY: f32 = 6.0;
 
 /// Memory of the step.
 #[derive(Debug)]
@@ -131,13 +131,31 @@ impl Judge {
         let reach_px = 1.1 * across_px + beyond_px(wider_px) + around_px(wider_px) + BLUR_PX;
         // At a pixel's steps nothing is missed; of thick ropes a dozen steps a width tell as much.
         let step_px = ((widths[0] + widths[1]) / 24.0).max(1.0);
-        for (axis, place) in self.axes.iter_mut().zip([a, b]) {
-            axis.lay(&curves[place.curve], place.at, reach_px, step_px);
+        let mut reaches = [[reach_px; 2]; 2];
+        if a.curve == b.curve {
+            share_loop(&curves[a.curve], [a.at, b.at], &mut reaches);
+        }
+        for ((axis, place), reach) in self.axes.iter_mut().zip([a, b]).zip(reaches) {
+            axis.lay(&curves[place.curve], place.at, reach, step_px);
         }
         let [first, second] = &self.axes;
         let [a, b] = [[first, second], [second, first]]
             .map(|[axis, other]| surprise(image, axis, other, step_px, &mut self.line));
         verdict(a, b)
+    }
+}
+
+/// Ends the axes of two places of one curve, the first before the second, halfway between them: a
+/// small loop is not to be followed into the other pass.
+fn share_loop(curve: &Curve, [first, second]: [f32; 2], reaches: &mut [[f32; 2]; 2]) {
+    let half_px = |way: f32| 0.5 * way * curve.spacing_px();
+    let between = half_px(second - first);
+    reaches[0][1] = reaches[0][1].min(between);
+    reaches[1][0] = reaches[1][0].min(between);
+    if curve.closed {
+        let around = half_px(curve.intervals() as f32 - (second - first));
+        reaches[0][0] = reaches[0][0].min(around);
+        reaches[1][1] = reaches[1][1].min(around);
     }
 }
 
@@ -176,15 +194,16 @@ fn around_px(half_px: f32) -> f32 {
 }
 
 impl Axis {
-    /// Samples `curve` every `step_px` as far as `reach_px` to both sides of place `at`.
-    fn lay(&mut self, curve: &Curve, at: f32, reach_px: f32, step_px: f32) {
+    /// Samples `curve` every `step_px` around place `at`, as far back and ahead as `reach_px` says.
+    fn lay(&mut self, curve: &Curve, at: f32, reach_px: [f32; 2], step_px: f32) {
         self.samples.clear();
         self.center = 0;
         self.half_px = 0.5 * curve.width_px;
         let step = step_px / curve.spacing_px().max(1e-3);
-        let most = ((reach_px / step_px) as i32).min(MOST_SAMPLES as i32 / 2 - 1);
+        let most = |px: f32| ((px / step_px) as i32).min(MOST_SAMPLES as i32 / 2 - 1);
+        let [back, ahead] = reach_px.map(most);
         let last = curve.intervals() as f32;
-        for k in -most..=most {
+        for k in -back..=ahead {
             let place = at + step * k as f32;
             if !curve.closed && !(0.0..=last).contains(&place) {
                 continue;
@@ -337,4 +356,24 @@ fn median_color(colors: &[[f32; 3]]) -> Option<[f32; 3]> {
         }
     }
     Some(channels.map(|mut channel| crate::background::median(&mut channel[..colors.len()])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_one_curve_each_strand_ends_halfway_to_the_other() {
+        let mut curve = Curve::empty();
+        curve.points.resize(101, [0.0; 2]);
+        curve.length_px = 200.0;
+        let mut open = [[90.0; 2]; 2];
+        share_loop(&curve, [20.0, 40.0], &mut open);
+        assert_eq!(open, [[90.0, 20.0], [20.0, 90.0]]);
+        curve.closed = true;
+        curve.length_px = 202.0;
+        let mut closed = [[90.0; 2]; 2];
+        share_loop(&curve, [20.0, 40.0], &mut closed);
+        assert_eq!(closed, [[81.0, 20.0], [20.0, 81.0]]);
+    }
 }
