@@ -26,8 +26,10 @@ const SPAN: f32 = 0.7;
 const BLUR_PX: f32 = 1.5;
 /// …and a shadow of it, in half-widths.
 const SHADOW: f32 = 0.5;
-/// The middle of the crossing, in half-widths of the other strand: a blur's worth within its edges.
+/// The middle of the crossing, in half-widths of the other strand, and at least a sharp lens's blur
+/// within its edges, in pixels.
 const CORE: f32 = 0.8;
+const SHARP_PX: f32 = 1.0;
 /// How much is looked at before and after the crossing, in half-widths of the other strand, and at
 /// least in pixels.
 const AROUND: f32 = 1.6;
@@ -244,6 +246,7 @@ fn surprise(image: &Image, axis: &Axis, other: &Axis, step_px: f32, line: &mut L
     }
     let yuv = color::is_yuv(image.format());
     let touched_px = other.half_px + beyond_px(other.half_px);
+    let core_px = (CORE * other.half_px).min(other.half_px - SHARP_PX);
     let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
     for k in 0..LINES {
         let share = 2.0 * k as f32 / (LINES - 1) as f32 - 1.0;
@@ -265,13 +268,14 @@ fn surprise(image: &Image, axis: &Axis, other: &Axis, step_px: f32, line: &mut L
         let samples = &axis.samples[seen.clone()];
         line.colors
             .extend(samples.iter().map(|s| color::between(image, point(s))));
-        smooth(&mut line.colors);
+        // Three samples are less than a width.
+        if 2.0 * step_px <= other.half_px {
+            smooth(&mut line.colors);
+        }
         let inside_seen = inside.start - seen.start..inside.end - seen.start;
         all.off
             .add_prediction(&line.colors, inside_seen.clone(), yuv);
-        let core = line.distances[inside]
-            .iter()
-            .map(|d| *d < CORE * other.half_px);
+        let core = line.distances[inside].iter().map(|d| *d < core_px);
         let colors = line.colors[inside_seen].iter().zip(core);
         all.unsteady
             .add_change(colors.filter(|(_, core)| *core).map(|(c, _)| *c), yuv);
