@@ -156,13 +156,8 @@ impl Extractor {
         let seen = self.count;
         let options = &self.options;
         self.count = self.tracker.update(&mut self.curves, seen, options);
-        self.crosser.find(
-            image,
-            (&self.graph, &self.skeleton, &self.zones),
-            &self.lines[..seen],
-            &self.curves[..seen],
-            &mut self.crossings,
-        );
+        self.crosser
+            .find(image, &self.curves[..seen], &mut self.crossings);
         after(Step::Points);
         Scene {
             curves: &self.curves[..self.count],

@@ -31,7 +31,7 @@
 //! | mask | `background`, `difference`, `threshold` or `hsv`, or made elsewhere; then `components` | image → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `thin` | mask → lines one pixel wide |
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
-//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
+//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
 //!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
 //! it is knotted (`knot`).
@@ -59,11 +59,14 @@ mod image;
 mod knot;
 mod line;
 mod mask;
+mod meet;
 mod options;
+mod over;
 mod overlaps;
 mod pairing;
 mod path;
 mod pick;
+mod place;
 mod plane;
 mod rehearse;
 mod scene;

@@ -67,7 +67,8 @@ pub struct Crossing {
     pub over_rho: f32,
     /// Where on the lower rope, as normalized arc length from 0 to 1.
     pub under_rho: f32,
-    /// How sure the order is, from 0 (not known which is on top) to 1.
+    /// How sure the order is, from 0 (a toss of a coin) to 1 (certain): 2p − 1 for a probability p
+    /// of being right.
     pub confidence: f32,
 }
 
