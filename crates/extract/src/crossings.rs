@@ -5,10 +5,7 @@ use crate::Image;
 use crate::meet::Meeter;
 use crate::over::Judge;
 use crate::place::Place;
-use crate::scene::{Crossing, Curve};
-
-/// The most crossings reported.
-const MOST: usize = 32;
+use crate::scene::{Crossing, Curve, MOST_CROSSINGS};
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -22,7 +19,7 @@ impl Crosser {
     pub(crate) fn find(&mut self, image: &Image, curves: &[Curve], out: &mut Vec<Crossing>) {
         out.clear();
         self.meeter.find(curves);
-        for meeting in self.meeter.crossings.iter().take(MOST) {
+        for meeting in self.meeter.crossings.iter().take(MOST_CROSSINGS) {
             let verdict = self.judge.judge(image, curves, [meeting.a, meeting.b]);
             let (over, under) = if verdict.second {
                 (meeting.b, meeting.a)

@@ -150,7 +150,8 @@ impl Extractor {
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
         let yuv = color::is_yuv(image.format());
-        self.strands.join(yuv, &self.graph, &self.zones);
+        self.strands
+            .join(yuv, &self.graph, &self.skeleton, &self.zones);
         after(Step::Graph);
         self.points();
         let seen = self.count;

@@ -105,14 +105,19 @@ pub(crate) fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
     let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
-    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
     let sides = if a.side * b.side < 0.0 {
         OTHER_SIDE
     } else {
         0.0
     };
     // The narrowest ropes measure their width too coarsely for it to say much.
-    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color * color + sides
+    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color_cost(a, b, yuv) + sides
+}
+
+/// What it costs that the arms' strands differ in color.
+pub(crate) fn color_cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
+    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
+    color * color
 }
 
 /// The bending energy (times length / 4) of the cubic from `from` in direction `out` to `to` in

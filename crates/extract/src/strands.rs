@@ -1,8 +1,9 @@
 //! Edges joined through crossings: each rope as a list of edges in their order.
 
 use crate::graph::Graph;
+use crate::lens;
 use crate::pairing::{Pairing, cost};
-use crate::skeleton::NONE;
+use crate::skeleton::{NONE, Skeleton};
 use crate::zones::{Arm, Zones};
 
 /// What more the pairings of a crossing may cost to make one rope of a ring and a strand: a bend by
@@ -48,7 +49,7 @@ pub(crate) struct Strands {
 
 impl Strands {
     /// Pairs the arms of each zone and follows each rope from end to end.
-    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, zones: &Zones) {
+    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, skeleton: &Skeleton, zones: &Zones) {
         self.link.clear();
         self.link.resize(2 * graph.edges.len(), NONE);
         self.arm.clear();
@@ -59,6 +60,7 @@ impl Strands {
             self.pair_zone(yuv, from, &zones.arms[from..to]);
             from = to;
         }
+        lens::untangle(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
         self.walk(graph, zones);
         // Each round opens one ring, so there are no more rounds than arms.
         for _ in 0..zones.arms.len() {
