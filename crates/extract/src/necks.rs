@@ -12,6 +12,8 @@ use crate::skeleton::Skeleton;
 const NECK_HALVES: f32 = 1.22;
 /// From here on it is surely wider.
 const WIDE_HALVES: f32 = 1.35;
+/// Nearer to its ends than this many half-widths the overlap is not looked at.
+const RIM_HALVES: f32 = 0.4;
 /// What whole pixels leave in doubt.
 const DOUBT_PX: f32 = 0.5;
 /// Of thinner ropes whole pixels do not tell one strand from two.
@@ -24,7 +26,7 @@ pub(crate) const MOST: usize = 6;
 pub(crate) struct Necks {
     at: [u32; MOST],
     count: usize,
-    /// Whether the rope is wide enough to tell.
+    /// Whether the rope is wide enough to tell, and the overlap clearly narrow somewhere or nowhere.
     pub(crate) are_known: bool,
 }
 
@@ -38,14 +40,24 @@ impl Necks {
             count: 0,
             are_known: half_px >= THINNEST_HALF_PX,
         };
-        // The narrowest pixel of the neck that is being passed.
-        let mut passed: Option<usize> = None;
-        for k in 0..pixels.len() {
-            if radius(k) <= NECK_HALVES * half_px + DOUBT_PX {
-                let narrowest = passed.filter(|&n| radius(n) <= radius(k)).unwrap_or(k);
-                passed = Some(narrowest);
-            } else if radius(k) >= WIDE_HALVES * half_px + DOUBT_PX {
-                passed.take().into_iter().for_each(|n| necks.push(n));
+        // At the junctions themselves the skeleton bends, and its radius with it.
+        let rim = ((RIM_HALVES * half_px) as usize).clamp(1, pixels.len() / 3);
+        let inner = rim..pixels.len() - rim;
+        let narrowest = inner.clone().map(radius).fold(f32::INFINITY, f32::min);
+        let wide_px = WIDE_HALVES * half_px + DOUBT_PX;
+        let neck_px = NECK_HALVES * half_px + DOUBT_PX;
+        necks.are_known &= narrowest <= neck_px || narrowest >= wide_px;
+        // The narrowest pixel of the neck that is being passed, and the pixels since then that are wide.
+        let (mut passed, mut wide): (Option<usize>, usize) = (None, 0);
+        for k in inner {
+            if radius(k) <= neck_px {
+                if wide >= rim.max(2) {
+                    passed.take().into_iter().for_each(|n| necks.push(n));
+                }
+                wide = 0;
+                passed = Some(passed.filter(|&n| radius(n) <= radius(k)).unwrap_or(k));
+            } else if radius(k) >= wide_px {
+                wide += 1;
             }
         }
         passed.into_iter().for_each(|n| necks.push(n));

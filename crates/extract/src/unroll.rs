@@ -7,8 +7,9 @@ use crate::skeleton::Skeleton;
 use crate::vec2::{self, Vec2};
 use crate::zones::Arm;
 
-/// Overlaps shorter than this many half-widths are not bent enough to matter.
-const SHORTEST_HALVES: f32 = 4.0;
+/// Overlaps shorter than this many half-widths tell nothing: strands that cross at more than 67° are as wide there as
+/// strands side by side (see `zones`).
+const SHORTEST_HALVES: f32 = 1.5;
 
 /// The motion that lays the far end of an overlap straight ahead of its near end.
 #[derive(Clone, Copy, Debug)]
