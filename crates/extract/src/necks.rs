@@ -31,7 +31,7 @@ pub(crate) struct Necks {
 }
 
 impl Necks {
-    /// The necks of edge `e`, an overlap of ropes of this half-width.
+    /// The necks of edge `e`, an overlap of ropes of which the wider has this half-width.
     pub(crate) fn of(e: usize, graph: &Graph, skeleton: &Skeleton, half_px: f32) -> Self {
         let pixels = graph.pixels(e);
         let radius = |k: usize| skeleton.pixels[pixels[k] as usize].half_px;
@@ -41,7 +41,9 @@ impl Necks {
             are_known: half_px >= THINNEST_HALF_PX,
         };
         // At the junctions themselves the skeleton bends, and its radius with it.
-        let rim = ((RIM_HALVES * half_px) as usize).clamp(1, pixels.len() / 3);
+        let rim = ((RIM_HALVES * half_px) as usize)
+            .max(1)
+            .min(pixels.len() / 3);
         let inner = rim..pixels.len() - rim;
         let narrowest = inner.clone().map(radius).fold(f32::INFINITY, f32::min);
         let wide_px = WIDE_HALVES * half_px + DOUBT_PX;

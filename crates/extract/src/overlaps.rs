@@ -52,7 +52,7 @@ impl Overlaps {
             if zones.inside[e] || edge.nodes[0] == NONE || widths > LONGEST_WIDTHS {
                 continue;
             }
-            let unroll = Unroll::of(e, graph, skeleton, zones.half_px);
+            let unroll = Unroll::of(e, graph, skeleton, zones.widest_half_px(e, graph));
             if let Some(candidate) = self.weigh(e, graph, unroll, widths, yuv, zones) {
                 self.candidates.push(candidate);
             }

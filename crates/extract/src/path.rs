@@ -112,7 +112,8 @@ fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut 
         vec2::cross(ahead[0], vec2::sub(before, at(0))).signum(),
         vec2::cross(ahead[1], vec2::sub(after, at(count - 1))).signum(),
     ];
-    let necks = Necks::of(e, source.graph, source.skeleton, half_px);
+    let widest_px = source.zones.widest_half_px(e, source.graph);
+    let necks = Necks::of(e, source.graph, source.skeleton, widest_px);
     let changes = necks.at().len();
     // What the necks say must lead from the side where the strand comes in to that where it leaves.
     let agree = necks.are_known && changes.is_multiple_of(2) == (side[0] == side[1]);

@@ -111,7 +111,8 @@ impl Zones {
             if !self.inside[e] {
                 continue;
             }
-            let Some(unroll) = Unroll::of(e, graph, skeleton, self.half_px) else {
+            let half_px = self.widest_half_px(e, graph);
+            let Some(unroll) = Unroll::of(e, graph, skeleton, half_px) else {
                 continue;
             };
             let [near, far] = graph.edges[e].nodes;
@@ -133,6 +134,17 @@ impl Zones {
             .iter()
             .take_while(|arm| arm.zone == zone)
             .count()
+    }
+
+    /// Half the width of the widest strand that comes to edge `e`.
+    pub(crate) fn widest_half_px(&self, e: usize, graph: &Graph) -> f32 {
+        let ends = graph.edges[e].nodes;
+        let meets = |other: usize| graph.edges[other].nodes.iter().any(|n| ends.contains(n));
+        (0..graph.edges.len())
+            .filter(|&other| other != e && !self.inside[other] && meets(other))
+            .map(|other| self.edge_half_px[other])
+            .reduce(f32::max)
+            .unwrap_or(self.half_px)
     }
 
     fn root(&mut self, mut node: u32) -> u32 {
