@@ -109,6 +109,8 @@ impl Extractor {
         self.skeleton.list(&self.thin, &self.masker.mask);
         self.graph.trace(&self.skeleton);
         self.graph.prune(&mut self.skeleton);
+        self.tracker.remember(&mut self.zones.past);
+        self.zones.past.check(&self.skeleton);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);

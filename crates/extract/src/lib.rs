@@ -58,6 +58,7 @@ mod mask;
 mod options;
 mod overlaps;
 mod pairing;
+mod past;
 mod path;
 mod plane;
 mod rehearse;

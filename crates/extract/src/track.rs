@@ -6,6 +6,7 @@
 //! the number of a lost rope of about its length, or else a new one.
 
 use crate::Options;
+use crate::past::Past;
 use crate::scene::{Curve, Status};
 use crate::vec2::{self, Vec2};
 
@@ -67,6 +68,15 @@ impl Tracker {
     /// Numbers ropes from the first again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
+    }
+
+    /// Writes the ropes as they were last seen into `past`.
+    pub(crate) fn remember(&self, past: &mut Past) {
+        past.clear();
+        for track in &self.tracks {
+            let sizes_px = [track.length_px, track.width_px];
+            past.add(track.number, track.closed, sizes_px, &track.points);
+        }
     }
 
     /// Numbers and turns the curves of a new image, and says which lost ropes are to be reported by

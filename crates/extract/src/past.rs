@@ -1,0 +1,297 @@
+//! The ropes of the last image as a map: which of them ran through a place, which way, how far along.
+//!
+//! A crossing that opens, closes or is only touched looks the same in one image whichever strand
+//! goes where. Between two images no strand moves far, so the last one tells them apart: the two
+//! arms of one strand lie on one rope, one after the other, as far apart along it as in the image.
+//! That is weighed with the bends, not above them: what the last image got wrong, a clear one mends.
+
+use crate::skeleton::{NONE, Skeleton};
+use crate::vec2::{self, Vec2};
+
+/// What it costs, in a crossing, to go where the last image did not: two strands exchanged against
+/// it pay twice, as much as two arcs by 55°. A crossing much clearer than that outweighs it.
+const AGAINST: f32 = 0.25;
+/// Widths that a strand may have moved since and is still known.
+const FARTHEST_WIDTHS: f32 = 3.0;
+/// Cosine of the angle by which it may have turned.
+const TURNED: f32 = 0.6;
+/// Share of the skeleton that must lie where ropes were, for the past to say anything: less is a cut
+/// or a leap, and its traces are chance.
+const LEAST_SHARE: f32 = 0.5;
+/// Skeleton pixels that are asked for that.
+const ASKED: usize = 64;
+
+/// A place on a rope of the past.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Trace {
+    /// Index into `Past::ropes`, or `NONE`.
+    pub(crate) rope: u32,
+    /// Arc length from the rope's first point.
+    pub(crate) along_px: f32,
+    /// Whether the direction asked for is that of growing arc length.
+    pub(crate) ahead: bool,
+    /// How far off the rope's place the question lay, in its widths.
+    pub(crate) off: f32,
+}
+
+impl Trace {
+    const NONE: Self = Self {
+        rope: NONE,
+        along_px: 0.0,
+        ahead: false,
+        off: f32::INFINITY,
+    };
+}
+
+/// The likeliest traces of a place, the nearest first: where strands touch there are several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Traces([Trace; 3]);
+
+impl Default for Traces {
+    fn default() -> Self {
+        Self([Trace::NONE; 3])
+    }
+}
+
+impl Traces {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Trace> {
+        self.0.iter().filter(|t| t.rope != NONE)
+    }
+
+    fn add(&mut self, new: Trace) {
+        if let Some(i) = self.0.iter().position(|t| new.off < t.off) {
+            self.0[i..].rotate_right(1);
+            self.0[i] = new;
+        }
+    }
+}
+
+/// The ropes as they were last seen.
+#[derive(Debug, Default)]
+pub(crate) struct Past {
+    ropes: Vec<Rope>,
+    count: usize,
+    trusted: bool,
+}
+
+/// One rope.
+#[derive(Debug, Default)]
+pub(crate) struct Rope {
+    /// The track's number.
+    pub(crate) track: u32,
+    pub(crate) closed: bool,
+    pub(crate) length_px: f32,
+    pub(crate) width_px: f32,
+    /// At equal steps.
+    points: Vec<Vec2>,
+}
+
+impl Rope {
+    /// Arc length between two points.
+    fn step_px(&self) -> f32 {
+        let intervals = self.points.len() - usize::from(!self.closed);
+        self.length_px / intervals.max(1) as f32
+    }
+
+    /// How far it is along the rope from one trace to another, the way `ahead` says.
+    pub(crate) fn way_px(&self, from: &Trace, to: &Trace, ahead: bool) -> f32 {
+        let way = if ahead {
+            to.along_px - from.along_px
+        } else {
+            from.along_px - to.along_px
+        };
+        if self.closed && way < 0.0 {
+            way + self.length_px
+        } else {
+            way
+        }
+    }
+}
+
+impl Past {
+    /// Forgets all ropes.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+        self.trusted = false;
+    }
+
+    /// Notes a rope.
+    pub(crate) fn add(&mut self, track: u32, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
+        if points.len() < 2 {
+            return;
+        }
+        if self.count == self.ropes.len() {
+            self.ropes.push(Rope::default());
+        }
+        let rope = &mut self.ropes[self.count];
+        rope.track = track;
+        rope.closed = closed;
+        [rope.length_px, rope.width_px] = sizes_px.map(|size| size.max(1.0));
+        rope.points.clear();
+        rope.points.extend_from_slice(points);
+        self.count += 1;
+        self.trusted = true;
+    }
+
+    /// Trusts the past only if the ropes of this image lie about where they lay.
+    pub(crate) fn check(&mut self, skeleton: &Skeleton) {
+        let pixels = &skeleton.pixels;
+        let stride = (pixels.len() / ASKED).max(1);
+        let (mut asked, mut known) = (0, 0);
+        for pixel in pixels.iter().step_by(stride) {
+            asked += 1;
+            known += u32::from(self.is_near(pixel.at()));
+        }
+        self.trusted = self.count > 0 && known as f32 >= LEAST_SHARE * asked as f32;
+    }
+
+    fn is_near(&self, at: Vec2) -> bool {
+        self.ropes().iter().any(|rope| {
+            let reach = FARTHEST_WIDTHS * rope.width_px + 0.5 * rope.step_px();
+            rope.points.iter().any(|&p| vec2::distance(p, at) < reach)
+        })
+    }
+
+    pub(crate) fn ropes(&self) -> &[Rope] {
+        &self.ropes[..self.count]
+    }
+
+    /// Where on the past's ropes a strand at `at` that runs in direction `toward` was.
+    pub(crate) fn recall(&self, at: Vec2, toward: Vec2) -> Traces {
+        let mut traces = Traces::default();
+        let toward = vec2::unit_or(toward, [1.0, 0.0]);
+        if !self.trusted {
+            return traces;
+        }
+        for (r, rope) in self.ropes().iter().enumerate() {
+            // Each stretch of the rope that comes near counts once, by its nearest place.
+            let mut best = Trace::NONE;
+            let n = rope.points.len();
+            for i in 0..n - usize::from(!rope.closed) {
+                let (a, b) = (rope.points[i], rope.points[(i + 1) % n]);
+                match trace(rope, r as u32, i, [a, b], at, toward) {
+                    Some(here) if here.off < best.off => best = here,
+                    Some(_) => {}
+                    None => {
+                        traces.add(std::mem::replace(&mut best, Trace::NONE));
+                    }
+                }
+            }
+            traces.add(best);
+        }
+        traces
+    }
+
+    /// What the past has against reading two arms of a crossing, `chord_px` apart, both traced in
+    /// their directions into it, as one strand.
+    pub(crate) fn against(&self, a: &Traces, b: &Traces, chord_px: f32) -> f32 {
+        if a.iter().next().is_none() || b.iter().next().is_none() {
+            return 0.0;
+        }
+        let mut least = 1.0f32;
+        for ta in a.iter() {
+            for tb in b
+                .iter()
+                .filter(|tb| tb.rope == ta.rope && tb.ahead != ta.ahead)
+            {
+                let rope = &self.ropes[ta.rope as usize];
+                let way = rope.way_px(ta, tb, ta.ahead);
+                let miss = (way - chord_px).abs() / (2.0 * rope.width_px + 0.5 * chord_px);
+                let off = (ta.off * ta.off + tb.off * tb.off) / (FARTHEST_WIDTHS * FARTHEST_WIDTHS);
+                least = least.min(0.5 * off + miss * miss);
+            }
+        }
+        AGAINST * least
+    }
+
+    /// What the past has against an arm that ends in the crossing it runs into.
+    pub(crate) fn against_end(&self, arm: &Traces) -> f32 {
+        let goes_on = |t: &Trace| {
+            let rope = &self.ropes[t.rope as usize];
+            let left = if t.ahead {
+                rope.length_px - t.along_px
+            } else {
+                t.along_px
+            };
+            rope.closed || left > 2.0 * FARTHEST_WIDTHS * rope.width_px
+        };
+        let known = arm.iter().next().is_some();
+        if known && arm.iter().all(goes_on) {
+            AGAINST
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The place of segment `i`, from point a to point b, that is nearest to `at`, if it is near enough
+/// and runs along `toward`.
+fn trace(
+    rope: &Rope,
+    index: u32,
+    i: usize,
+    [a, b]: [Vec2; 2],
+    at: Vec2,
+    toward: Vec2,
+) -> Option<Trace> {
+    let step = vec2::sub(b, a);
+    let length = vec2::norm(step);
+    if length < 1e-6 {
+        return None;
+    }
+    let cos = vec2::dot(step, toward) / length;
+    let t = (vec2::dot(vec2::sub(at, a), step) / (length * length)).clamp(0.0, 1.0);
+    let off = vec2::distance(at, vec2::along(a, step, t)) / rope.width_px;
+    (off <= FARTHEST_WIDTHS && cos.abs() >= TURNED).then(|| Trace {
+        rope: index,
+        along_px: (i as f32 + t) * rope.step_px(),
+        ahead: cos > 0.0,
+        off,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rope that runs right along y = 0 and comes back along y = 10.
+    fn hairpin() -> Past {
+        let mut points: Vec<Vec2> = (0..=40).map(|i| [5.0 * i as f32, 0.0]).collect();
+        points.extend([[205.0, 5.0]]);
+        points.extend((0..=40).map(|i| [200.0 - 5.0 * i as f32, 10.0]));
+        let mut past = Past::default();
+        past.add(7, false, [410.0, 4.0], &points);
+        past
+    }
+
+    #[test]
+    fn a_place_between_two_strands_is_traced_to_both() {
+        let past = hairpin();
+        let traces = past.recall([100.0, 4.0], [1.0, 0.0]);
+        let found: Vec<_> = traces
+            .iter()
+            .map(|t| (t.along_px.round(), t.ahead))
+            .collect();
+        assert_eq!(found, [(100.0, true), (310.0, false)]);
+    }
+
+    #[test]
+    fn strands_that_go_on_as_they_did_cost_less_than_strands_exchanged() {
+        let past = hairpin();
+        let arm = |at, into| past.recall(at, into);
+        let (left, right) = (arm([90.0, 1.0], [1.0, 0.0]), arm([110.0, 1.0], [-1.0, 0.0]));
+        let upper = arm([110.0, 9.0], [-1.0, 0.0]);
+        assert!(past.against(&left, &right, 20.0) < 0.1 * AGAINST);
+        assert!(past.against(&left, &upper, 21.5) > 0.15 * AGAINST);
+        assert_eq!(past.against_end(&left), AGAINST);
+    }
+
+    #[test]
+    fn an_end_may_end_and_the_unknown_is_free() {
+        let past = hairpin();
+        let tip = past.recall([10.0, 0.0], [-1.0, 0.0]);
+        assert_eq!(past.against_end(&tip), 0.0);
+        let nowhere = past.recall([100.0, 90.0], [1.0, 0.0]);
+        assert_eq!(past.against(&nowhere, &tip, 10.0), 0.0);
+    }
+}
