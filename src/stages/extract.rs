@@ -47,7 +47,8 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
                     size = (image.width(), image.height());
                     extractor.prepare(size.0, size.1);
                 }
-                fill(&mut slot, &extractor.extract(&image));
+                let exposed_ns = header.trace.exposed_ns;
+                fill(&mut slot, &extractor.extract_at(&image, exposed_ns));
             }
             // The frame is answered all the same: a stage never goes silent while frames come in.
             Err(cause) => {
@@ -108,6 +109,8 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
         to.width_px = from.width_px;
         to.length_px = from.length_px;
         to.reserved = 0;
+        to.age_ns = from.age_ns;
+        to.set_hidden(from.hidden.iter().copied());
         to.points[..points].copy_from_slice(&from.points[..points]);
         to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
     }

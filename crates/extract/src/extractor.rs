@@ -2,6 +2,7 @@
 
 use crate::background::median;
 use crate::bits::BitPlane;
+use crate::bridge::{Bridger, Scenery};
 use crate::centerline::{Centerliner, Source};
 use crate::color;
 use crate::crossings::Crosser;
@@ -13,12 +14,23 @@ use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
-use crate::track::Tracker;
+use crate::track::{Look, Tracker};
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
+/// Half-widths of skeleton that a piece of a rope has, or there is nothing to tell it by.
+const PIECE: f32 = 4.0;
+/// The most pieces that are looked at.
+const MOST_PIECES: usize = 80;
+/// Levels of difference from the table by which something lies there; the noise of a camera and of
+/// coding stays below.
+const SOMETHING: f32 = 24.0;
+/// Places along a line whose mean color is taken for the rope's.
+const COLORS_ASKED: usize = 64;
+/// The time between two images of which nothing else is known: 1/30 s.
+const FRAME_NS: u64 = 1_000_000_000 / 30;
 
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,7 +60,11 @@ pub struct Extractor {
     strands: Strands,
     centerliner: Centerliner,
     lines: Vec<Line>,
+    colors: Vec<[f32; 3]>,
+    bridger: Bridger,
+    looks: Vec<Look>,
     spaced: Vec<Sample>,
+    now_ns: u64,
     tracker: Tracker,
     /// The first `count` are this image's; the rest is memory.
     curves: Vec<Curve>,
@@ -77,7 +93,11 @@ impl Extractor {
             strands: Strands::default(),
             centerliner: Centerliner::default(),
             lines: Vec::new(),
+            colors: Vec::new(),
+            bridger: Bridger::default(),
+            looks: Vec::new(),
             spaced: Vec::new(),
+            now_ns: 0,
             tracker: Tracker::default(),
             curves: Vec::new(),
             count: 0,
@@ -86,15 +106,27 @@ impl Extractor {
         })
     }
 
-    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is
-    /// a new scene.
+    /// The ropes in `image`, taken as the next frame of the same scene, 1/30 s after the last. An
+    /// image of another size is a new scene.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
+    }
+
+    /// As [`extract`](Self::extract), of an image that was taken at `exposed_ns`, in nanoseconds of
+    /// whatever clock: by it a rope out of sight ages.
+    pub fn extract_at(&mut self, image: &Image, exposed_ns: u64) -> Scene<'_> {
+        self.now_ns = exposed_ns;
+        self.run(image, &mut |_| {})
     }
 
     /// As [`extract`](Self::extract), calling `after` when each step is finished, so that a caller
     /// who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        self.now_ns = self.now_ns.saturating_add(FRAME_NS);
+        self.run(image, after)
+    }
+
+    fn run(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         let size = (image.width(), image.height());
         if size != self.size {
             self.new_scene();
@@ -109,18 +141,28 @@ impl Extractor {
         self.skeleton.list(&self.thin, &self.masker.mask);
         self.graph.trace(&self.skeleton);
         self.graph.prune(&mut self.skeleton);
+        let yuv = color::is_yuv(image.format());
+        self.tracker.begin(self.now_ns, yuv);
         self.tracker.remember(&mut self.zones.past);
         self.zones.past.check(&self.skeleton);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        let yuv = color::is_yuv(image.format());
         self.strands.join(yuv, &self.graph, &self.zones);
         after(Step::Graph);
-        self.points();
+        let laid = self.lay_lines(image);
+        let scenery = Scenery {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            level: SOMETHING,
+            yuv,
+        };
+        let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
+        let joined = self.bridger.join(lines, colors, &scenery);
+        self.points(joined);
         let seen = self.count;
-        let options = &self.options;
-        self.count = self.tracker.update(&mut self.curves, seen, options);
+        let (curves, looks) = (&mut self.curves, &self.looks[..]);
+        self.count = self.tracker.update(curves, seen, looks, &self.options);
         self.crosser.find(
             image,
             (&self.graph, &self.skeleton, &self.zones),
@@ -162,18 +204,19 @@ impl Extractor {
         self.tracker.reset();
     }
 
-    /// A curve for each strand that is long enough to be a rope, the longest first.
-    fn points(&mut self) {
-        self.count = 0;
+    /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns
+    /// how many there are.
+    fn lay_lines(&mut self, image: &Image) -> usize {
+        self.colors.clear();
+        let mut count = 0;
         for strand in &self.strands.strands {
-            let least_px = (SHORTEST - 1.5) * 2.0 * self.zones.half_px;
-            if self.count == self.options.ropes || strand.length_px < least_px {
+            if count == MOST_PIECES || strand.length_px < PIECE * self.zones.half_px {
                 break;
             }
-            if self.lines.len() <= self.count {
+            if self.lines.len() <= count {
                 self.lines.push(Line::default());
             }
-            let line = &mut self.lines[self.count];
+            let line = &mut self.lines[count];
             let source = Source {
                 difference: &self.masker.difference,
                 skeleton: &self.skeleton,
@@ -181,36 +224,80 @@ impl Extractor {
                 zones: &self.zones,
                 legs: &self.strands.legs,
             };
-            if !self.centerliner.build(&source, strand, line) {
-                continue;
-            }
-            line.resample(self.options.points, &mut self.spaced);
-            // Smoothing may carry a tip at the image's border a little over it.
-            let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
-            for Sample { at: [x, y], .. } in &mut self.spaced {
-                (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
-            }
-            if self.curves.len() <= self.count {
-                self.curves.push(Curve::empty());
-            }
-            let curve = &mut self.curves[self.count];
-            curve.closed = line.closed;
-            curve.border = line.border;
-            curve.length_px = line.length_px();
-            curve.widths_px.clear();
-            curve
-                .widths_px
-                .extend(self.spaced.iter().map(|s| s.width_px));
-            curve.width_px = median(&mut curve.widths_px);
-            curve.widths_px.clear();
-            curve
-                .widths_px
-                .extend(self.spaced.iter().map(|s| s.width_px));
-            curve.points.clear();
-            curve.points.extend(self.spaced.iter().map(|s| s.at));
-            if curve.length_px >= SHORTEST * curve.width_px {
-                self.count += 1;
+            if self.centerliner.build(&source, strand, line) {
+                self.colors.push(mean_color(image, line));
+                count += 1;
             }
         }
+        count
     }
+
+    /// A curve for each of the first `count` lines that is long enough to be a rope.
+    fn points(&mut self, count: usize) {
+        self.count = 0;
+        self.looks.clear();
+        for l in 0..count {
+            if self.count == self.options.ropes {
+                break;
+            }
+            self.fill_curve(l);
+            let curve = &self.curves[self.count];
+            if curve.length_px < SHORTEST * curve.width_px {
+                continue;
+            }
+            self.looks.push(Look {
+                color: self.colors[l],
+                covered: [false; 2],
+            });
+            // Lines and curves go by the same number from here on.
+            self.lines.swap(self.count, l);
+            self.count += 1;
+        }
+    }
+
+    /// Fills the next curve with the points of line `l`.
+    fn fill_curve(&mut self, l: usize) {
+        let line = &self.lines[l];
+        line.resample(self.options.points, &mut self.spaced);
+        // Smoothing may carry a tip at the image's border a little over it.
+        let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
+        for Sample { at: [x, y], .. } in &mut self.spaced {
+            (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
+        }
+        if self.curves.len() <= self.count {
+            self.curves.push(Curve::empty());
+        }
+        let curve = &mut self.curves[self.count];
+        curve.closed = line.closed;
+        curve.border = line.border;
+        curve.length_px = line.length_px();
+        let widths = || self.spaced.iter().map(|s| s.width_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.width_px = median(&mut curve.widths_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.points.clear();
+        curve.points.extend(self.spaced.iter().map(|s| s.at));
+        let intervals = self.spaced.len() - usize::from(!curve.closed);
+        let step_px = curve.length_px / intervals.max(1) as f32;
+        let gaps = || self.bridger.gaps.iter().filter(|gap| gap.line == l);
+        curve.hidden.clear();
+        curve.hidden.extend((0..self.spaced.len()).map(|i| {
+            let along_px = i as f32 * step_px;
+            gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
+        }));
+    }
+}
+
+/// The mean native color along a line.
+fn mean_color(image: &Image, line: &Line) -> [f32; 3] {
+    let stride = (line.samples.len() / COLORS_ASKED).max(1);
+    let (mut sum, mut count) = ([0.0; 3], 0.0f32);
+    for sample in line.samples.iter().step_by(stride) {
+        let color = color::between(image, sample.at);
+        sum = std::array::from_fn(|i| sum[i] + color[i]);
+        count += 1.0;
+    }
+    sum.map(|s| s / count.max(1.0))
 }

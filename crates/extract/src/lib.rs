@@ -44,6 +44,7 @@
 
 mod background;
 mod bits;
+mod bridge;
 mod centerline;
 mod color;
 mod components;
@@ -55,6 +56,7 @@ mod hsv;
 mod image;
 mod line;
 mod mask;
+mod matching;
 mod options;
 mod overlaps;
 mod pairing;

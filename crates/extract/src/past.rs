@@ -59,7 +59,9 @@ impl Traces {
     }
 
     fn add(&mut self, new: Trace) {
-        if let Some(i) = self.0.iter().position(|t| new.off < t.off) {
+        if let Some(i) = self.0.iter().position(|t| new.off < t.off)
+            && new.rope != NONE
+        {
             self.0[i..].rotate_right(1);
             self.0[i] = new;
         }
@@ -91,6 +93,25 @@ impl Rope {
     fn step_px(&self) -> f32 {
         let intervals = self.points.len() - usize::from(!self.closed);
         self.length_px / intervals.max(1) as f32
+    }
+
+    /// The position at an arc length.
+    pub(crate) fn at(&self, along_px: f32) -> Vec2 {
+        let n = self.points.len();
+        let place = along_px / self.step_px().max(1e-6);
+        let place = if self.closed {
+            place.rem_euclid(n as f32)
+        } else {
+            place.clamp(0.0, (n - 1) as f32)
+        };
+        let i = (place as usize).min(n - 1);
+        let next = if self.closed {
+            (i + 1) % n
+        } else {
+            (i + 1).min(n - 1)
+        };
+        let (a, b) = (self.points[i], self.points[next]);
+        vec2::along(a, vec2::sub(b, a), place - i as f32)
     }
 
     /// How far it is along the rope from one trace to another, the way `ahead` says.
@@ -225,7 +246,7 @@ impl Past {
 }
 
 /// The place of segment `i`, from point a to point b, that is nearest to `at`, if it is near enough
-/// and runs along `toward`.
+/// and runs along `toward`; of no rope when the rope's tip lies more than a width before `at`.
 fn trace(
     rope: &Rope,
     index: u32,
@@ -240,10 +261,15 @@ fn trace(
         return None;
     }
     let cos = vec2::dot(step, toward) / length;
-    let t = (vec2::dot(vec2::sub(at, a), step) / (length * length)).clamp(0.0, 1.0);
+    let beyond = vec2::dot(vec2::sub(at, a), step) / (length * length);
+    let t = beyond.clamp(0.0, 1.0);
+    let last = i + 2 == rope.points.len();
+    let past_tip = !rope.closed
+        && (i == 0 && beyond * length < -rope.width_px
+            || last && (beyond - 1.0) * length > rope.width_px);
     let off = vec2::distance(at, vec2::along(a, step, t)) / rope.width_px;
     (off <= FARTHEST_WIDTHS && cos.abs() >= TURNED).then(|| Trace {
-        rope: index,
+        rope: if past_tip { NONE } else { index },
         along_px: (i as f32 + t) * rope.step_px(),
         ahead: cos > 0.0,
         off,

@@ -1,25 +1,29 @@
 //! Which rope is which, from one image to the next.
 //!
-//! Two curves are compared point by point, in both directions; the nearest pairs are matched first.
-//! The direction that fits better is kept, so that a rope's first point stays its first. A rope
-//! without a match is out of sight and keeps its number for a while; one that comes into sight takes
-//! the number of a lost rope of about its length, or else a new one.
+//! Ropes and curves that agree best are matched first; the way round that fits better is kept, so
+//! that a rope's first point stays its first. A rope without a match is out of sight and keeps its
+//! number for a while; one that comes into sight takes the number of a lost rope that it is like, or
+//! else a new one. A curve that is shorter than its rope was is a part of it.
 
 use crate::Options;
+use crate::color;
+use crate::matching::{self, Agreement, Shape, nearest_point};
 use crate::past::Past;
 use crate::scene::{Curve, Status};
-use crate::vec2::{self, Vec2};
+use crate::vec2::{self, Vec2, distance};
 
-/// A match is not farther, in the mean, than this share of the rope's length.
-const FARTHEST: f32 = 0.15;
-/// A lost rope may come back elsewhere, with its length within this factor.
-const LENGTH_FACTOR: f32 = 1.35;
 /// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
 /// length less.
 const PARTIAL: f32 = 0.85;
-
+/// A tip that was here and is this many widths back along the rope is covered, not moved: no rope
+/// slides along itself that far from one image to the next.
+const JUMP_WIDTHS: f32 = 2.0;
+/// What more it must have lost of its length: the length of a rope seen whole varies by less.
+const JUMP_SHARE: f32 = 0.02;
 /// Frames after which a rope is missed when it goes out of sight.
 const SETTLED: u32 = 3;
+/// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
+const SAME_WIDTHS: f32 = 1.0;
 
 /// Memory of the tracking: all ropes, seen or lost.
 #[derive(Debug, Default)]
@@ -30,32 +34,48 @@ pub(crate) struct Tracker {
     matches: Vec<Match>,
     next: u32,
     started: bool,
+    now_ns: u64,
+    yuv: bool,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Track {
     number: u32,
-    /// Frames since it was last seen; 0: now.
+    /// When it was last seen.
+    seen_ns: u64,
+    /// Frames since then; 0: now.
     age: u32,
     /// Frames in which it was seen.
     frames: u32,
-    /// The curve of this image that it is.
-    current: Option<usize>,
+    /// The curve of this image that it is, and whether that runs against it.
+    current: Option<(usize, bool)>,
     closed: bool,
     border: [bool; 2],
     points: Vec<Vec2>,
     widths_px: Vec<f32>,
     width_px: f32,
     length_px: f32,
+    color: Option<[f32; 3]>,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
+    /// Whether a tip was covered suddenly and has not come back.
+    short: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Match {
-    cost: f32,
+    agreement: Agreement,
     track: usize,
     curve: usize,
+}
+
+/// What the tracker is told of a curve beside its shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    /// The mean native color along it.
+    pub(crate) color: [f32; 3],
+    /// Whether each end runs into something that is no rope.
+    pub(crate) covered: [bool; 2],
 }
 
 impl Tracker {
@@ -68,6 +88,15 @@ impl Tracker {
     /// Numbers ropes from the first again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
+    }
+
+    /// Says when the image at hand was taken and whether its colors are YUV: colors of another kind
+    /// of image mean nothing any more.
+    pub(crate) fn begin(&mut self, now_ns: u64, yuv: bool) {
+        self.now_ns = now_ns;
+        if std::mem::replace(&mut self.yuv, yuv) != yuv {
+            self.tracks.iter_mut().for_each(|track| track.color = None);
+        }
     }
 
     /// Writes the ropes as they were last seen into `past`.
@@ -85,55 +114,70 @@ impl Tracker {
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
+        looks: &[Look],
         options: &Options,
     ) -> usize {
         for track in &mut self.tracks {
             track.current = None;
-            track.age += 1;
+            track.age = track.age.saturating_add(1);
         }
-        self.match_near(&curves[..count]);
-        self.match_lost(&curves[..count]);
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let agreement = matching::near(rope, curve)?;
+            // Of ropes that lie equally near, the one in sight is meant.
+            let cost = agreement.cost + if track.age > 1 { rope.width_px } else { 0.0 };
+            Some(Agreement { cost, ..agreement })
+        });
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let was_lost = track.age > 1;
+            was_lost.then(|| matching::returned(rope, track.whole_px, curve))?
+        });
         for (c, curve) in curves.iter_mut().enumerate().take(count) {
-            if !self.tracks.iter().any(|t| t.current == Some(c)) {
+            if !self.tracks.iter().any(|t| is_current(t, c)) {
                 self.orient_new(curve, options.start);
                 self.add(c);
             }
         }
         self.started |= count > 0;
         for t in 0..self.tracks.len() {
-            if let Some(c) = self.tracks[t].current {
-                self.see(t, &mut curves[c]);
+            if let Some((c, reversed)) = self.tracks[t].current {
+                see(&mut self.tracks[t], &mut curves[c], &looks[c], reversed);
+                self.tracks[t].seen_ns = self.now_ns;
             }
         }
-        let mut t = 0;
-        while t < self.tracks.len() {
-            let track = &self.tracks[t];
-            // What was seen for a moment only was hardly a rope: it is not missed.
-            let missed = track.frames >= SETTLED && track.age <= options.keep_lost_frames;
-            if track.age > 0 && !missed {
-                let gone = self.tracks.remove(t);
-                self.spare.push(gone);
-            } else {
-                t += 1;
-            }
-        }
+        self.drop_old(options.keep_lost.as_nanos());
         self.report_lost(curves, count, options.ropes)
     }
 
-    /// Matches tracks and curves that lie near each other, the nearest first.
-    fn match_near(&mut self, curves: &[Curve]) {
+    /// Matches tracks and curves that are still free, those first that `agree` best.
+    fn match_with(
+        &mut self,
+        curves: &[Curve],
+        looks: &[Look],
+        agree: impl Fn(&Track, &Shape, &Shape) -> Option<Agreement>,
+    ) {
         self.matches.clear();
         for (t, track) in self.tracks.iter().enumerate() {
             for (c, curve) in curves.iter().enumerate() {
-                if track.points.len() != curve.points.len() || track.closed != curve.closed {
-                    continue;
-                }
-                let (ahead, back) = distances(&track.points, &curve.points, curve.closed);
-                let cost = ahead.min(back);
-                let limit = FARTHEST * track.length_px.max(curve.length_px);
-                if cost <= limit + 4.0 * track.width_px {
+                let color_levels = track.color.map_or(0.0, |color| {
+                    color::distance(color, looks[c].color, self.yuv)
+                });
+                let rope = Shape {
+                    points: &track.points,
+                    closed: track.closed,
+                    length_px: track.length_px,
+                    width_px: track.width_px,
+                    color_levels,
+                };
+                let curve = Shape {
+                    points: &curve.points,
+                    closed: curve.closed,
+                    length_px: curve.length_px,
+                    width_px: curve.width_px,
+                    color_levels,
+                };
+                if let Some(agreement) = agree(track, &rope, &curve) {
                     self.matches.push(Match {
-                        cost,
+                        agreement,
                         track: t,
                         curve: c,
                     });
@@ -141,39 +185,11 @@ impl Tracker {
             }
         }
         self.matches
-            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.take_matches();
-    }
-
-    /// Matches what is left of tracks and curves by length alone.
-    fn match_lost(&mut self, curves: &[Curve]) {
-        self.matches.clear();
-        for (t, track) in self.tracks.iter().enumerate() {
-            for (c, curve) in curves.iter().enumerate() {
-                let ratio =
-                    (track.whole_px / curve.length_px).max(curve.length_px / track.whole_px);
-                let same_kind =
-                    track.points.len() == curve.points.len() && track.closed == curve.closed;
-                if track.age > 1 && same_kind && ratio <= LENGTH_FACTOR {
-                    self.matches.push(Match {
-                        cost: ratio,
-                        track: t,
-                        curve: c,
-                    });
-                }
-            }
-        }
-        self.matches
-            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.take_matches();
-    }
-
-    fn take_matches(&mut self) {
-        for i in 0..self.matches.len() {
-            let m = self.matches[i];
-            let taken = self.tracks.iter().any(|t| t.current == Some(m.curve));
+            .sort_unstable_by(|a, b| a.agreement.cost.total_cmp(&b.agreement.cost));
+        for m in &self.matches {
+            let taken = self.tracks.iter().any(|t| is_current(t, m.curve));
             if !taken && self.tracks[m.track].current.is_none() {
-                self.tracks[m.track].current = Some(m.curve);
+                self.tracks[m.track].current = Some((m.curve, m.agreement.reversed));
             }
         }
     }
@@ -185,76 +201,53 @@ impl Tracker {
             _ => [0.0, 0.0],
         };
         if curve.closed {
-            let nearest = nearest_point(&curve.points, goal);
-            curve.points.rotate_left(nearest);
-            curve.widths_px.rotate_left(nearest);
+            rotate(curve, nearest_point(&curve.points, goal));
             if signed_area(&curve.points) < 0.0 {
                 reverse(curve);
             }
         } else if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last())
-            && vec2::distance(last, goal) < vec2::distance(first, goal)
+            && distance(last, goal) < distance(first, goal)
         {
             reverse(curve);
         }
     }
 
     fn add(&mut self, curve: usize) {
-        let mut track = self.spare.pop().unwrap_or_else(|| Track {
-            number: 0,
-            age: 0,
-            frames: 0,
-            current: None,
-            closed: false,
-            border: [false; 2],
-            points: Vec::new(),
-            widths_px: Vec::new(),
-            width_px: 0.0,
-            length_px: 0.0,
-            whole_px: 0.0,
-        });
+        let mut track = self.spare.pop().unwrap_or_default();
         track.number = self.next;
         self.next = self.next.wrapping_add(1);
-        track.current = Some(curve);
+        track.current = Some((curve, false));
         track.points.clear();
-        track.whole_px = 0.0;
-        track.frames = 0;
-        track.age = 0;
+        track.color = None;
+        (track.whole_px, track.short) = (0.0, false);
+        (track.frames, track.age) = (0, 0);
         self.tracks.push(track);
     }
 
-    /// Turns the curve as its track was, and takes it as the track's newest shape.
-    fn see(&mut self, t: usize, curve: &mut Curve) {
-        let track = &mut self.tracks[t];
-        if track.points.len() == curve.points.len() {
-            if curve.closed {
-                align_ring(&track.points, curve);
+    /// Drops ropes that are out of sight for too long, were hardly seen, or were parts of others.
+    fn drop_old(&mut self, keep_ns: u128) {
+        let mut t = 0;
+        while t < self.tracks.len() {
+            let track = &self.tracks[t];
+            let age_ns = self.now_ns.saturating_sub(track.seen_ns);
+            // What was seen for a moment only was hardly a rope: it is not missed.
+            let missed = track.frames >= SETTLED && u128::from(age_ns) <= keep_ns;
+            if track.age > 0 && (!missed || self.was_part_of_another(track)) {
+                let gone = self.tracks.remove(t);
+                self.spare.push(gone);
             } else {
-                let (ahead, back) = distances(&track.points, &curve.points, false);
-                if back < ahead {
-                    reverse(curve);
-                }
+                t += 1;
             }
         }
-        curve.track = track.number;
-        let cut = curve.border[0] || curve.border[1] || track.border[0] || track.border[1];
-        // The usual length follows growth at once and shrinking slowly: a rope that stays short
-        // is a shorter view of it, not half hidden for ever.
-        track.whole_px = if cut || curve.length_px > track.whole_px {
-            curve.length_px
-        } else {
-            0.98 * track.whole_px + 0.02 * curve.length_px
-        };
-        let whole = curve.length_px >= PARTIAL * track.whole_px;
-        curve.status = if whole { Status::Ok } else { Status::Partial };
-        track.age = 0;
-        track.frames = track.frames.saturating_add(1);
-        track.closed = curve.closed;
-        track.border = curve.border;
-        track.points.clear();
-        track.points.extend_from_slice(&curve.points);
-        track.widths_px.clear();
-        track.widths_px.extend_from_slice(&curve.widths_px);
-        (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+    }
+
+    /// Whether a lost rope lies along one that is seen: a piece that is one with the rest again.
+    fn was_part_of_another(&self, lost: &Track) -> bool {
+        let part = shape_of(lost);
+        self.tracks.iter().any(|whole| {
+            let longer = whole.age == 0 && whole.length_px > lost.length_px;
+            longer && matching::along(&shape_of(whole), &part).cost <= SAME_WIDTHS * whole.width_px
+        })
     }
 
     fn report_lost(&self, curves: &mut Vec<Curve>, count: usize, most: usize) -> usize {
@@ -269,12 +262,15 @@ impl Tracker {
             let curve = &mut curves[count];
             curve.track = track.number;
             curve.status = Status::Lost;
+            curve.age_ns = self.now_ns.saturating_sub(track.seen_ns);
             curve.closed = track.closed;
             curve.border = track.border;
             curve.points.clear();
             curve.points.extend_from_slice(&track.points);
             curve.widths_px.clear();
             curve.widths_px.extend_from_slice(&track.widths_px);
+            curve.hidden.clear();
+            curve.hidden.resize(track.points.len(), true);
             (curve.width_px, curve.length_px) = (track.width_px, track.length_px);
             count += 1;
         }
@@ -282,49 +278,108 @@ impl Tracker {
     }
 }
 
-/// The mean distance of corresponding points, and that of points taken in opposite directions. A
-/// ring's points correspond from wherever they lie nearest.
-fn distances(a: &[Vec2], b: &[Vec2], closed: bool) -> (f32, f32) {
-    let n = a.len();
-    if n == 0 {
-        return (f32::INFINITY, f32::INFINITY);
+fn is_current(track: &Track, curve: usize) -> bool {
+    track.current.is_some_and(|(c, _)| c == curve)
+}
+
+fn shape_of(track: &Track) -> Shape<'_> {
+    Shape {
+        points: &track.points,
+        closed: track.closed,
+        length_px: track.length_px,
+        width_px: track.width_px,
+        color_levels: 0.0,
     }
-    let shift = if closed { nearest_point(b, a[0]) } else { 0 };
-    let (mut ahead, mut back) = (0.0, 0.0);
-    for (i, &p) in a.iter().enumerate() {
-        ahead += vec2::distance(p, b[(i + shift) % n]);
-        let opposite = if closed {
-            (shift + n - i) % n
-        } else {
-            n - 1 - i
-        };
-        back += vec2::distance(p, b[opposite]);
+}
+
+/// Turns the curve as its track was, and takes it as the track's newest shape.
+fn see(track: &mut Track, curve: &mut Curve, look: &Look, reversed: bool) {
+    if reversed && !curve.closed {
+        reverse(curve);
     }
-    (ahead / n as f32, back / n as f32)
+    if curve.closed && track.closed && track.points.len() == curve.points.len() {
+        align_ring(&track.points, curve);
+    }
+    curve.track = track.number;
+    curve.age_ns = 0;
+    let cut = curve.border.iter().chain(&track.border).any(|&b| b);
+    track.short = !cut && (track.short || has_jumped(track, curve));
+    let missing_px = track.whole_px - curve.length_px;
+    track.short &= missing_px > JUMP_WIDTHS * curve.width_px;
+    // The usual length follows growth at once and shrinking slowly: a rope that stays short is a
+    // shorter view of it, not half hidden for ever.
+    track.whole_px = if cut || curve.length_px > track.whole_px {
+        curve.length_px
+    } else {
+        0.98 * track.whole_px + 0.02 * curve.length_px
+    };
+    let whole = curve.length_px >= PARTIAL * track.whole_px && !track.short;
+    let covered = curve.hidden.contains(&true) || look.covered.contains(&true);
+    curve.status = if whole && !covered {
+        Status::Ok
+    } else {
+        Status::Partial
+    };
+    track.age = 0;
+    track.frames = track.frames.saturating_add(1);
+    track.closed = curve.closed;
+    track.border = curve.border;
+    track.color = Some(match track.color {
+        // Slowly: the light changes, a rope's color does not.
+        Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
+        None => look.color,
+    });
+    track.points.clear();
+    track.points.extend_from_slice(&curve.points);
+    track.widths_px.clear();
+    track.widths_px.extend_from_slice(&curve.widths_px);
+    (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+}
+
+/// Whether a tip of the rope lies, all at once, back along it.
+fn has_jumped(track: &Track, curve: &Curve) -> bool {
+    if track.closed || curve.closed || track.points.len() < 2 {
+        return !track.points.is_empty() && track.closed && !curve.closed;
+    }
+    let lost_px = track.length_px - curve.length_px;
+    if lost_px < JUMP_WIDTHS * track.width_px + JUMP_SHARE * track.length_px {
+        return false;
+    }
+    let ends = [
+        (track.points.first(), curve.points.first()),
+        (track.points.last(), curve.points.last()),
+    ];
+    ends.iter().any(|ends| match ends {
+        &(Some(&before), Some(&now)) => {
+            let back = distance(before, now) > JUMP_WIDTHS * track.width_px;
+            let nearest = nearest_point(&track.points, now);
+            back && distance(track.points[nearest], now) < JUMP_WIDTHS * track.width_px
+        }
+        _ => false,
+    })
 }
 
 /// Turns a ring so that it runs as the last one did and starts nearest to where that started.
 fn align_ring(last: &[Vec2], curve: &mut Curve) {
-    let (ahead, back) = distances(last, &curve.points, true);
+    let (ahead, back) = matching::distances(last, &curve.points, true);
     if back < ahead {
         reverse(curve);
     }
-    let shift = nearest_point(&curve.points, last[0]);
-    curve.points.rotate_left(shift);
-    curve.widths_px.rotate_left(shift);
+    rotate(curve, nearest_point(&curve.points, last[0]));
 }
 
 fn reverse(curve: &mut Curve) {
     curve.points.reverse();
     curve.widths_px.reverse();
+    curve.hidden.reverse();
     curve.border.swap(0, 1);
 }
 
-fn nearest_point(points: &[Vec2], goal: Vec2) -> usize {
-    let by_distance = |&a: &usize, &b: &usize| {
-        vec2::distance(points[a], goal).total_cmp(&vec2::distance(points[b], goal))
-    };
-    (0..points.len()).min_by(by_distance).unwrap_or(0)
+/// Makes point `first` of a ring its first.
+fn rotate(curve: &mut Curve, first: usize) {
+    curve.points.rotate_left(first);
+    curve.widths_px.rotate_left(first);
+    curve.hidden.rotate_left(first);
 }
 
 fn signed_area(points: &[Vec2]) -> f32 {
