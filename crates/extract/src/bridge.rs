@@ -5,6 +5,7 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
+use crate::bits::BitPlane;
 use crate::color;
 use crate::line::{Line, Sample};
 use crate::pairing::bending;
@@ -63,10 +64,12 @@ struct Candidate {
 /// What the ends are judged by.
 pub(crate) struct Scenery<'a> {
     pub(crate) past: &'a Past,
-    /// How unlike the table each pixel is, occluders included.
+    /// How unlike the table each pixel is.
     pub(crate) difference: &'a Plane,
     /// From this difference on something lies there.
     pub(crate) level: f32,
+    /// What was found to be no rope.
+    pub(crate) cover: &'a BitPlane,
     pub(crate) yuv: bool,
 }
 
@@ -321,7 +324,8 @@ fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
     let hits = (1..ASKED).filter(|&k| {
         let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
-        scenery.difference.sample(at) >= scenery.level
+        let covered = scenery.cover.get(at[0] as i32, at[1] as i32);
+        covered || scenery.difference.sample(at) >= scenery.level
     });
     hits.count() as f32 / (ASKED - 1) as f32
 }
@@ -402,6 +406,7 @@ mod tests {
             past,
             difference: &difference,
             level: 20.0,
+            cover: &BitPlane::default(),
             yuv: false,
         };
         let mut colors = vec![[50.0; 3]; lines.len()];

@@ -5,6 +5,7 @@ use crate::bits::BitPlane;
 use crate::bridge::{Bridger, Scenery};
 use crate::centerline::{Centerliner, Source};
 use crate::color;
+use crate::cover::Cover;
 use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
@@ -51,6 +52,7 @@ pub struct Extractor {
     options: Options,
     size: (usize, usize),
     masker: Masker,
+    cover: Cover,
     thin: BitPlane,
     thinner: Thinner,
     skeleton: Skeleton,
@@ -84,6 +86,7 @@ impl Extractor {
             options,
             size: (0, 0),
             masker: Masker::default(),
+            cover: Cover::default(),
             thin: BitPlane::default(),
             thinner: Thinner::default(),
             skeleton: Skeleton::default(),
@@ -134,17 +137,20 @@ impl Extractor {
         }
         self.masker.run(image, &self.options.mask);
         after(Step::Mask);
-        self.thin.copy_from(&self.masker.mask);
-        let most_passes = (size.0.min(size.1) / 8).clamp(16, 128) as u32;
-        self.thinner.thin(&mut self.thin, most_passes);
-        after(Step::Skeleton);
-        self.skeleton.list(&self.thin, &self.masker.mask);
-        self.graph.trace(&self.skeleton);
-        self.graph.prune(&mut self.skeleton);
         let yuv = color::is_yuv(image.format());
         self.tracker.begin(self.now_ns, yuv);
         self.tracker.remember(&mut self.zones.past);
+        self.skeletonize();
         self.zones.past.check(&self.skeleton);
+        let known_half_px = self.zones.past.widest_half_px();
+        let mask = &self.masker.mask;
+        if self.cover.find(image, &self.skeleton, mask, known_half_px) {
+            self.masker.take_out(&self.cover.plane);
+            self.skeletonize();
+        }
+        after(Step::Skeleton);
+        self.graph.trace(&self.skeleton);
+        self.graph.prune(&mut self.skeleton);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
@@ -155,6 +161,7 @@ impl Extractor {
             past: &self.zones.past,
             difference: &self.masker.difference,
             level: SOMETHING,
+            cover: &self.cover.plane,
             yuv,
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
@@ -204,6 +211,14 @@ impl Extractor {
         self.tracker.reset();
     }
 
+    /// Thins the mask and lists what is left.
+    fn skeletonize(&mut self) {
+        self.thin.copy_from(&self.masker.mask);
+        let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
+        self.thinner.thin(&mut self.thin, most_passes);
+        self.skeleton.list(&self.thin, &self.masker.mask);
+    }
+
     /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns
     /// how many there are.
     fn lay_lines(&mut self, image: &Image) -> usize {
@@ -245,9 +260,17 @@ impl Extractor {
             if curve.length_px < SHORTEST * curve.width_px {
                 continue;
             }
+            let reach_px = 0.7 * curve.width_px + 3.0;
+            let is_covered = |end: usize, at: Option<&[f32; 2]>| {
+                let free = !curve.closed && !curve.border[end];
+                free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
+            };
             self.looks.push(Look {
                 color: self.colors[l],
-                covered: [false; 2],
+                covered: [
+                    is_covered(0, curve.points.first()),
+                    is_covered(1, curve.points.last()),
+                ],
             });
             // Lines and curves go by the same number from here on.
             self.lines.swap(self.count, l);

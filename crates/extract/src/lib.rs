@@ -48,6 +48,7 @@ mod bridge;
 mod centerline;
 mod color;
 mod components;
+mod cover;
 mod crossings;
 mod difference;
 mod extractor;

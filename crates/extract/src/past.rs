@@ -173,6 +173,12 @@ impl Past {
         })
     }
 
+    /// Half the width of the widest rope, if the past means anything.
+    pub(crate) fn widest_half_px(&self) -> Option<f32> {
+        let halves = self.ropes().iter().map(|rope| 0.5 * rope.width_px);
+        self.trusted.then(|| halves.fold(0.5, f32::max))
+    }
+
     pub(crate) fn ropes(&self) -> &[Rope] {
         &self.ropes[..self.count]
     }
