@@ -1,4 +1,8 @@
-//! The measurements behind the figures that lariat claims, in `benches/`. Each prints its figure beside a floor of the
-//! same run, so that what counts is the ratio.
+//! The measurements behind the figures that lariat claims.
 //!
-//! `cargo bench -p lariat-bench --bench fit`: one fit, beside the bare multiply-adds.
+//! | command | what it prints |
+//! |---|---|
+//! | `cargo bench -p lariat-bench --bench fit` | one fit, beside the bare multiply-adds |
+//! | `cargo run --release -p lariat-bench -- accuracy --dataset DIR` | on photographs with labels, for each set: DICE of the ropes drawn from points and widths, wrong counts, what was missed and what strays, where drawing and label disagree and why, time for each step, the worst five. `--csv FILE`: a line for each image. `--overlay DIR`: what was found, drawn over each photograph |
+//!
+//! Speed (`benches/`) is printed beside a floor of the same run, so that what counts is the ratio.

@@ -1,7 +1,8 @@
 //! A picture file, decoded.
 
 use anyhow::{Context, Result};
-use image::{DynamicImage, ImageReader, RgbImage};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageReader, RgbImage};
 use lariat_extract::{Image, ImageError, PixelFormat};
 use std::path::Path;
 
@@ -9,7 +10,7 @@ use std::path::Path;
 pub(super) struct Picture(DynamicImage);
 
 impl Picture {
-    /// Reads a PNG or JPEG, whatever its name says.
+    /// Reads a PNG or JPEG, whatever its name says, turned as its EXIF orientation asks.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.
@@ -18,9 +19,12 @@ impl Picture {
         let reader = ImageReader::open(path)
             .and_then(ImageReader::with_guessed_format)
             .with_context(|| format!("cannot open the picture {shown}"))?;
-        let decoded = reader
-            .decode()
-            .with_context(|| format!("cannot read {shown} as a PNG or JPEG picture"))?;
+        let about = || format!("cannot read {shown} as a PNG or JPEG picture");
+        let mut decoder = reader.into_decoder().with_context(about)?;
+        // A damaged note beside the pixels does not spoil them.
+        let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+        let mut decoded = DynamicImage::from_decoder(decoder).with_context(about)?;
+        decoded.apply_orientation(orientation);
         Ok(Self(match decoded {
             DynamicImage::ImageLuma8(_) | DynamicImage::ImageRgb8(_) => decoded,
             other => DynamicImage::ImageRgb8(other.into_rgb8()),

@@ -7,6 +7,7 @@
 mod ahead;
 mod natural;
 mod open;
+mod orientation;
 mod pace;
 mod picture;
 mod pictures;

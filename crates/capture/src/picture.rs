@@ -4,10 +4,12 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
+use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
 use lariat_wire::PixelFormat;
 
 use crate::ahead::Layout;
+use crate::orientation;
 
 /// Larger pictures are refused: more likely a broken head than a camera.
 const LARGEST_BYTES: u64 = 1 << 30;
@@ -31,24 +33,34 @@ pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
     let mut bytes = Vec::new();
     let head_size = (&mut file).take(HEAD_BYTES).read_to_end(&mut bytes);
     let head_size = head_size.map_err(unreadable)?;
-    decoder(path, &bytes).map(|found| found.1).or_else(|error| {
+    layout(path, &bytes).or_else(|error| {
         if (head_size as u64) < HEAD_BYTES {
             return Err(error);
         }
         // A long profile or preview may stand before the size.
         file.read_to_end(&mut bytes).map_err(unreadable)?;
-        decoder(path, &bytes).map(|found| found.1)
+        layout(path, &bytes)
     })
+}
+
+fn layout(path: &Path, bytes: &[u8]) -> Result<Layout, String> {
+    decoder(path, bytes).map(|(_, layout, _)| layout)
 }
 
 fn broken(path: &Path, error: impl std::fmt::Display) -> String {
     format!("{} cannot be decoded ({error})", path.display())
 }
 
-fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<(impl ImageDecoder + 'a, Layout), String> {
+/// A decoder of the pixels as they are stored, the upright picture's layout, and how to turn the one into the other.
+fn decoder<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+) -> Result<(impl ImageDecoder + 'a, Layout, Orientation), String> {
     let format = format_of(bytes).ok_or_else(|| broken(path, "it is neither PNG nor JPEG"))?;
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
-    let decoder = decoder.map_err(|error| broken(path, error))?;
+    let mut decoder = decoder.map_err(|error| broken(path, error))?;
+    // A damaged note beside the pixels does not spoil them.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let (width, height) = decoder.dimensions();
     let format = if decoder.color_type().has_color() {
         PixelFormat::Rgb8
@@ -62,13 +74,18 @@ fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<(impl ImageDecoder + 'a, 
             format!("{width}×{height} pixels are too many"),
         ));
     }
+    let (width, height) = if orientation::is_sideways(orientation) {
+        (height, width)
+    } else {
+        (width, height)
+    };
     let layout = Layout {
         width,
         height,
         stride: format.row_bytes(width) as u32,
         format,
     };
-    Ok((decoder, layout))
+    Ok((decoder, layout, orientation))
 }
 
 /// Decodes one picture after the other, in the same memory.
@@ -77,10 +94,12 @@ pub(crate) struct PictureDecoder {
     file: Vec<u8>,
     /// Pixels with alpha or of 16 bits, before they are reduced.
     full: Vec<u8>,
+    /// Pixels as they are stored, before they are turned upright.
+    stored: Vec<u8>,
 }
 
 impl PictureDecoder {
-    /// Decodes a file into `pixels`; alpha is left out, 16 bits become 8. A sentence if it cannot.
+    /// Decodes a file into `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut Vec<u8>) -> Result<Layout, String> {
         self.file.clear();
         let read = File::open(path).and_then(|mut file| file.read_to_end(&mut self.file));
@@ -88,7 +107,8 @@ impl PictureDecoder {
         if format_of(&self.file) == Some(ImageFormat::Jpeg) && is_cut_off(&self.file) {
             return Err(broken(path, "the file is cut off"));
         }
-        let (decoder, layout) = decoder(path, &self.file)?;
+        let (decoder, layout, orientation) = decoder(path, &self.file)?;
+        let (width, height) = decoder.dimensions();
         let color = decoder.color_type();
         pixels.resize(layout.bytes(), 0);
         if matches!(color, ColorType::L8 | ColorType::Rgb8) {
@@ -111,6 +131,13 @@ impl PictureDecoder {
                 let reason = format!("its pixels are {other:?}, of which lariat knows nothing");
                 return Err(broken(path, reason));
             }
+        }
+        if orientation != Orientation::NoTransforms {
+            let channels = layout.bytes() / (width as usize * height as usize).max(1);
+            std::mem::swap(pixels, &mut self.stored);
+            pixels.resize(layout.bytes(), 0);
+            let size = (width as usize, height as usize);
+            orientation::turn(orientation, &self.stored, size, channels, pixels);
         }
         Ok(layout)
     }

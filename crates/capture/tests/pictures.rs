@@ -150,6 +150,48 @@ fn a_jpeg_is_what_its_decoder_says() {
     assert_eq!(pixels, image::open(&path).unwrap().into_rgb8().into_raw());
 }
 
+/// A JPEG file with an EXIF note that says how to turn it (CIPA DC-008: one TIFF entry, 0x0112).
+fn with_orientation(jpeg: &[u8], orientation: u8) -> Vec<u8> {
+    let mut tiff = b"Exif\0\0MM\0*\0\0\0\x08".to_vec();
+    tiff.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0]);
+    tiff.extend([0; 4]);
+    let length = (tiff.len() as u16 + 2).to_be_bytes();
+    let app1 = [&[0xff, 0xe1], &length[..], &tiff].concat();
+    // Behind the start of the image.
+    [&jpeg[..2], &app1, &jpeg[2..]].concat()
+}
+
+#[test]
+fn a_picture_taken_sideways_is_shown_upright() {
+    let folder = folder();
+    let path = folder.path().join("picture.jpg");
+    // Blocks of the coder's size, each of one grey, in a lying picture.
+    let blocks = [[10, 60, 110], [160, 210, 250]];
+    GrayImage::from_fn(24, 16, |x, y| {
+        Luma([blocks[y as usize / 8][x as usize / 8]])
+    })
+    .save(&path)
+    .unwrap();
+    let lying = fs::read(&path).unwrap();
+    for (orientation, size, upright) in [
+        (1, (24, 16), [[10, 60, 110], [160, 210, 250]].concat()),
+        (3, (24, 16), [[250, 210, 160], [110, 60, 10]].concat()),
+        (6, (16, 24), [[160, 10], [210, 60], [250, 110]].concat()),
+        (8, (16, 24), [[110, 250], [60, 210], [10, 160]].concat()),
+    ] {
+        fs::write(&path, with_orientation(&lying, orientation)).unwrap();
+        let mut source = open_paths(std::slice::from_ref(&path), false).unwrap();
+        let (frame, pixels) = next_pixels(&mut *source).unwrap();
+        assert_eq!((frame.width, frame.height), size, "{orientation}");
+        let columns = frame.width as usize / 8;
+        for (index, grey) in upright.into_iter().enumerate() {
+            let (x, y) = (index % columns * 8 + 4, index / columns * 8 + 4);
+            let shown = pixels[y * frame.stride as usize + x];
+            assert!(shown.abs_diff(grey) <= 2, "{orientation} {x} {y}: {shown}");
+        }
+    }
+}
+
 #[test]
 fn a_jpeg_is_whole_whatever_follows_its_end_and_cut_off_at_any_byte_before() {
     let folder = folder();

@@ -1,0 +1,26 @@
+//! A picture file, decoded and upright.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use image::{DynamicImage, ImageDecoder, ImageReader};
+
+/// Reads a PNG or JPEG, whatever its name says, turned as its EXIF orientation asks (as every viewer shows it).
+///
+/// # Errors
+/// There is no such file, it is no picture, or it is damaged.
+pub(super) fn load(path: &Path) -> Result<DynamicImage> {
+    let shown = path.display();
+    let reader = ImageReader::open(path)
+        .and_then(ImageReader::with_guessed_format)
+        .with_context(|| format!("cannot open the picture {shown}"))?;
+    let about = || format!("cannot read {shown} as a PNG or JPEG picture");
+    let mut decoder = reader.into_decoder().with_context(about)?;
+    // A damaged note beside the pixels does not spoil them.
+    let orientation = decoder.orientation().ok();
+    let mut picture = DynamicImage::from_decoder(decoder).with_context(about)?;
+    if let Some(orientation) = orientation {
+        picture.apply_orientation(orientation);
+    }
+    Ok(picture)
+}

@@ -1,0 +1,34 @@
+//! How right lariat's centerlines are, measured on pictures.
+
+mod accuracy;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// The measurements behind the figures that lariat claims (those of speed are run by `cargo bench`)
+#[derive(Parser)]
+#[command(name = "lariat-bench", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// How close the extractor's curves are to the truth
+    Accuracy(accuracy::Args),
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Accuracy(args) => accuracy::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("lariat-bench: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
