@@ -2,7 +2,7 @@
 //! may differ in its last bit) and a small random generator.
 
 /// Sine of an angle in turns, |turns| < 2⁵¹, to 2·10⁻⁹.
-pub(super) fn sin_turns(turns: f64) -> f64 {
+pub(crate) fn sin_turns(turns: f64) -> f64 {
     // To [−½, ½], then folded about ±¼ to the half wave around zero.
     let rest = turns - (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i64 as f64;
     let x = if rest > 0.25 {
@@ -23,27 +23,27 @@ pub(super) fn sin_turns(turns: f64) -> f64 {
 }
 
 /// Cosine of an angle in turns, likewise.
-pub(super) fn cos_turns(turns: f64) -> f64 {
+pub(crate) fn cos_turns(turns: f64) -> f64 {
     sin_turns(turns + 0.25)
 }
 
 /// The step 0 → 1 over x in [0, 1] with level ends: 3x² − 2x³.
-pub(super) fn smoothstep(x: f64) -> f64 {
+pub(crate) fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014): one multiply-xorshift hash of a counter.
 #[derive(Debug, Clone)]
-pub(super) struct SplitMix64(u64);
+pub(crate) struct SplitMix64(u64);
 
 impl SplitMix64 {
     /// The generator of a seed and of a stream: generators of different streams have nothing in common.
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         Self(Self(seed).next_u64() ^ Self(stream.wrapping_mul(0xA076_1D64_78BD_642F)).next_u64())
     }
 
-    pub(super) fn next_u64(&mut self) -> u64 {
+    pub(crate) fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -52,14 +52,14 @@ impl SplitMix64 {
     }
 
     /// Uniform in [low, high).
-    pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         // 53 bits: every value is a multiple of 2⁻⁵³, exact.
         let unit = (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         low + (high - low) * unit
     }
 
     /// −1 or 1.
-    pub(super) fn sign(&mut self) -> f64 {
+    pub(crate) fn sign(&mut self) -> f64 {
         if self.next_u64() & 1 == 0 { -1.0 } else { 1.0 }
     }
 }
