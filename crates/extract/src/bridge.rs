@@ -5,29 +5,11 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
-use crate::bits::BitPlane;
 use crate::color;
+use crate::ends::{ALIKE, End, Scenery, known_way, plain_cost};
 use crate::line::{Line, Sample};
-use crate::pairing::bending;
-use crate::past::{Past, Trace, Traces};
-use crate::plane::Plane;
+use crate::past::{Past, Trace};
 use crate::vec2::{self, Vec2};
-
-/// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
-/// turn by 20°). It is a flaw of the mask, such as shine, not a thing that lies on the rope.
-const FLAW: (f32, f32) = (2.5, 0.03);
-/// Without a past: the same where something else than the table shows in the gap (a turn by 57°).
-const COVERED: (f32, f32) = (16.0, 0.25);
-/// Share of a gap that must differ from the table for something to lie there.
-const SHOWN: f32 = 0.6;
-/// Levels of color, and factor of width, by which the two sides may differ.
-const ALIKE: (f32, f32) = (40.0, 1.35);
-/// With a past: widths, and share of its way, that a gap may be shorter or longer than the rope was.
-const STRETCH: (f32, f32) = (4.0, 0.35);
-/// With a past: the sharpest turn of an end against its gap, in radians.
-const SHARPEST: f32 = 1.6;
-/// The largest share of a rope that may be hidden at one place.
-const LONGEST_SHARE: f32 = 0.7;
 
 /// A stretch of a joined line that is hidden, in arc length from the line's first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,21 +19,6 @@ pub(crate) struct Gap {
     pub(crate) to_px: f32,
 }
 
-/// An end of a line.
-#[derive(Clone, Copy, Debug)]
-struct End {
-    line: usize,
-    /// Whether it is the line's last sample.
-    last: bool,
-    at: Vec2,
-    /// The direction out of the line.
-    out: Vec2,
-    width_px: f32,
-    color: [f32; 3],
-    past: Traces,
-    used: bool,
-}
-
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -59,18 +26,6 @@ struct Candidate {
     ends: [usize; 2],
     /// The way between them as the past has it.
     way: Option<[Trace; 2]>,
-}
-
-/// What the ends are judged by.
-pub(crate) struct Scenery<'a> {
-    pub(crate) past: &'a Past,
-    /// How unlike the table each pixel is.
-    pub(crate) difference: &'a Plane,
-    /// From this difference on something lies there.
-    pub(crate) level: f32,
-    /// What was found to be no rope.
-    pub(crate) cover: &'a BitPlane,
-    pub(crate) yuv: bool,
 }
 
 /// Memory and result of the step.
@@ -152,7 +107,8 @@ impl Bridger {
                 if !same && (levels > ALIKE.0 || width > ALIKE.1) {
                     continue;
                 }
-                let known = |end: &End| end.past.iter().next().is_some();
+                // Where one rope was lost under something and another came out of it, they may be one.
+                let known = |end: &End| !scenery.past.was_covered(&end.past);
                 let ends = [i, j];
                 if let Some((cost, way)) = known_way(a, b, scenery.past, same) {
                     let way = Some(way);
@@ -263,73 +219,6 @@ impl Bridger {
     }
 }
 
-/// What it costs to join ends between which a rope of the past ran, and the way it took.
-fn known_way(a: &End, b: &End, past: &Past, same: bool) -> Option<(f32, [Trace; 2])> {
-    let chord = vec2::sub(b.at, a.at);
-    let chord_px = vec2::norm(chord);
-    let width_px = 0.5 * (a.width_px + b.width_px);
-    let mut best: Option<(f32, [Trace; 2])> = None;
-    for ta in likely(a) {
-        // The way in at b is the way out of it, turned around.
-        for tb in likely(b).filter(|tb| tb.rope == ta.rope && tb.ahead != ta.ahead) {
-            let rope = &past.ropes()[ta.rope as usize];
-            if same && !rope.closed {
-                continue;
-            }
-            let way_px = rope.way_px(ta, tb, ta.ahead);
-            let slack_px = STRETCH.0 * width_px;
-            let apart_px = vec2::distance(rope.at(ta.along_px), rope.at(tb.along_px));
-            let stretched = (chord_px - apart_px).abs() > slack_px + STRETCH.1 * way_px;
-            if way_px < -slack_px || way_px > LONGEST_SHARE * rope.length_px || stretched {
-                continue;
-            }
-            let miss = (chord_px - apart_px) / (slack_px + STRETCH.1 * way_px.max(0.0));
-            let cost = ta.off + tb.off + miss * miss + way_px.max(0.0) / rope.length_px;
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, [*ta, *tb]));
-            }
-        }
-    }
-    // Ends that point away from where they are to go did not come from there.
-    let (out, back) = (vec2::dot(a.out, chord), vec2::dot(b.out, chord));
-    let faces =
-        chord_px < width_px || out > SHARPEST.cos() * chord_px && -back > SHARPEST.cos() * chord_px;
-    best.filter(|_| faces)
-}
-
-/// The traces of an end that are about as near as its nearest.
-fn likely(end: &End) -> impl Iterator<Item = &Trace> {
-    let nearest = end.past.iter().next().map_or(0.0, |t| t.off);
-    end.past.iter().filter(move |t| t.off <= nearest + 1.0)
-}
-
-/// What it costs to join ends of which nothing is known, if they may be one rope.
-fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) -> Option<f32> {
-    let chord_px = vec2::distance(a.at, b.at);
-    let width_px = 0.5 * (a.width_px + b.width_px);
-    let gap_widths = chord_px / width_px;
-    if gap_widths > COVERED.0 || chord_px > 2.0 * length_px {
-        return None;
-    }
-    let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
-    let covered = shown(a.at, b.at, scenery) >= SHOWN;
-    let (widest, most_bent) = if covered { COVERED } else { FLAW };
-    // Later than all that the past knows, and the straighter and nearer the earlier.
-    (gap_widths <= widest && bend <= most_bent)
-        .then_some(100.0 + bend / most_bent + gap_widths / widest)
-}
-
-/// The share of the straight way from a to b, less half a width at each end, that is not table.
-fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
-    const ASKED: usize = 16;
-    let hits = (1..ASKED).filter(|&k| {
-        let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
-        let covered = scenery.cover.get(at[0] as i32, at[1] as i32);
-        covered || scenery.difference.sample(at) >= scenery.level
-    });
-    hits.count() as f32 / (ASKED - 1) as f32
-}
-
 /// Lays the samples between two ends behind the first one's.
 fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([Trace; 2], &Past)>) {
     let chord_px = vec2::distance(from.at, to.at);
@@ -380,6 +269,8 @@ fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bits::BitPlane;
+    use crate::plane::Plane;
 
     fn straight(from: Vec2, to: Vec2) -> Line {
         let count = vec2::distance(from, to) as usize;
@@ -419,7 +310,7 @@ mod tests {
     fn pieces_of_a_known_rope_are_joined_whichever_way_they_run() {
         let mut past = Past::default();
         let points: Vec<Vec2> = (0..=60).map(|i| [20.0 + 5.0 * i as f32, 100.0]).collect();
-        past.add(0, false, [300.0, 6.0], &points);
+        past.add(false, [300.0, 6.0], &points);
         let mut lines = [
             straight([120.0, 102.0], [20.0, 102.0]),
             straight([320.0, 102.0], [180.0, 102.0]),
@@ -452,9 +343,9 @@ mod tests {
     #[test]
     fn two_ropes_that_were_two_stay_two() {
         let mut past = Past::default();
-        for (track, from) in [(0, 20.0), (1, 130.0)] {
+        for from in [20.0, 130.0] {
             let points: Vec<Vec2> = (0..=20).map(|i| [from + 5.0 * i as f32, 100.0]).collect();
-            past.add(track, false, [100.0, 6.0], &points);
+            past.add(false, [100.0, 6.0], &points);
         }
         let mut lines = [
             straight([20.0, 100.0], [120.0, 100.0]),

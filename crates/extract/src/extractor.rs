@@ -2,15 +2,18 @@
 
 use crate::background::median;
 use crate::bits::BitPlane;
-use crate::bridge::{Bridger, Scenery};
+use crate::bridge::{Bridger, Gap};
 use crate::centerline::{Centerliner, Source};
 use crate::color;
 use crate::cover::Cover;
 use crate::crossings::Crosser;
+use crate::ends::Scenery;
+use crate::follow::{self, Follower};
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::Masker;
 use crate::overlaps::Overlaps;
+use crate::part::part;
 use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
@@ -64,6 +67,7 @@ pub struct Extractor {
     lines: Vec<Line>,
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
+    follower: Follower,
     looks: Vec<Look>,
     spaced: Vec<Sample>,
     now_ns: u64,
@@ -98,6 +102,7 @@ impl Extractor {
             lines: Vec::new(),
             colors: Vec::new(),
             bridger: Bridger::default(),
+            follower: Follower::default(),
             looks: Vec::new(),
             spaced: Vec::new(),
             now_ns: 0,
@@ -150,7 +155,7 @@ impl Extractor {
         }
         after(Step::Skeleton);
         self.graph.trace(&self.skeleton);
-        self.graph.prune(&mut self.skeleton);
+        self.graph.prune(&mut self.skeleton, &self.zones.past);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
@@ -166,9 +171,10 @@ impl Extractor {
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
+        let joined = self.follow(image, joined);
         self.points(joined);
         let seen = self.count;
-        let (curves, looks) = (&mut self.curves, &self.looks[..]);
+        let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, seen, looks, &self.options);
         self.crosser.find(
             image,
@@ -240,9 +246,50 @@ impl Extractor {
                 legs: &self.strands.legs,
             };
             if self.centerliner.build(&source, strand, line) {
-                self.colors.push(mean_color(image, line));
                 count += 1;
             }
+        }
+        let mut l = 0;
+        while l < count {
+            if self.lines.len() <= count {
+                self.lines.push(Line::default());
+            }
+            let (known, free) = self.lines.split_at_mut(count);
+            if count < MOST_PIECES && part(&mut known[l], &self.zones.past, &mut free[0]) {
+                count += 1;
+            } else {
+                self.colors.push(mean_color(image, &known[l]));
+                l += 1;
+            }
+        }
+        count
+    }
+
+    /// Takes the ropes of the last image, followed into this one, where the first `count` lines
+    /// contradict them; returns how many lines there are then.
+    fn follow(&mut self, image: &Image, count: usize) -> usize {
+        let scene = follow::Scene {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            mask: &self.masker.mask,
+            cover: &self.cover.plane,
+            skeleton: &self.skeleton,
+        };
+        if !self.follower.follow(&self.lines[..count], &scene) {
+            return count;
+        }
+        let count = self.follower.take(&mut self.lines, count);
+        self.colors.clear();
+        self.bridger.gaps.clear();
+        for (l, line) in self.lines[..count].iter().enumerate() {
+            self.colors.push(mean_color(image, line));
+            Follower::covered(line, &self.cover.plane, |from_px, to_px| {
+                self.bridger.gaps.push(Gap {
+                    line: l,
+                    from_px,
+                    to_px,
+                });
+            });
         }
         count
     }

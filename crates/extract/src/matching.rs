@@ -10,7 +10,7 @@ use crate::vec2::{self, Vec2};
 const FARTHEST: (f32, f32) = (0.15, 4.0);
 /// A curve that is a part of a rope lies at most this many widths off it, in the mean.
 const ALONG_WIDTHS: f32 = 3.0;
-/// Below this share of the rope's length a curve may be a part of it.
+/// Below this share of the other's length a curve may be a part of a rope, or have been one.
 const PART: f32 = 0.93;
 /// A rope that comes back has its length within this factor.
 const LENGTH_FACTOR: f32 = 1.35;
@@ -55,11 +55,17 @@ pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
     let shorter = curve.length_px < PART * rope.length_px || rope.closed && !curve.closed;
     let part = shorter
         .then(|| along(rope, curve))
+        .or_else(|| (rope.length_px < PART * curve.length_px).then(|| along(curve, rope)))
         .filter(|part| part.cost <= ALONG_WIDTHS * rope.width_px)
-        // A rope seen whole is preferred to one of which this would be a part.
-        .map(|part| Agreement {
-            cost: part.cost + rope.width_px + by_color,
-            ..part
+        // A rope seen whole is preferred to one of which this would be a part, a larger part to a
+        // smaller one.
+        .map(|part| {
+            let share = curve.length_px / rope.length_px;
+            let missing = 1.0 - share.min(1.0 / share);
+            Agreement {
+                cost: part.cost + (1.0 + 2.0 * missing) * rope.width_px + by_color,
+                ..part
+            }
         });
     match (whole, part) {
         (Some(whole), Some(part)) if part.cost < whole.cost => Some(part),
@@ -215,7 +221,7 @@ mod tests {
         let part = arc(3.8, 2.4, [2.0, 1.0]);
         let found = near(&shape(&rope), &shape(&part)).expect("it lies on the rope");
         assert!(found.reversed);
-        assert!(found.cost < 9.0, "{found:?}");
+        assert!(along(&shape(&rope), &shape(&part)).cost < 3.0);
         let elsewhere = arc(3.8, 2.4, [90.0, 90.0]);
         assert!(near(&shape(&rope), &shape(&elsewhere)).is_none());
     }

@@ -168,7 +168,7 @@ fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool
         at((middle + reach).min(pixels.len() - 1)),
     );
     let traces = past.recall(at(middle), vec2::sub(after, before));
-    traces.iter().filter(|t| t.off <= BESIDE_WIDTHS).count() >= 2
+    traces.within(BESIDE_WIDTHS) >= 2
 }
 
 /// The other edge, if any, that joins the same two zones, of these arms, as edge `e`.

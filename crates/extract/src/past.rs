@@ -15,6 +15,11 @@ const AGAINST: f32 = 0.25;
 const FARTHEST_WIDTHS: f32 = 3.0;
 /// Cosine of the angle by which it may have turned.
 const TURNED: f32 = 0.6;
+/// Widths, beside those that the ropes have moved, by which a trace may be farther off than another
+/// and still be the right one: what smoothing and whole pixels leave open.
+const DOUBT: f32 = 0.4;
+/// Widths around a rope's end in which it may be now, beside what the ropes have moved.
+const ENDS_WIDTHS: f32 = 1.5;
 /// Share of the skeleton that must lie where ropes were, for the past to say anything: less is a cut
 /// or a leap, and its traces are chance.
 const LEAST_SHARE: f32 = 0.5;
@@ -54,8 +59,24 @@ impl Default for Traces {
 }
 
 impl Traces {
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Trace> {
+    fn iter(&self) -> impl Iterator<Item = &Trace> {
         self.0.iter().filter(|t| t.rope != NONE)
+    }
+
+    /// Whether the place is on no rope of the past.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
+    /// How many strands ran within so many widths.
+    pub(crate) fn within(&self, widths: f32) -> usize {
+        self.iter().filter(|t| t.off <= widths).count()
+    }
+
+    /// Those that the ropes' motion leaves open: hardly farther off than the nearest.
+    pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &Trace> {
+        let most = self.0[0].off + past.moved + DOUBT;
+        self.iter().filter(move |t| t.off <= most)
     }
 
     fn add(&mut self, new: Trace) {
@@ -74,16 +95,24 @@ pub(crate) struct Past {
     ropes: Vec<Rope>,
     count: usize,
     trusted: bool,
+    /// How far the ropes have moved since, in widths.
+    moved: f32,
 }
 
 /// One rope.
 #[derive(Debug, Default)]
 pub(crate) struct Rope {
-    /// The track's number.
-    pub(crate) track: u32,
     pub(crate) closed: bool,
+    /// Where along it each end of what was seen of it lay under something.
+    covered_px: [Option<f32>; 2],
+    /// Whether it was seen in the last image, and for more than a moment.
+    live: bool,
+    /// Whether both of its ends were in the image.
+    pub(crate) whole: bool,
     pub(crate) length_px: f32,
     pub(crate) width_px: f32,
+    /// The length that it has had for long.
+    pub(crate) usual_px: f32,
     /// At equal steps.
     points: Vec<Vec2>,
 }
@@ -137,7 +166,21 @@ impl Past {
     }
 
     /// Notes a rope.
-    pub(crate) fn add(&mut self, track: u32, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
+    #[cfg(test)]
+    pub(crate) fn add(&mut self, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
+        let sizes_px = [sizes_px[0], sizes_px[1], sizes_px[0]];
+        self.add_covered(closed, sizes_px, points, [None; 2], (true, true));
+    }
+
+    /// Notes a rope of which a part may have been covered.
+    pub(crate) fn add_covered(
+        &mut self,
+        closed: bool,
+        sizes_px: [f32; 3],
+        points: &[Vec2],
+        covered_px: [Option<f32>; 2],
+        (live, whole): (bool, bool),
+    ) {
         if points.len() < 2 {
             return;
         }
@@ -145,32 +188,76 @@ impl Past {
             self.ropes.push(Rope::default());
         }
         let rope = &mut self.ropes[self.count];
-        rope.track = track;
-        rope.closed = closed;
-        [rope.length_px, rope.width_px] = sizes_px.map(|size| size.max(1.0));
+        (rope.closed, rope.covered_px) = (closed, covered_px);
+        (rope.live, rope.whole) = (live, whole);
+        [rope.length_px, rope.width_px, rope.usual_px] = sizes_px.map(|size| size.max(1.0));
         rope.points.clear();
         rope.points.extend_from_slice(points);
         self.count += 1;
         self.trusted = true;
     }
 
-    /// Trusts the past only if the ropes of this image lie about where they lay.
+    /// Trusts the past only if the ropes of this image lie about where they lay, and sees how far they
+    /// have moved.
     pub(crate) fn check(&mut self, skeleton: &Skeleton) {
         let pixels = &skeleton.pixels;
         let stride = (pixels.len() / ASKED).max(1);
-        let (mut asked, mut known) = (0, 0);
+        let (mut asked, mut known, mut sum) = (0.0f32, 0.0f32, 0.0);
         for pixel in pixels.iter().step_by(stride) {
-            asked += 1;
-            known += u32::from(self.is_near(pixel.at()));
+            asked += 1.0;
+            let off = self.off(pixel.at());
+            if off < FARTHEST_WIDTHS {
+                (known, sum) = (known + 1.0, sum + off);
+            }
         }
-        self.trusted = self.count > 0 && known as f32 >= LEAST_SHARE * asked as f32;
+        self.trusted = self.count > 0 && known >= LEAST_SHARE * asked;
+        self.moved = sum / known.max(1.0);
     }
 
-    fn is_near(&self, at: Vec2) -> bool {
-        self.ropes().iter().any(|rope| {
-            let reach = FARTHEST_WIDTHS * rope.width_px + 0.5 * rope.step_px();
-            rope.points.iter().any(|&p| vec2::distance(p, at) < reach)
+    /// How far from the nearest rope a place lies, in its widths.
+    fn off(&self, at: Vec2) -> f32 {
+        let ropes = self.ropes().iter();
+        let offs = ropes.map(|rope| {
+            let apart = |p: &Vec2| vec2::distance(*p, at);
+            let nearest = rope.points.iter().map(apart).fold(f32::INFINITY, f32::min);
+            // A place between two points lies up to half a step from both.
+            (nearest - 0.35 * rope.step_px()).max(0.0) / rope.width_px
+        });
+        offs.fold(f32::INFINITY, f32::min)
+    }
+
+    /// The ends of all open ropes, with the ropes' widths; none when the past means nothing.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = (Vec2, f32)> {
+        let open = self
+            .ropes()
+            .iter()
+            .filter(|rope| self.trusted && !rope.closed);
+        open.flat_map(|rope| {
+            let ends = [rope.points[0], rope.points[rope.points.len() - 1]];
+            ends.map(|end| (end, rope.width_px))
         })
+    }
+
+    /// How far an end of a rope of this width may be from where it was.
+    pub(crate) fn reach_px(&self, width_px: f32) -> f32 {
+        (ENDS_WIDTHS + self.moved) * width_px
+    }
+
+    /// The rope's end that lay near a place, and its width.
+    pub(crate) fn end_near(&self, at: Vec2) -> Option<(Vec2, f32)> {
+        self.ends()
+            .filter(|&(end, width_px)| vec2::distance(end, at) < self.reach_px(width_px))
+            .min_by(|a, b| vec2::distance(a.0, at).total_cmp(&vec2::distance(b.0, at)))
+    }
+
+    /// The ropes that were seen in the last image; none when the past means nothing.
+    pub(crate) fn live(&self) -> impl Iterator<Item = &Rope> {
+        self.ropes().iter().filter(|rope| self.trusted && rope.live)
+    }
+
+    /// How far the ropes have moved in the mean, in widths.
+    pub(crate) fn moved(&self) -> f32 {
+        self.moved
     }
 
     /// Half the width of the widest rope, if the past means anything.
@@ -212,23 +299,37 @@ impl Past {
     /// What the past has against reading two arms of a crossing, `chord_px` apart, both traced in
     /// their directions into it, as one strand.
     pub(crate) fn against(&self, a: &Traces, b: &Traces, chord_px: f32) -> f32 {
-        if a.iter().next().is_none() || b.iter().next().is_none() {
+        if a.is_empty() || b.is_empty() {
             return 0.0;
         }
         let mut least = 1.0f32;
-        for ta in a.iter() {
-            for tb in b
-                .iter()
-                .filter(|tb| tb.rope == ta.rope && tb.ahead != ta.ahead)
-            {
+        for ta in a.likely(self) {
+            let onward = |tb: &&Trace| tb.rope == ta.rope && tb.ahead != ta.ahead;
+            for tb in b.likely(self).filter(onward) {
                 let rope = &self.ropes[ta.rope as usize];
                 let way = rope.way_px(ta, tb, ta.ahead);
                 let miss = (way - chord_px).abs() / (2.0 * rope.width_px + 0.5 * chord_px);
-                let off = (ta.off * ta.off + tb.off * tb.off) / (FARTHEST_WIDTHS * FARTHEST_WIDTHS);
-                least = least.min(0.5 * off + miss * miss);
+                let doubt = self.moved + DOUBT;
+                let off = (ta.off * ta.off + tb.off * tb.off) / (8.0 * doubt * doubt);
+                least = least.min(off + miss * miss);
             }
         }
         AGAINST * least
+    }
+
+    /// Whether two arms, as above, were no one strand: on no reading of their traces.
+    pub(crate) fn denies(&self, a: &Traces, b: &Traces, chord_px: f32) -> bool {
+        self.against(a, b, chord_px) >= 0.9 * AGAINST
+    }
+
+    /// Whether an end of a line lies where a rope was lost under something, and no more is known.
+    pub(crate) fn was_covered(&self, end: &Traces) -> bool {
+        end.likely(self).all(|t| {
+            let rope = &self.ropes[t.rope as usize];
+            let reach = self.reach_px(rope.width_px) + rope.width_px;
+            let end_px = rope.covered_px[usize::from(t.ahead)];
+            !rope.closed && end_px.is_some_and(|end_px| (end_px - t.along_px).abs() < reach)
+        })
     }
 
     /// What the past has against an arm that ends in the crossing it runs into.
@@ -242,8 +343,7 @@ impl Past {
             };
             rope.closed || left > 2.0 * FARTHEST_WIDTHS * rope.width_px
         };
-        let known = arm.iter().next().is_some();
-        if known && arm.iter().all(goes_on) {
+        if !arm.is_empty() && arm.likely(self).all(goes_on) {
             AGAINST
         } else {
             0.0
@@ -292,7 +392,7 @@ mod tests {
         points.extend([[205.0, 5.0]]);
         points.extend((0..=40).map(|i| [200.0 - 5.0 * i as f32, 10.0]));
         let mut past = Past::default();
-        past.add(7, false, [410.0, 4.0], &points);
+        past.add(false, [410.0, 4.0], &points);
         past
     }
 

@@ -7,21 +7,25 @@
 
 use crate::Options;
 use crate::color;
+use crate::complete::Completer;
 use crate::matching::{self, Agreement, Shape, nearest_point};
 use crate::past::Past;
 use crate::scene::{Curve, Status};
-use crate::vec2::{self, Vec2, distance};
+use crate::turn::{align_ring, open_ring, reverse, rotate, signed_area};
+use crate::vec2::{Vec2, distance};
 
 /// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
 /// length less.
 const PARTIAL: f32 = 0.85;
 /// A tip that was here and is this many widths back along the rope is covered, not moved: no rope
 /// slides along itself that far from one image to the next.
-const JUMP_WIDTHS: f32 = 2.0;
-/// What more it must have lost of its length: the length of a rope seen whole varies by less.
-const JUMP_SHARE: f32 = 0.02;
+const JUMP_WIDTHS: f32 = 1.5;
+/// What more it must have lost of its length: that of a rope seen whole varies by less.
+const JUMP_SHARE: f32 = 0.015;
 /// Frames after which a rope is missed when it goes out of sight.
 const SETTLED: u32 = 3;
+/// Frames after which a rope is as well known as can be.
+const LONG: u32 = 100;
 /// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
 const SAME_WIDTHS: f32 = 1.0;
 
@@ -36,6 +40,7 @@ pub(crate) struct Tracker {
     started: bool,
     now_ns: u64,
     yuv: bool,
+    completer: Completer,
 }
 
 #[derive(Debug, Default)]
@@ -51,15 +56,15 @@ struct Track {
     current: Option<(usize, bool)>,
     closed: bool,
     border: [bool; 2],
+    /// Where along its shape each end of what was seen ran into something that is no rope.
+    covered_px: [Option<f32>; 2],
+    /// Its shape as it is known: as last seen, with what was covered then added from before.
     points: Vec<Vec2>,
-    widths_px: Vec<f32>,
     width_px: f32,
     length_px: f32,
     color: Option<[f32; 3]>,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
-    /// Whether a tip was covered suddenly and has not come back.
-    short: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +108,17 @@ impl Tracker {
     pub(crate) fn remember(&self, past: &mut Past) {
         past.clear();
         for track in &self.tracks {
-            let sizes_px = [track.length_px, track.width_px];
-            past.add(track.number, track.closed, sizes_px, &track.points);
+            let sizes_px = [track.length_px, track.width_px, track.whole_px];
+            let live = track.age == 0 && track.frames >= SETTLED;
+            let whole = track.border == [false; 2];
+            let state = (live, whole);
+            past.add_covered(
+                track.closed,
+                sizes_px,
+                &track.points,
+                track.covered_px,
+                state,
+            );
         }
     }
 
@@ -114,7 +128,7 @@ impl Tracker {
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
-        looks: &[Look],
+        looks: &mut [Look],
         options: &Options,
     ) -> usize {
         for track in &mut self.tracks {
@@ -123,8 +137,10 @@ impl Tracker {
         }
         self.match_with(&curves[..count], looks, |track, rope, curve| {
             let agreement = matching::near(rope, curve)?;
-            // Of ropes that lie equally near, the one in sight is meant.
-            let cost = agreement.cost + if track.age > 1 { rope.width_px } else { 0.0 };
+            // Of ropes that lie equally near, the one in sight is meant, and that for longest.
+            let (frames, age) = (track.frames.min(LONG) as f32, track.age.min(2) as f32);
+            let doubt = age - frames / LONG as f32;
+            let cost = agreement.cost + doubt * rope.width_px;
             Some(Agreement { cost, ..agreement })
         });
         self.match_with(&curves[..count], looks, |track, rope, curve| {
@@ -133,15 +149,24 @@ impl Tracker {
         });
         for (c, curve) in curves.iter_mut().enumerate().take(count) {
             if !self.tracks.iter().any(|t| is_current(t, c)) {
-                self.orient_new(curve, options.start);
+                if self.orient_new(curve, options.start) {
+                    looks[c].covered.swap(0, 1);
+                }
                 self.add(c);
             }
         }
         self.started |= count > 0;
         for t in 0..self.tracks.len() {
             if let Some((c, reversed)) = self.tracks[t].current {
-                see(&mut self.tracks[t], &mut curves[c], &looks[c], reversed);
-                self.tracks[t].seen_ns = self.now_ns;
+                let track = &mut self.tracks[t];
+                see(
+                    track,
+                    &mut curves[c],
+                    &mut looks[c],
+                    reversed,
+                    &mut self.completer,
+                );
+                track.seen_ns = self.now_ns;
             }
         }
         self.drop_old(options.keep_lost.as_nanos());
@@ -195,7 +220,8 @@ impl Tracker {
     }
 
     /// A new rope begins at the end nearest to `start` or, without one, to the top left.
-    fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) {
+    /// Returns whether an open one was turned.
+    fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) -> bool {
         let goal = match start {
             Some(goal) if !self.started => goal,
             _ => [0.0, 0.0],
@@ -209,7 +235,9 @@ impl Tracker {
             && distance(last, goal) < distance(first, goal)
         {
             reverse(curve);
+            return true;
         }
+        false
     }
 
     fn add(&mut self, curve: usize) {
@@ -219,7 +247,7 @@ impl Tracker {
         track.current = Some((curve, false));
         track.points.clear();
         track.color = None;
-        (track.whole_px, track.short) = (0.0, false);
+        track.whole_px = 0.0;
         (track.frames, track.age) = (0, 0);
         self.tracks.push(track);
     }
@@ -268,7 +296,7 @@ impl Tracker {
             curve.points.clear();
             curve.points.extend_from_slice(&track.points);
             curve.widths_px.clear();
-            curve.widths_px.extend_from_slice(&track.widths_px);
+            curve.widths_px.resize(track.points.len(), track.width_px);
             curve.hidden.clear();
             curve.hidden.resize(track.points.len(), true);
             (curve.width_px, curve.length_px) = (track.width_px, track.length_px);
@@ -292,10 +320,21 @@ fn shape_of(track: &Track) -> Shape<'_> {
     }
 }
 
-/// Turns the curve as its track was, and takes it as the track's newest shape.
-fn see(track: &mut Track, curve: &mut Curve, look: &Look, reversed: bool) {
+/// Turns the curve as its track was, judges how much of the rope it is, and takes it as the track's
+/// newest shape.
+fn see(
+    track: &mut Track,
+    curve: &mut Curve,
+    look: &mut Look,
+    reversed: bool,
+    completer: &mut Completer,
+) {
+    if curve.closed && !track.closed {
+        open_ring(&track.points, curve);
+    }
     if reversed && !curve.closed {
         reverse(curve);
+        look.covered.swap(0, 1);
     }
     if curve.closed && track.closed && track.points.len() == curve.points.len() {
         align_ring(&track.points, curve);
@@ -303,47 +342,59 @@ fn see(track: &mut Track, curve: &mut Curve, look: &Look, reversed: bool) {
     curve.track = track.number;
     curve.age_ns = 0;
     let cut = curve.border.iter().chain(&track.border).any(|&b| b);
-    track.short = !cut && (track.short || has_jumped(track, curve));
-    let missing_px = track.whole_px - curve.length_px;
-    track.short &= missing_px > JUMP_WIDTHS * curve.width_px;
-    // The usual length follows growth at once and shrinking slowly: a rope that stays short is a
-    // shorter view of it, not half hidden for ever.
-    track.whole_px = if cut || curve.length_px > track.whole_px {
-        curve.length_px
-    } else {
-        0.98 * track.whole_px + 0.02 * curve.length_px
-    };
-    let whole = curve.length_px >= PARTIAL * track.whole_px && !track.short;
-    let covered = curve.hidden.contains(&true) || look.covered.contains(&true);
+    let missing_px = track.length_px.min(track.whole_px) - curve.length_px;
+    let is_short = missing_px > JUMP_WIDTHS * curve.width_px + JUMP_SHARE * track.length_px;
+    let tip_covered = look.covered.contains(&true);
+    let jumped = !cut && is_short && has_jumped(track, curve);
+    let whole = !jumped && (cut || curve.length_px >= PARTIAL * track.whole_px);
+    let covered = curve.hidden.contains(&true) || tip_covered;
     curve.status = if whole && !covered {
         Status::Ok
     } else {
         Status::Partial
     };
+    track.note_length(curve, cut);
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
-    track.closed = curve.closed;
-    track.border = curve.border;
     track.color = Some(match track.color {
         // Slowly: the light changes, a rope's color does not.
         Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
         None => look.color,
     });
-    track.points.clear();
-    track.points.extend_from_slice(&curve.points);
-    track.widths_px.clear();
-    track.widths_px.extend_from_slice(&curve.widths_px);
-    (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+    let is_part = is_short && (jumped || tip_covered) && !track.closed && !curve.closed;
+    let seen_px;
+    (track.length_px, seen_px) = if is_part {
+        completer.complete(&mut track.points, track.length_px, curve)
+    } else {
+        track.points.clear();
+        track.points.extend_from_slice(&curve.points);
+        (curve.length_px, [0.0, curve.length_px])
+    };
+    track.covered_px = [0, 1].map(|end| look.covered[end].then_some(seen_px[end]));
+    (track.closed, track.border, track.width_px) = (curve.closed, curve.border, curve.width_px);
+}
+
+impl Track {
+    /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
+    /// a rope that stays short is a shorter view of it, not half hidden for ever.
+    fn note_length(&mut self, curve: &Curve, cut: bool) {
+        if cut || self.frames == 0 {
+            self.whole_px = curve.length_px;
+            return;
+        }
+        let pace = match curve.status {
+            Status::Ok => 0.005,
+            _ => 0.002,
+        };
+        let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
+        self.whole_px *= 1.0 + step.clamp(-pace, pace);
+    }
 }
 
 /// Whether a tip of the rope lies, all at once, back along it.
 fn has_jumped(track: &Track, curve: &Curve) -> bool {
-    if track.closed || curve.closed || track.points.len() < 2 {
-        return !track.points.is_empty() && track.closed && !curve.closed;
-    }
-    let lost_px = track.length_px - curve.length_px;
-    if lost_px < JUMP_WIDTHS * track.width_px + JUMP_SHARE * track.length_px {
-        return false;
+    if track.closed || curve.closed {
+        return track.closed && !curve.closed;
     }
     let ends = [
         (track.points.first(), curve.points.first()),
@@ -357,34 +408,4 @@ fn has_jumped(track: &Track, curve: &Curve) -> bool {
         }
         _ => false,
     })
-}
-
-/// Turns a ring so that it runs as the last one did and starts nearest to where that started.
-fn align_ring(last: &[Vec2], curve: &mut Curve) {
-    let (ahead, back) = matching::distances(last, &curve.points, true);
-    if back < ahead {
-        reverse(curve);
-    }
-    rotate(curve, nearest_point(&curve.points, last[0]));
-}
-
-fn reverse(curve: &mut Curve) {
-    curve.points.reverse();
-    curve.widths_px.reverse();
-    curve.hidden.reverse();
-    curve.border.swap(0, 1);
-}
-
-/// Makes point `first` of a ring its first.
-fn rotate(curve: &mut Curve, first: usize) {
-    curve.points.rotate_left(first);
-    curve.widths_px.rotate_left(first);
-    curve.hidden.rotate_left(first);
-}
-
-fn signed_area(points: &[Vec2]) -> f32 {
-    let n = points.len();
-    (0..n)
-        .map(|i| vec2::cross(points[i], points[(i + 1) % n]))
-        .sum()
 }
