@@ -54,10 +54,23 @@ pub struct Verdict {
 /// Follows one film.
 #[derive(Debug, Default)]
 pub struct Judge {
-    /// For each rope its track and whether it runs against the truth, as last seen.
-    known: Vec<(u32, u32, bool)>,
+    known: Vec<Known>,
+    frame: u64,
     verdict: Verdict,
 }
+
+/// What was said of a rope when it was last seen.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    identity: u32,
+    track: u32,
+    /// Whether the curve ran against the truth.
+    reversed: bool,
+    frame: u64,
+}
+
+/// Frames after which a rope that was gone may have any number.
+const FORGOTTEN: u64 = 30;
 
 /// How a curve lies to a rope.
 struct Fit {
@@ -71,6 +84,7 @@ struct Fit {
 impl Judge {
     /// Takes one frame's truth and answer; returns what was wrong in it, in words.
     pub fn look(&mut self, truth: &[TrueRope], curves: &[SeenCurve]) -> Vec<String> {
+        self.frame += 1;
         let mut wrong = Vec::new();
         let seen: Vec<_> = curves
             .iter()
@@ -131,24 +145,31 @@ impl Judge {
                 rope.identity, fit.order
             ));
         }
-        match self.known.iter_mut().find(|k| k.0 == rope.identity) {
-            None => self.known.push((rope.identity, curve.track, fit.reversed)),
+        let mut now = Known {
+            identity: rope.identity,
+            track: curve.track,
+            reversed: fit.reversed,
+            frame: self.frame,
+        };
+        let known = self.known.iter_mut().find(|k| k.identity == rope.identity);
+        match known {
+            None => self.known.push(now),
             Some(known) => {
-                if known.1 != curve.track {
+                let forgotten = known.frame + FORGOTTEN < self.frame;
+                if !forgotten && known.track != now.track {
                     self.verdict.swaps += 1;
                     wrong.push(format!(
                         "rope {}: track {} is {} now",
-                        rope.identity, known.1, curve.track
+                        rope.identity, known.track, now.track
                     ));
-                } else if inside && known.2 != fit.reversed {
+                } else if !forgotten && inside && known.reversed != now.reversed {
                     self.verdict.flips += 1;
                     wrong.push(format!("rope {} flipped", rope.identity));
                 }
-                *known = (
-                    rope.identity,
-                    curve.track,
-                    if inside { fit.reversed } else { known.2 },
-                );
+                if !inside {
+                    now.reversed = known.reversed;
+                }
+                *known = now;
             }
         }
         let is_whole = share == 1.0;
