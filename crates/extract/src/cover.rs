@@ -51,6 +51,11 @@ impl Cover {
         offsets().any(|dy| offsets().any(|dx| self.plane.get(x + dx, y + dy)))
     }
 
+    /// Whether there is any.
+    pub(crate) fn any(&self) -> bool {
+        self.plane.words().iter().any(|&word| word != 0)
+    }
+
     /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope.
     /// Returns whether there are any.
     pub(crate) fn find(

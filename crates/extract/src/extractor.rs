@@ -275,7 +275,9 @@ impl Extractor {
             cover: &self.cover.plane,
             skeleton: &self.skeleton,
         };
-        if !self.follower.follow(&self.lines[..count], &scene) {
+        // Where no strands meet and nothing lies over them, one image leaves nothing open.
+        let open = self.zones.has_meeting() || self.cover.any();
+        if !open || !self.follower.follow(&self.lines[..count], &scene) {
             return count;
         }
         let count = self.follower.take(&mut self.lines, count);

@@ -26,6 +26,8 @@ const STIFF_WIDTHS: f32 = 2.0;
 const AGREES: (f32, f32) = (1.5, 0.95);
 /// The largest share of a followed rope that may lie on the bare table.
 const BARE: f32 = 0.04;
+/// Widths of it that may lie there at one place: over more, the rope is not there any more.
+const BARE_WIDTHS: f32 = 0.75;
 /// The least share of the skeleton that followed ropes must account for, each within so many widths.
 const EXPLAINED: (f32, f32) = (0.95, 1.0);
 /// How much a rope's length may seem to change from one image to the next.
@@ -149,8 +151,19 @@ impl Follower {
         line.resample(count, &mut self.spaced);
         std::mem::swap(&mut line.samples, &mut self.spaced);
         let same_length = (line.length_px() / rope.length_px - 1.0).abs() <= LENGTH;
-        let bare = line.samples.iter().filter(|s| is_bare(s.at, scene)).count();
-        same_length && bare as f32 <= BARE * line.samples.len() as f32
+        let (mut bare, mut run, mut longest) = (0, 0, 0);
+        for sample in &line.samples {
+            run = if is_bare(sample.at, scene) {
+                run + 1
+            } else {
+                0
+            };
+            bare += usize::from(run > 0);
+            longest = longest.max(run);
+        }
+        same_length
+            && bare as f32 <= BARE * line.samples.len() as f32
+            && longest as f32 * step_px <= BARE_WIDTHS * rope.width_px
     }
 
     /// Moves each sample toward the middle of the rope there, those without one as their neighbors.

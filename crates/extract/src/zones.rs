@@ -132,6 +132,12 @@ impl Zones {
         }
     }
 
+    /// Whether strands meet anywhere: in a crossing, or an end on a strand.
+    pub(crate) fn has_meeting(&self) -> bool {
+        let zones = self.arms.chunk_by(|a, b| a.zone == b.zone);
+        zones.into_iter().any(|arms| arms.len() >= 3)
+    }
+
     /// Where the arms of the zone that begins at `from` end.
     pub(crate) fn zone_end(&self, from: usize) -> usize {
         let zone = self.arms[from].zone;
