@@ -38,6 +38,14 @@ pub(crate) struct Bridger {
 }
 
 impl Bridger {
+    /// Makes the buffers for lines of up to `samples` samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.ends.reserve(256);
+        self.candidates.reserve(256);
+        self.gaps.reserve(64);
+        self.spaced.reserve(samples);
+    }
+
     /// Joins those of the first `count` of `lines`, of these mean colors, that are pieces of one rope,
     /// and sorts them by length. Returns how many lines are left.
     pub(crate) fn join(

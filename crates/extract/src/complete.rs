@@ -11,6 +11,11 @@ pub(crate) struct Completer {
 }
 
 impl Completer {
+    /// Makes room for so many points.
+    pub(crate) fn reserve(&mut self, points: usize) {
+        self.joined.reserve(points);
+    }
+
     /// Puts `part`, which runs as the rope does, in its place in the rope's known `points` at equal
     /// steps over `length_px`. Returns the new length, and from where to where along it the part lies.
     pub(crate) fn complete(

@@ -51,6 +51,19 @@ impl Cover {
         offsets().any(|dy| offsets().any(|dx| self.plane.get(x + dx, y + dy)))
     }
 
+    /// Makes the buffers for images of this size.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        self.channel.reserve(self.halves.capacity());
+        for plane in [
+            &mut self.alike,
+            &mut self.thing,
+            &mut self.grown,
+            &mut self.plane,
+        ] {
+            plane.resize(width, height);
+        }
+    }
+
     /// Whether there is any.
     pub(crate) fn any(&self) -> bool {
         self.plane.words().iter().any(|&word| word != 0)

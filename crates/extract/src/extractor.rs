@@ -200,8 +200,36 @@ impl Extractor {
             self.extract(&image);
             self.extract(&image);
             self.options.mask = wanted;
+            self.reserve(width, height);
         }
         self.reset();
+    }
+
+    /// Makes the buffers that the drawn picture has no use for.
+    fn reserve(&mut self, width: usize, height: usize) {
+        // A rope that winds through the image four times, sampled at each pixel.
+        let samples = 2 * (width + height);
+        let lines = 2 * self.options.ropes;
+        self.lines
+            .resize_with(lines.max(self.lines.len()), Line::default);
+        for line in &mut self.lines {
+            line.samples.reserve(samples);
+        }
+        self.spaced.reserve(samples);
+        self.colors.reserve(MOST_PIECES);
+        self.looks.reserve(MOST_PIECES);
+        self.bridger.reserve(samples);
+        self.cover.reserve(width, height);
+        self.tracker.reserve(self.options.points);
+        self.tracker.remember(&mut self.zones.past);
+        let scene = follow::Scene {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            mask: &self.masker.mask,
+            cover: &self.cover.plane,
+            skeleton: &self.skeleton,
+        };
+        self.follower.rehearse(lines, samples, &scene);
     }
 
     /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first

@@ -61,6 +61,35 @@ pub(crate) struct Scene<'a> {
 }
 
 impl Follower {
+    /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
+    /// the image.
+    pub(crate) fn rehearse(&mut self, ropes: usize, samples: usize, scene: &Scene) {
+        self.lines
+            .resize_with(ropes.max(self.lines.len()), Line::default);
+        for line in &mut self.lines {
+            line.samples.reserve(samples);
+        }
+        self.spaced.reserve(samples);
+        self.moves.samples.reserve(samples);
+        self.before.reserve(samples);
+        self.levels.reserve(samples);
+        let mut line = std::mem::take(&mut self.lines[0]);
+        for rope in scene.past.ropes() {
+            self.lay(rope, scene, &mut line);
+        }
+        // The longest, as a ring: that is solved with an overlap.
+        line.closed = true;
+        line.samples.resize(samples, Sample::default());
+        let how = Measure {
+            half_px: 3.0,
+            step_px: 1.0,
+            tolerance: LOOKS[0],
+        };
+        self.shift(&mut line, scene.difference, how);
+        line.clear();
+        self.lines[0] = line;
+    }
+
     /// Follows the ropes of the past if `lines` contradict them. Returns whether they are to be taken
     /// instead of the lines that lie along them.
     pub(crate) fn follow(&mut self, lines: &[Line], scene: &Scene) -> bool {

@@ -90,6 +90,20 @@ impl Tracker {
         self.started = false;
     }
 
+    /// Makes the buffers for ropes of so many points.
+    pub(crate) fn reserve(&mut self, points: usize) {
+        self.completer.reserve(3 * points);
+        self.matches.reserve(256);
+        self.spare.reserve(64);
+        while self.spare.len() + self.tracks.len() < 16 {
+            self.spare.push(Track {
+                points: Vec::with_capacity(points),
+                ..Track::default()
+            });
+        }
+        self.tracks.reserve(64);
+    }
+
     /// Numbers ropes from the first again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
