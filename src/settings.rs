@@ -154,6 +154,8 @@ pub(crate) struct Extract {
     pub(crate) ropes: usize,
     /// Near which position (px) the first point is, in the first frame.
     pub(crate) start: Option<[f32; 2]>,
+    /// For how long a rope that is out of sight is reported.
+    pub(crate) keep_lost: Duration,
 }
 
 impl Default for Extract {
@@ -164,6 +166,7 @@ impl Default for Extract {
             points: 120,
             ropes: 8,
             start: None,
+            keep_lost: Duration::from_secs(1),
         }
     }
 }
@@ -176,7 +179,7 @@ impl Extract {
             points: self.points,
             ropes: self.ropes,
             start: self.start,
-            ..lariat_extract::Options::default()
+            keep_lost: self.keep_lost,
         }
     }
 }

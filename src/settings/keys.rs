@@ -208,6 +208,14 @@ pub(super) const KEYS: &[Key] = &[
         },
     },
     Key {
+        section: "extract",
+        name: "keep_lost_s",
+        about: "For how many seconds a rope that is out of sight is still reported, as lost.",
+        example: "",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.extract.keep_lost = time),
+        get: |s| Some(meaning::number_value(s.extract.keep_lost.as_secs_f64())),
+    },
+    Key {
         section: "fit",
         name: "order",
         about: "Order of the Bezier curve, 1 to 31: it has one control point more.",

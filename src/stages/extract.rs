@@ -114,6 +114,7 @@ impl Eye {
             self.size = (seen.width(), seen.height());
             self.extractor.prepare(self.size.0, self.size.1);
         }
+        self.extractor.at(frame.header().trace.exposed_ns);
         let scene = match mask {
             None => self.extractor.extract(&seen),
             Some(mask) => self
@@ -165,6 +166,8 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
         to.width_px = from.width_px;
         to.length_px = from.length_px;
         to.reserved = 0;
+        to.age_ns = from.age_ns;
+        to.set_hidden(from.hidden.iter().copied());
         to.points[..points].copy_from_slice(&from.points[..points]);
         to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
     }

@@ -53,10 +53,13 @@ pub(crate) fn untangle(
                 let (Some(from), Some(to)) = ends else {
                     return f32::INFINITY;
                 };
-                let color = arm_of(along[0]).map_or(0.0, |arm| {
-                    color_cost(from, arm, yuv) + color_cost(to, arm, yuv)
-                });
-                run(from, along, to, graph, skeleton) + color
+                let join = |a: &Arm, b: &Arm| {
+                    let far_px = vec2::distance(a.at, b.at);
+                    color_cost(a, b, yuv) + zones.past.against(&a.past, &b.past, far_px)
+                };
+                let joins = [(from, along[0]), (to, along[1])];
+                let joins = joins.map(|(arm, slot)| arm_of(slot).map_or(0.0, |s| join(arm, s)));
+                run(from, along, to, graph, skeleton) + joins[0] + joins[1]
             };
             if cost(b0, a, b1) + cost(a0, b, a1) < cost(a0, a, a1) + cost(b0, b, b1) {
                 for (side, [from, to]) in [(a, [b0, b1]), (b, [a0, a1])] {

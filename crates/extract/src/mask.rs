@@ -103,6 +103,22 @@ impl Masker {
         }
     }
 
+    /// Takes what is set in `cover` out of the mask and the difference, as if the table lay there.
+    pub(crate) fn take_out(&mut self, cover: &BitPlane) {
+        for y in 0..self.mask.height() {
+            let words = self.mask.row_mut(y).iter_mut().zip(cover.row(y));
+            words.for_each(|(word, &out)| *word &= !out);
+            for (x, level) in self.difference.row_mut(y).iter_mut().enumerate() {
+                if cover.row(y)[x / 64] >> (x % 64) & 1 == 1 {
+                    *level = 0;
+                }
+            }
+        }
+        if !self.clean() {
+            self.mask.resize(cover.width(), cover.height());
+        }
+    }
+
     /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
     fn clean(&mut self) -> bool {
         let pixels = self.mask.width() * self.mask.height();

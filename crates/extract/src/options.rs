@@ -1,5 +1,7 @@
 //! What a user may say about the ropes, and the check that it makes sense.
 
+use std::time::Duration;
+
 use thiserror::Error;
 
 /// What counts as rope, by colour. Bounds are inclusive.
@@ -38,8 +40,8 @@ pub struct Options {
     /// On the first frame, the end nearest to this position (in pixels) is the first point;
     /// `None`: the end nearest to the top left.
     pub start: Option<[f32; 2]>,
-    /// Frames for which a rope that is out of sight is still reported, as `Status::Lost`.
-    pub keep_lost_frames: u32,
+    /// For how long a rope that is out of sight is still reported, as `Status::Lost`.
+    pub keep_lost: Duration,
 }
 
 impl Default for Options {
@@ -49,7 +51,7 @@ impl Default for Options {
             points: 120,
             ropes: 8,
             start: None,
-            keep_lost_frames: 30,
+            keep_lost: Duration::from_secs(1),
         }
     }
 }

@@ -8,9 +8,10 @@ pub(crate) const MOST_CROSSINGS: usize = 32;
 pub enum Status {
     /// Seen from end to end.
     Ok,
-    /// Seen, but a part of it is covered or cut off: compare its length with the frames before.
+    /// Seen, but a part of it is covered: in the middle ([`Curve::hidden`] says where), or at an end
+    /// that was seen before.
     Partial,
-    /// Not seen in this image: the points are its last known shape.
+    /// Not seen in this image: the points are its last known shape, [`Curve::age_ns`] old.
     Lost,
 }
 
@@ -32,10 +33,15 @@ pub struct Curve {
     pub points: Vec<[f32; 2]>,
     /// The rope's width at each point, in pixels.
     pub widths_px: Vec<f32>,
+    /// Whether each point is covered by something, and so not seen but taken from where the rope
+    /// must run between the parts that are.
+    pub hidden: Vec<bool>,
     /// The median of `widths_px`.
     pub width_px: f32,
     /// Arc length from tip to tip (once around, when closed), in pixels.
     pub length_px: f32,
+    /// How long ago the rope was last seen, in nanoseconds: 0 unless it is lost.
+    pub age_ns: u64,
 }
 
 impl Curve {
@@ -48,8 +54,10 @@ impl Curve {
             border: [false; 2],
             points: Vec::new(),
             widths_px: Vec::new(),
+            hidden: Vec::new(),
             width_px: 0.0,
             length_px: 0.0,
+            age_ns: 0,
         }
     }
 }
