@@ -6,6 +6,7 @@
 //! with the better normals. Inside of crossings nothing is measured: the line bridges them as the
 //! curve of least bending between the parts that are.
 
+use crate::abut::Body;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::path;
@@ -28,6 +29,8 @@ pub(crate) struct Centerliner {
     smoother: Smoother,
     spaced: Vec<Sample>,
     widths: Vec<f32>,
+    /// The strands that the line's ends lie against.
+    bodies: [Option<Body>; 2],
 }
 
 /// What a strand is made of.
@@ -46,6 +49,8 @@ impl Centerliner {
         let mut half_px = mean_half(source, legs);
         let step_px = (half_px / 4.0).clamp(0.75, 4.0);
         path::lay(source, legs, strand.closed, half_px, line);
+        let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
+        self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];
         if line.samples.len() < 3 || line.length_px() < step_px {
             return false;
         }
@@ -93,6 +98,7 @@ impl Centerliner {
                 self.extend_end(source, line, half_px, step_px, cut_px);
                 line.samples.reverse();
                 line.border.swap(0, 1);
+                self.bodies.swap(0, 1);
             }
         }
         self.space(line, step_px);
@@ -123,7 +129,14 @@ impl Centerliner {
         );
         let level = 0.5 * quantile(&mut self.widths, 0.5).max(2.0);
         let limit_px = cut_px + 4.0 * half_px + 4.0;
-        let (far, border) = section::tip(source.difference, &path, level, limit_px);
+        let (far, border) = match self.bodies[1] {
+            Some(body) => {
+                let rope = (half_px, level, limit_px);
+                let far = body.tip(source.difference, &path, rope, &mut self.widths);
+                (far, false)
+            }
+            None => section::tip(source.difference, &path, level, limit_px),
+        };
         line.border[1] = border;
         let count = (far / step_px).ceil() as usize;
         let width_px = line.samples[last].width_px;

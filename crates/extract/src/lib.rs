@@ -45,6 +45,7 @@
 //! and gives none; crossings of more than ten arms are resolved pair by pair; at most
 //! [`Options::ropes`] curves and 32 crossings are reported.
 
+mod abut;
 mod background;
 mod bits;
 mod bridge;
