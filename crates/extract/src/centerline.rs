@@ -22,6 +22,9 @@ use crate::zones::{Zones, quantile};
 /// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
 const SHARPEST: f32 = 0.8;
 
+/// Half-widths from a tip that are measured once more when it has been run on.
+const TIP_HALVES: f32 = 2.0;
+
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Centerliner {
@@ -72,6 +75,23 @@ impl Centerliner {
             shading = Shading::measure(line, source.difference, how);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
             self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        }
+        // The tips were run on along the way they seemed to go; now that they are laid, they are measured as well.
+        if !line.closed {
+            let how = Measure {
+                half_px,
+                step_px,
+                tolerance: 1.25,
+                shading,
+            };
+            let count = (TIP_HALVES * half_px / step_px) as usize + 2;
+            self.sections
+                .measure_ends(line, source.difference, how, count);
+            self.fill_widths(line, 2.0 * half_px);
+            self.smoother
+                .smooth(line, (0.35 * half_px).max(2.5) / step_px);
+            self.extend(source, line, half_px, step_px, 0.2 * half_px);
+            line.cut_to(source.difference);
         }
         line.samples.len() >= 2
     }
@@ -140,14 +160,9 @@ impl Centerliner {
         line.border[1] = border;
         let count = (far / step_px).ceil() as usize;
         let width_px = line.samples[last].width_px;
-        let (right, bottom) = (
-            source.difference.width() as f32 - 1.0,
-            source.difference.height() as f32 - 1.0,
-        );
         for k in 1..=count {
-            let [x, y] = path(far * k as f32 / count as f32);
             line.samples.push(Sample {
-                at: [x.clamp(0.0, right), y.clamp(0.0, bottom)],
+                at: path(far * k as f32 / count as f32),
                 weight: 1.0,
                 width_px,
                 side: 0.0,

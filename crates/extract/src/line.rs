@@ -1,5 +1,6 @@
 //! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
 
+use crate::plane::Plane;
 use crate::vec2::{self, Vec2};
 
 /// One sample.
@@ -48,6 +49,24 @@ impl Line {
         (0..self.segments())
             .map(|i| vec2::distance(self.samples[i].at, self.samples[(i + 1) % n].at))
             .sum()
+    }
+
+    /// Cuts off what lies outside of the image at either end.
+    pub(crate) fn cut_to(&mut self, image: &Plane) {
+        for _end in 0..2 {
+            while let [.., before, last] = self.samples[..] {
+                if image.holds(last.at) || self.samples.len() <= 2 {
+                    break;
+                }
+                self.samples.pop();
+                if image.holds(before.at) {
+                    let part = image.part_within(before.at, last.at);
+                    self.samples.push(between(&before, &last, part));
+                    break;
+                }
+            }
+            self.samples.reverse();
+        }
     }
 
     /// Fills `out` with `count` samples at equal arc lengths: from tip to tip, or, closed, once
