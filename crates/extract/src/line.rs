@@ -114,18 +114,28 @@ impl Line {
         }
     }
 
-    /// The unit tangent at sample `i`, from the samples `reach` before and after.
+    /// The unit tangent at sample `i`: that of the parabola through three samples `reach` apart, `i` in the middle or,
+    /// near an end, where it lies.
     pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
-        let (a, b) = if self.closed {
-            ((i + n - reach % n) % n, (i + reach) % n)
-        } else {
-            (i.saturating_sub(reach), (i + reach).min(n - 1))
-        };
-        vec2::unit_or(
-            vec2::sub(self.samples[b].at, self.samples[a].at),
-            [1.0, 0.0],
-        )
+        let at = |i: usize| self.samples[i].at;
+        if self.closed {
+            let (a, b) = ((i + n - reach % n) % n, (i + reach) % n);
+            return vec2::unit_or(vec2::sub(at(b), at(a)), [1.0, 0.0]);
+        }
+        let reach = reach.min((n - 1) / 2).max(1);
+        let middle = i.clamp(
+            reach.min(n - 1),
+            (n - 1).saturating_sub(reach).max(reach.min(n - 1)),
+        );
+        let (a, b) = (middle.saturating_sub(reach), (middle + reach).min(n - 1));
+        let (back, ahead) = (vec2::sub(at(middle), at(a)), vec2::sub(at(b), at(middle)));
+        let aside = (i as f32 - middle as f32) / reach as f32;
+        let slope = vec2::add(
+            vec2::scale(back, 0.5 - aside),
+            vec2::scale(ahead, 0.5 + aside),
+        );
+        vec2::unit_or(slope, [1.0, 0.0])
     }
 }
 
