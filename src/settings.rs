@@ -13,6 +13,7 @@ mod problem;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
 pub(crate) use keys::template;
+pub(crate) use meaning::mask_text;
 pub(crate) use problem::Problems;
 
 use crate::settings::keys::KEYS;
@@ -145,6 +146,8 @@ impl Capture {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Extract {
     pub(crate) mask: Mask,
+    /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
+    pub(crate) mask_deadline: Duration,
     /// Points of a centerline.
     pub(crate) points: usize,
     /// The most ropes reported.
@@ -157,6 +160,7 @@ impl Default for Extract {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            mask_deadline: Duration::from_millis(50),
             points: 120,
             ropes: 8,
             start: None,

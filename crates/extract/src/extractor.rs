@@ -7,7 +7,7 @@ use crate::color;
 use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
-use crate::mask::Masker;
+use crate::mask::{MaskError, Masker};
 use crate::overlaps::Overlaps;
 use crate::rehearse;
 use crate::skeleton::Skeleton;
@@ -95,12 +95,49 @@ impl Extractor {
     /// As [`extract`](Self::extract), calling `after` when each step is finished, so that a caller
     /// who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        self.turn_to(image);
+        self.masker.run(image, &self.options.mask);
+        self.after_mask(image, after)
+    }
+
+    /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
+    /// the extractor's own: `Gray8` of the image's size, from 128 on rope. Where its edges are soft, as
+    /// probabilities are, the rope's place between pixels is read from them.
+    ///
+    /// # Errors
+    /// When the mask is no `Gray8` of the image's size. The image is then not looked at, and the next one goes on from
+    /// the one before.
+    pub fn extract_masked(&mut self, image: &Image, mask: &Image) -> Result<Scene<'_>, MaskError> {
+        self.extract_masked_observed(image, mask, &mut |_| {})
+    }
+
+    /// As [`extract_masked`](Self::extract_masked), calling `after` when each step is finished.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn extract_masked_observed(
+        &mut self,
+        image: &Image,
+        mask: &Image,
+        after: &mut dyn FnMut(Step),
+    ) -> Result<Scene<'_>, MaskError> {
+        self.masker.take(image, mask)?;
+        self.turn_to(image);
+        Ok(self.after_mask(image, after))
+    }
+
+    /// An image of another size is a new scene.
+    fn turn_to(&mut self, image: &Image) {
         let size = (image.width(), image.height());
         if size != self.size {
             self.new_scene();
             self.size = size;
         }
-        self.masker.run(image, &self.options.mask);
+    }
+
+    /// The steps from the mask on.
+    fn after_mask(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        let size = self.size;
         after(Step::Mask);
         self.thin.copy_from(&self.masker.mask);
         let most_passes = (size.0.min(size.1) / 8).clamp(16, 128) as u32;
@@ -158,6 +195,11 @@ impl Extractor {
         self.count = 0;
         self.crossings.clear();
         self.tracker.reset();
+    }
+
+    /// The mask of the last image.
+    pub(crate) fn mask(&self) -> &BitPlane {
+        &self.masker.mask
     }
 
     /// A curve for each strand that is long enough to be a rope, the longest first.

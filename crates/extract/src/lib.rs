@@ -28,10 +28,13 @@
 //!
 //! | step | module | from → to |
 //! |---|---|---|
-//! | mask | `background`, `difference`, `threshold` or `hsv`, then `components` | image → one bit a pixel, and how unlike the table each pixel is |
+//! | mask | `background`, `difference`, `threshold` or `hsv`, or made elsewhere; then `components` | image → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `thin` | mask → lines one pixel wide |
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
+//!
+//! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
+//! it is knotted (`knot`).
 //!
 //! # Bounds
 //!
@@ -53,12 +56,14 @@ mod extractor;
 mod graph;
 mod hsv;
 mod image;
+mod knot;
 mod line;
 mod mask;
 mod options;
 mod overlaps;
 mod pairing;
 mod path;
+mod pick;
 mod plane;
 mod rehearse;
 mod scene;
@@ -76,5 +81,8 @@ mod zones;
 
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
+pub use knot::{CrossingSequence, Pass};
+pub use mask::{MaskError, mask_of};
 pub use options::{HsvRange, Mask, Options, OptionsError};
+pub use pick::{PickError, Picked, pick};
 pub use scene::{Crossing, Curve, Scene, Status};

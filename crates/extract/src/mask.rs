@@ -5,11 +5,34 @@ use crate::bits::{BitPlane, left_of, right_of};
 use crate::components::Components;
 use crate::difference::Differencer;
 use crate::plane::Plane;
-use crate::{Image, Mask, hsv, threshold};
+use crate::{Image, Mask, PixelFormat, hsv, threshold};
+use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
 /// are wrong, and a "skeleton" of it would mean nothing.
 const MOST_COVERED: f32 = 0.6;
+
+/// From this level on a pixel of a mask made elsewhere is rope: the upper half of its bytes.
+const ROPE_LEVEL: u8 = 128;
+
+/// Why a mask that was made elsewhere cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MaskError {
+    /// The mask has another size than the image.
+    #[error(
+        "the mask is {}×{} pixels and its image {}×{}: give each image a mask of its own size",
+        .mask[0], .mask[1], .image[0], .image[1]
+    )]
+    Size {
+        /// Width and height of the mask, in pixels.
+        mask: [usize; 2],
+        /// Width and height of the image, in pixels.
+        image: [usize; 2],
+    },
+    /// The mask has more than one channel.
+    #[error("the mask is {0:?}: give one byte a pixel (Gray8), 255 for rope and 0 for the rest")]
+    Format(PixelFormat),
+}
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
@@ -18,7 +41,8 @@ pub(crate) struct Masker {
     differencer: Differencer,
     components: Components,
     original: BitPlane,
-    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges).
+    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
+    /// was made elsewhere).
     pub(crate) difference: Plane,
     /// The mask.
     pub(crate) mask: BitPlane,
@@ -39,9 +63,43 @@ impl Masker {
                 threshold::apply(&self.difference, cut, &mut self.mask);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
+            Mask::External => {
+                self.difference.resize(image.width(), image.height());
+                self.mask.resize(image.width(), image.height());
+            }
         }
+        self.clean_or_empty();
+    }
+
+    /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
+    /// level, so that one of probabilities is as good between pixels as an image.
+    ///
+    /// # Errors
+    /// When it is no `Gray8` of the image's size.
+    pub(crate) fn take(&mut self, image: &Image, mask: &Image) -> Result<(), MaskError> {
+        if mask.format() != PixelFormat::Gray8 {
+            return Err(MaskError::Format(mask.format()));
+        }
+        let size = |of: &Image| [of.width(), of.height()];
+        if size(mask) != size(image) {
+            return Err(MaskError::Size {
+                mask: size(mask),
+                image: size(image),
+            });
+        }
+        self.difference.resize(mask.width(), mask.height());
+        for y in 0..mask.height() {
+            self.difference.row_mut(y).copy_from_slice(mask.row(y));
+        }
+        threshold::apply(&self.difference, ROPE_LEVEL, &mut self.mask);
+        self.clean_or_empty();
+        Ok(())
+    }
+
+    fn clean_or_empty(&mut self) {
         if !self.clean() {
-            self.mask.resize(image.width(), image.height());
+            let (width, height) = (self.mask.width(), self.mask.height());
+            self.mask.resize(width, height);
         }
     }
 
@@ -60,6 +118,19 @@ impl Masker {
         self.components.drop_specks(&mut self.mask, speck).is_ok()
             && self.components.fill_holes(&mut self.mask, hole).is_ok()
     }
+}
+
+/// The mask of `image` as extraction takes it, cleaned: 255 for rope and 0 for the rest, a byte a pixel, row by row.
+///
+/// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
+pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
+    let mut masker = Masker::default();
+    masker.run(image, how);
+    let mask = &masker.mask;
+    let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| if mask.get(x as i32, y as i32) { 255 } else { 0 })
+        .collect()
 }
 
 /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all

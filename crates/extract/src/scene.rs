@@ -1,5 +1,8 @@
 //! What the extractor says about one image.
 
+/// The most crossings reported.
+pub(crate) const MOST_CROSSINGS: usize = 32;
+
 /// How much of a rope is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {

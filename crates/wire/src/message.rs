@@ -98,6 +98,15 @@ impl FrameHeader {
         PixelFormat::from_code(self.pixel_format)
     }
 
+    /// What stands beside a mask of this frame: `Gray8` of its size, rows one after the other, with its trace.
+    pub const fn of_mask(&self) -> Self {
+        Self {
+            stride: self.width,
+            pixel_format: PixelFormat::Gray8 as u32,
+            ..*self
+        }
+    }
+
     /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
     pub fn image_bytes(&self) -> Option<usize> {
         let format = self.format()?;
