@@ -134,6 +134,8 @@ impl Session {
     fn check(&self, scene: &Scene, pixels: &Pixels) {
         let (right, bottom) = (pixels.width as f32 - 1.0, pixels.height as f32 - 1.0);
         assert!(scene.crossings.len() <= 32);
+        // Only the automatic mask has doubts.
+        assert!(scene.notice.is_none() || matches!(self.mask, Kind::Auto));
         for (index, curve) in scene.curves.iter().enumerate() {
             let points = usize::from(self.points);
             assert_eq!(
