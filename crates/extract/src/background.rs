@@ -76,6 +76,12 @@ impl Background {
         }
     }
 
+    /// The table's color at a pixel.
+    pub(crate) fn at(&self, x: usize, y: usize) -> [f32; 3] {
+        let (u, v) = (unit(x as f32, self.width), unit(y as f32, self.height));
+        self.surface(&[1.0, u, v, u * u, u * v, v * v])
+    }
+
     fn take_samples(&mut self, image: &Image) {
         let (width, height) = (image.width(), image.height());
         self.samples.clear();

@@ -5,6 +5,8 @@ use crate::bits::{BitPlane, left_of, right_of};
 use crate::components::Components;
 use crate::difference::Differencer;
 use crate::plane::Plane;
+use crate::threshold::Cut;
+use crate::whole::Mender;
 use crate::{Image, Mask, hsv, threshold};
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
@@ -17,6 +19,7 @@ pub(crate) struct Masker {
     background: Background,
     differencer: Differencer,
     components: Components,
+    mender: Mender,
     original: BitPlane,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges).
     pub(crate) difference: Plane,
@@ -30,30 +33,41 @@ impl Masker {
     /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
     /// an empty mask.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
+        let mut found = None;
         match how {
             Mask::Auto => {
                 self.background.estimate(image);
                 self.differencer
                     .difference(image, &self.background, &mut self.difference);
                 let cut = threshold::choose(&self.difference, self.background.noise);
-                threshold::apply(&self.difference, cut, &mut self.mask);
+                threshold::apply(&self.difference, cut.rope, &mut self.mask);
+                found = Some(cut);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
         }
-        if !self.clean() {
+        if !self.clean(image, found) {
             self.mask.resize(image.width(), image.height());
         }
     }
 
     /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
-    fn clean(&mut self) -> bool {
+    fn clean(&mut self, image: &Image, cut: Option<Cut>) -> bool {
         let pixels = self.mask.width() * self.mask.height();
         smooth(&mut self.mask, &mut self.original);
         let area = self.mask.count();
         if area == 0 || area as f32 > MOST_COVERED * pixels as f32 {
             return false;
         }
-        self.width_px = width_from_outline(&self.mask, area);
+        if let Some(cut) = cut {
+            self.mender.mend(
+                image,
+                &self.background,
+                cut,
+                &mut self.difference,
+                &mut self.mask,
+            );
+        }
+        self.width_px = width_from_outline(&self.mask, self.mask.count());
         let square = self.width_px * self.width_px;
         // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
