@@ -8,6 +8,7 @@ use clap::{Parser, Subcommand};
 
 use crate::config_command::{self, ConfigArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
@@ -36,6 +37,8 @@ enum Command {
     Sink(ChainArgs),
     /// The shapes of the ropes in pictures
     Trace(TraceArgs),
+    /// The colours of the ropes in a picture, as a mask for lariat.toml
+    Pick(PickArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
 }
@@ -60,6 +63,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Trace(args)) => trace::run(args),
+        Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Config(args)) => config_command::run(args),
     }
 }

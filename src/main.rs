@@ -5,6 +5,8 @@ mod cli;
 mod config_command;
 mod descriptor_json;
 mod fit_lines;
+mod pick;
+mod picture;
 mod settings;
 mod stages;
 mod stop;

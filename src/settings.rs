@@ -13,6 +13,7 @@ mod problem;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
 pub(crate) use keys::template;
+pub(crate) use meaning::mask_text;
 pub(crate) use problem::Problems;
 
 use crate::settings::keys::KEYS;
@@ -145,21 +146,27 @@ impl Capture {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Extract {
     pub(crate) mask: Mask,
+    /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
+    pub(crate) mask_deadline: Duration,
     /// Points of a centerline.
     pub(crate) points: usize,
     /// The most ropes reported.
     pub(crate) ropes: usize,
     /// Near which position (px) the first point is, in the first frame.
     pub(crate) start: Option<[f32; 2]>,
+    /// For how long a rope that is out of sight is reported.
+    pub(crate) keep_lost: Duration,
 }
 
 impl Default for Extract {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            mask_deadline: Duration::from_millis(50),
             points: 120,
             ropes: 8,
             start: None,
+            keep_lost: Duration::from_secs(1),
         }
     }
 }
@@ -172,7 +179,7 @@ impl Extract {
             points: self.points,
             ropes: self.ropes,
             start: self.start,
-            ..lariat_extract::Options::default()
+            keep_lost: self.keep_lost,
         }
     }
 }

@@ -3,19 +3,22 @@
 
 mod canvas;
 mod inputs;
+mod masks;
 mod overlay;
-mod picture;
 mod report;
 
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::fit_lines::is_closed;
+use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
+use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
-use crate::trace::picture::Picture;
-use crate::trace::report::{CurveReport, Format, Report, Table, Timing};
-use anyhow::{Context, Result};
+use crate::trace::report::{
+    CrossingReport, CurveReport, Format, Report, StrandReport, Table, Timing,
+};
+use anyhow::{Context, Result, bail};
 use clap::Args;
-use lariat_extract::{Curve, Extractor, Step};
+use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Scene, Step};
 use lariat_fit::Fitter;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -37,6 +40,9 @@ pub(crate) struct TraceArgs {
     /// Take the pictures for one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
+    /// Take each picture's mask from this folder: a PNG of the picture's name and size, white for rope
+    #[arg(long, value_name = "DIR")]
+    mask: Option<PathBuf>,
     #[command(flatten)]
     shape: ShapeArgs,
 }
@@ -48,7 +54,7 @@ pub(crate) struct TraceArgs {
 /// next one taken; the exit code tells of it.
 pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     let settings = Settings::resolve(&args.shape.clone().into())?;
-    let mut tracer = Tracer::new(&settings, args.video)?;
+    let mut tracer = Tracer::new(&settings, &args)?;
     let mut exit = ExitCode::SUCCESS;
     let mut complain = |why: anyhow::Error| {
         eprintln!("lariat: {why:#}");
@@ -93,15 +99,20 @@ struct Tracer {
     extractor: Extractor,
     fitter: Fitter,
     is_video: bool,
+    masks: Option<Masks>,
     points: Vec<[f64; 2]>,
 }
 
 impl Tracer {
-    fn new(settings: &Settings, is_video: bool) -> Result<Self> {
+    fn new(settings: &Settings, args: &TraceArgs) -> Result<Self> {
+        if settings.extract.mask == Mask::External && args.mask.is_none() {
+            bail!("the settings say mask = \"external\": name the masks' folder with --mask DIR");
+        }
         Ok(Self {
             extractor: Extractor::new(settings.extract.options())?,
             fitter: Fitter::new(settings.fit.options(settings.extract.points))?,
-            is_video,
+            is_video: args.video,
+            masks: args.mask.as_deref().map(Masks::new).transpose()?,
             points: Vec::new(),
         })
     }
@@ -113,6 +124,10 @@ impl Tracer {
         let image = picture
             .image()
             .with_context(|| path.display().to_string())?;
+        let mask = match &self.masks {
+            Some(masks) => Some(masks.of(path)?),
+            None => None,
+        };
         let mut timing = Timing {
             decode: since(begin),
             ..Timing::default()
@@ -122,7 +137,7 @@ impl Tracer {
             self.extractor.reset();
         }
         let mut last = Instant::now();
-        let scene = self.extractor.extract_observed(&image, &mut |step| {
+        let mut watch = |step| {
             let spent = match step {
                 Step::Mask => &mut timing.mask,
                 Step::Skeleton => &mut timing.skeleton,
@@ -131,43 +146,90 @@ impl Tracer {
             };
             *spent += since(last);
             last = Instant::now();
-        });
+        };
+        let scene = match &mask {
+            None => self.extractor.extract_observed(&image, &mut watch),
+            Some((name, mask)) => {
+                let about = || name.display().to_string();
+                let mask = mask.image().with_context(about)?;
+                self.extractor
+                    .extract_masked_observed(&image, &mask, &mut watch)
+                    .with_context(about)?
+            }
+        };
 
         last = Instant::now();
-        let mut curves = Vec::with_capacity(scene.curves.len());
+        let mut descriptors = Vec::with_capacity(scene.curves.len());
         for curve in scene.curves {
             self.points.clear();
             self.points
                 .extend(curve.points.iter().map(|p| p.map(f64::from)));
-            let descriptor = Descriptor::of(&mut self.fitter, &self.points)?.rounded();
-            curves.push(curve_report(curve, descriptor));
+            descriptors.push(Descriptor::of(&mut self.fitter, &self.points)?.rounded());
         }
         timing.fit = since(last);
         timing.total = since(begin);
-        let report = Report {
-            image: path.display().to_string(),
-            width: picture.width(),
-            height: picture.height(),
-            curves,
-            timing_us: timing.rounded(),
-        };
+        let report = report(path, &picture, &scene, descriptors, timing.rounded());
         Ok((picture, report))
     }
 }
 
-fn curve_report(curve: &Curve, descriptor: Descriptor) -> CurveReport {
+fn report(
+    path: &Path,
+    picture: &Picture,
+    scene: &Scene,
+    descriptors: Vec<Descriptor>,
+    timing_us: Timing,
+) -> Report {
+    let curves = descriptors.into_iter().enumerate();
+    let crossings = scene.crossings.iter();
+    Report {
+        image: path.display().to_string(),
+        width: picture.width(),
+        height: picture.height(),
+        curves: curves
+            .map(|(index, descriptor)| curve_report(scene, index, descriptor))
+            .collect(),
+        crossings: crossings
+            .map(|crossing| crossing_report(scene, crossing))
+            .collect(),
+        timing_us,
+    }
+}
+
+fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveReport {
+    let curve = &scene.curves[index];
+    let sequence = CrossingSequence::of(scene, index);
+    let rounded = |x: &f32| thousandths((*x).into());
     CurveReport {
         track: curve.track,
         status: report::status_name(curve.status),
         closed: curve.closed,
-        length_px: thousandths(curve.length_px.into()),
-        width_px: thousandths(curve.width_px.into()),
+        border: curve.border,
+        length_px: rounded(&curve.length_px),
+        width_px: rounded(&curve.width_px),
         points: curve
             .points
             .iter()
-            .map(|p| p.map(|c| thousandths(c.into())))
+            .map(|p| p.map(|c| rounded(&c)))
             .collect(),
+        widths_px: curve.widths_px.iter().map(rounded).collect(),
+        crossing_sequence: sequence.to_string(),
+        pulls_straight: sequence.pulls_straight(),
         descriptor,
+    }
+}
+
+fn crossing_report(scene: &Scene, crossing: &Crossing) -> CrossingReport {
+    let strand = |curve: usize, rho: f32| StrandReport {
+        track: scene.curves[curve].track,
+        // To a tenth of a pixel of a rope of a thousand.
+        rho: (f64::from(rho) * 1e4).round() / 1e4,
+    };
+    CrossingReport {
+        at: crossing.at.map(|c| thousandths(c.into())),
+        over: strand(crossing.over, crossing.over_rho),
+        under: strand(crossing.under, crossing.under_rho),
+        confidence: thousandths(crossing.confidence.into()),
     }
 }
 

@@ -2,12 +2,13 @@
 //!
 //! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
 //! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
-//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`), and told (`report`,
-//! `csv`, `overlay`).
+//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`, `crossings`), and told
+//! (`report`, `csv`, `overlay`).
 
 mod assignment;
 mod causes;
 mod coverage;
+mod crossings;
 mod csv;
 mod dataset;
 mod drawing;
@@ -46,6 +47,11 @@ pub(crate) struct Args {
     /// over each drawn picture: DIR/CLASS-SEED.png
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
+    /// Which strand is on top at each crossing, told by eye: a line `SET/IMAGE,x,y,degrees,yes|no` for each, with the
+    /// direction of the upper strand, and whether that is sure [default: the list that comes with this bench, if it has
+    /// one for a data set of this name]
+    #[arg(long, value_name = "FILE")]
+    crossings: Option<PathBuf>,
 }
 
 /// Measures what was asked for and prints it.
@@ -61,6 +67,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
     let sets = dataset::find(folder)?;
+    let list = args
+        .crossings
+        .clone()
+        .or_else(|| crossings::list_for(folder));
+    let seen = list.map(|list| crossings::load(&list)).transpose()?;
     let mut bench = Bench::new()?;
     let mut measured = Vec::new();
     for set in &sets {
@@ -77,5 +88,6 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         }
     }
     print!("{}", report::table(&measured));
+    print!("{}", crossings::table(&measured, &seen.unwrap_or_default()));
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! How right lariat's centerlines are, measured on pictures.
 
 mod accuracy;
+mod time;
 
 use std::process::ExitCode;
 
@@ -18,11 +19,14 @@ struct Cli {
 enum Command {
     /// How close the extractor's curves are to the truth
     Accuracy(accuracy::Args),
+    /// What is lost, flipped or exchanged over many frames of moving ropes
+    Time(time::Args),
 }
 
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Time(args) => time::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -60,6 +60,7 @@ pub(crate) struct Child {
     done: bool,
     told_by_another: bool,
     sent: Option<Sent>,
+    masks_late: Option<u64>,
     ending: Option<Ending>,
     told_to_stop: bool,
 }
@@ -95,6 +96,7 @@ impl Child {
             done: false,
             told_by_another: false,
             sent: None,
+            masks_late: None,
             ending: None,
             told_to_stop: false,
         })
@@ -123,6 +125,11 @@ impl Child {
     /// What it said it sent in all, if it lived to say so.
     pub(crate) fn sent(&self) -> Option<Sent> {
         self.sent
+    }
+
+    /// How many frames it said it skipped for want of a mask, if it waited for masks.
+    pub(crate) fn masks_late(&self) -> Option<u64> {
+        self.masks_late
     }
 
     /// How it ended, if it has.
@@ -168,6 +175,7 @@ impl Child {
                 (Some("ready"), ..) => self.ready = true,
                 (Some("done"), ..) => self.done = true,
                 (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
+                (Some("late"), Some(count), None) => self.masks_late = count.parse().ok(),
                 (Some("sent"), Some(count), Some(last)) => {
                     let number = |word: &str| word.parse().unwrap_or(0);
                     self.sent = Some(Sent {

@@ -16,6 +16,7 @@ use child::{Child, Ending};
 /// The stages in the order of the data.
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 const CAPTURE: usize = 0;
+const EXTRACT: usize = 1;
 const SINK: usize = 3;
 
 /// How long a stage may take to get ready.
@@ -174,6 +175,9 @@ impl Chain {
             if let Some(sent) = child.as_ref().and_then(Child::sent) {
                 word += &format!("{name} {}\n", sent.count);
             }
+        }
+        if let Some(late) = self.children[EXTRACT].as_ref().and_then(Child::masks_late) {
+            word += &format!("late {late}\n");
         }
         if let Some(sent) = self.children[CAPTURE].as_ref().and_then(Child::sent) {
             word += &format!("sequence {}\n", sent.last_sequence);

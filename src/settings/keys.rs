@@ -156,10 +156,24 @@ pub(super) const KEYS: &[Key] = &[
         about: "What is rope. \"auto\" takes what differs from the background. Or colours, one range or more:\n\
                 [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]\n\
                 Hue in degrees, 0 to 360 (twice OpenCV's 0 to 179), and [350, 10] goes through red; saturation \
-                and\nvalue from 0 to 1 (OpenCV's divided by 255).",
+                and\nvalue from 0 to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them.\n\
+                Or \"external\": another process writes each frame's mask to lariat/<rig>/masks.",
         example: "",
         set: |s, v| meaning::mask(v).map(|mask| s.extract.mask = mask),
         get: |s| Some(meaning::mask_value(&s.extract.mask)),
+    },
+    Key {
+        section: "extract",
+        name: "mask_deadline_us",
+        about: "A frame whose external mask has not come this long after its capture is skipped, in microseconds.",
+        example: "",
+        set: |s, v| {
+            meaning::time(v, 1e-6, "microseconds").map(|time| s.extract.mask_deadline = time)
+        },
+        get: |s| {
+            let us = s.extract.mask_deadline.as_nanos() as f64 / 1e3;
+            Some(meaning::number_value(us))
+        },
     },
     Key {
         section: "extract",
@@ -192,6 +206,14 @@ pub(super) const KEYS: &[Key] = &[
                     .into(),
             ))
         },
+    },
+    Key {
+        section: "extract",
+        name: "keep_lost_s",
+        about: "For how many seconds a rope that is out of sight is still reported, as lost.",
+        example: "",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.extract.keep_lost = time),
+        get: |s| Some(meaning::number_value(s.extract.keep_lost.as_secs_f64())),
     },
     Key {
         section: "fit",

@@ -199,13 +199,14 @@ pub(super) fn solver(value: &Value) -> Result<Solver, String> {
 pub(super) fn mask(value: &Value) -> Result<Mask, String> {
     match value {
         Value::String(name) if name == "auto" => Ok(Mask::Auto),
+        Value::String(name) if name == "external" => Ok(Mask::External),
         Value::Array(ranges) if !ranges.is_empty() => {
             let ranges: Result<Vec<_>, _> = ranges.iter().map(hsv_range).collect();
             Ok(Mask::Hsv(ranges?))
         }
         Value::Table(_) => Ok(Mask::Hsv(vec![hsv_range(value)?])),
         _ => Err(
-            "write \"auto\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
+            "write \"auto\", \"external\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
              [0.2, 1] }]"
                 .to_owned(),
         ),
@@ -274,9 +275,16 @@ fn channel(index: usize, value: &Value) -> Result<[f32; 2], String> {
     Ok([a as f32, b as f32])
 }
 
+/// A mask as the file has it.
+pub(crate) fn mask_text(mask: &Mask) -> String {
+    mask_value(mask).to_string()
+}
+
 pub(super) fn mask_value(mask: &Mask) -> Value {
-    let Mask::Hsv(ranges) = mask else {
-        return Value::String("auto".to_owned());
+    let ranges = match mask {
+        Mask::Auto => return Value::String("auto".to_owned()),
+        Mask::External => return Value::String("external".to_owned()),
+        Mask::Hsv(ranges) => ranges,
     };
     // Through decimal text, so that an f32's 0.3 is not shown with the digits it has as an f64.
     let shown = |x: f32| number_value(x.to_string().parse().unwrap_or(f64::from(x)));

@@ -3,9 +3,10 @@
 use lariat_extract::{Extractor, Image, PixelFormat, Scene, Status};
 use lariat_wire::{
     CENTERLINES, Centerlines, Crossing, FRAMES, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS,
-    Reader, Writer, now_ns,
+    Message, Reader, Writer, now_ns,
 };
 
+use super::masks::Masks;
 use super::status::Sent;
 use super::{Backlog, Station, receive};
 use crate::settings::Settings;
@@ -13,7 +14,8 @@ use crate::settings::Settings;
 /// Extracts until a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
-    let mut extractor = Extractor::new(settings.extract.options())?;
+    let mut eye = Eye::new(settings)?;
+    let mut masks = Masks::open(settings, &station)?;
     let Station {
         domain,
         rig,
@@ -24,37 +26,30 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
     let mut sent = Sent::default();
     let mut backlog = Backlog::default();
-    let mut unreadable = Warned::default();
-    // Most likely the size that is coming. Another is prepared for with its first frame.
-    let [width, height] = settings.capture.size.map(|side| side as usize);
-    let mut size = (width, height);
-    extractor.prepare(width, height);
     station.status.ready();
-    while let Some((frame, started_ns)) = receive(
+    while let Some((frame, mut started_ns)) = receive(
         &frames,
         &mut backlog,
         |frame| frame.header().trace.captured,
         &station.stop,
     )? {
         let header = frame.header();
+        let mask = match &mut masks {
+            None => None,
+            Some(masks) => match masks.of(header, &station.stop)? {
+                Some(mask) => {
+                    // Waiting for it was no work.
+                    started_ns = now_ns();
+                    Some(mask)
+                }
+                // Its mask came too late: the frame is not sent on, and counted.
+                None => continue,
+            },
+        };
         let mut slot = centerlines.slot()?;
         slot.trace = header.trace;
         slot.trace.extract_started_ns = started_ns;
-        (slot.width, slot.height) = (header.width, header.height);
-        match image(header, &frame) {
-            Ok(image) => {
-                if size != (image.width(), image.height()) {
-                    size = (image.width(), image.height());
-                    extractor.prepare(size.0, size.1);
-                }
-                fill(&mut slot, &extractor.extract(&image));
-            }
-            // The frame is answered all the same: a stage never goes silent while frames come in.
-            Err(cause) => {
-                unreadable.once(&cause);
-                (slot.count, slot.crossing_count) = (0, 0);
-            }
-        }
+        eye.look(&frame, mask, &mut slot);
         // Read, the frame makes room for another.
         let sequence = header.trace.sequence;
         drop(frame);
@@ -64,8 +59,71 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         slot.trace.extracted_ns = now_ns();
         slot.send()?;
     }
+    if let Some(masks) = masks {
+        station.status.late(masks.late());
+    }
     station.status.sent(sent);
     Ok(())
+}
+
+/// An extractor that answers every frame.
+struct Eye {
+    extractor: Extractor,
+    /// What the extractor's buffers are made for.
+    size: (usize, usize),
+    unreadable: Warned,
+}
+
+impl Eye {
+    fn new(settings: &Settings) -> anyhow::Result<Self> {
+        let mut extractor = Extractor::new(settings.extract.options())?;
+        // Most likely the size that is coming. Another is prepared for with its first frame.
+        let [width, height] = settings.capture.size.map(|side| side as usize);
+        extractor.prepare(width, height);
+        Ok(Self {
+            extractor,
+            size: (width, height),
+            unreadable: Warned::default(),
+        })
+    }
+
+    /// Fills in what is seen in a frame: nothing, if it cannot be read. It is answered all the same: a stage never goes
+    /// silent while frames come in.
+    fn look(
+        &mut self,
+        frame: &Message<[u8]>,
+        mask: Option<&Message<[u8]>>,
+        message: &mut Centerlines,
+    ) {
+        let header = frame.header();
+        (message.width, message.height) = (header.width, header.height);
+        if let Err(cause) = self.see(frame, mask, message) {
+            self.unreadable.once(&cause);
+            (message.count, message.crossing_count) = (0, 0);
+        }
+    }
+
+    fn see(
+        &mut self,
+        frame: &Message<[u8]>,
+        mask: Option<&Message<[u8]>>,
+        message: &mut Centerlines,
+    ) -> anyhow::Result<()> {
+        let seen = image(frame.header(), frame)?;
+        if self.size != (seen.width(), seen.height()) {
+            self.size = (seen.width(), seen.height());
+            self.extractor.prepare(self.size.0, self.size.1);
+        }
+        self.extractor.at(frame.header().trace.exposed_ns);
+        let scene = match mask {
+            None => self.extractor.extract(&seen),
+            Some(mask) => self
+                .extractor
+                .extract_masked(&seen, &image(mask.header(), mask)?)?,
+        };
+        fill(message, &scene);
+        Ok(())
+    }
 }
 
 /// A frame as extraction sees it.
@@ -108,6 +166,8 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
         to.width_px = from.width_px;
         to.length_px = from.length_px;
         to.reserved = 0;
+        to.age_ns = from.age_ns;
+        to.set_hidden(from.hidden.iter().copied());
         to.points[..points].copy_from_slice(&from.points[..points]);
         to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
     }

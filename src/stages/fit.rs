@@ -115,6 +115,10 @@ impl CurveFitter {
         descriptor.condition = condition;
         descriptor.length_px = curve.length_px.into();
         descriptor.width_px = curve.width_px.into();
+        descriptor.age_ns = curve.age_ns;
+        let hidden = (0..points.len()).filter(|&i| curve.is_hidden(i));
+        descriptor.hidden = hidden.count() as u32;
+        descriptor.reserved = 0;
         descriptor.control_points[..count].copy_from_slice(&fit.control_points[..count]);
         descriptor.weights[..count].fill(1.0);
         Ok(())

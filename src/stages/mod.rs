@@ -5,6 +5,7 @@ mod allocation;
 pub(crate) mod capture;
 pub(crate) mod extract;
 pub(crate) mod fit;
+mod masks;
 pub(crate) mod sink;
 pub(crate) mod status;
 

@@ -134,6 +134,7 @@ fn last_word() -> Option<FinalCounts> {
             Some("captured") => counts.captured = count,
             Some("extracted") => counts.extracted = count,
             Some("fitted") => counts.fitted = count,
+            Some("late") => counts.masks_late = count,
             _ => {}
         }
     }

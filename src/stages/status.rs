@@ -1,7 +1,7 @@
 //! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
 //!
 //! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once, `done` if the source has ended,
-//! `ending` if a signal came, and `sent COUNT LAST_SEQUENCE` last; its own end says that the process is gone, however it went.
+//! `ending` if a signal came, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it waited for masks); its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
@@ -64,6 +64,11 @@ impl Status {
     /// A signal has ended the stage's work, and its last word is to come.
     pub(crate) fn ending(&mut self) {
         self.say("ending\n");
+    }
+
+    /// So many frames were skipped, as their masks came too late.
+    pub(crate) fn late(&mut self, count: u64) {
+        self.say(&format!("late {count}\n"));
     }
 
     /// The stage's last word.

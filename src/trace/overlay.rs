@@ -1,8 +1,8 @@
 //! Pictures to judge a trace by eye: the curve, the points it was fitted to and its control polygon, drawn over the
 //! picture.
 
+use crate::picture::Picture;
 use crate::trace::canvas::{Canvas, Ink};
-use crate::trace::picture::Picture;
 use crate::trace::report::{CurveReport, Report};
 use crate::whole_file::{self, Existing};
 use anyhow::{Context, Result, bail};

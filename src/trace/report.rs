@@ -23,6 +23,7 @@ pub(super) struct Report {
     pub(super) width: u32,
     pub(super) height: u32,
     pub(super) curves: Vec<CurveReport>,
+    pub(super) crossings: Vec<CrossingReport>,
     pub(super) timing_us: Timing,
 }
 
@@ -32,10 +33,35 @@ pub(super) struct CurveReport {
     pub(super) track: u32,
     pub(super) status: &'static str,
     pub(super) closed: bool,
+    /// Whether the first and the last point lie where the rope leaves the image.
+    pub(super) border: [bool; 2],
     pub(super) length_px: f64,
     pub(super) width_px: f64,
     pub(super) points: Vec<[f64; 2]>,
+    /// The width at each point.
+    pub(super) widths_px: Vec<f64>,
+    /// Its passes over and under itself, from its first point on.
+    pub(super) crossing_sequence: String,
+    /// Whether it comes out straight when its ends are drawn apart; `null`: undecided.
+    pub(super) pulls_straight: Option<bool>,
     pub(super) descriptor: Descriptor,
+}
+
+/// Where a strand lies over a strand.
+#[derive(Debug, Serialize)]
+pub(super) struct CrossingReport {
+    pub(super) at: [f64; 2],
+    pub(super) over: StrandReport,
+    pub(super) under: StrandReport,
+    pub(super) confidence: f64,
+}
+
+/// A place on a rope.
+#[derive(Debug, Serialize)]
+pub(super) struct StrandReport {
+    pub(super) track: u32,
+    /// Normalized arc length.
+    pub(super) rho: f64,
 }
 
 /// How long each step took, µs.
@@ -79,6 +105,14 @@ impl Report {
         serde_json::to_writer(&mut *output, self)?;
         output.write_all(b"\n")
     }
+
+    /// At how many crossings a rope is one of the two strands, or both.
+    fn crossings_of(&self, track: u32) -> usize {
+        let is_one = |crossing: &&CrossingReport| {
+            [crossing.over.track, crossing.under.track].contains(&track)
+        };
+        self.crossings.iter().filter(is_one).count()
+    }
 }
 
 /// A table that grows by a row a rope, with as wide a first column as all the names need.
@@ -106,23 +140,7 @@ impl Table {
 
     pub(super) fn write(&mut self, report: &Report, output: &mut impl Write) -> io::Result<()> {
         let width = self.name_width;
-        if !self.has_heading {
-            self.has_heading = true;
-            writeln!(
-                output,
-                "{:<width$}  {:>9}  {:>4}  {:<7}  {:>9}  {:>8}  {:>5}  {:>7}  {:>7}  {:>8}",
-                "image",
-                "size",
-                "rope",
-                "status",
-                "length px",
-                "width px",
-                "order",
-                "rms px",
-                "max px",
-                "time ms"
-            )?;
-        }
+        self.head(output)?;
         let name = self.shortened(&report.image);
         let size = format!("{}×{}", report.width, report.height);
         let time_ms = report.timing_us.total / 1e3;
@@ -130,7 +148,7 @@ impl Table {
             let no_rope = "no rope";
             return writeln!(
                 output,
-                "{name:<width$}  {size:>9}  {:>4}  {no_rope:<7}  {:>52}{time_ms:>8.1}",
+                "{name:<width$}  {size:>9}  {:>4}  {no_rope:<7}  {:>63}{time_ms:>8.1}",
                 "-", ""
             );
         }
@@ -148,17 +166,50 @@ impl Table {
             };
             writeln!(
                 output,
-                "{name:<width$}  {size:>9}  {:>4}  {:<7}  {:>9.1}  {:>8.1}  {:>5}  {:>7.2}  {:>7.2}  {time:>8}",
+                "{name:<width$}  {size:>9}  {:>4}  {:<7}  {:>9.1}  {:>8.1}  {:>9}  {:>5}  {:>7.2}  {:>7.2}  {time:>8}",
                 curve.track,
                 curve.status,
                 curve.length_px,
                 curve.width_px,
+                report.crossings_of(curve.track),
                 curve.descriptor.order,
                 curve.descriptor.rms_px,
                 curve.descriptor.max_px,
             )?;
+            if !curve.crossing_sequence.is_empty() {
+                let pulls = match curve.pulls_straight {
+                    Some(true) => "pulls straight",
+                    Some(false) => "knotted",
+                    None => "pulls straight or not: undecided",
+                };
+                let sequence = &curve.crossing_sequence;
+                writeln!(output, "{:<width$}  {:>9}  {sequence}: {pulls}", "", "")?;
+            }
         }
         Ok(())
+    }
+
+    /// The heading, before the first row.
+    fn head(&mut self, output: &mut impl Write) -> io::Result<()> {
+        let width = self.name_width;
+        if std::mem::replace(&mut self.has_heading, true) {
+            return Ok(());
+        }
+        writeln!(
+            output,
+            "{:<width$}  {:>9}  {:>4}  {:<7}  {:>9}  {:>8}  {:>9}  {:>5}  {:>7}  {:>7}  {:>8}",
+            "image",
+            "size",
+            "rope",
+            "status",
+            "length px",
+            "width px",
+            "crossings",
+            "order",
+            "rms px",
+            "max px",
+            "time ms"
+        )
     }
 
     fn shortened(&self, name: &str) -> String {

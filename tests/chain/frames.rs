@@ -115,14 +115,17 @@ fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
     assert_eq!(frames["received"], FRAMES);
     assert_eq!(
         frames["lost"],
-        json!({"source": 0, "capture": 0, "extract": 0, "fit": 0})
+        json!({"source": 0, "capture": 0, "mask": 0, "extract": 0, "fit": 0})
     );
     drop((reader, reader_domain));
     bench.assert_nothing_is_left();
 }
 
 /// The next message, in order.
-fn wait_for_next<P: Payload + ?Sized>(reader: &Reader<P>, deadline: Instant) -> Message<P> {
+pub(crate) fn wait_for_next<P: Payload + ?Sized>(
+    reader: &Reader<P>,
+    deadline: Instant,
+) -> Message<P> {
     loop {
         if let Some(message) = reader.next().unwrap() {
             return message;

@@ -2,5 +2,6 @@
 
 mod deaths;
 mod frames;
+mod masks;
 mod rig;
 mod sources;

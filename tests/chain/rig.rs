@@ -96,6 +96,7 @@ impl Bench {
         let accounted = [
             &frames["received"],
             &lost["capture"],
+            &lost["mask"],
             &lost["extract"],
             &lost["fit"],
         ];

@@ -92,6 +92,8 @@ pub(in crate::accuracy) mod tests {
             border: [false; 2],
             points: points.iter().map(|p| p.map(|v| v as f32)).collect(),
             widths_px: vec![width_px as f32; points.len()],
+            hidden: vec![false; points.len()],
+            age_ns: 0,
             width_px: width_px as f32,
             length_px: steps
                 .map(|s| (s[1][0] - s[0][0]).hypot(s[1][1] - s[0][1]) as f32)

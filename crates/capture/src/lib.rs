@@ -5,6 +5,7 @@
 //! Nothing here knows of shared memory.
 
 mod ahead;
+pub mod moving;
 mod natural;
 mod open;
 mod orientation;

@@ -4,10 +4,10 @@
 //! The table and its light are drawn once. Each frame wipes the rope off, draws it where it lies now, and adds the
 //! camera's noise on the way into the caller's memory. Frame k depends on the options and on k alone.
 
-mod draw;
+pub(crate) mod draw;
 mod motion;
 pub(crate) mod portable;
-mod table;
+pub(crate) mod table;
 mod truth;
 
 use lariat_wire::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};

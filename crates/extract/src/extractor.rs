@@ -2,23 +2,39 @@
 
 use crate::background::median;
 use crate::bits::BitPlane;
+use crate::bridge::{Bridger, Gap};
 use crate::centerline::{Centerliner, Source};
 use crate::color;
+use crate::cover::Cover;
 use crate::crossings::Crosser;
+use crate::ends::Scenery;
+use crate::follow::{self, Follower};
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
-use crate::mask::Masker;
+use crate::mask::{MaskError, Masker};
 use crate::overlaps::Overlaps;
+use crate::part::part;
 use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
-use crate::track::Tracker;
+use crate::track::{Look, Tracker};
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
+/// Half-widths of skeleton that a piece of a rope has, or there is nothing to tell it by.
+const PIECE: f32 = 4.0;
+/// The most pieces that are looked at.
+const MOST_PIECES: usize = 80;
+/// Levels of difference from the table by which something lies there; the noise of a camera and of
+/// coding stays below.
+const SOMETHING: f32 = 24.0;
+/// Places along a line whose mean color is taken for the rope's.
+const COLORS_ASKED: usize = 64;
+/// The time between two images of which nothing else is known: 1/30 s.
+const FRAME_NS: u64 = 1_000_000_000 / 30;
 
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,6 +55,7 @@ pub struct Extractor {
     options: Options,
     size: (usize, usize),
     masker: Masker,
+    cover: Cover,
     thin: BitPlane,
     thinner: Thinner,
     skeleton: Skeleton,
@@ -48,7 +65,13 @@ pub struct Extractor {
     strands: Strands,
     centerliner: Centerliner,
     lines: Vec<Line>,
+    colors: Vec<[f32; 3]>,
+    bridger: Bridger,
+    follower: Follower,
+    looks: Vec<Look>,
     spaced: Vec<Sample>,
+    now_ns: u64,
+    next_ns: Option<u64>,
     tracker: Tracker,
     /// The first `count` are this image's; the rest is memory.
     curves: Vec<Curve>,
@@ -68,6 +91,7 @@ impl Extractor {
             options,
             size: (0, 0),
             masker: Masker::default(),
+            cover: Cover::default(),
             thin: BitPlane::default(),
             thinner: Thinner::default(),
             skeleton: Skeleton::default(),
@@ -77,7 +101,13 @@ impl Extractor {
             strands: Strands::default(),
             centerliner: Centerliner::default(),
             lines: Vec::new(),
+            colors: Vec::new(),
+            bridger: Bridger::default(),
+            follower: Follower::default(),
+            looks: Vec::new(),
             spaced: Vec::new(),
+            now_ns: 0,
+            next_ns: None,
             tracker: Tracker::default(),
             curves: Vec::new(),
             count: 0,
@@ -86,46 +116,103 @@ impl Extractor {
         })
     }
 
-    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is
-    /// a new scene.
+    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
+    }
+
+    /// Says when the next image was taken, in nanoseconds of whatever clock: by it a rope out of sight ages. An image of
+    /// which that is not said comes 1/30 s after the last.
+    pub fn at(&mut self, exposed_ns: u64) -> &mut Self {
+        self.next_ns = Some(exposed_ns);
+        self
     }
 
     /// As [`extract`](Self::extract), calling `after` when each step is finished, so that a caller
     /// who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        self.turn_to(image);
+        self.masker.run(image, &self.options.mask);
+        self.after_mask(image, after)
+    }
+
+    /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
+    /// the extractor's own: `Gray8` of the image's size, from 128 on rope. Where its edges are soft, as
+    /// probabilities are, the rope's place between pixels is read from them.
+    ///
+    /// # Errors
+    /// When the mask is no `Gray8` of the image's size. The image is then not looked at, and the next one goes on from
+    /// the one before.
+    pub fn extract_masked(&mut self, image: &Image, mask: &Image) -> Result<Scene<'_>, MaskError> {
+        self.extract_masked_observed(image, mask, &mut |_| {})
+    }
+
+    /// As [`extract_masked`](Self::extract_masked), calling `after` when each step is finished.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn extract_masked_observed(
+        &mut self,
+        image: &Image,
+        mask: &Image,
+        after: &mut dyn FnMut(Step),
+    ) -> Result<Scene<'_>, MaskError> {
+        self.masker.take(image, mask)?;
+        self.turn_to(image);
+        Ok(self.after_mask(image, after))
+    }
+
+    /// An image of another size is a new scene.
+    fn turn_to(&mut self, image: &Image) {
+        let next_ns = self.now_ns.saturating_add(FRAME_NS);
+        self.now_ns = self.next_ns.take().unwrap_or(next_ns);
         let size = (image.width(), image.height());
         if size != self.size {
             self.new_scene();
             self.size = size;
         }
-        self.masker.run(image, &self.options.mask);
+    }
+
+    /// The steps from the mask on.
+    fn after_mask(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         after(Step::Mask);
-        self.thin.copy_from(&self.masker.mask);
-        let most_passes = (size.0.min(size.1) / 8).clamp(16, 128) as u32;
-        self.thinner.thin(&mut self.thin, most_passes);
+        let yuv = color::is_yuv(image.format());
+        self.tracker.begin(self.now_ns, yuv);
+        self.tracker.remember(&mut self.zones.past);
+        self.skeletonize();
+        self.zones.past.check(&self.skeleton);
+        let known_half_px = self.zones.past.widest_half_px();
+        let mask = &self.masker.mask;
+        if self.cover.find(image, &self.skeleton, mask, known_half_px) {
+            self.masker.take_out(&self.cover.plane);
+            self.skeletonize();
+        }
         after(Step::Skeleton);
-        self.skeleton.list(&self.thin, &self.masker.mask);
         self.graph.trace(&self.skeleton);
-        self.graph.prune(&mut self.skeleton);
+        self.graph.prune(&mut self.skeleton, &self.zones.past);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        let yuv = color::is_yuv(image.format());
-        self.strands.join(yuv, &self.graph, &self.zones);
+        self.strands
+            .join(yuv, &self.graph, &self.skeleton, &self.zones);
         after(Step::Graph);
-        self.points();
+        let laid = self.lay_lines(image);
+        let scenery = Scenery {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            level: SOMETHING,
+            cover: &self.cover.plane,
+            yuv,
+        };
+        let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
+        let joined = self.bridger.join(lines, colors, &scenery);
+        let joined = self.follow(image, joined);
+        self.points(joined);
         let seen = self.count;
-        let options = &self.options;
-        self.count = self.tracker.update(&mut self.curves, seen, options);
-        self.crosser.find(
-            image,
-            (&self.graph, &self.skeleton, &self.zones),
-            &self.lines[..seen],
-            &self.curves[..seen],
-            &mut self.crossings,
-        );
+        let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
+        self.count = self.tracker.update(curves, seen, looks, &self.options);
+        self.crosser
+            .find(image, &self.curves[..seen], &mut self.crossings);
         after(Step::Points);
         Scene {
             curves: &self.curves[..self.count],
@@ -143,8 +230,36 @@ impl Extractor {
             self.extract(&image);
             self.extract(&image);
             self.options.mask = wanted;
+            self.reserve(width, height);
         }
         self.reset();
+    }
+
+    /// Makes the buffers that the drawn picture has no use for.
+    fn reserve(&mut self, width: usize, height: usize) {
+        // A rope that winds through the image four times, sampled at each pixel.
+        let samples = 2 * (width + height);
+        let lines = 2 * self.options.ropes;
+        self.lines
+            .resize_with(lines.max(self.lines.len()), Line::default);
+        for line in &mut self.lines {
+            line.samples.reserve(samples);
+        }
+        self.spaced.reserve(samples);
+        self.colors.reserve(MOST_PIECES);
+        self.looks.reserve(MOST_PIECES);
+        self.bridger.reserve(samples);
+        self.cover.reserve(width, height);
+        self.tracker.reserve(self.options.points);
+        self.tracker.remember(&mut self.zones.past);
+        let scene = follow::Scene {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            mask: &self.masker.mask,
+            cover: &self.cover.plane,
+            skeleton: &self.skeleton,
+        };
+        self.follower.rehearse(lines, samples, &scene);
     }
 
     /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first
@@ -160,18 +275,32 @@ impl Extractor {
         self.tracker.reset();
     }
 
-    /// A curve for each strand that is long enough to be a rope, the longest first.
-    fn points(&mut self) {
-        self.count = 0;
+    /// The mask of the last image.
+    pub(crate) fn mask(&self) -> &BitPlane {
+        &self.masker.mask
+    }
+
+    /// Thins the mask and lists what is left.
+    fn skeletonize(&mut self) {
+        self.thin.copy_from(&self.masker.mask);
+        let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
+        self.thinner.thin(&mut self.thin, most_passes);
+        self.skeleton.list(&self.thin, &self.masker.mask);
+    }
+
+    /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns
+    /// how many there are.
+    fn lay_lines(&mut self, image: &Image) -> usize {
+        self.colors.clear();
+        let mut count = 0;
         for strand in &self.strands.strands {
-            let least_px = (SHORTEST - 1.5) * 2.0 * self.zones.half_px;
-            if self.count == self.options.ropes || strand.length_px < least_px {
+            if count == MOST_PIECES || strand.length_px < PIECE * self.zones.half_px {
                 break;
             }
-            if self.lines.len() <= self.count {
+            if self.lines.len() <= count {
                 self.lines.push(Line::default());
             }
-            let line = &mut self.lines[self.count];
+            let line = &mut self.lines[count];
             let source = Source {
                 difference: &self.masker.difference,
                 skeleton: &self.skeleton,
@@ -179,36 +308,131 @@ impl Extractor {
                 zones: &self.zones,
                 legs: &self.strands.legs,
             };
-            if !self.centerliner.build(&source, strand, line) {
-                continue;
-            }
-            line.resample(self.options.points, &mut self.spaced);
-            // Smoothing may carry a tip at the image's border a little over it.
-            let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
-            for Sample { at: [x, y], .. } in &mut self.spaced {
-                (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
-            }
-            if self.curves.len() <= self.count {
-                self.curves.push(Curve::empty());
-            }
-            let curve = &mut self.curves[self.count];
-            curve.closed = line.closed;
-            curve.border = line.border;
-            curve.length_px = line.length_px();
-            curve.widths_px.clear();
-            curve
-                .widths_px
-                .extend(self.spaced.iter().map(|s| s.width_px));
-            curve.width_px = median(&mut curve.widths_px);
-            curve.widths_px.clear();
-            curve
-                .widths_px
-                .extend(self.spaced.iter().map(|s| s.width_px));
-            curve.points.clear();
-            curve.points.extend(self.spaced.iter().map(|s| s.at));
-            if curve.length_px >= SHORTEST * curve.width_px {
-                self.count += 1;
+            if self.centerliner.build(&source, strand, line) {
+                count += 1;
             }
         }
+        let mut l = 0;
+        while l < count {
+            if self.lines.len() <= count {
+                self.lines.push(Line::default());
+            }
+            let (known, free) = self.lines.split_at_mut(count);
+            if count < MOST_PIECES && part(&mut known[l], &self.zones.past, &mut free[0]) {
+                count += 1;
+            } else {
+                self.colors.push(mean_color(image, &known[l]));
+                l += 1;
+            }
+        }
+        count
     }
+
+    /// Takes the ropes of the last image, followed into this one, where the first `count` lines
+    /// contradict them; returns how many lines there are then.
+    fn follow(&mut self, image: &Image, count: usize) -> usize {
+        let scene = follow::Scene {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            mask: &self.masker.mask,
+            cover: &self.cover.plane,
+            skeleton: &self.skeleton,
+        };
+        // Where no strands meet and nothing lies over them, one image leaves nothing open.
+        let open = self.zones.has_meeting() || self.cover.any();
+        if !open || !self.follower.follow(&self.lines[..count], &scene) {
+            return count;
+        }
+        let count = self.follower.take(&mut self.lines, count);
+        self.colors.clear();
+        self.bridger.gaps.clear();
+        for (l, line) in self.lines[..count].iter().enumerate() {
+            self.colors.push(mean_color(image, line));
+            Follower::covered(line, &self.cover.plane, |from_px, to_px| {
+                self.bridger.gaps.push(Gap {
+                    line: l,
+                    from_px,
+                    to_px,
+                });
+            });
+        }
+        count
+    }
+
+    /// A curve for each of the first `count` lines that is long enough to be a rope.
+    fn points(&mut self, count: usize) {
+        self.count = 0;
+        self.looks.clear();
+        for l in 0..count {
+            if self.count == self.options.ropes {
+                break;
+            }
+            self.fill_curve(l);
+            let curve = &self.curves[self.count];
+            if curve.length_px < SHORTEST * curve.width_px {
+                continue;
+            }
+            let reach_px = 0.7 * curve.width_px + 3.0;
+            let is_covered = |end: usize, at: Option<&[f32; 2]>| {
+                let free = !curve.closed && !curve.border[end];
+                free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
+            };
+            self.looks.push(Look {
+                color: self.colors[l],
+                covered: [
+                    is_covered(0, curve.points.first()),
+                    is_covered(1, curve.points.last()),
+                ],
+            });
+            // Lines and curves go by the same number from here on.
+            self.lines.swap(self.count, l);
+            self.count += 1;
+        }
+    }
+
+    /// Fills the next curve with the points of line `l`.
+    fn fill_curve(&mut self, l: usize) {
+        let line = &self.lines[l];
+        line.resample(self.options.points, &mut self.spaced);
+        // Smoothing may carry a tip at the image's border a little over it.
+        let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
+        for Sample { at: [x, y], .. } in &mut self.spaced {
+            (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
+        }
+        if self.curves.len() <= self.count {
+            self.curves.push(Curve::empty());
+        }
+        let curve = &mut self.curves[self.count];
+        curve.closed = line.closed;
+        curve.border = line.border;
+        curve.length_px = line.length_px();
+        let widths = || self.spaced.iter().map(|s| s.width_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.width_px = median(&mut curve.widths_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.points.clear();
+        curve.points.extend(self.spaced.iter().map(|s| s.at));
+        let intervals = self.spaced.len() - usize::from(!curve.closed);
+        let step_px = curve.length_px / intervals.max(1) as f32;
+        let gaps = || self.bridger.gaps.iter().filter(|gap| gap.line == l);
+        curve.hidden.clear();
+        curve.hidden.extend((0..self.spaced.len()).map(|i| {
+            let along_px = i as f32 * step_px;
+            gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
+        }));
+    }
+}
+
+/// The mean native color along a line.
+fn mean_color(image: &Image, line: &Line) -> [f32; 3] {
+    let stride = (line.samples.len() / COLORS_ASKED).max(1);
+    let (mut sum, mut count) = ([0.0; 3], 0.0f32);
+    for sample in line.samples.iter().step_by(stride) {
+        let color = color::between(image, sample.at);
+        sum = std::array::from_fn(|i| sum[i] + color[i]);
+        count += 1.0;
+    }
+    sum.map(|s| s / count.max(1.0))
 }

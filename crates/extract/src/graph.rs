@@ -1,6 +1,7 @@
 //! The skeleton as a graph: ends and junctions joined by strands of pixels, without the spurs that
 //! a ragged edge leaves.
 
+use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2;
 
@@ -11,6 +12,8 @@ const MOST_EDGES: usize = 4096;
 const SPUR_HALVES: f32 = 1.5;
 /// The same for two free ends at one junction: the corners of a frayed or hollow tip.
 const FORK_HALVES: f32 = 3.0;
+/// Widths around a rope's known end in which it is the only free end.
+const ALONE_WIDTHS: f32 = 3.0;
 
 /// A skeleton pixel where a strand ends or several meet.
 #[derive(Clone, Copy, Debug)]
@@ -117,12 +120,13 @@ impl Graph {
         });
     }
 
-    /// Takes spurs out of `skeleton`, the shortest first, and traces again, until there are none.
-    pub(crate) fn prune(&mut self, skeleton: &mut Skeleton) {
+    /// Takes spurs out of `skeleton`, the shortest first, and traces again, until there are none. What
+    /// sticks out where a rope of the past ended is no spur but that end, on its way over a strand.
+    pub(crate) fn prune(&mut self, skeleton: &mut Skeleton, past: &Past) {
         loop {
             self.spurs.clear();
             for e in 0..self.edges.len() {
-                if self.is_spur(e, skeleton) {
+                if self.is_spur(e, skeleton, past) {
                     self.spurs.push(e as u32);
                 }
             }
@@ -138,7 +142,7 @@ impl Graph {
             for i in 0..self.spurs.len() {
                 let e = self.spurs[i] as usize;
                 // An earlier removal may have made this one the continuation of a strand.
-                if self.is_spur(e, skeleton) {
+                if self.is_spur(e, skeleton, past) {
                     self.remove(e, skeleton);
                 }
             }
@@ -165,21 +169,35 @@ impl Graph {
         }
     }
 
-    fn is_spur(&self, e: usize, skeleton: &Skeleton) -> bool {
+    fn is_spur(&self, e: usize, skeleton: &Skeleton, past: &Past) -> bool {
         let edge = &self.edges[e];
         let [a, b] = edge.nodes;
         if a == NONE || a == b {
             return false;
         }
         let (a, b) = (self.nodes[a as usize], self.nodes[b as usize]);
-        let junction = match (a.degree, b.degree) {
-            (1, 3..) => b,
-            (3.., 1) => a,
+        let (tip, junction) = match (a.degree, b.degree) {
+            (1, 3..) => (a, b),
+            (3.., 1) => (b, a),
             _ => return false,
         };
         let half = skeleton.pixels[junction.pixel as usize].half_px;
-        edge.length_px < SPUR_HALVES * half + 1.0
-            || edge.length_px < FORK_HALVES * half && self.is_fork(e, junction.pixel)
+        let is_short = edge.length_px < SPUR_HALVES * half + 1.0
+            || edge.length_px < FORK_HALVES * half && self.is_fork(e, junction.pixel);
+        is_short && !self.is_known_end(&tip, skeleton, past)
+    }
+
+    /// Whether a rope of the past ended near free end `tip`, and no other free end is near that could
+    /// be its end.
+    fn is_known_end(&self, tip: &Node, skeleton: &Skeleton, past: &Past) -> bool {
+        let at = |node: &Node| skeleton.pixels[node.pixel as usize].at();
+        let Some((end, width_px)) = past.end_near(at(tip)) else {
+            return false;
+        };
+        self.nodes.iter().all(|node| {
+            let near = vec2::distance(at(node), end) < ALONE_WIDTHS * width_px;
+            node.degree != 1 || node.pixel == tip.pixel || !near
+        })
     }
 
     /// Whether another free end, no shorter than edge `e` but about as short, is at `junction`.

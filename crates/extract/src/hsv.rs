@@ -25,7 +25,8 @@ pub(crate) fn apply(image: &Image, ranges: &[HsvRange], inside: &mut Plane, mask
     }
 }
 
-fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
+/// Whether a color lies in any of the ranges.
+pub(crate) fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
     let (hue, saturation, value) = hsv(rgb);
     let within = |[low, high]: [f32; 2], v: f32| (low..=high).contains(&v);
     ranges.iter().any(|range| {
@@ -40,7 +41,7 @@ fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
 }
 
 /// Hue in degrees (0 of a gray), saturation and value from 0 to 1.
-fn hsv(rgb: [u8; 3]) -> (f32, f32, f32) {
+pub(crate) fn hsv(rgb: [u8; 3]) -> (f32, f32, f32) {
     let [r, g, b] = rgb.map(|c| f32::from(c) / 255.0);
     let value = r.max(g).max(b);
     let chroma = value - r.min(g).min(b);

@@ -28,10 +28,13 @@
 //!
 //! | step | module | from → to |
 //! |---|---|---|
-//! | mask | `background`, `difference`, `threshold` or `hsv`, then `components` | image → one bit a pixel, and how unlike the table each pixel is |
+//! | mask | `background`, `difference`, `threshold` or `hsv`, or made elsewhere; then `components` | image → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `thin` | mask → lines one pixel wide |
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
-//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` | strands → curves with numbers that last |
+//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
+//!
+//! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
+//! it is knotted (`knot`).
 //!
 //! # Bounds
 //!
@@ -44,22 +47,37 @@
 
 mod background;
 mod bits;
+mod bridge;
 mod centerline;
 mod color;
+mod complete;
 mod components;
+mod cover;
 mod crossings;
 mod difference;
+mod ends;
 mod extractor;
+mod follow;
 mod graph;
 mod hsv;
 mod image;
+mod knot;
+mod lens;
 mod line;
 mod mask;
+mod matching;
+mod meet;
 mod morphology;
+mod necks;
 mod options;
+mod over;
 mod overlaps;
 mod pairing;
+mod part;
+mod past;
 mod path;
+mod pick;
+mod place;
 mod plane;
 mod rehearse;
 mod scene;
@@ -72,6 +90,7 @@ mod strands;
 mod thin;
 mod threshold;
 mod track;
+mod turn;
 mod unroll;
 mod vec2;
 mod whole;
@@ -79,5 +98,8 @@ mod zones;
 
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
+pub use knot::{CrossingSequence, Pass};
+pub use mask::{MaskError, mask_of};
 pub use options::{HsvRange, Mask, Options, OptionsError};
+pub use pick::{PickError, Picked, pick};
 pub use scene::{Crossing, Curve, Scene, Status};

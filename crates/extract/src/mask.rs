@@ -7,11 +7,34 @@ use crate::difference::Differencer;
 use crate::plane::Plane;
 use crate::threshold::Cut;
 use crate::whole::Mender;
-use crate::{Image, Mask, hsv, threshold};
+use crate::{Image, Mask, PixelFormat, hsv, threshold};
+use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
 /// are wrong, and a "skeleton" of it would mean nothing.
 const MOST_COVERED: f32 = 0.6;
+
+/// From this level on a pixel of a mask made elsewhere is rope: the upper half of its bytes.
+const ROPE_LEVEL: u8 = 128;
+
+/// Why a mask that was made elsewhere cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MaskError {
+    /// The mask has another size than the image.
+    #[error(
+        "the mask is {}×{} pixels and its image {}×{}: give each image a mask of its own size",
+        .mask[0], .mask[1], .image[0], .image[1]
+    )]
+    Size {
+        /// Width and height of the mask, in pixels.
+        mask: [usize; 2],
+        /// Width and height of the image, in pixels.
+        image: [usize; 2],
+    },
+    /// The mask has more than one channel.
+    #[error("the mask is {0:?}: give one byte a pixel (Gray8), 255 for rope and 0 for the rest")]
+    Format(PixelFormat),
+}
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
@@ -21,7 +44,8 @@ pub(crate) struct Masker {
     components: Components,
     mender: Mender,
     original: BitPlane,
-    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges).
+    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
+    /// was made elsewhere).
     pub(crate) difference: Plane,
     /// The mask.
     pub(crate) mask: BitPlane,
@@ -33,7 +57,6 @@ impl Masker {
     /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
     /// an empty mask.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
-        let mut found = None;
         match how {
             Mask::Auto => {
                 self.background.estimate(image);
@@ -41,39 +64,105 @@ impl Masker {
                     .difference(image, &self.background, &mut self.difference);
                 let cut = threshold::choose(&self.difference, self.background.noise);
                 threshold::apply(&self.difference, cut.rope, &mut self.mask);
-                found = Some(cut);
+                self.mend(image, cut);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
+            Mask::External => {
+                self.difference.resize(image.width(), image.height());
+                self.mask.resize(image.width(), image.height());
+            }
         }
-        if !self.clean(image, found) {
-            self.mask.resize(image.width(), image.height());
+        self.clean_or_empty();
+    }
+
+    /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
+    /// level, so that one of probabilities is as good between pixels as an image.
+    ///
+    /// # Errors
+    /// When it is no `Gray8` of the image's size.
+    pub(crate) fn take(&mut self, image: &Image, mask: &Image) -> Result<(), MaskError> {
+        if mask.format() != PixelFormat::Gray8 {
+            return Err(MaskError::Format(mask.format()));
+        }
+        let size = |of: &Image| [of.width(), of.height()];
+        if size(mask) != size(image) {
+            return Err(MaskError::Size {
+                mask: size(mask),
+                image: size(image),
+            });
+        }
+        self.difference.resize(mask.width(), mask.height());
+        for y in 0..mask.height() {
+            self.difference.row_mut(y).copy_from_slice(mask.row(y));
+        }
+        threshold::apply(&self.difference, ROPE_LEVEL, &mut self.mask);
+        self.clean_or_empty();
+        Ok(())
+    }
+
+    fn clean_or_empty(&mut self) {
+        if !self.clean() {
+            let (width, height) = (self.mask.width(), self.mask.height());
+            self.mask.resize(width, height);
+        }
+    }
+
+    /// Takes what is set in `cover` out of the mask and the difference, as if the table lay there.
+    pub(crate) fn take_out(&mut self, cover: &BitPlane) {
+        for y in 0..self.mask.height() {
+            let words = self.mask.row_mut(y).iter_mut().zip(cover.row(y));
+            words.for_each(|(word, &out)| *word &= !out);
+            for (x, level) in self.difference.row_mut(y).iter_mut().enumerate() {
+                if cover.row(y)[x / 64] >> (x % 64) & 1 == 1 {
+                    *level = 0;
+                }
+            }
+        }
+        if !self.clean() {
+            self.mask.resize(cover.width(), cover.height());
+        }
+    }
+
+    /// Adds what the cut left out of the ropes.
+    fn mend(&mut self, image: &Image, cut: Cut) {
+        smooth(&mut self.mask, &mut self.original);
+        let pixels = self.mask.width() * self.mask.height();
+        let area = self.mask.count();
+        if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
+            let (table, difference) = (&self.background, &mut self.difference);
+            self.mender
+                .mend(image, table, cut, difference, &mut self.mask);
         }
     }
 
     /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
-    fn clean(&mut self, image: &Image, cut: Option<Cut>) -> bool {
+    fn clean(&mut self) -> bool {
         let pixels = self.mask.width() * self.mask.height();
         smooth(&mut self.mask, &mut self.original);
         let area = self.mask.count();
         if area == 0 || area as f32 > MOST_COVERED * pixels as f32 {
             return false;
         }
-        if let Some(cut) = cut {
-            self.mender.mend(
-                image,
-                &self.background,
-                cut,
-                &mut self.difference,
-                &mut self.mask,
-            );
-        }
-        self.width_px = width_from_outline(&self.mask, self.mask.count());
+        self.width_px = width_from_outline(&self.mask, area);
         let square = self.width_px * self.width_px;
         // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
         self.components.drop_specks(&mut self.mask, speck).is_ok()
             && self.components.fill_holes(&mut self.mask, hole).is_ok()
     }
+}
+
+/// The mask of `image` as extraction takes it, cleaned: 255 for rope and 0 for the rest, a byte a pixel, row by row.
+///
+/// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
+pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
+    let mut masker = Masker::default();
+    masker.run(image, how);
+    let mask = &masker.mask;
+    let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| if mask.get(x as i32, y as i32) { 255 } else { 0 })
+        .collect()
 }
 
 /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all

@@ -1,5 +1,7 @@
 //! What a user may say about the ropes, and the check that it makes sense.
 
+use std::time::Duration;
+
 use thiserror::Error;
 
 /// What counts as rope, by colour. Bounds are inclusive.
@@ -21,6 +23,9 @@ pub enum Mask {
     Auto,
     /// A pixel inside any of the ranges is rope: several ranges for several colours of rope.
     Hsv(Vec<HsvRange>),
+    /// Somebody else says which pixels are rope, image by image:
+    /// [`Extractor::extract_masked`](crate::Extractor::extract_masked). An image without a mask has no rope.
+    External,
 }
 
 /// What to look for and how to describe it.
@@ -35,8 +40,8 @@ pub struct Options {
     /// On the first frame, the end nearest to this position (in pixels) is the first point;
     /// `None`: the end nearest to the top left.
     pub start: Option<[f32; 2]>,
-    /// Frames for which a rope that is out of sight is still reported, as `Status::Lost`.
-    pub keep_lost_frames: u32,
+    /// For how long a rope that is out of sight is still reported, as `Status::Lost`.
+    pub keep_lost: Duration,
 }
 
 impl Default for Options {
@@ -46,7 +51,7 @@ impl Default for Options {
             points: 120,
             ropes: 8,
             start: None,
-            keep_lost_frames: 30,
+            keep_lost: Duration::from_secs(1),
         }
     }
 }
@@ -110,7 +115,7 @@ impl Options {
             return Err(OptionsError::Start(start));
         }
         match &self.mask {
-            Mask::Auto => Ok(()),
+            Mask::Auto | Mask::External => Ok(()),
             Mask::Hsv(ranges) if ranges.is_empty() => Err(OptionsError::NoRange),
             Mask::Hsv(ranges) => ranges.iter().enumerate().try_for_each(check_range),
         }

@@ -11,12 +11,17 @@ use crate::Image;
 use crate::color;
 use crate::graph::Graph;
 use crate::pairing::{ALONE, ALONE_TOO, Pairing};
+use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 use crate::unroll::Unroll;
+use crate::vec2;
 use crate::zones::{Arm, Zones};
 
 /// Widths that an overlap may be long without showing in the mask's width.
 const LONGEST_WIDTHS: f32 = 12.0;
+/// A strand of an overlap lies at most this many widths off the overlap's middle, and has moved as
+/// much again.
+const BESIDE_WIDTHS: f32 = 1.5;
 /// What a width of such an overlap costs: the longer, the less likely.
 const PER_WIDTH: f32 = 0.04;
 
@@ -49,10 +54,19 @@ impl Overlaps {
         for e in 0..graph.edges.len() {
             let edge = &graph.edges[e];
             let widths = edge.length_px / (2.0 * zones.half_px);
-            if zones.inside[e] || edge.nodes[0] == NONE || widths > LONGEST_WIDTHS {
+            if zones.inside[e] || edge.nodes[0] == NONE {
                 continue;
             }
-            let unroll = Unroll::of(e, graph, skeleton, zones.half_px);
+            // Where two strands lay in the last image, an overlap of any length is no surprise.
+            let widths = if was_double(e, graph, skeleton, &zones.past) {
+                0.0
+            } else {
+                widths
+            };
+            if widths > LONGEST_WIDTHS {
+                continue;
+            }
+            let unroll = Unroll::of(e, graph, skeleton, zones.widest_half_px(e, graph));
             if let Some(candidate) = self.weigh(e, graph, unroll, widths, yuv, zones) {
                 self.candidates.push(candidate);
             }
@@ -110,7 +124,12 @@ impl Overlaps {
         self.arms.clear();
         let (mut apart, mut detour_alone) = (0.0, 0);
         for (zone, arms) in ends.into_iter().zip(arms) {
-            for (i, &partner) in self.pairing.resolve(arms, yuv).iter().enumerate() {
+            for (i, &partner) in self
+                .pairing
+                .resolve(arms, &zones.past, yuv)
+                .iter()
+                .enumerate()
+            {
                 detour_alone += usize::from(partner == i && Some(arms[i].edge) == detour);
             }
             apart += self.pairing.best_cost;
@@ -129,7 +148,7 @@ impl Overlaps {
             // Not an end on a rope, twice, but both ends of one rope at one place.
             apart += ALONE_TOO - ALONE;
         }
-        self.pairing.resolve(&self.arms, yuv);
+        self.pairing.resolve(&self.arms, &zones.past, yuv);
         let gain = apart - self.pairing.best_cost - PER_WIDTH * widths;
         (gain > 0.0).then_some(Candidate {
             gain,
@@ -137,6 +156,19 @@ impl Overlaps {
             zones: ends,
         })
     }
+}
+
+/// Whether two strands ran along the middle of edge `e` in the last image.
+fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool {
+    let pixels = graph.pixels(e);
+    let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
+    let (middle, reach) = (pixels.len() / 2, (pixels.len() / 6).max(1));
+    let (before, after) = (
+        at(middle.saturating_sub(reach)),
+        at((middle + reach).min(pixels.len() - 1)),
+    );
+    let traces = past.recall(at(middle), vec2::sub(after, before));
+    traces.within(BESIDE_WIDTHS) >= 2
 }
 
 /// The other edge, if any, that joins the same two zones, of these arms, as edge `e`.

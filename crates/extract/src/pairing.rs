@@ -3,9 +3,11 @@
 //! Between two arms lies a hidden piece. The cubic through their ends with slopes α and β against
 //! its chord has a bending energy proportional to α² + αβ + β²: an arc costs a quarter of its turn
 //! squared, an S three times as much. Arms of different width or color are less likely one rope. All
-//! pairings of a zone are tried; an arm may stay alone, as the end of a rope that lies there.
+//! pairings of a zone are tried; an arm may stay alone, as the end of a rope that lies there. Where
+//! the last image knows which strand went where, that weighs in.
 
 use crate::color;
+use crate::past::Past;
 use crate::vec2::{self, Vec2};
 use crate::zones::Arm;
 
@@ -26,6 +28,8 @@ const MOST_COLOR: f32 = 0.9;
 /// Memory of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Pairing {
+    /// For each two arms what it costs to read them as one strand; on the diagonal, what an arm
+    /// that stays alone costs besides.
     costs: Vec<f32>,
     order: Vec<(f32, usize, usize)>,
     /// For each arm its partner, or itself when it stays alone.
@@ -37,12 +41,16 @@ pub(crate) struct Pairing {
 
 impl Pairing {
     /// For each of `arms`, all of one zone, the index of its partner, or its own when it ends here.
-    pub(crate) fn resolve(&mut self, arms: &[Arm], yuv: bool) -> &[usize] {
+    pub(crate) fn resolve(&mut self, arms: &[Arm], past: &Past, yuv: bool) -> &[usize] {
         let n = arms.len();
         self.costs.clear();
-        for a in arms {
-            for b in arms {
-                self.costs.push(cost(a, b, yuv));
+        for (i, a) in arms.iter().enumerate() {
+            for (j, b) in arms.iter().enumerate() {
+                self.costs.push(if i == j {
+                    past.against_end(&a.past)
+                } else {
+                    cost(a, b, past, yuv)
+                });
             }
         }
         self.partner.clear();
@@ -79,6 +87,7 @@ impl Pairing {
             }
         }
         // Alone: skipped by starting after it, so it must not be found free again.
+        let alone = alone + self.costs[i * n + i];
         self.search(n, i + 1, so_far + alone, ALONE_TOO);
     }
 
@@ -101,18 +110,27 @@ impl Pairing {
 }
 
 /// What it costs to read arms `a` and `b` as one strand.
-pub(crate) fn cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
+pub(crate) fn cost(a: &Arm, b: &Arm, past: &Past, yuv: bool) -> f32 {
     let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
-    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
     let sides = if a.side * b.side < 0.0 {
         OTHER_SIDE
     } else {
         0.0
     };
+    let against = past.against(&a.past, &b.past, vec2::distance(a.at, b.at));
     // The narrowest ropes measure their width too coarsely for it to say much.
-    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0 + color * color + sides
+    bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0
+        + color_cost(a, b, yuv)
+        + sides
+        + against
+}
+
+/// What it costs that the arms' strands differ in color.
+pub(crate) fn color_cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
+    let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
+    color * color
 }
 
 /// The bending energy (times length / 4) of the cubic from `from` in direction `out` to `to` in
@@ -126,6 +144,7 @@ pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::past::Traces;
 
     /// An arm of a crossing in the middle, coming from `angle_deg`.
     fn spoke(angle_deg: f32, color: f32) -> Arm {
@@ -140,6 +159,7 @@ mod tests {
             half_px: 5.0,
             color: [color; 3],
             side: 0.0,
+            past: Traces::default(),
         }
     }
 
@@ -151,13 +171,19 @@ mod tests {
             spoke(180.0, 9.0),
             spoke(220.0, 9.0),
         ];
-        assert_eq!(Pairing::default().resolve(&arms, false), [2, 3, 0, 1]);
+        assert_eq!(
+            Pairing::default().resolve(&arms, &Past::default(), false),
+            [2, 3, 0, 1]
+        );
     }
 
     #[test]
     fn three_strands_through_one_point_all_go_straight() {
         let arms = [0.0, 60.0, 120.0, 180.0, 240.0, 300.0].map(|a| spoke(a, 9.0));
-        assert_eq!(Pairing::default().resolve(&arms, false), [3, 4, 5, 0, 1, 2]);
+        assert_eq!(
+            Pairing::default().resolve(&arms, &Past::default(), false),
+            [3, 4, 5, 0, 1, 2]
+        );
     }
 
     #[test]
@@ -168,12 +194,18 @@ mod tests {
             spoke(180.0, 20.0),
             spoke(220.0, 200.0),
         ];
-        assert_eq!(Pairing::default().resolve(&arms, false), [3, 2, 1, 0]);
+        assert_eq!(
+            Pairing::default().resolve(&arms, &Past::default(), false),
+            [3, 2, 1, 0]
+        );
     }
 
     #[test]
     fn an_end_on_a_strand_stays_an_end() {
         let arms = [spoke(0.0, 9.0), spoke(90.0, 9.0), spoke(180.0, 9.0)];
-        assert_eq!(Pairing::default().resolve(&arms, false), [2, 1, 0]);
+        assert_eq!(
+            Pairing::default().resolve(&arms, &Past::default(), false),
+            [2, 1, 0]
+        );
     }
 }

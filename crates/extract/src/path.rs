@@ -6,6 +6,7 @@
 
 use crate::centerline::Source;
 use crate::line::{Line, OVERLAP, Sample};
+use crate::necks::Necks;
 use crate::strands::Leg;
 use crate::vec2::{self, Vec2};
 
@@ -111,14 +112,25 @@ fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut 
         vec2::cross(ahead[0], vec2::sub(before, at(0))).signum(),
         vec2::cross(ahead[1], vec2::sub(after, at(count - 1))).signum(),
     ];
+    let widest_px = source.zones.widest_half_px(e, source.graph);
+    let necks = Necks::of(e, source.graph, source.skeleton, widest_px);
+    let changes = necks.at().len();
+    // What the necks say must lead from the side where the strand comes in to that where it leaves.
+    let agree = necks.are_known && changes.is_multiple_of(2) == (side[0] == side[1]);
     for k in 1..count - 1 {
+        let passed = if way.reversed { count - 1 - k } else { k } as u32;
+        let before = necks.at().iter().filter(|&&n| n < passed).count();
+        let before = if way.reversed {
+            changes - before
+        } else {
+            before
+        };
         let t = k as f32 / (count - 1) as f32;
-        push(
-            line,
-            at(k),
-            OVERLAP,
-            side[0] + t * (side[1] - side[0]),
-            half_px,
-        );
+        let here = match agree {
+            true if before.is_multiple_of(2) => side[0],
+            true => -side[0],
+            false => side[0] + t * (side[1] - side[0]),
+        };
+        push(line, at(k), OVERLAP, here, half_px);
     }
 }

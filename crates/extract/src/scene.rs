@@ -1,13 +1,17 @@
 //! What the extractor says about one image.
 
+/// The most crossings reported.
+pub(crate) const MOST_CROSSINGS: usize = 32;
+
 /// How much of a rope is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// Seen from end to end.
     Ok,
-    /// Seen, but a part of it is covered or cut off: compare its length with the frames before.
+    /// Seen, but a part of it is covered: in the middle ([`Curve::hidden`] says where), or at an end
+    /// that was seen before.
     Partial,
-    /// Not seen in this image: the points are its last known shape.
+    /// Not seen in this image: the points are its last known shape, [`Curve::age_ns`] old.
     Lost,
 }
 
@@ -29,10 +33,15 @@ pub struct Curve {
     pub points: Vec<[f32; 2]>,
     /// The rope's width at each point, in pixels.
     pub widths_px: Vec<f32>,
+    /// Whether each point is covered by something, and so not seen but taken from where the rope
+    /// must run between the parts that are.
+    pub hidden: Vec<bool>,
     /// The median of `widths_px`.
     pub width_px: f32,
     /// Arc length from tip to tip (once around, when closed), in pixels.
     pub length_px: f32,
+    /// How long ago the rope was last seen, in nanoseconds: 0 unless it is lost.
+    pub age_ns: u64,
 }
 
 impl Curve {
@@ -45,8 +54,10 @@ impl Curve {
             border: [false; 2],
             points: Vec::new(),
             widths_px: Vec::new(),
+            hidden: Vec::new(),
             width_px: 0.0,
             length_px: 0.0,
+            age_ns: 0,
         }
     }
 }
@@ -64,7 +75,8 @@ pub struct Crossing {
     pub over_rho: f32,
     /// Where on the lower rope, as normalized arc length from 0 to 1.
     pub under_rho: f32,
-    /// How sure the order is, from 0 (not known which is on top) to 1.
+    /// How sure the order is, from 0 (a toss of a coin) to 1 (certain): 2p − 1 for a probability p
+    /// of being right.
     pub confidence: f32,
 }
 

@@ -12,12 +12,15 @@ use crate::section::Measure;
 use crate::vec2::{self, Vec2};
 
 /// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
-const BLURS: std::ops::RangeInclusive<f32> = 0.5..=2.0;
-/// Nearer to the edge than this many σ the blur reaches in: 2% of the table are left there.
-const CLEAR: f32 = 2.0;
-/// Distance between the samples across an edge, and how many there are to each side of it.
+const BLURS: std::ops::RangeInclusive<f32> = 0.5..=8.0;
+/// Nearer to the edge than this many σ the blur reaches in: 0.6% of the table are left there.
+const CLEAR: f32 = 2.5;
+/// The fit reaches at least this far out. At 0.4 a round rope has darkened by 8%, well beyond what the blur leaves.
+const LEAST_REACH: f32 = 0.4;
+/// Distance between the samples across an edge, and how many there are inside and outside of it.
 const HOP_PX: f32 = 0.5;
-const HOPS: usize = 6;
+const INSIDE: usize = 24;
+const OUTSIDE: usize = 8;
 /// Positions across half of the rope, those of the fit.
 const POSITIONS: usize = 6;
 /// Sections that are read along one rope.
@@ -41,7 +44,7 @@ impl Shading {
         let half_px = how.half_px;
         let blur_px = blur(line, difference, how);
         let most = (1.0 - CLEAR * blur_px / half_px).min(0.8);
-        if most < 0.3 {
+        if most < LEAST_REACH {
             return Self::FLAT;
         }
         let position = |k: usize| most * (k as f32 - POSITIONS as f32) / POSITIONS as f32;
@@ -94,21 +97,26 @@ fn for_each_section(line: &Line, how: Measure, mut read: impl FnMut(&Sample, Vec
 /// σ of the blur in pixels, from the mean fall of the difference across the rope's edges: a blurred step of height h has
 /// the slope h / (σ√(2π)) in its middle.
 fn blur(line: &Line, difference: &Plane, how: Measure) -> f32 {
-    let mut levels = [0.0f32; 2 * HOPS + 1];
+    let mut levels = [0.0f32; INSIDE + OUTSIDE + 1];
     for_each_section(line, how, |sample, normal| {
         for side in [-1.0, 1.0] {
             for (k, sum) in levels.iter_mut().enumerate() {
-                let out = 0.5 * sample.width_px + HOP_PX * (k as f32 - HOPS as f32);
+                let out = 0.5 * sample.width_px + HOP_PX * (k as f32 - INSIDE as f32);
                 *sum += difference.sample(vec2::along(sample.at, normal, side * out.max(0.0)));
             }
         }
     });
     let slopes = levels.windows(3).map(|l| (l[0] - l[2]) / (2.0 * HOP_PX));
-    let steepest = slopes.fold(0.0, f32::max);
-    let inside = (HOPS / 2).min(HOPS - 1);
-    let height = levels[HOPS - inside] - levels[2 * HOPS];
-    let root = (2.0 * std::f32::consts::PI).sqrt();
-    (height / (root * steepest.max(1e-3))).clamp(*BLURS.start(), *BLURS.end())
+    let steepest = slopes.fold(1e-3, f32::max);
+    let mut sigma_px = *BLURS.start();
+    // The step's height is read where the blur ends, which the height itself tells.
+    for _ in 0..4 {
+        let inside = ((CLEAR * sigma_px / HOP_PX) as usize + 1).min(INSIDE);
+        let height = levels[INSIDE - inside] - levels[INSIDE + OUTSIDE];
+        sigma_px = height / ((2.0 * std::f32::consts::PI).sqrt() * steepest);
+        sigma_px = sigma_px.clamp(*BLURS.start(), *BLURS.end());
+    }
+    sigma_px
 }
 
 /// Least squares of a + b·√(1 − u²) + d·u over symmetric positions, where the last term stands by itself.

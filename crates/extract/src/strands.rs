@@ -1,8 +1,10 @@
 //! Edges joined through crossings: each rope as a list of edges in their order.
 
 use crate::graph::Graph;
+use crate::lens;
 use crate::pairing::{Pairing, cost};
-use crate::skeleton::NONE;
+use crate::past::Past;
+use crate::skeleton::{NONE, Skeleton};
 use crate::zones::{Arm, Zones};
 
 /// What more the pairings of a crossing may cost to make one rope of a ring and a strand: a bend by
@@ -48,7 +50,7 @@ pub(crate) struct Strands {
 
 impl Strands {
     /// Pairs the arms of each zone and follows each rope from end to end.
-    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, zones: &Zones) {
+    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, skeleton: &Skeleton, zones: &Zones) {
         self.link.clear();
         self.link.resize(2 * graph.edges.len(), NONE);
         self.arm.clear();
@@ -56,9 +58,10 @@ impl Strands {
         let mut from = 0;
         while from < zones.arms.len() {
             let to = zones.zone_end(from);
-            self.pair_zone(yuv, from, &zones.arms[from..to]);
+            self.pair_zone(yuv, from, &zones.arms[from..to], &zones.past);
             from = to;
         }
+        lens::untangle(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
         self.walk(graph, zones);
         // Each round opens one ring, so there are no more rounds than arms.
         for _ in 0..zones.arms.len() {
@@ -69,8 +72,8 @@ impl Strands {
         }
     }
 
-    fn pair_zone(&mut self, yuv: bool, from: usize, arms: &[Arm]) {
-        for (i, &j) in self.pairing.resolve(arms, yuv).iter().enumerate() {
+    fn pair_zone(&mut self, yuv: bool, from: usize, arms: &[Arm], past: &Past) {
+        for (i, &j) in self.pairing.resolve(arms, past, yuv).iter().enumerate() {
             self.arm[arms[i].slot()] = (from + i) as u32;
             if j != i {
                 self.link[arms[i].slot()] = arms[j].slot() as u32;
@@ -108,7 +111,7 @@ impl Strands {
                     let d = d as usize;
                     let cost = |i: usize, j: usize| {
                         let arm = |slot: usize| &zones.arms[self.arm[slot] as usize];
-                        cost(arm(i), arm(j), yuv)
+                        cost(arm(i), arm(j), &zones.past, yuv)
                     };
                     let more = cost(a, c) + cost(b, d) - RING_BEND * cost(a, b) - cost(c, d);
                     if more < best.0 {

@@ -1,24 +1,33 @@
 //! Which rope is which, from one image to the next.
 //!
-//! Two curves are compared point by point, in both directions; the nearest pairs are matched first.
-//! The direction that fits better is kept, so that a rope's first point stays its first. A rope
-//! without a match is out of sight and keeps its number for a while; one that comes into sight takes
-//! the number of a lost rope of about its length, or else a new one.
+//! Ropes and curves that agree best are matched first; the way round that fits better is kept, so
+//! that a rope's first point stays its first. A rope without a match is out of sight and keeps its
+//! number for a while; one that comes into sight takes the number of a lost rope that it is like, or
+//! else a new one. A curve that is shorter than its rope was is a part of it.
 
 use crate::Options;
+use crate::color;
+use crate::complete::Completer;
+use crate::matching::{self, Agreement, Shape, nearest_point};
+use crate::past::Past;
 use crate::scene::{Curve, Status};
-use crate::vec2::{self, Vec2};
+use crate::turn::{align_ring, open_ring, reverse, rotate, signed_area};
+use crate::vec2::{Vec2, distance};
 
-/// A match is not farther, in the mean, than this share of the rope's length.
-const FARTHEST: f32 = 0.15;
-/// A lost rope may come back elsewhere, with its length within this factor.
-const LENGTH_FACTOR: f32 = 1.35;
 /// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
 /// length less.
 const PARTIAL: f32 = 0.85;
-
+/// A tip that was here and is this many widths back along the rope is covered, not moved: no rope
+/// slides along itself that far from one image to the next.
+const JUMP_WIDTHS: f32 = 1.5;
+/// What more it must have lost of its length: that of a rope seen whole varies by less.
+const JUMP_SHARE: f32 = 0.015;
 /// Frames after which a rope is missed when it goes out of sight.
 const SETTLED: u32 = 3;
+/// Frames after which a rope is as well known as can be.
+const LONG: u32 = 100;
+/// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
+const SAME_WIDTHS: f32 = 1.0;
 
 /// Memory of the tracking: all ropes, seen or lost.
 #[derive(Debug, Default)]
@@ -29,32 +38,49 @@ pub(crate) struct Tracker {
     matches: Vec<Match>,
     next: u32,
     started: bool,
+    now_ns: u64,
+    yuv: bool,
+    completer: Completer,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Track {
     number: u32,
-    /// Frames since it was last seen; 0: now.
+    /// When it was last seen.
+    seen_ns: u64,
+    /// Frames since then; 0: now.
     age: u32,
     /// Frames in which it was seen.
     frames: u32,
-    /// The curve of this image that it is.
-    current: Option<usize>,
+    /// The curve of this image that it is, and whether that runs against it.
+    current: Option<(usize, bool)>,
     closed: bool,
     border: [bool; 2],
+    /// Where along its shape each end of what was seen ran into something that is no rope.
+    covered_px: [Option<f32>; 2],
+    /// Its shape as it is known: as last seen, with what was covered then added from before.
     points: Vec<Vec2>,
-    widths_px: Vec<f32>,
     width_px: f32,
     length_px: f32,
+    color: Option<[f32; 3]>,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Match {
-    cost: f32,
+    agreement: Agreement,
     track: usize,
     curve: usize,
+}
+
+/// What the tracker is told of a curve beside its shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    /// The mean native color along it.
+    pub(crate) color: [f32; 3],
+    /// Whether each end runs into something that is no rope.
+    pub(crate) covered: [bool; 2],
 }
 
 impl Tracker {
@@ -64,9 +90,50 @@ impl Tracker {
         self.started = false;
     }
 
+    /// Makes the buffers for ropes of so many points.
+    pub(crate) fn reserve(&mut self, points: usize) {
+        self.completer.reserve(3 * points);
+        self.matches.reserve(256);
+        self.spare.reserve(64);
+        while self.spare.len() + self.tracks.len() < 16 {
+            self.spare.push(Track {
+                points: Vec::with_capacity(points),
+                ..Track::default()
+            });
+        }
+        self.tracks.reserve(64);
+    }
+
     /// Numbers ropes from the first again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
+    }
+
+    /// Says when the image at hand was taken and whether its colors are YUV: colors of another kind
+    /// of image mean nothing any more.
+    pub(crate) fn begin(&mut self, now_ns: u64, yuv: bool) {
+        self.now_ns = now_ns;
+        if std::mem::replace(&mut self.yuv, yuv) != yuv {
+            self.tracks.iter_mut().for_each(|track| track.color = None);
+        }
+    }
+
+    /// Writes the ropes as they were last seen into `past`.
+    pub(crate) fn remember(&self, past: &mut Past) {
+        past.clear();
+        for track in &self.tracks {
+            let sizes_px = [track.length_px, track.width_px, track.whole_px];
+            let live = track.age == 0 && track.frames >= SETTLED;
+            let whole = track.border == [false; 2];
+            let state = (live, whole);
+            past.add_covered(
+                track.closed,
+                sizes_px,
+                &track.points,
+                track.covered_px,
+                state,
+            );
+        }
     }
 
     /// Numbers and turns the curves of a new image, and says which lost ropes are to be reported by
@@ -75,176 +142,154 @@ impl Tracker {
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
+        looks: &mut [Look],
         options: &Options,
     ) -> usize {
         for track in &mut self.tracks {
             track.current = None;
-            track.age += 1;
+            track.age = track.age.saturating_add(1);
         }
-        self.match_near(&curves[..count]);
-        self.match_lost(&curves[..count]);
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let agreement = matching::near(rope, curve)?;
+            // Of ropes that lie equally near, the one in sight is meant, and that for longest.
+            let (frames, age) = (track.frames.min(LONG) as f32, track.age.min(2) as f32);
+            let doubt = age - frames / LONG as f32;
+            let cost = agreement.cost + doubt * rope.width_px;
+            Some(Agreement { cost, ..agreement })
+        });
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let was_lost = track.age > 1;
+            was_lost.then(|| matching::returned(rope, track.whole_px, curve))?
+        });
         for (c, curve) in curves.iter_mut().enumerate().take(count) {
-            if !self.tracks.iter().any(|t| t.current == Some(c)) {
-                self.orient_new(curve, options.start);
+            if !self.tracks.iter().any(|t| is_current(t, c)) {
+                if self.orient_new(curve, options.start) {
+                    looks[c].covered.swap(0, 1);
+                }
                 self.add(c);
             }
         }
         self.started |= count > 0;
         for t in 0..self.tracks.len() {
-            if let Some(c) = self.tracks[t].current {
-                self.see(t, &mut curves[c]);
+            if let Some((c, reversed)) = self.tracks[t].current {
+                let track = &mut self.tracks[t];
+                see(
+                    track,
+                    &mut curves[c],
+                    &mut looks[c],
+                    reversed,
+                    &mut self.completer,
+                );
+                track.seen_ns = self.now_ns;
             }
         }
+        self.drop_old(options.keep_lost.as_nanos());
+        self.report_lost(curves, count, options.ropes)
+    }
+
+    /// Matches tracks and curves that are still free, those first that `agree` best.
+    fn match_with(
+        &mut self,
+        curves: &[Curve],
+        looks: &[Look],
+        agree: impl Fn(&Track, &Shape, &Shape) -> Option<Agreement>,
+    ) {
+        self.matches.clear();
+        for (t, track) in self.tracks.iter().enumerate() {
+            for (c, curve) in curves.iter().enumerate() {
+                let color_levels = track.color.map_or(0.0, |color| {
+                    color::distance(color, looks[c].color, self.yuv)
+                });
+                let rope = Shape {
+                    points: &track.points,
+                    closed: track.closed,
+                    length_px: track.length_px,
+                    width_px: track.width_px,
+                    color_levels,
+                };
+                let curve = Shape {
+                    points: &curve.points,
+                    closed: curve.closed,
+                    length_px: curve.length_px,
+                    width_px: curve.width_px,
+                    color_levels,
+                };
+                if let Some(agreement) = agree(track, &rope, &curve) {
+                    self.matches.push(Match {
+                        agreement,
+                        track: t,
+                        curve: c,
+                    });
+                }
+            }
+        }
+        self.matches
+            .sort_unstable_by(|a, b| a.agreement.cost.total_cmp(&b.agreement.cost));
+        for m in &self.matches {
+            let taken = self.tracks.iter().any(|t| is_current(t, m.curve));
+            if !taken && self.tracks[m.track].current.is_none() {
+                self.tracks[m.track].current = Some((m.curve, m.agreement.reversed));
+            }
+        }
+    }
+
+    /// A new rope begins at the end nearest to `start` or, without one, to the top left.
+    /// Returns whether an open one was turned.
+    fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) -> bool {
+        let goal = match start {
+            Some(goal) if !self.started => goal,
+            _ => [0.0, 0.0],
+        };
+        if curve.closed {
+            rotate(curve, nearest_point(&curve.points, goal));
+            if signed_area(&curve.points) < 0.0 {
+                reverse(curve);
+            }
+        } else if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last())
+            && distance(last, goal) < distance(first, goal)
+        {
+            reverse(curve);
+            return true;
+        }
+        false
+    }
+
+    fn add(&mut self, curve: usize) {
+        let mut track = self.spare.pop().unwrap_or_default();
+        track.number = self.next;
+        self.next = self.next.wrapping_add(1);
+        track.current = Some((curve, false));
+        track.points.clear();
+        track.color = None;
+        track.whole_px = 0.0;
+        (track.frames, track.age) = (0, 0);
+        self.tracks.push(track);
+    }
+
+    /// Drops ropes that are out of sight for too long, were hardly seen, or were parts of others.
+    fn drop_old(&mut self, keep_ns: u128) {
         let mut t = 0;
         while t < self.tracks.len() {
             let track = &self.tracks[t];
+            let age_ns = self.now_ns.saturating_sub(track.seen_ns);
             // What was seen for a moment only was hardly a rope: it is not missed.
-            let missed = track.frames >= SETTLED && track.age <= options.keep_lost_frames;
-            if track.age > 0 && !missed {
+            let missed = track.frames >= SETTLED && u128::from(age_ns) <= keep_ns;
+            if track.age > 0 && (!missed || self.was_part_of_another(track)) {
                 let gone = self.tracks.remove(t);
                 self.spare.push(gone);
             } else {
                 t += 1;
             }
         }
-        self.report_lost(curves, count, options.ropes)
     }
 
-    /// Matches tracks and curves that lie near each other, the nearest first.
-    fn match_near(&mut self, curves: &[Curve]) {
-        self.matches.clear();
-        for (t, track) in self.tracks.iter().enumerate() {
-            for (c, curve) in curves.iter().enumerate() {
-                if track.points.len() != curve.points.len() || track.closed != curve.closed {
-                    continue;
-                }
-                let (ahead, back) = distances(&track.points, &curve.points, curve.closed);
-                let cost = ahead.min(back);
-                let limit = FARTHEST * track.length_px.max(curve.length_px);
-                if cost <= limit + 4.0 * track.width_px {
-                    self.matches.push(Match {
-                        cost,
-                        track: t,
-                        curve: c,
-                    });
-                }
-            }
-        }
-        self.matches
-            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.take_matches();
-    }
-
-    /// Matches what is left of tracks and curves by length alone.
-    fn match_lost(&mut self, curves: &[Curve]) {
-        self.matches.clear();
-        for (t, track) in self.tracks.iter().enumerate() {
-            for (c, curve) in curves.iter().enumerate() {
-                let ratio =
-                    (track.whole_px / curve.length_px).max(curve.length_px / track.whole_px);
-                let same_kind =
-                    track.points.len() == curve.points.len() && track.closed == curve.closed;
-                if track.age > 1 && same_kind && ratio <= LENGTH_FACTOR {
-                    self.matches.push(Match {
-                        cost: ratio,
-                        track: t,
-                        curve: c,
-                    });
-                }
-            }
-        }
-        self.matches
-            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
-        self.take_matches();
-    }
-
-    fn take_matches(&mut self) {
-        for i in 0..self.matches.len() {
-            let m = self.matches[i];
-            let taken = self.tracks.iter().any(|t| t.current == Some(m.curve));
-            if !taken && self.tracks[m.track].current.is_none() {
-                self.tracks[m.track].current = Some(m.curve);
-            }
-        }
-    }
-
-    /// A new rope begins at the end nearest to `start` or, without one, to the top left.
-    fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) {
-        let goal = match start {
-            Some(goal) if !self.started => goal,
-            _ => [0.0, 0.0],
-        };
-        if curve.closed {
-            let nearest = nearest_point(&curve.points, goal);
-            curve.points.rotate_left(nearest);
-            curve.widths_px.rotate_left(nearest);
-            if signed_area(&curve.points) < 0.0 {
-                reverse(curve);
-            }
-        } else if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last())
-            && vec2::distance(last, goal) < vec2::distance(first, goal)
-        {
-            reverse(curve);
-        }
-    }
-
-    fn add(&mut self, curve: usize) {
-        let mut track = self.spare.pop().unwrap_or_else(|| Track {
-            number: 0,
-            age: 0,
-            frames: 0,
-            current: None,
-            closed: false,
-            border: [false; 2],
-            points: Vec::new(),
-            widths_px: Vec::new(),
-            width_px: 0.0,
-            length_px: 0.0,
-            whole_px: 0.0,
-        });
-        track.number = self.next;
-        self.next = self.next.wrapping_add(1);
-        track.current = Some(curve);
-        track.points.clear();
-        track.whole_px = 0.0;
-        track.frames = 0;
-        track.age = 0;
-        self.tracks.push(track);
-    }
-
-    /// Turns the curve as its track was, and takes it as the track's newest shape.
-    fn see(&mut self, t: usize, curve: &mut Curve) {
-        let track = &mut self.tracks[t];
-        if track.points.len() == curve.points.len() {
-            if curve.closed {
-                align_ring(&track.points, curve);
-            } else {
-                let (ahead, back) = distances(&track.points, &curve.points, false);
-                if back < ahead {
-                    reverse(curve);
-                }
-            }
-        }
-        curve.track = track.number;
-        let cut = curve.border[0] || curve.border[1] || track.border[0] || track.border[1];
-        // The usual length follows growth at once and shrinking slowly: a rope that stays short
-        // is a shorter view of it, not half hidden for ever.
-        track.whole_px = if cut || curve.length_px > track.whole_px {
-            curve.length_px
-        } else {
-            0.98 * track.whole_px + 0.02 * curve.length_px
-        };
-        let whole = curve.length_px >= PARTIAL * track.whole_px;
-        curve.status = if whole { Status::Ok } else { Status::Partial };
-        track.age = 0;
-        track.frames = track.frames.saturating_add(1);
-        track.closed = curve.closed;
-        track.border = curve.border;
-        track.points.clear();
-        track.points.extend_from_slice(&curve.points);
-        track.widths_px.clear();
-        track.widths_px.extend_from_slice(&curve.widths_px);
-        (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+    /// Whether a lost rope lies along one that is seen: a piece that is one with the rest again.
+    fn was_part_of_another(&self, lost: &Track) -> bool {
+        let part = shape_of(lost);
+        self.tracks.iter().any(|whole| {
+            let longer = whole.age == 0 && whole.length_px > lost.length_px;
+            longer && matching::along(&shape_of(whole), &part).cost <= SAME_WIDTHS * whole.width_px
+        })
     }
 
     fn report_lost(&self, curves: &mut Vec<Curve>, count: usize, most: usize) -> usize {
@@ -259,12 +304,15 @@ impl Tracker {
             let curve = &mut curves[count];
             curve.track = track.number;
             curve.status = Status::Lost;
+            curve.age_ns = self.now_ns.saturating_sub(track.seen_ns);
             curve.closed = track.closed;
             curve.border = track.border;
             curve.points.clear();
             curve.points.extend_from_slice(&track.points);
             curve.widths_px.clear();
-            curve.widths_px.extend_from_slice(&track.widths_px);
+            curve.widths_px.resize(track.points.len(), track.width_px);
+            curve.hidden.clear();
+            curve.hidden.resize(track.points.len(), true);
             (curve.width_px, curve.length_px) = (track.width_px, track.length_px);
             count += 1;
         }
@@ -272,54 +320,106 @@ impl Tracker {
     }
 }
 
-/// The mean distance of corresponding points, and that of points taken in opposite directions. A
-/// ring's points correspond from wherever they lie nearest.
-fn distances(a: &[Vec2], b: &[Vec2], closed: bool) -> (f32, f32) {
-    let n = a.len();
-    if n == 0 {
-        return (f32::INFINITY, f32::INFINITY);
-    }
-    let shift = if closed { nearest_point(b, a[0]) } else { 0 };
-    let (mut ahead, mut back) = (0.0, 0.0);
-    for (i, &p) in a.iter().enumerate() {
-        ahead += vec2::distance(p, b[(i + shift) % n]);
-        let opposite = if closed {
-            (shift + n - i) % n
-        } else {
-            n - 1 - i
-        };
-        back += vec2::distance(p, b[opposite]);
-    }
-    (ahead / n as f32, back / n as f32)
+fn is_current(track: &Track, curve: usize) -> bool {
+    track.current.is_some_and(|(c, _)| c == curve)
 }
 
-/// Turns a ring so that it runs as the last one did and starts nearest to where that started.
-fn align_ring(last: &[Vec2], curve: &mut Curve) {
-    let (ahead, back) = distances(last, &curve.points, true);
-    if back < ahead {
+fn shape_of(track: &Track) -> Shape<'_> {
+    Shape {
+        points: &track.points,
+        closed: track.closed,
+        length_px: track.length_px,
+        width_px: track.width_px,
+        color_levels: 0.0,
+    }
+}
+
+/// Turns the curve as its track was, judges how much of the rope it is, and takes it as the track's
+/// newest shape.
+fn see(
+    track: &mut Track,
+    curve: &mut Curve,
+    look: &mut Look,
+    reversed: bool,
+    completer: &mut Completer,
+) {
+    if curve.closed && !track.closed {
+        open_ring(&track.points, curve);
+    }
+    if reversed && !curve.closed {
         reverse(curve);
+        look.covered.swap(0, 1);
     }
-    let shift = nearest_point(&curve.points, last[0]);
-    curve.points.rotate_left(shift);
-    curve.widths_px.rotate_left(shift);
-}
-
-fn reverse(curve: &mut Curve) {
-    curve.points.reverse();
-    curve.widths_px.reverse();
-    curve.border.swap(0, 1);
-}
-
-fn nearest_point(points: &[Vec2], goal: Vec2) -> usize {
-    let by_distance = |&a: &usize, &b: &usize| {
-        vec2::distance(points[a], goal).total_cmp(&vec2::distance(points[b], goal))
+    if curve.closed && track.closed && track.points.len() == curve.points.len() {
+        align_ring(&track.points, curve);
+    }
+    curve.track = track.number;
+    curve.age_ns = 0;
+    let cut = curve.border.iter().chain(&track.border).any(|&b| b);
+    let missing_px = track.length_px.min(track.whole_px) - curve.length_px;
+    let is_short = missing_px > JUMP_WIDTHS * curve.width_px + JUMP_SHARE * track.length_px;
+    let tip_covered = look.covered.contains(&true);
+    let jumped = !cut && is_short && has_jumped(track, curve);
+    let whole = !jumped && (cut || curve.length_px >= PARTIAL * track.whole_px);
+    let covered = curve.hidden.contains(&true) || tip_covered;
+    curve.status = if whole && !covered {
+        Status::Ok
+    } else {
+        Status::Partial
     };
-    (0..points.len()).min_by(by_distance).unwrap_or(0)
+    track.note_length(curve, cut);
+    track.age = 0;
+    track.frames = track.frames.saturating_add(1);
+    track.color = Some(match track.color {
+        // Slowly: the light changes, a rope's color does not.
+        Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
+        None => look.color,
+    });
+    let is_part = is_short && (jumped || tip_covered) && !track.closed && !curve.closed;
+    let seen_px;
+    (track.length_px, seen_px) = if is_part {
+        completer.complete(&mut track.points, track.length_px, curve)
+    } else {
+        track.points.clear();
+        track.points.extend_from_slice(&curve.points);
+        (curve.length_px, [0.0, curve.length_px])
+    };
+    track.covered_px = [0, 1].map(|end| look.covered[end].then_some(seen_px[end]));
+    (track.closed, track.border, track.width_px) = (curve.closed, curve.border, curve.width_px);
 }
 
-fn signed_area(points: &[Vec2]) -> f32 {
-    let n = points.len();
-    (0..n)
-        .map(|i| vec2::cross(points[i], points[(i + 1) % n]))
-        .sum()
+impl Track {
+    /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
+    /// a rope that stays short is a shorter view of it, not half hidden for ever.
+    fn note_length(&mut self, curve: &Curve, cut: bool) {
+        if cut || self.frames == 0 {
+            self.whole_px = curve.length_px;
+            return;
+        }
+        let pace = match curve.status {
+            Status::Ok => 0.005,
+            _ => 0.002,
+        };
+        let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
+        self.whole_px *= 1.0 + step.clamp(-pace, pace);
+    }
+}
+
+/// Whether a tip of the rope lies, all at once, back along it.
+fn has_jumped(track: &Track, curve: &Curve) -> bool {
+    if track.closed || curve.closed {
+        return track.closed && !curve.closed;
+    }
+    let ends = [
+        (track.points.first(), curve.points.first()),
+        (track.points.last(), curve.points.last()),
+    ];
+    ends.iter().any(|ends| match ends {
+        &(Some(&before), Some(&now)) => {
+            let back = distance(before, now) > JUMP_WIDTHS * track.width_px;
+            let nearest = nearest_point(&track.points, now);
+            back && distance(track.points[nearest], now) < JUMP_WIDTHS * track.width_px
+        }
+        _ => false,
+    })
 }

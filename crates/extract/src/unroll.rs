@@ -2,19 +2,14 @@
 //! strands bend together.
 
 use crate::graph::Graph;
+use crate::necks::Necks;
 use crate::skeleton::Skeleton;
 use crate::vec2::{self, Vec2};
 use crate::zones::Arm;
 
-/// Overlaps shorter than this many half-widths are not bent enough to matter.
-const SHORTEST_HALVES: f32 = 4.0;
-
-/// Half-widths (beyond half a pixel) that an overlap of strands side by side has at its narrowest;
-/// where strands cross, the narrowest is one rope.
-const BESIDE_HALVES: f32 = 1.35;
-
-/// Of thinner ropes whole pixels do not tell one strand from two.
-const THINNEST_HALF_PX: f32 = 2.0;
+/// Overlaps shorter than this many half-widths tell nothing: strands that cross at more than 67° are as wide there as
+/// strands side by side (see `zones`).
+const SHORTEST_HALVES: f32 = 1.5;
 
 /// The motion that lays the far end of an overlap straight ahead of its near end.
 #[derive(Clone, Copy, Debug)]
@@ -24,9 +19,8 @@ pub(crate) struct Unroll {
     to: Vec2,
     to_tangent: Vec2,
     length_px: f32,
-    /// Whether the overlap is wider than one rope all along: then the strands lie side by side and
-    /// do not cross in it.
-    beside: bool,
+    /// Whether the strands change sides in it an even number of times (none, mostly); nothing when that is not known.
+    keeps_sides: Option<bool>,
 }
 
 impl Unroll {
@@ -40,12 +34,9 @@ impl Unroll {
         let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
         let last = pixels.len() - 1;
         let reach = ((3.0 * half_px) as usize).clamp(3, last.max(3)).min(last);
-        let narrowest = pixels
-            .iter()
-            .map(|&p| skeleton.pixels[p as usize].half_px)
-            .fold(f32::INFINITY, f32::min);
+        let necks = Necks::of(e, graph, skeleton, half_px);
         Some(Self {
-            beside: half_px >= THINNEST_HALF_PX && narrowest >= BESIDE_HALVES * half_px + 0.5,
+            keeps_sides: necks.are_known.then(|| necks.at().len().is_multiple_of(2)),
             from: at(0),
             from_tangent: vec2::unit_or(vec2::sub(at(reach), at(0)), [1.0, 0.0]),
             to: at(last),
@@ -69,13 +60,19 @@ impl Unroll {
         let end = vec2::along(self.from, self.from_tangent, self.length_px);
         arm.at = vec2::add(end, turn(vec2::sub(arm.at, self.to)));
         arm.into = turn(arm.into);
-        self.tell_side(arm);
+        self.note_side(arm, true);
     }
 
-    /// Notes on which side of the overlap an arm (moved, if of the far end) lies.
+    /// Notes on which side of the overlap an arm of the near end lies.
     pub(crate) fn tell_side(&self, arm: &mut Arm) {
-        if self.beside {
-            arm.side = vec2::cross(self.from_tangent, vec2::sub(arm.at, self.from)).signum();
+        self.note_side(arm, false);
+    }
+
+    /// Notes the side; of the (moved) far end that on which its strand lies at the near one.
+    fn note_side(&self, arm: &mut Arm, is_far: bool) {
+        if let Some(keeps_sides) = self.keeps_sides {
+            let side = vec2::cross(self.from_tangent, vec2::sub(arm.at, self.from)).signum();
+            arm.side = if is_far && !keeps_sides { -side } else { side };
         }
     }
 }

@@ -11,6 +11,7 @@
 use crate::Image;
 use crate::color;
 use crate::graph::Graph;
+use crate::past::{Past, Traces};
 use crate::skeleton::{NONE, Skeleton};
 use crate::unroll::Unroll;
 use crate::vec2::{self, Vec2};
@@ -33,6 +34,8 @@ pub(crate) struct Arm {
     pub(crate) color: [f32; 3],
     /// Which side of an overlap of strands that do not cross it lies on, −1 or 1; 0: of none.
     pub(crate) side: f32,
+    /// Where it was in the last image.
+    pub(crate) past: Traces,
 }
 
 impl Arm {
@@ -56,6 +59,8 @@ pub(crate) struct Zones {
     pub(crate) arms: Vec<Arm>,
     /// Half the width of most strands in the image.
     pub(crate) half_px: f32,
+    /// What the last image knows of the strands, if anything.
+    pub(crate) past: Past,
 }
 
 impl Zones {
@@ -96,6 +101,7 @@ impl Zones {
                     let zone = self.root(node);
                     let mut arm = self.arm(e, end, zone, graph, skeleton);
                     arm.color = strand_color(image, graph, &arm, skeleton);
+                    arm.past = self.past.recall(arm.at, arm.into);
                     self.arms.push(arm);
                 }
             }
@@ -111,7 +117,8 @@ impl Zones {
             if !self.inside[e] {
                 continue;
             }
-            let Some(unroll) = Unroll::of(e, graph, skeleton, self.half_px) else {
+            let half_px = self.widest_half_px(e, graph);
+            let Some(unroll) = Unroll::of(e, graph, skeleton, half_px) else {
                 continue;
             };
             let [near, far] = graph.edges[e].nodes;
@@ -126,6 +133,12 @@ impl Zones {
         }
     }
 
+    /// Whether strands meet anywhere: in a crossing, or an end on a strand.
+    pub(crate) fn has_meeting(&self) -> bool {
+        let zones = self.arms.chunk_by(|a, b| a.zone == b.zone);
+        zones.into_iter().any(|arms| arms.len() >= 3)
+    }
+
     /// Where the arms of the zone that begins at `from` end.
     pub(crate) fn zone_end(&self, from: usize) -> usize {
         let zone = self.arms[from].zone;
@@ -133,6 +146,17 @@ impl Zones {
             .iter()
             .take_while(|arm| arm.zone == zone)
             .count()
+    }
+
+    /// Half the width of the widest strand that comes to edge `e`.
+    pub(crate) fn widest_half_px(&self, e: usize, graph: &Graph) -> f32 {
+        let ends = graph.edges[e].nodes;
+        let meets = |other: usize| graph.edges[other].nodes.iter().any(|n| ends.contains(n));
+        (0..graph.edges.len())
+            .filter(|&other| other != e && !self.inside[other] && meets(other))
+            .map(|other| self.edge_half_px[other])
+            .reduce(f32::max)
+            .unwrap_or(self.half_px)
     }
 
     fn root(&mut self, mut node: u32) -> u32 {
@@ -230,6 +254,7 @@ impl Zones {
             half_px,
             color: [0.0; 3],
             side: 0.0,
+            past: Traces::default(),
         }
     }
 }

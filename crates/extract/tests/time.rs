@@ -2,6 +2,8 @@
 
 mod drawing;
 
+use std::time::Duration;
+
 use drawing::{Rope, Table, Vec2, distance, extractor, see};
 use lariat_extract::{Extractor, Options, Status};
 
@@ -93,7 +95,8 @@ fn a_rope_out_of_sight_is_lost_and_comes_back_as_itself() {
 fn a_lost_rope_is_dropped_in_the_end() {
     let table = Table::new(320, 240, WHITE);
     let options = Options {
-        keep_lost_frames: 4,
+        // An image without a time of its own comes 1/30 s after the last.
+        keep_lost: Duration::from_millis(134),
         ..Options::default()
     };
     let mut extractor = Extractor::new(options).expect("valid options");

@@ -3,7 +3,8 @@
 //! Each stage numbers what it sends. Of two consecutive messages at the sink, let Δs, Δc, Δe, Δf be how far the source's
 //! number and the counters of capture, extract and fit have moved: the source skipped Δs − Δc frames, the link after
 //! capture lost Δc − Δe, the one after extract Δe − Δf, the one after fit Δf − 1. The sums telescope, so that every frame
-//! that was published is received or lost on exactly one link.
+//! that was published is received or lost on exactly one link. How many of Δc − Δe extract skipped for want of a mask, it
+//! says at its end.
 //!
 //! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
 //! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
@@ -45,6 +46,8 @@ pub(crate) struct Ledger {
     steps: Counters,
     received: u64,
     stale: u64,
+    /// Frames that extract says it skipped for want of a mask.
+    masks_late: u64,
     restarts: Restarts,
 }
 
@@ -56,6 +59,7 @@ impl Ledger {
             steps: [0; 4],
             received: 0,
             stale: 0,
+            masks_late: 0,
             restarts: Restarts::default(),
         }
     }
@@ -86,6 +90,7 @@ impl Ledger {
 
     /// Counts what was under way when the chain stopped.
     pub(crate) fn finish(&mut self, sent: FinalCounts) {
+        self.masks_late = sent.masks_late.unwrap_or(0);
         let (before, fitted_ns) = match self.last {
             Some(last) => last,
             None if self.from_start => ([0; 4], 0),
@@ -149,9 +154,12 @@ impl Ledger {
     /// What each link lost. The subtractions cannot be negative: no step is smaller than the next stage's.
     pub(crate) fn lost(&self) -> Lost {
         let [source, captured, extracted, fitted] = self.steps;
+        // A sink that came late has not counted all that extract skipped.
+        let mask = self.masks_late.min(captured - extracted);
         Lost {
             source: source - captured,
-            capture: captured - extracted,
+            capture: captured - extracted - mask,
+            mask,
             extract: extracted - fitted,
             fit: fitted - self.received,
         }

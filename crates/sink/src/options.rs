@@ -37,4 +37,6 @@ pub struct FinalCounts {
     pub extracted: Option<u64>,
     /// How many frames fit sent.
     pub fitted: Option<u64>,
+    /// How many frames extract skipped, as their masks, made by another process, came too late.
+    pub masks_late: Option<u64>,
 }

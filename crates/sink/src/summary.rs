@@ -20,7 +20,7 @@ pub struct Summary {
     pub machine: Machine,
 }
 
-/// `published` = `received` + `lost.capture` + `lost.extract` + `lost.fit`, always.
+/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit`, always.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Frames {
     /// What capture sent, as far as known.
@@ -38,8 +38,11 @@ pub struct Frames {
 pub struct Lost {
     /// Numbered by the source, never sent by capture.
     pub source: u64,
-    /// Sent by capture, never by extract.
+    /// Sent by capture, never by extract, for another reason than the next.
     pub capture: u64,
+    /// Skipped by extract, as the frame's mask, made by another process, came too late. Known at the chain's end; until
+    /// then these are in `capture`.
+    pub mask: u64,
     /// Sent by extract, never by fit.
     pub extract: u64,
     /// Sent by fit, never received here.
@@ -49,7 +52,7 @@ pub struct Lost {
 impl Lost {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.source + self.capture + self.extract + self.fit
+        self.source + self.capture + self.mask + self.extract + self.fit
     }
 }
 

@@ -115,7 +115,8 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
         write!(f, " {stage:>8}")?;
     }
     write!(f, "\n{:<20}", "  sent")?;
-    let extracted = frames.published - lost.capture;
+    let after_capture = lost.capture + lost.mask;
+    let extracted = frames.published - after_capture;
     let fitted = extracted - lost.extract;
     let numbered = frames.published + lost.source;
     for count in [
@@ -128,8 +129,15 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
         write!(f, " {count:>8}")?;
     }
     write!(f, "\n{:<20}", "  lost after it")?;
-    for count in [lost.source, lost.capture, lost.extract, lost.fit] {
+    for count in [lost.source, after_capture, lost.extract, lost.fit] {
         write!(f, " {count:>8}")?;
+    }
+    if lost.mask > 0 {
+        write!(
+            f,
+            "\n{:<20} {:>8} {:>8}",
+            "    mask too late", "", lost.mask
+        )?;
     }
     writeln!(f, "\n")
 }

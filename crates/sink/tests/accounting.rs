@@ -22,11 +22,12 @@ fn receive(sink: &mut Sink, trace: Trace) {
 fn is_whole(frames: &Frames) -> bool {
     let Lost {
         capture,
+        mask,
         extract,
         fit,
         ..
     } = frames.lost;
-    frames.published == frames.received + capture + extract + fit
+    frames.published == frames.received + capture + mask + extract + fit
 }
 
 fn any_stage() -> impl Strategy<Value = Stage> {
@@ -75,6 +76,7 @@ proptest! {
             captured: Some(chain.sent[0]),
             extracted: Some(chain.sent[1]),
             fitted: Some(chain.sent[2]),
+            ..FinalCounts::default()
         });
         let found = sink.frames();
         prop_assert!(is_whole(&found));
@@ -89,6 +91,7 @@ proptest! {
         prop_assert_eq!(found.lost, Lost {
             source: chain.sequence - before.sequence - sent[0],
             capture: sent[0] - sent[1],
+            mask: 0,
             extract: sent[1] - sent[2],
             fit: sent[2] - received,
         });
@@ -114,6 +117,7 @@ proptest! {
             captured: says(1, chain.sent[0]),
             extracted: says(2, chain.sent[1]),
             fitted: says(3, chain.sent[2]),
+            masks_late: None,
         });
         let found = sink.frames();
         prop_assert!(is_whole(&found));
@@ -264,6 +268,7 @@ fn a_dead_fit_s_frames_are_lost_on_the_way_to_it() {
         captured: Some(23),
         extracted: Some(23),
         fitted: None,
+        masks_late: None,
     });
     let text = sink.report().to_string();
     assert!(text.contains("fit did not say how many frames it sent"));
@@ -277,4 +282,56 @@ fn a_dead_fit_s_frames_are_lost_on_the_way_to_it() {
             ..Lost::default()
         }
     );
+}
+
+#[test]
+fn frames_whose_masks_came_too_late_are_told_from_those_lost_on_the_way() {
+    let mut chain = Chain::default();
+    let mut sink = sink(true);
+    for number in 0..30 {
+        let fate = (number % 3 == 0).then_some(Stage::Extract);
+        if let Some(trace) = chain.frame(fate) {
+            receive(&mut sink, trace);
+        }
+    }
+    assert_eq!(sink.frames().lost.capture, 10, "as far as is known yet");
+    sink.finish(FinalCounts {
+        last_sequence: Some(30),
+        captured: Some(30),
+        extracted: Some(20),
+        fitted: Some(20),
+        masks_late: Some(7),
+    });
+    let found = sink.frames();
+    assert!(is_whole(&found));
+    assert_eq!((found.lost.capture, found.lost.mask), (3, 7));
+    let text = sink.report().to_string();
+    assert!(
+        text.contains("  lost after it             0       10        0        0\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("    mask too late                    7\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn no_more_masks_are_late_than_frames_are_missing() {
+    // A sink that came late has not seen all that extract counted.
+    let mut sink = sink(false);
+    let mut chain = Chain::default();
+    for number in 0..10 {
+        let fate = (number == 5).then_some(Stage::Extract);
+        if let Some(trace) = chain.frame(fate) {
+            receive(&mut sink, trace);
+        }
+    }
+    sink.finish(FinalCounts {
+        masks_late: Some(400),
+        ..FinalCounts::default()
+    });
+    let found = sink.frames();
+    assert!(is_whole(&found));
+    assert_eq!((found.lost.capture, found.lost.mask), (0, 1));
 }

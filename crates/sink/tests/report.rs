@@ -67,6 +67,7 @@ fn a_run(options: Options) -> Sink {
         captured: Some(chain.sent[0]),
         extracted: Some(chain.sent[1]),
         fitted: Some(chain.sent[2]),
+        ..FinalCounts::default()
     });
     sink
 }

@@ -38,6 +38,8 @@ const NODES: usize = 40;
 /// Images. Three may wait: enough for a stage that is held up for three frame periods, few enough that an old image
 /// is never far behind.
 pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
+/// Masks that another process makes of frames, each a `Gray8` of its frame's size that carries the frame's trace.
+pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
 /// What extract saw.
 pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 4, 0, 6);
 /// What control loops read. A late reader is given the newest at once.

@@ -15,7 +15,7 @@ mod reader;
 mod ready;
 mod writer;
 
-pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, Payload, TRUTH};
+pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
 pub use clock::now_ns;
 pub use codes::{Basis, PixelFormat, SourceKind, Status};
 pub use domain::{Domain, Rig};

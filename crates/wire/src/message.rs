@@ -98,6 +98,15 @@ impl FrameHeader {
         PixelFormat::from_code(self.pixel_format)
     }
 
+    /// What stands beside a mask of this frame: `Gray8` of its size, rows one after the other, with its trace.
+    pub const fn of_mask(&self) -> Self {
+        Self {
+            stride: self.width,
+            pixel_format: PixelFormat::Gray8 as u32,
+            ..*self
+        }
+    }
+
     /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
     pub fn image_bytes(&self) -> Option<usize> {
         let format = self.format()?;
@@ -110,7 +119,7 @@ impl FrameHeader {
 /// centre of the top-left pixel is (0, 0)).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Curve.v1")]
+#[type_name("lariat.Curve.v2")]
 pub struct Curve {
     /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
@@ -128,6 +137,10 @@ pub struct Curve {
     pub length_px: f32,
     /// Always 0.
     pub reserved: u32,
+    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+    pub age_ns: u64,
+    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+    pub hidden: [u32; MAX_POINTS / 32],
     /// The points, `[x, y]`.
     pub points: [[f32; 2]; MAX_POINTS],
     /// The width at each point.
@@ -145,6 +158,8 @@ impl Curve {
         width_px: 0.0,
         length_px: 0.0,
         reserved: 0,
+        age_ns: 0,
+        hidden: [0; MAX_POINTS / 32],
         points: [[0.0; 2]; MAX_POINTS],
         widths_px: [0.0; MAX_POINTS],
     };
@@ -157,6 +172,19 @@ impl Curve {
     /// The widths at those points.
     pub fn widths_px(&self) -> &[f32] {
         &self.widths_px[..(self.count as usize).min(MAX_POINTS)]
+    }
+
+    /// Whether point `i` is covered by something, and so not seen.
+    pub const fn is_hidden(&self, i: usize) -> bool {
+        i < MAX_POINTS && self.hidden[i / 32] >> (i % 32) & 1 == 1
+    }
+
+    /// Says of each point, in order, whether it is covered.
+    pub fn set_hidden(&mut self, hidden: impl IntoIterator<Item = bool>) {
+        self.hidden = [0; MAX_POINTS / 32];
+        for (i, is_hidden) in hidden.into_iter().take(MAX_POINTS).enumerate() {
+            self.hidden[i / 32] |= u32::from(is_hidden) << (i % 32);
+        }
     }
 
     /// What is known of the rope; `None` for a number this version does not know.
@@ -202,7 +230,7 @@ impl Crossing {
 /// What extract saw in one frame. No rope is an answer too: `count` is 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Centerlines.v1")]
+#[type_name("lariat.Centerlines.v2")]
 pub struct Centerlines {
     /// The frame's way so far.
     pub trace: Trace,
@@ -246,7 +274,7 @@ impl Centerlines {
 /// One rope's shape as a few control points.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptor.v1")]
+#[type_name("lariat.Descriptor.v2")]
 pub struct Descriptor {
     /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
@@ -276,6 +304,12 @@ pub struct Descriptor {
     pub length_px: f64,
     /// Median width of the rope, in pixels.
     pub width_px: f64,
+    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+    pub age_ns: u64,
+    /// How many of the points were covered by something, and so not seen.
+    pub hidden: u32,
+    /// Always 0.
+    pub reserved: u32,
     /// The control points, `[x, y]` in pixels.
     pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
     /// Their weights: rational bases only, 1 elsewhere.
@@ -299,6 +333,9 @@ impl Descriptor {
         condition: 0.0,
         length_px: 0.0,
         width_px: 0.0,
+        age_ns: 0,
+        hidden: 0,
+        reserved: 0,
         control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
         weights: [1.0; MAX_CONTROL_POINTS],
     };
@@ -322,7 +359,7 @@ impl Descriptor {
 /// What a control loop reads: the shape of every rope in one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptors.v1")]
+#[type_name("lariat.Descriptors.v2")]
 pub struct Descriptors {
     /// The frame's whole way.
     pub trace: Trace,
@@ -368,19 +405,32 @@ mod tests {
         assert_eq!(align_of::<FrameHeader>(), 64);
         assert_eq!(offset_of!(FrameHeader, width), 80);
         assert_eq!(offset_of!(FrameHeader, pixel_format), 92);
-        assert_eq!(size_of::<Curve>(), 32 + 256 * 8 + 256 * 4);
-        assert_eq!(offset_of!(Curve, points), 32);
-        assert_eq!(offset_of!(Curve, widths_px), 32 + 256 * 8);
+        assert_eq!(size_of::<Curve>(), 72 + 256 * 8 + 256 * 4);
+        assert_eq!(offset_of!(Curve, age_ns), 32);
+        assert_eq!(offset_of!(Curve, hidden), 40);
+        assert_eq!(offset_of!(Curve, points), 72);
+        assert_eq!(offset_of!(Curve, widths_px), 72 + 256 * 8);
         assert_eq!(size_of::<Crossing>(), 32);
         assert_eq!(offset_of!(Centerlines, curves), 96);
-        assert_eq!(offset_of!(Centerlines, crossings), 96 + 8 * 3104);
-        assert_eq!(size_of::<Centerlines>(), 96 + 8 * 3104 + 32 * 32);
+        assert_eq!(offset_of!(Centerlines, crossings), 96 + 8 * 3144);
+        assert_eq!(size_of::<Centerlines>(), 96 + 8 * 3144 + 32 * 32);
         assert_eq!(offset_of!(Descriptor, rms_px), 32);
-        assert_eq!(offset_of!(Descriptor, control_points), 80);
-        assert_eq!(offset_of!(Descriptor, weights), 80 + 32 * 16);
-        assert_eq!(size_of::<Descriptor>(), 80 + 32 * 24);
+        assert_eq!(offset_of!(Descriptor, age_ns), 80);
+        assert_eq!(offset_of!(Descriptor, hidden), 88);
+        assert_eq!(offset_of!(Descriptor, control_points), 96);
+        assert_eq!(offset_of!(Descriptor, weights), 96 + 32 * 16);
+        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 24);
         assert_eq!(offset_of!(Descriptors, curves), 96);
-        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 848);
+        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 864);
+    }
+
+    #[test]
+    fn every_point_has_a_bit_of_its_own_that_says_whether_it_is_hidden() {
+        let mut curve = Curve::EMPTY;
+        curve.hidden = [u32::MAX; 8];
+        curve.set_hidden((0..MAX_POINTS).map(|i| i % 37 == 5));
+        assert!((0..MAX_POINTS).all(|i| curve.is_hidden(i) == (i % 37 == 5)));
+        assert!(!curve.is_hidden(MAX_POINTS));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use crate::channel::{Channel, Delivery, FRAMES, Payload};
+use crate::channel::{Channel, Delivery, FRAMES, MASKS, Payload};
 use crate::ready::{self, Bell, Ear};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience};
 
@@ -100,7 +100,27 @@ impl Writer<[u8]> {
         delivery: &Delivery,
         largest: usize,
     ) -> Result<Self, WireError> {
-        let service = Self::open(domain, rig, &FRAMES, delivery, largest)?;
+        Self::images(domain, rig, &FRAMES, delivery, largest)
+    }
+
+    /// Becomes the writer of a rig's masks, of up to `largest` bytes each.
+    pub fn masks(
+        domain: &Domain,
+        rig: &Rig,
+        delivery: &Delivery,
+        largest: usize,
+    ) -> Result<Self, WireError> {
+        Self::images(domain, rig, &MASKS, delivery, largest)
+    }
+
+    fn images(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<[u8]>,
+        delivery: &Delivery,
+        largest: usize,
+    ) -> Result<Self, WireError> {
+        let service = Self::open(domain, rig, channel, delivery, largest)?;
         let builder = service
             .publisher_builder()
             .max_loaned_samples(1)
@@ -109,10 +129,10 @@ impl Writer<[u8]> {
             None => builder.create(),
             Some(wait) => builder.set_backpressure_handler(wait).create(),
         };
-        Self::finish(domain, rig, &FRAMES, delivery, service, publisher)
+        Self::finish(domain, rig, channel, delivery, service, publisher)
     }
 
-    /// Borrows a slot of `bytes` bytes. It still holds an earlier frame's pixels.
+    /// Borrows a slot of `bytes` bytes, for a frame or a mask. It still holds an earlier one's pixels.
     pub fn frame_slot(&self, bytes: usize) -> Result<Slot<'_, [u8]>, WireError> {
         self.gather()?;
         let sample = self

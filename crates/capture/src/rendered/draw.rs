@@ -19,22 +19,22 @@ const SHADOW: f32 = 0.22;
 const LAMP: [f32; 3] = [-0.40, -0.52, 0.755];
 
 /// An image of three bytes a pixel, without padding.
-pub(super) struct Canvas<'a> {
-    pub(super) pixels: &'a mut [u8],
-    pub(super) width: usize,
-    pub(super) height: usize,
+pub(crate) struct Canvas<'a> {
+    pub(crate) pixels: &'a mut [u8],
+    pub(crate) width: usize,
+    pub(crate) height: usize,
 }
 
 /// Rows and columns that were drawn on; the ends are excluded.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Area {
-    pub(super) x: [usize; 2],
-    pub(super) y: [usize; 2],
+pub(crate) struct Area {
+    pub(crate) x: [usize; 2],
+    pub(crate) y: [usize; 2],
 }
 
 /// The rope's looks.
 #[derive(Debug)]
-pub(super) struct Brush {
+pub(crate) struct Brush {
     half_px: f32,
     /// From the centerline to the end of the shadow.
     reach_px: f32,
@@ -80,7 +80,7 @@ struct Slab {
 }
 
 impl Brush {
-    pub(super) fn new(options: &RenderOptions, length_px: f64) -> Self {
+    pub(crate) fn new(options: &RenderOptions, length_px: f64) -> Self {
         let half_px = (options.rope_px / 2.0) as f32;
         let shadow_px = 1.5 + 0.3 * half_px;
         Self {
@@ -96,7 +96,7 @@ impl Brush {
     }
 
     /// Draws the rope; later points of the line lie over earlier ones.
-    pub(super) fn draw(&self, line: &[[f64; 2]], canvas: &mut Canvas) {
+    pub(crate) fn draw(&self, line: &[[f64; 2]], canvas: &mut Canvas) {
         let segments = line.len() - 1;
         let step_px = self.length_px / segments as f32;
         let mut from = gate(line, 0, step_px);
@@ -123,7 +123,7 @@ impl Brush {
     }
 
     /// The part of the canvas that [`draw`](Self::draw) can touch.
-    pub(super) fn area(&self, line: &[[f64; 2]], width: usize, height: usize) -> Area {
+    pub(crate) fn area(&self, line: &[[f64; 2]], width: usize, height: usize) -> Area {
         let span = |axis: usize, size: usize| {
             let low = line.iter().map(|p| p[axis]).fold(f64::MAX, f64::min);
             let high = line.iter().map(|p| p[axis]).fold(f64::MIN, f64::max);

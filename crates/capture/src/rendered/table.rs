@@ -4,18 +4,18 @@ use super::RenderOptions;
 use super::portable::SplitMix64;
 
 /// No noise is larger: what is drawn stays this far from 0 and 255, so that noise is added without a saturation.
-pub(super) const LARGEST_NOISE: u8 = 10;
+pub(crate) const LARGEST_NOISE: u8 = 10;
 /// Bytes of the noise table: small enough to stay in a core's cache, large enough that no pattern shows.
 const NOISE_BYTES: usize = 1 << 16;
 
 /// A value as a byte that noise cannot push over an edge.
-pub(super) fn to_byte(value: f32) -> u8 {
+pub(crate) fn to_byte(value: f32) -> u8 {
     let low = f32::from(LARGEST_NOISE);
     (value + 0.5).clamp(low, 255.0 - low) as u8
 }
 
 /// The empty table, three bytes a pixel.
-pub(super) fn lit_table(options: &RenderOptions) -> Vec<u8> {
+pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
     let random = &mut SplitMix64::new(options.seed, 2);
     let (width, height) = (options.width as usize, options.height as usize);
     // Where the lamp stands: near an upper corner; its light falls off with the square of the distance.
@@ -80,14 +80,14 @@ impl Mottling {
 
 /// The camera's noise: a table of normal-like values, of which every row of every frame takes another stretch.
 #[derive(Debug)]
-pub(super) struct SensorNoise {
+pub(crate) struct SensorNoise {
     table: Vec<u8>,
     seed: u64,
 }
 
 impl SensorNoise {
     /// Noise for rows of at most `row_bytes`.
-    pub(super) fn new(seed: u64, sigma: f64, row_bytes: usize) -> Self {
+    pub(crate) fn new(seed: u64, sigma: f64, row_bytes: usize) -> Self {
         let random = &mut SplitMix64::new(seed, 3);
         let limit = f64::from(LARGEST_NOISE);
         // A sum of four uniforms in [−½, ½) has a variance of ⅓.
@@ -104,7 +104,7 @@ impl SensorNoise {
     }
 
     /// `noisy = clean + noise`, row by row, for rows of `row_bytes`.
-    pub(super) fn add(&self, sequence: u64, row_bytes: usize, clean: &[u8], noisy: &mut [u8]) {
+    pub(crate) fn add(&self, sequence: u64, row_bytes: usize, clean: &[u8], noisy: &mut [u8]) {
         let random = &mut SplitMix64::new(self.seed ^ 0x5EED, sequence);
         let rows = clean
             .chunks_exact(row_bytes)

@@ -21,6 +21,8 @@ pub(super) fn fill(
     curve.count = count as u32;
     curve.width_px = width_px as f32;
     curve.length_px = length_px as f32;
+    curve.age_ns = 0;
+    curve.set_hidden([]);
     for i in 0..count {
         let position = i as f64 * segments as f64 / (count - 1) as f64;
         let segment = (position as usize).min(segments - 1);

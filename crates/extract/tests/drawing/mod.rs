@@ -1,6 +1,8 @@
 //! Ropes drawn with a known truth: anti-aliased strips along a curve over a lit, noisy table.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub(crate) mod shaded;
+
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene};
 
 pub(crate) type Vec2 = [f32; 2];

@@ -7,14 +7,14 @@ use lariat_extract::{Image, ImageError, PixelFormat};
 use std::path::Path;
 
 /// A decoded picture: grey if the file is, else RGB, 8 bits a channel.
-pub(super) struct Picture(DynamicImage);
+pub(crate) struct Picture(DynamicImage);
 
 impl Picture {
     /// Reads a PNG or JPEG, whatever its name says, turned as its EXIF orientation asks.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.
-    pub(super) fn load(path: &Path) -> Result<Self> {
+    pub(crate) fn load(path: &Path) -> Result<Self> {
         let shown = path.display();
         let reader = ImageReader::open(path)
             .and_then(ImageReader::with_guessed_format)
@@ -31,11 +31,11 @@ impl Picture {
         }))
     }
 
-    pub(super) fn width(&self) -> u32 {
+    pub(crate) fn width(&self) -> u32 {
         self.0.width()
     }
 
-    pub(super) fn height(&self) -> u32 {
+    pub(crate) fn height(&self) -> u32 {
         self.0.height()
     }
 
@@ -43,7 +43,7 @@ impl Picture {
     ///
     /// # Errors
     /// It is larger than the extractor takes.
-    pub(super) fn image(&self) -> Result<Image<'_>, ImageError> {
+    pub(crate) fn image(&self) -> Result<Image<'_>, ImageError> {
         let (width, height) = (self.width() as usize, self.height() as usize);
         let (channels, format) = match self.0 {
             DynamicImage::ImageLuma8(_) => (1, PixelFormat::Gray8),
@@ -52,7 +52,12 @@ impl Picture {
         Image::new(self.0.as_bytes(), width, height, channels * width, format)
     }
 
-    pub(super) fn into_rgb(self) -> RgbImage {
+    /// As one byte a pixel.
+    pub(crate) fn into_gray(self) -> Self {
+        Self(DynamicImage::ImageLuma8(self.0.into_luma8()))
+    }
+
+    pub(crate) fn into_rgb(self) -> RgbImage {
         self.0.into_rgb8()
     }
 }

@@ -1,5 +1,8 @@
 //! `lariat trace` on pictures drawn here.
 
+mod crossings;
+mod masks;
+
 use assert_cmd::Command;
 use image::{GrayImage, Rgb, RgbImage};
 use serde_json::Value;
@@ -104,14 +107,15 @@ fn a_line_has_the_keys_that_were_promised() {
     let report = the_waves_line();
     let curve = &report["curves"][0];
     let expected = [
-        (&report, "curves height image timing_us width"),
+        (&report, "crossings curves height image timing_us width"),
         (
             &report["timing_us"],
             "decode fit graph mask points skeleton total",
         ),
         (
             curve,
-            "closed descriptor length_px points status track width_px",
+            "border closed crossing_sequence descriptor length_px points pulls_straight status track \
+             width_px widths_px",
         ),
         (
             &curve["descriptor"],

@@ -1,0 +1,317 @@
+//! The order of the strands at each crossing, held against what an eye saw.
+//!
+//! A list of crossings names for each its picture, its place and the direction of the upper strand. A set with any line
+//! in the list has all of its crossings in it. What was found belongs to the nearest line within a width and a half;
+//! its order is right when its upper strand runs nearer to the upper one's direction than its lower strand does.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use lariat_extract::{Crossing, Curve};
+
+use super::measure::Measured;
+
+/// What was found may lie this far from where the eye put it, in widths: along a flat crossing both are guesses.
+const NEAR: f32 = 1.5;
+/// Directions are taken over this far to each side, in widths: right at a flat crossing there is no difference.
+const CHORD: f32 = 1.5;
+/// Where bins of confidence begin.
+const BINS: [f32; 3] = [0.0, 0.5, 0.9];
+
+/// One crossing as an eye saw it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Seen {
+    /// Set and picture: `S1/img000`.
+    image: String,
+    at: [f32; 2],
+    /// The upper strand's direction, modulo 180°.
+    over_deg: f32,
+    /// Whether the eye was sure of the order.
+    sure: bool,
+}
+
+/// How found crossings compare with seen ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Score {
+    right: usize,
+    wrong: usize,
+    /// Found, but the eye does not know the order.
+    unsure: usize,
+    missed: usize,
+    invented: usize,
+    /// How far found ones lie from where they were seen.
+    off_px: Vec<f32>,
+    /// For each bin of confidence how many there are, and how many of them are right.
+    bins: [(usize, usize); BINS.len()],
+    /// The wrong, missed and invented ones, in words.
+    remarks: Vec<String>,
+}
+
+/// The list that belongs to a data set: `labels/NAME-crossings.csv` of this crate, where NAME is the data set's folder or
+/// the one it lies in.
+pub(super) fn list_for(dataset: &Path) -> Option<PathBuf> {
+    let whole = fs::canonicalize(dataset).ok()?;
+    let names = whole.ancestors().take(2).filter_map(Path::file_name);
+    let labels = Path::new(env!("CARGO_MANIFEST_DIR")).join("labels");
+    let mut lists =
+        names.map(|name| labels.join(format!("{}-crossings.csv", name.to_string_lossy())));
+    lists.find(|list| list.is_file())
+}
+
+/// Reads a list: `image,x,y,over_deg,sure` in its first line, then a line for each crossing.
+///
+/// # Errors
+/// The file cannot be read, or a line has no such five values.
+pub(super) fn load(path: &Path) -> Result<Vec<Seen>> {
+    let shown = path.display();
+    let text = fs::read_to_string(path)
+        .with_context(|| format!("cannot read the crossings in {shown}"))?;
+    let mut seen = Vec::new();
+    for (i, line) in text.lines().enumerate().skip(1) {
+        let Some(crossing) = parse(line) else {
+            bail!(
+                "line {} of {shown} is not `SET/IMAGE,x,y,degrees,yes|no`: {line}",
+                i + 1
+            );
+        };
+        seen.push(crossing);
+    }
+    Ok(seen)
+}
+
+fn parse(line: &str) -> Option<Seen> {
+    let [image, x, y, over_deg, sure] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
+    Some(Seen {
+        image: image
+            .rsplit_once('.')
+            .map_or(image, |(name, _)| name)
+            .to_owned(),
+        at: [x.parse().ok()?, y.parse().ok()?],
+        over_deg: over_deg.parse().ok()?,
+        sure: match sure {
+            "yes" => true,
+            "no" => false,
+            _ => return None,
+        },
+    })
+}
+
+/// The table of all sets that are in the list; nothing when none is.
+pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[Seen]) -> String {
+    let mut out = String::new();
+    let mut bins = [(0, 0); BINS.len()];
+    let mut remarks = Vec::new();
+    // Writing to a string cannot fail.
+    for (set, images) in sets {
+        let score = score(set, images, seen);
+        let Some(mut score) = score else { continue };
+        if out.is_empty() {
+            let _ = writeln!(
+                out,
+                "\nCrossings, the upper strand told by eye\n{:<10} {:>6} {:>6} {:>7} {:>7} {:>9} {:>18}",
+                "set", "right", "wrong", "unsure", "missed", "invented", "off, px (worst)"
+            );
+        }
+        score.off_px.sort_by(f32::total_cmp);
+        let median = score.off_px.get(score.off_px.len() / 2).unwrap_or(&0.0);
+        let worst = score.off_px.last().unwrap_or(&0.0);
+        let _ = writeln!(
+            out,
+            "{set:<10} {:>6} {:>6} {:>7} {:>7} {:>9} {:>18}",
+            score.right,
+            score.wrong,
+            score.unsure,
+            score.missed,
+            score.invented,
+            format!("{median:.2} ({worst:.1})")
+        );
+        for (all, bin) in bins.iter_mut().zip(score.bins) {
+            *all = (all.0 + bin.0, all.1 + bin.1);
+        }
+        remarks.extend(score.remarks);
+    }
+    if !out.is_empty() {
+        let of = |(i, (count, right)): (usize, &(usize, usize))| {
+            let to = BINS.get(i + 1).unwrap_or(&1.0);
+            format!("{:.1} to {to:.1}: {right} of {count}", BINS[i])
+        };
+        let bins: Vec<_> = bins.iter().enumerate().map(of).collect();
+        let _ = writeln!(out, "right by confidence: {}", bins.join(", "));
+        remarks.iter().for_each(|remark| {
+            let _ = writeln!(out, "{remark}");
+        });
+    }
+    out
+}
+
+/// Compares a set; nothing when the list does not know it.
+fn score(set: &str, images: &[Measured], seen: &[Seen]) -> Option<Score> {
+    let of_set = |s: &&Seen| s.image.split('/').next() == Some(set);
+    seen.iter().find(of_set)?;
+    let mut score = Score::default();
+    for image in images {
+        let name = format!("{set}/{}", image.name);
+        let here: Vec<_> = seen.iter().filter(|s| s.image == name).collect();
+        score.add(&name, &image.curves, &image.crossings, &here);
+    }
+    Some(score)
+}
+
+impl Score {
+    /// Adds one image.
+    fn add(&mut self, name: &str, curves: &[Curve], found: &[Crossing], seen: &[&Seen]) {
+        let mut pairs = Vec::new();
+        for (i, crossing) in found.iter().enumerate() {
+            let near_px = NEAR * curves[crossing.over].width_px;
+            for (j, seen) in seen.iter().enumerate() {
+                let off = (crossing.at[0] - seen.at[0]).hypot(crossing.at[1] - seen.at[1]);
+                if off <= near_px {
+                    pairs.push((off, i, j));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut taken = (vec![false; found.len()], vec![false; seen.len()]);
+        for (off, i, j) in pairs {
+            if !taken.0[i] && !taken.1[j] {
+                (taken.0[i], taken.1[j]) = (true, true);
+                self.off_px.push(off);
+                self.compare(name, curves, &found[i], seen[j]);
+            }
+        }
+        for (crossing, _) in found.iter().zip(&taken.0).filter(|(_, taken)| !**taken) {
+            self.invented += 1;
+            self.remark("invented", name, crossing.at);
+        }
+        for (seen, _) in seen.iter().zip(&taken.1).filter(|(_, taken)| !**taken) {
+            self.missed += 1;
+            self.remark("missed", name, seen.at);
+        }
+    }
+
+    fn compare(&mut self, name: &str, curves: &[Curve], found: &Crossing, seen: &Seen) {
+        if !seen.sure {
+            self.unsure += 1;
+            return;
+        }
+        let off = |curve: usize, rho: f32| {
+            let turn = (direction_deg(&curves[curve], rho) - seen.over_deg).rem_euclid(180.0);
+            turn.min(180.0 - turn)
+        };
+        let right = off(found.over, found.over_rho) < off(found.under, found.under_rho);
+        let bin = BINS.iter().rposition(|&from| found.confidence >= from);
+        if let Some(bin) = bin {
+            self.bins[bin].0 += 1;
+            self.bins[bin].1 += usize::from(right);
+        }
+        if right {
+            self.right += 1;
+        } else {
+            self.wrong += 1;
+            let how = format!("wrong (confidence {:.2})", found.confidence);
+            self.remark(&how, name, seen.at);
+        }
+    }
+
+    fn remark(&mut self, what: &str, name: &str, [x, y]: [f32; 2]) {
+        self.remarks
+            .push(format!("{what}: {name} at {x:.0}, {y:.0}"));
+    }
+}
+
+/// The direction of the curve around `rho`, in degrees.
+fn direction_deg(curve: &Curve, rho: f32) -> f32 {
+    let away = CHORD * curve.width_px / curve.length_px.max(1.0);
+    let [a, b] = [rho - away, rho + away].map(|rho| at(curve, rho));
+    (b[1] - a[1]).atan2(b[0] - a[0]).to_degrees()
+}
+
+/// The point at normalized arc length `rho`, at the tips of an open curve beyond them.
+fn at(curve: &Curve, rho: f32) -> [f32; 2] {
+    let n = curve.points.len();
+    let (rho, intervals) = if curve.closed {
+        (rho.rem_euclid(1.0), n)
+    } else {
+        (rho.clamp(0.0, 1.0), n - 1)
+    };
+    let place = rho * intervals as f32;
+    let i = (place as usize).min(intervals.saturating_sub(1));
+    let (a, b, t) = (curve.points[i], curve.points[(i + 1) % n], place - i as f32);
+    [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::drawing::tests::curve;
+
+    /// A level rope and a steep one, which cross at (120, 80), the level one on top.
+    fn cross() -> ([Curve; 2], Crossing) {
+        let level = curve(&[[20.0, 80.0], [120.0, 80.0], [220.0, 80.0]], 10.0);
+        let steep = curve(&[[120.0, 10.0], [120.0, 80.0], [120.0, 150.0]], 10.0);
+        let crossing = Crossing {
+            at: [120.0, 80.0],
+            over: 0,
+            under: 1,
+            over_rho: 0.5,
+            under_rho: 0.5,
+            confidence: 0.95,
+        };
+        ([level, steep], crossing)
+    }
+
+    fn scored(found: &[Crossing], lines: &[&str]) -> Score {
+        let (curves, _) = cross();
+        let seen: Vec<_> = lines.iter().map(|line| parse(line).unwrap()).collect();
+        let mut score = Score::default();
+        score.add("S1/a", &curves, found, &seen.iter().collect::<Vec<_>>());
+        score
+    }
+
+    #[test]
+    fn the_upper_strand_is_known_by_its_direction() {
+        let (_, found) = cross();
+        let score = scored(&[found], &["S1/a.jpg,121,80,178,yes"]);
+        assert_eq!((score.right, score.wrong), (1, 0));
+        assert_eq!(score.bins, [(0, 0), (0, 0), (1, 1)]);
+        let score = scored(&[found], &["S1/a.jpg,121,80,88,yes"]);
+        assert_eq!((score.right, score.wrong), (0, 1));
+        assert_eq!(score.bins, [(0, 0), (0, 0), (1, 0)]);
+        assert_eq!(score.remarks, ["wrong (confidence 0.95): S1/a at 121, 80"]);
+        let score = scored(&[found], &["S1/a.jpg,121,80,88,no"]);
+        assert_eq!((score.right, score.wrong, score.unsure), (0, 0, 1));
+    }
+
+    #[test]
+    fn what_is_far_from_every_line_is_invented_and_the_line_missed() {
+        let (_, found) = cross();
+        let score = scored(&[found], &["S1/a.jpg,150,80,0,yes"]);
+        assert_eq!((score.missed, score.invented), (1, 1));
+        let score = scored(&[found, found], &["S1/a.jpg,120,80,0,yes"]);
+        assert_eq!((score.right, score.invented), (1, 1));
+    }
+
+    #[test]
+    fn a_set_that_is_not_in_the_list_is_not_told_of() {
+        let seen = [parse("S1/a.jpg,121,80,178,yes").unwrap()];
+        assert_eq!(table(&[("S3", Vec::new())], &seen), "");
+        assert!(table(&[("S1", Vec::new())], &seen).contains("S1"));
+    }
+
+    #[test]
+    fn a_line_that_is_no_crossing_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let list = folder.path().join("list.csv");
+        fs::write(
+            &list,
+            "image,x,y,over_deg,sure\nS1/a.jpg,1,2,3,yes\nS1/a.jpg,1,2,maybe\n",
+        )
+        .unwrap();
+        let error = format!("{:#}", load(&list).unwrap_err());
+        assert!(error.contains("line 3"), "{error}");
+        fs::write(&list, "image,x,y,over_deg,sure\nS1/a.jpg,1,2,3,yes\n").unwrap();
+        assert_eq!(load(&list).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,181 @@
+//! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use lariat_capture::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
+use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
+
+/// Width and height of the pictures.
+const SIZE: (u32, u32) = (480, 360);
+
+/// What to measure.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Frames in all, shared by the stories and seeds
+    #[arg(long, default_value_t = 10_000)]
+    frames: u64,
+    /// Seeds of each story
+    #[arg(long, default_value_t = 3)]
+    seeds: u64,
+    /// The first seed
+    #[arg(long, default_value_t = 1)]
+    first_seed: u64,
+    /// Only stories whose name contains this
+    #[arg(long)]
+    story: Option<String>,
+    /// Say what was wrong, frame by frame
+    #[arg(long)]
+    verbose: bool,
+    /// Write the frames in which something was wrong, curve and truth drawn over them, into this folder
+    #[arg(long)]
+    overlay: Option<PathBuf>,
+}
+
+/// Runs all stories and prints what was wrong in each.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let stories: Vec<_> = Story::ALL
+        .into_iter()
+        .filter(|s| {
+            args.story
+                .as_ref()
+                .is_none_or(|part| s.name().contains(part))
+        })
+        .collect();
+    anyhow::ensure!(
+        !stories.is_empty(),
+        "no story has that in its name: leave --story out to see them all"
+    );
+    let films = stories.len() as u64 * args.seeds.max(1);
+    let frames = args.frames.div_ceil(films);
+    println!(
+        "{:<12} {:>4} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9}",
+        "story",
+        "seed",
+        "frames",
+        "shown",
+        "missed",
+        "count",
+        "flips",
+        "swaps",
+        "exchanged",
+        "invented",
+        "misjudged",
+        "mismarked"
+    );
+    for story in stories {
+        for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
+            let verdict = watch(story, seed, frames, args)?;
+            print(story, seed, frames, &verdict);
+        }
+    }
+    println!(
+        "\nframes of {}×{} at 30/s; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
+         a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
+         ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
+         and seen",
+        SIZE.0, SIZE.1
+    );
+    Ok(())
+}
+
+fn print(story: Story, seed: u64, frames: u64, v: &Verdict) {
+    let mismarked = 100.0 * v.mismarked as f64 / v.marked.max(1) as f64;
+    println!(
+        "{:<12} {seed:>4} {frames:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {mismarked:>8.2}%",
+        story.name(),
+        v.shown,
+        v.missed,
+        v.miscounted,
+        v.flips,
+        v.swaps,
+        v.exchanged,
+        v.invented,
+        v.misjudged
+    );
+}
+
+fn watch(story: Story, seed: u64, frames: u64, args: &Args) -> Result<Verdict> {
+    let mut film = Film::new(story, seed, SIZE.0, SIZE.1);
+    let mut extractor = Extractor::new(Options::default())?;
+    let mut judge = Judge::default();
+    let mut rgb = Vec::new();
+    for frame in 0..frames {
+        let truth = film.next(&mut rgb);
+        let (width, height) = (SIZE.0 as usize, SIZE.1 as usize);
+        let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
+        let scene = extractor.extract(&image);
+        let curves: Vec<_> = scene.curves.iter().map(seen).collect();
+        let wrong = judge.look(&truth, &curves);
+        if wrong.is_empty() {
+            continue;
+        }
+        if args.verbose {
+            println!("{} {seed} {frame}: {}", story.name(), wrong.join("; "));
+        }
+        if let Some(folder) = &args.overlay {
+            let name = format!("{}-{seed}-{frame:05}.png", story.name().replace(' ', "-"));
+            draw(&rgb, &truth, scene.curves, &folder.join(name))?;
+        }
+    }
+    Ok(judge.verdict())
+}
+
+fn seen(curve: &Curve) -> SeenCurve<'_> {
+    SeenCurve {
+        track: curve.track,
+        status: match curve.status {
+            Status::Ok => SeenStatus::Ok,
+            Status::Partial => SeenStatus::Partial,
+            Status::Lost => SeenStatus::Lost,
+        },
+        points: &curve.points,
+        hidden: &curve.hidden,
+    }
+}
+
+/// The frame, the truth as thin dark dots, and the curves' points from red at ρ = 0 to blue at 1, hidden ones white.
+fn draw(rgb: &[u8], truth: &[TrueRope], curves: &[Curve], path: &Path) -> Result<()> {
+    const ZOOM: u32 = 2;
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let picture = image::RgbImage::from_raw(SIZE.0, SIZE.1, rgb.to_vec())
+        .context("a frame has three bytes a pixel")?;
+    let size = (ZOOM * SIZE.0, ZOOM * SIZE.1);
+    let mut picture = image::imageops::resize(
+        &picture,
+        size.0,
+        size.1,
+        image::imageops::FilterType::Nearest,
+    );
+    let mut dot = |x: f64, y: f64, reach: i64, color: [u8; 3]| {
+        let zoom = f64::from(ZOOM);
+        let at = [x, y].map(|v| (zoom * (v + 0.5)) as i64);
+        for (dx, dy) in (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy))) {
+            let (x, y) = (at[0] + dx, at[1] + dy);
+            if (0..i64::from(size.0)).contains(&x) && (0..i64::from(size.1)).contains(&y) {
+                picture.put_pixel(x as u32, y as u32, image::Rgb(color));
+            }
+        }
+    };
+    for p in truth.iter().flat_map(|rope| &rope.points) {
+        dot(p[0], p[1], 0, [0, 0, 0]);
+    }
+    for curve in curves.iter().filter(|c| c.status != Status::Lost) {
+        let n = curve.points.len();
+        for (i, p) in curve.points.iter().enumerate() {
+            let share = (255 * i / n.max(1)) as u8;
+            let hidden = curve.hidden[i];
+            let color = if hidden {
+                [255; 3]
+            } else {
+                [255 - share, 160, share]
+            };
+            dot(p[0].into(), p[1].into(), 2, color);
+        }
+    }
+    picture
+        .save(path)
+        .with_context(|| format!("cannot write {}", path.display()))
+}

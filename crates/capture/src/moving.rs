@@ -1,0 +1,262 @@
+//! Films of moving ropes whose centerlines are known, story by story: what tracking is held against.
+//!
+//! A film is a [`Story`], a seed and a size; the same three make the same frames again. The ropes writhe: their loops
+//! open and close, strands touch along each other and part again. [`Judge`] follows an extractor's answers.
+
+mod judge;
+mod writhe;
+
+use crate::RenderOptions;
+use crate::rendered::draw::{Brush, Canvas};
+use crate::rendered::portable::{SplitMix64, sin_turns, smoothstep};
+use crate::rendered::table::{SensorNoise, lit_table};
+use writhe::Writhe;
+
+pub use judge::{Judge, SeenCurve, SeenStatus, Verdict};
+
+/// Frames a second.
+const FPS: f64 = 30.0;
+/// Points of a true centerline.
+const TRUE_POINTS: usize = 240;
+
+/// What happens in a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Story {
+    /// One rope writhes.
+    Writhing,
+    /// Two ropes of one color writhe over each other.
+    Two,
+    /// One rope writhes, and is gone for up to 25 frames now and then.
+    Vanishing,
+    /// A gripper moves along the writhing rope.
+    Gripper,
+    /// A second rope comes in from the side, and goes again.
+    Visitor,
+    /// Every two seconds the film is cut to another rope elsewhere.
+    Cuts,
+    /// Now and then a frame is noise, black or white.
+    BadFrames,
+}
+
+impl Story {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Writhing,
+        Self::Two,
+        Self::Vanishing,
+        Self::Gripper,
+        Self::Visitor,
+        Self::Cuts,
+        Self::BadFrames,
+    ];
+
+    /// Its name, in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Writhing => "writhing",
+            Self::Two => "two ropes",
+            Self::Vanishing => "vanishing",
+            Self::Gripper => "gripper",
+            Self::Visitor => "visitor",
+            Self::Cuts => "cuts",
+            Self::BadFrames => "bad frames",
+        }
+    }
+}
+
+/// One rope as it truly lies in a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueRope {
+    /// Which rope it is, in all of the film.
+    pub identity: u32,
+    /// 240 points of its centerline at equal steps of arc length, [x, y] in pixels.
+    pub points: Vec<[f64; 2]>,
+    /// Whether each of them is seen.
+    pub seen: Vec<bool>,
+    /// Width in pixels.
+    pub width_px: f64,
+}
+
+/// A film of moving ropes.
+#[derive(Debug)]
+pub struct Film {
+    story: Story,
+    options: RenderOptions,
+    table: Vec<u8>,
+    noise: SensorNoise,
+    ropes: Vec<Writhe>,
+    random: SplitMix64,
+    line: Vec<[f64; 2]>,
+    clean: Vec<u8>,
+    frame: u64,
+    /// Frames of the event at hand that are left, and until the next begins.
+    event: [u64; 2],
+}
+
+impl Film {
+    /// The film of a story, in pictures of `width` × `height` pixels (each at least 160).
+    pub fn new(story: Story, seed: u64, width: u32, height: u32) -> Self {
+        let mut random = SplitMix64::new(seed, 11);
+        let rope_px = f64::from(width.min(height)) / 48.0;
+        let options = RenderOptions {
+            seed,
+            width,
+            height,
+            rope_px: rope_px.max(5.0),
+            ..RenderOptions::default()
+        };
+        let count = match story {
+            Story::Two | Story::Visitor => 2,
+            Story::Cuts => 8,
+            _ => 1,
+        };
+        let size_px = [f64::from(width), f64::from(height)];
+        let ropes = (0..count).map(|_| Writhe::new(&mut random, size_px, options.rope_px));
+        Self {
+            story,
+            options,
+            table: lit_table(&options),
+            noise: SensorNoise::new(seed, options.noise, 3 * width as usize),
+            ropes: ropes.collect(),
+            random,
+            line: Vec::new(),
+            clean: Vec::new(),
+            frame: 0,
+            event: [0, 40],
+        }
+    }
+
+    /// Draws the next frame into `rgb`, three bytes a pixel without padding, and says what is in it.
+    pub fn next(&mut self, rgb: &mut Vec<u8>) -> Vec<TrueRope> {
+        let time_s = self.frame as f64 / FPS;
+        self.frame += 1;
+        self.clean.clone_from(&self.table);
+        let happens = self.happens();
+        let mut truth = Vec::new();
+        for index in 0..self.ropes.len() {
+            let Some(offset) = self.place(index, time_s, happens) else {
+                continue;
+            };
+            let rope = &self.ropes[index];
+            rope.centerline(time_s, offset, &mut self.line);
+            let mut canvas = Canvas {
+                pixels: &mut self.clean,
+                width: self.options.width as usize,
+                height: self.options.height as usize,
+            };
+            Brush::new(&self.options, rope.length_px()).draw(&self.line, &mut canvas);
+            truth.push(self.truth(index));
+        }
+        if self.story == Story::Gripper {
+            self.grip(time_s, &mut truth);
+        }
+        rgb.resize(self.clean.len(), 0);
+        let row_bytes = 3 * self.options.width as usize;
+        self.noise.add(self.frame, row_bytes, &self.clean, rgb);
+        if self.story == Story::BadFrames && happens {
+            truth.clear();
+            self.spoil(rgb);
+        }
+        truth
+    }
+
+    /// Whether the story's event is on in this frame.
+    fn happens(&mut self) -> bool {
+        if self.event[0] > 0 {
+            self.event[0] -= 1;
+            return true;
+        }
+        if self.event[1] == 0 {
+            let longest = match self.story {
+                Story::Vanishing => 25.0,
+                _ => 1.0,
+            };
+            self.event = [
+                self.random.uniform(0.0, longest) as u64,
+                self.random.uniform(15.0, 60.0) as u64,
+            ];
+            return true;
+        }
+        self.event[1] -= 1;
+        false
+    }
+
+    /// How far rope `index` is moved aside now; `None` when it is not there.
+    fn place(&self, index: usize, time_s: f64, happens: bool) -> Option<[f64; 2]> {
+        match self.story {
+            Story::Vanishing if happens => None,
+            Story::Cuts => {
+                let shown = (time_s / 2.0) as usize % self.ropes.len();
+                (index == shown).then_some([0.0; 2])
+            }
+            Story::Visitor if index == 1 => {
+                // Away, in for four seconds, and away again, every twelve.
+                let phase = time_s % 12.0;
+                let aside = 1.0 - smoothstep((phase - 2.0) / 3.0) + smoothstep((phase - 8.0) / 3.0);
+                (aside < 0.999).then_some([1.3 * f64::from(self.options.width) * aside, 0.0])
+            }
+            _ => Some([0.0; 2]),
+        }
+    }
+
+    fn truth(&self, index: usize) -> TrueRope {
+        let segments = self.line.len() - 1;
+        let points: Vec<_> = (0..TRUE_POINTS)
+            .map(|i| {
+                let place = i as f64 * segments as f64 / (TRUE_POINTS - 1) as f64;
+                let k = (place as usize).min(segments - 1);
+                let (p, q) = (self.line[k], self.line[k + 1]);
+                [0, 1].map(|axis| p[axis] + (q[axis] - p[axis]) * (place - k as f64))
+            })
+            .collect();
+        let size = [self.options.width, self.options.height].map(|side| f64::from(side) - 1.0);
+        let inside = |p: &[f64; 2]| (0..2).all(|axis| (0.0..=size[axis]).contains(&p[axis]));
+        TrueRope {
+            identity: index as u32,
+            seen: points.iter().map(inside).collect(),
+            points,
+            width_px: self.options.rope_px,
+        }
+    }
+
+    /// Draws a gripper over the rope: a dark plate that slides along it, and turns.
+    fn grip(&mut self, time_s: f64, truth: &mut [TrueRope]) {
+        const RGB: [u8; 3] = [92, 88, 84];
+        let Some(rope) = truth.first_mut() else {
+            return;
+        };
+        let along = 0.5 + 0.34 * sin_turns(time_s / 17.0);
+        let middle = rope.points[(along * (TRUE_POINTS - 1) as f64) as usize];
+        let half = [3.2 * rope.width_px, 2.4 * rope.width_px];
+        let axis = [sin_turns(time_s / 23.0 + 0.25), sin_turns(time_s / 23.0)];
+        let inside = |x: f64, y: f64| {
+            let d = [x - middle[0], y - middle[1]];
+            let (u, v) = (
+                d[0] * axis[0] + d[1] * axis[1],
+                d[0] * axis[1] - d[1] * axis[0],
+            );
+            (half[0] - u.abs()).min(half[1] - v.abs())
+        };
+        let width = self.options.width as usize;
+        for (i, pixel) in self.clean.chunks_exact_mut(3).enumerate() {
+            let share = (inside((i % width) as f64, (i / width) as f64) + 0.5).clamp(0.0, 1.0);
+            for (p, c) in pixel.iter_mut().zip(RGB) {
+                *p = (f64::from(*p) + share * (f64::from(c) - f64::from(*p))) as u8;
+            }
+        }
+        for (seen, p) in rope.seen.iter_mut().zip(&rope.points) {
+            *seen &= inside(p[0], p[1]) < 0.0;
+        }
+    }
+
+    /// A frame that shows no scene.
+    fn spoil(&mut self, rgb: &mut [u8]) {
+        match self.random.next_u64() % 3 {
+            0 => rgb.fill(0),
+            1 => rgb.fill(255),
+            _ => rgb
+                .iter_mut()
+                .for_each(|byte| *byte = (self.random.next_u64() >> 56) as u8),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Where two ropes touch by their ends, or the two ends of one: the image shows a single rope, and the
+//! last image knows better.
+
+use crate::line::Line;
+use crate::past::Past;
+use crate::vec2;
+
+/// Widths to both sides of a joint from which the ropes are told.
+const BESIDE_WIDTHS: f32 = 2.5;
+/// Widths from an end of the line in which a rope's end is where it belongs.
+const OWN_WIDTHS: f32 = 3.0;
+
+/// Cuts `line` where it runs over a rope's end into something else. What is cut off an open line is
+/// put into `rest`; a ring is opened. Returns whether there is a rest.
+pub(crate) fn part(line: &mut Line, past: &Past, rest: &mut Line) -> bool {
+    let Some(i) = joint(line, past) else {
+        return false;
+    };
+    if line.closed {
+        line.samples.rotate_left(i);
+        line.closed = false;
+        return false;
+    }
+    rest.clear();
+    rest.samples.extend(line.samples.drain(i..));
+    rest.border = [false, line.border[1]];
+    line.border[1] = false;
+    true
+}
+
+/// The sample at which two ropes meet by an end.
+fn joint(line: &Line, past: &Past) -> Option<usize> {
+    let n = line.samples.len();
+    if n < 8 {
+        return None;
+    }
+    let step_px = (line.length_px() / n as f32).max(0.1);
+    past.ends().find_map(|(end, width_px)| {
+        let apart = |i: &usize| vec2::distance(line.samples[*i].at, end);
+        let i = (0..n).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        if apart(&i) > past.reach_px(width_px) {
+            return None;
+        }
+        let beside = ((BESIDE_WIDTHS * width_px / step_px) as usize).max(2);
+        let own = ((OWN_WIDTHS * width_px / step_px) as usize).max(beside + 1);
+        if !line.closed && (i < own || i + own >= n) {
+            return None;
+        }
+        let at = |k: usize| line.samples[k % n].at;
+        let (before, after) = (i + n - beside, i + n + beside);
+        // Both ways lead to the joint.
+        let toward = |from: usize, to: usize| vec2::sub(at(to), at(from));
+        let traces = [
+            past.recall(at(before), toward(before, before + beside / 2 + 1)),
+            past.recall(at(after), toward(after, after - beside / 2 - 1)),
+        ];
+        let chord_px = vec2::distance(at(before), at(after));
+        past.denies(&traces[0], &traces[1], chord_px).then_some(i)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::Sample;
+    use crate::vec2::Vec2;
+
+    fn line(closed: bool) -> Line {
+        let samples = (0..200)
+            .map(|i| Sample {
+                at: [20.0 + i as f32, 100.0],
+                weight: 1.0,
+                width_px: 6.0,
+                side: 0.0,
+            })
+            .collect();
+        Line {
+            samples,
+            closed,
+            border: [false; 2],
+        }
+    }
+
+    fn past(ropes: &[[f32; 2]]) -> Past {
+        let mut past = Past::default();
+        for &[from, to] in ropes {
+            let points: Vec<Vec2> = (0..=40)
+                .map(|i| [from + (to - from) * i as f32 / 40.0, 101.0])
+                .collect();
+            past.add(false, [to - from, 6.0], &points);
+        }
+        past
+    }
+
+    #[test]
+    fn two_ropes_that_touch_by_their_ends_are_parted() {
+        let (mut whole, mut rest) = (line(false), Line::default());
+        assert!(part(
+            &mut whole,
+            &past(&[[20.0, 98.0], [104.0, 220.0]]),
+            &mut rest
+        ));
+        assert!((whole.samples.len() as f32 - 80.0).abs() < 6.0);
+        assert_eq!(whole.samples.len() + rest.samples.len(), 200);
+    }
+
+    #[test]
+    fn one_rope_stays_one() {
+        let (mut whole, mut rest) = (line(false), Line::default());
+        assert!(!part(&mut whole, &past(&[[20.0, 220.0]]), &mut rest));
+        // It has grown: it comes out from under something.
+        assert!(!part(&mut whole, &past(&[[20.0, 120.0]]), &mut rest));
+        assert_eq!(whole.samples.len(), 200);
+    }
+}

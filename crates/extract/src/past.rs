@@ -1,0 +1,429 @@
+//! The ropes of the last image as a map: which of them ran through a place, which way, how far along.
+//!
+//! A crossing that opens, closes or is only touched looks the same in one image whichever strand
+//! goes where. Between two images no strand moves far, so the last one tells them apart: the two
+//! arms of one strand lie on one rope, one after the other, as far apart along it as in the image.
+//! That is weighed with the bends, not above them: what the last image got wrong, a clear one mends.
+
+use crate::skeleton::{NONE, Skeleton};
+use crate::vec2::{self, Vec2};
+
+/// What it costs, in a crossing, to go where the last image did not: two strands exchanged against
+/// it pay twice, as much as two arcs by 55°. A crossing much clearer than that outweighs it.
+const AGAINST: f32 = 0.25;
+/// Widths that a strand may have moved since and is still known.
+const FARTHEST_WIDTHS: f32 = 3.0;
+/// Cosine of the angle by which it may have turned.
+const TURNED: f32 = 0.6;
+/// Widths, beside those that the ropes have moved, by which a trace may be farther off than another
+/// and still be the right one: what smoothing and whole pixels leave open.
+const DOUBT: f32 = 0.4;
+/// Widths around a rope's end in which it may be now, beside what the ropes have moved.
+const ENDS_WIDTHS: f32 = 1.5;
+/// Share of the skeleton that must lie where ropes were, for the past to say anything: less is a cut
+/// or a leap, and its traces are chance.
+const LEAST_SHARE: f32 = 0.5;
+/// Skeleton pixels that are asked for that.
+const ASKED: usize = 64;
+
+/// A place on a rope of the past.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Trace {
+    /// Index into `Past::ropes`, or `NONE`.
+    pub(crate) rope: u32,
+    /// Arc length from the rope's first point.
+    pub(crate) along_px: f32,
+    /// Whether the direction asked for is that of growing arc length.
+    pub(crate) ahead: bool,
+    /// How far off the rope's place the question lay, in its widths.
+    pub(crate) off: f32,
+}
+
+impl Trace {
+    const NONE: Self = Self {
+        rope: NONE,
+        along_px: 0.0,
+        ahead: false,
+        off: f32::INFINITY,
+    };
+}
+
+/// The likeliest traces of a place, the nearest first: where strands touch there are several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Traces([Trace; 3]);
+
+impl Default for Traces {
+    fn default() -> Self {
+        Self([Trace::NONE; 3])
+    }
+}
+
+impl Traces {
+    fn iter(&self) -> impl Iterator<Item = &Trace> {
+        self.0.iter().filter(|t| t.rope != NONE)
+    }
+
+    /// Whether the place is on no rope of the past.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
+    /// How many strands ran within so many widths.
+    pub(crate) fn within(&self, widths: f32) -> usize {
+        self.iter().filter(|t| t.off <= widths).count()
+    }
+
+    /// Those that the ropes' motion leaves open: hardly farther off than the nearest.
+    pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &Trace> {
+        let most = self.0[0].off + past.moved + DOUBT;
+        self.iter().filter(move |t| t.off <= most)
+    }
+
+    fn add(&mut self, new: Trace) {
+        if let Some(i) = self.0.iter().position(|t| new.off < t.off)
+            && new.rope != NONE
+        {
+            self.0[i..].rotate_right(1);
+            self.0[i] = new;
+        }
+    }
+}
+
+/// The ropes as they were last seen.
+#[derive(Debug, Default)]
+pub(crate) struct Past {
+    ropes: Vec<Rope>,
+    count: usize,
+    trusted: bool,
+    /// How far the ropes have moved since, in widths.
+    moved: f32,
+}
+
+/// One rope.
+#[derive(Debug, Default)]
+pub(crate) struct Rope {
+    pub(crate) closed: bool,
+    /// Where along it each end of what was seen of it lay under something.
+    covered_px: [Option<f32>; 2],
+    /// Whether it was seen in the last image, and for more than a moment.
+    live: bool,
+    /// Whether both of its ends were in the image.
+    pub(crate) whole: bool,
+    pub(crate) length_px: f32,
+    pub(crate) width_px: f32,
+    /// The length that it has had for long.
+    pub(crate) usual_px: f32,
+    /// At equal steps.
+    points: Vec<Vec2>,
+}
+
+impl Rope {
+    /// Arc length between two points.
+    fn step_px(&self) -> f32 {
+        let intervals = self.points.len() - usize::from(!self.closed);
+        self.length_px / intervals.max(1) as f32
+    }
+
+    /// The position at an arc length.
+    pub(crate) fn at(&self, along_px: f32) -> Vec2 {
+        let n = self.points.len();
+        let place = along_px / self.step_px().max(1e-6);
+        let place = if self.closed {
+            place.rem_euclid(n as f32)
+        } else {
+            place.clamp(0.0, (n - 1) as f32)
+        };
+        let i = (place as usize).min(n - 1);
+        let next = if self.closed {
+            (i + 1) % n
+        } else {
+            (i + 1).min(n - 1)
+        };
+        let (a, b) = (self.points[i], self.points[next]);
+        vec2::along(a, vec2::sub(b, a), place - i as f32)
+    }
+
+    /// How far it is along the rope from one trace to another, the way `ahead` says.
+    pub(crate) fn way_px(&self, from: &Trace, to: &Trace, ahead: bool) -> f32 {
+        let way = if ahead {
+            to.along_px - from.along_px
+        } else {
+            from.along_px - to.along_px
+        };
+        if self.closed && way < 0.0 {
+            way + self.length_px
+        } else {
+            way
+        }
+    }
+}
+
+impl Past {
+    /// Forgets all ropes.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+        self.trusted = false;
+    }
+
+    /// Notes a rope.
+    #[cfg(test)]
+    pub(crate) fn add(&mut self, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
+        let sizes_px = [sizes_px[0], sizes_px[1], sizes_px[0]];
+        self.add_covered(closed, sizes_px, points, [None; 2], (true, true));
+    }
+
+    /// Notes a rope of which a part may have been covered.
+    pub(crate) fn add_covered(
+        &mut self,
+        closed: bool,
+        sizes_px: [f32; 3],
+        points: &[Vec2],
+        covered_px: [Option<f32>; 2],
+        (live, whole): (bool, bool),
+    ) {
+        if points.len() < 2 {
+            return;
+        }
+        if self.count == self.ropes.len() {
+            self.ropes.push(Rope::default());
+        }
+        let rope = &mut self.ropes[self.count];
+        (rope.closed, rope.covered_px) = (closed, covered_px);
+        (rope.live, rope.whole) = (live, whole);
+        [rope.length_px, rope.width_px, rope.usual_px] = sizes_px.map(|size| size.max(1.0));
+        rope.points.clear();
+        rope.points.extend_from_slice(points);
+        self.count += 1;
+        self.trusted = true;
+    }
+
+    /// Trusts the past only if the ropes of this image lie about where they lay, and sees how far they
+    /// have moved.
+    pub(crate) fn check(&mut self, skeleton: &Skeleton) {
+        let pixels = &skeleton.pixels;
+        let stride = (pixels.len() / ASKED).max(1);
+        let (mut asked, mut known, mut sum) = (0.0f32, 0.0f32, 0.0);
+        for pixel in pixels.iter().step_by(stride) {
+            asked += 1.0;
+            let off = self.off(pixel.at());
+            if off < FARTHEST_WIDTHS {
+                (known, sum) = (known + 1.0, sum + off);
+            }
+        }
+        self.trusted = self.count > 0 && known >= LEAST_SHARE * asked;
+        self.moved = sum / known.max(1.0);
+    }
+
+    /// How far from the nearest rope a place lies, in its widths.
+    fn off(&self, at: Vec2) -> f32 {
+        let ropes = self.ropes().iter();
+        let offs = ropes.map(|rope| {
+            let apart = |p: &Vec2| vec2::distance(*p, at);
+            let nearest = rope.points.iter().map(apart).fold(f32::INFINITY, f32::min);
+            // A place between two points lies up to half a step from both.
+            (nearest - 0.35 * rope.step_px()).max(0.0) / rope.width_px
+        });
+        offs.fold(f32::INFINITY, f32::min)
+    }
+
+    /// The ends of all open ropes, with the ropes' widths; none when the past means nothing.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = (Vec2, f32)> {
+        let open = self
+            .ropes()
+            .iter()
+            .filter(|rope| self.trusted && !rope.closed);
+        open.flat_map(|rope| {
+            let ends = [rope.points[0], rope.points[rope.points.len() - 1]];
+            ends.map(|end| (end, rope.width_px))
+        })
+    }
+
+    /// How far an end of a rope of this width may be from where it was.
+    pub(crate) fn reach_px(&self, width_px: f32) -> f32 {
+        (ENDS_WIDTHS + self.moved) * width_px
+    }
+
+    /// The rope's end that lay near a place, and its width.
+    pub(crate) fn end_near(&self, at: Vec2) -> Option<(Vec2, f32)> {
+        self.ends()
+            .filter(|&(end, width_px)| vec2::distance(end, at) < self.reach_px(width_px))
+            .min_by(|a, b| vec2::distance(a.0, at).total_cmp(&vec2::distance(b.0, at)))
+    }
+
+    /// The ropes that were seen in the last image; none when the past means nothing.
+    pub(crate) fn live(&self) -> impl Iterator<Item = &Rope> {
+        self.ropes().iter().filter(|rope| self.trusted && rope.live)
+    }
+
+    /// How far the ropes have moved in the mean, in widths.
+    pub(crate) fn moved(&self) -> f32 {
+        self.moved
+    }
+
+    /// Half the width of the widest rope, if the past means anything.
+    pub(crate) fn widest_half_px(&self) -> Option<f32> {
+        let halves = self.ropes().iter().map(|rope| 0.5 * rope.width_px);
+        self.trusted.then(|| halves.fold(0.5, f32::max))
+    }
+
+    pub(crate) fn ropes(&self) -> &[Rope] {
+        &self.ropes[..self.count]
+    }
+
+    /// Where on the past's ropes a strand at `at` that runs in direction `toward` was.
+    pub(crate) fn recall(&self, at: Vec2, toward: Vec2) -> Traces {
+        let mut traces = Traces::default();
+        let toward = vec2::unit_or(toward, [1.0, 0.0]);
+        if !self.trusted {
+            return traces;
+        }
+        for (r, rope) in self.ropes().iter().enumerate() {
+            // Each stretch of the rope that comes near counts once, by its nearest place.
+            let mut best = Trace::NONE;
+            let n = rope.points.len();
+            for i in 0..n - usize::from(!rope.closed) {
+                let (a, b) = (rope.points[i], rope.points[(i + 1) % n]);
+                match trace(rope, r as u32, i, [a, b], at, toward) {
+                    Some(here) if here.off < best.off => best = here,
+                    Some(_) => {}
+                    None => {
+                        traces.add(std::mem::replace(&mut best, Trace::NONE));
+                    }
+                }
+            }
+            traces.add(best);
+        }
+        traces
+    }
+
+    /// What the past has against reading two arms of a crossing, `chord_px` apart, both traced in
+    /// their directions into it, as one strand.
+    pub(crate) fn against(&self, a: &Traces, b: &Traces, chord_px: f32) -> f32 {
+        if a.is_empty() || b.is_empty() {
+            return 0.0;
+        }
+        let mut least = 1.0f32;
+        for ta in a.likely(self) {
+            let onward = |tb: &&Trace| tb.rope == ta.rope && tb.ahead != ta.ahead;
+            for tb in b.likely(self).filter(onward) {
+                let rope = &self.ropes[ta.rope as usize];
+                let way = rope.way_px(ta, tb, ta.ahead);
+                let miss = (way - chord_px).abs() / (2.0 * rope.width_px + 0.5 * chord_px);
+                let doubt = self.moved + DOUBT;
+                let off = (ta.off * ta.off + tb.off * tb.off) / (8.0 * doubt * doubt);
+                least = least.min(off + miss * miss);
+            }
+        }
+        AGAINST * least
+    }
+
+    /// Whether two arms, as above, were no one strand: on no reading of their traces.
+    pub(crate) fn denies(&self, a: &Traces, b: &Traces, chord_px: f32) -> bool {
+        self.against(a, b, chord_px) >= 0.9 * AGAINST
+    }
+
+    /// Whether an end of a line lies where a rope was lost under something, and no more is known.
+    pub(crate) fn was_covered(&self, end: &Traces) -> bool {
+        end.likely(self).all(|t| {
+            let rope = &self.ropes[t.rope as usize];
+            let reach = self.reach_px(rope.width_px) + rope.width_px;
+            let end_px = rope.covered_px[usize::from(t.ahead)];
+            !rope.closed && end_px.is_some_and(|end_px| (end_px - t.along_px).abs() < reach)
+        })
+    }
+
+    /// What the past has against an arm that ends in the crossing it runs into.
+    pub(crate) fn against_end(&self, arm: &Traces) -> f32 {
+        let goes_on = |t: &Trace| {
+            let rope = &self.ropes[t.rope as usize];
+            let left = if t.ahead {
+                rope.length_px - t.along_px
+            } else {
+                t.along_px
+            };
+            rope.closed || left > 2.0 * FARTHEST_WIDTHS * rope.width_px
+        };
+        if !arm.is_empty() && arm.likely(self).all(goes_on) {
+            AGAINST
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The place of segment `i`, from point a to point b, that is nearest to `at`, if it is near enough
+/// and runs along `toward`; of no rope when the rope's tip lies more than a width before `at`.
+fn trace(
+    rope: &Rope,
+    index: u32,
+    i: usize,
+    [a, b]: [Vec2; 2],
+    at: Vec2,
+    toward: Vec2,
+) -> Option<Trace> {
+    let step = vec2::sub(b, a);
+    let length = vec2::norm(step);
+    if length < 1e-6 {
+        return None;
+    }
+    let cos = vec2::dot(step, toward) / length;
+    let beyond = vec2::dot(vec2::sub(at, a), step) / (length * length);
+    let t = beyond.clamp(0.0, 1.0);
+    let last = i + 2 == rope.points.len();
+    let past_tip = !rope.closed
+        && (i == 0 && beyond * length < -rope.width_px
+            || last && (beyond - 1.0) * length > rope.width_px);
+    let off = vec2::distance(at, vec2::along(a, step, t)) / rope.width_px;
+    (off <= FARTHEST_WIDTHS && cos.abs() >= TURNED).then(|| Trace {
+        rope: if past_tip { NONE } else { index },
+        along_px: (i as f32 + t) * rope.step_px(),
+        ahead: cos > 0.0,
+        off,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rope that runs right along y = 0 and comes back along y = 10.
+    fn hairpin() -> Past {
+        let mut points: Vec<Vec2> = (0..=40).map(|i| [5.0 * i as f32, 0.0]).collect();
+        points.extend([[205.0, 5.0]]);
+        points.extend((0..=40).map(|i| [200.0 - 5.0 * i as f32, 10.0]));
+        let mut past = Past::default();
+        past.add(false, [410.0, 4.0], &points);
+        past
+    }
+
+    #[test]
+    fn a_place_between_two_strands_is_traced_to_both() {
+        let past = hairpin();
+        let traces = past.recall([100.0, 4.0], [1.0, 0.0]);
+        let found: Vec<_> = traces
+            .iter()
+            .map(|t| (t.along_px.round(), t.ahead))
+            .collect();
+        assert_eq!(found, [(100.0, true), (310.0, false)]);
+    }
+
+    #[test]
+    fn strands_that_go_on_as_they_did_cost_less_than_strands_exchanged() {
+        let past = hairpin();
+        let arm = |at, into| past.recall(at, into);
+        let (left, right) = (arm([90.0, 1.0], [1.0, 0.0]), arm([110.0, 1.0], [-1.0, 0.0]));
+        let upper = arm([110.0, 9.0], [-1.0, 0.0]);
+        assert!(past.against(&left, &right, 20.0) < 0.1 * AGAINST);
+        assert!(past.against(&left, &upper, 21.5) > 0.15 * AGAINST);
+        assert_eq!(past.against_end(&left), AGAINST);
+    }
+
+    #[test]
+    fn an_end_may_end_and_the_unknown_is_free() {
+        let past = hairpin();
+        let tip = past.recall([10.0, 0.0], [-1.0, 0.0]);
+        assert_eq!(past.against_end(&tip), 0.0);
+        let nowhere = past.recall([100.0, 90.0], [1.0, 0.0]);
+        assert_eq!(past.against(&nowhere, &tip, 10.0), 0.0);
+    }
+}

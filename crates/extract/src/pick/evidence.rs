@@ -1,0 +1,200 @@
+//! What is known of each pixel before a colour is picked: rope of one class or another, table, or neither for sure.
+
+use crate::bits::BitPlane;
+use crate::hsv;
+use crate::vec2;
+use crate::{Curve, Extractor, Image, Mask, Options, color};
+
+/// Pixels this near to a rope are mixtures of rope and table, and evidence of neither.
+const GUARD_PX: i32 = 2;
+/// So much of a mask must lie along the curves found in it; less, and it is a pattern, not ropes.
+const LEAST_ALONG: f32 = 0.7;
+/// The part of a half-width in which a rope's own colour is looked for.
+const CORE: f32 = 0.6;
+/// Beyond this part of a half-width a rope's pixels are mixtures with the table.
+const EDGE: f32 = 0.8;
+/// Ropes whose hues differ by less are of one colour, in degrees.
+const SAME_HUE_DEG: f32 = 20.0;
+/// Ropes without colour whose values differ by less are of one class.
+const SAME_VALUE: f32 = 0.25;
+/// A colour whose largest and smallest channel differ by less, as a share of full scale, has no hue to speak of: noise
+/// and the light's tint reach that far.
+const LEAST_CHROMA: f32 = 0.12;
+
+/// One pixel's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Label {
+    /// Rope of this class.
+    Rope(u8),
+    Table,
+    /// A mixture, or not clear.
+    Unknown,
+}
+
+/// All pixels'.
+#[derive(Clone, Debug)]
+pub(super) struct Evidence {
+    width: usize,
+    labels: Vec<Label>,
+    pub(super) classes: usize,
+}
+
+impl Evidence {
+    /// The label of each pixel, in the order of the rows.
+    pub(super) fn labels(&self) -> &[Label] {
+        &self.labels
+    }
+
+    pub(super) fn get(&self, x: i32, y: i32) -> Option<Label> {
+        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+        (x < self.width).then(|| self.labels.get(y * self.width + x).copied())?
+    }
+
+    /// One class of the pixels that are set; all others but those beside them are table.
+    pub(super) fn of_region(region: &[bool], width: usize) -> Self {
+        let rope = |&set: &bool| if set { Label::Rope(0) } else { Label::Table };
+        let mut evidence = Self {
+            width,
+            labels: region.iter().map(rope).collect(),
+            classes: 1,
+        };
+        evidence.guard(|i| region[i]);
+        evidence
+    }
+
+    /// Makes the table beside rope unknown.
+    fn guard(&mut self, is_rope: impl Fn(usize) -> bool) {
+        let (width, height) = (self.width as i32, (self.labels.len() / self.width) as i32);
+        for y in 0..height {
+            for x in 0..width {
+                if !is_rope((y * width + x) as usize) {
+                    continue;
+                }
+                for ny in (y - GUARD_PX).max(0)..=(y + GUARD_PX).min(height - 1) {
+                    for nx in (x - GUARD_PX).max(0)..=(x + GUARD_PX).min(width - 1) {
+                        let label = &mut self.labels[(ny * width + nx) as usize];
+                        if *label == Label::Table {
+                            *label = Label::Unknown;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What a mask knows, if extraction finds ropes in it: its pixels belong to the curve that they are nearest to, and
+/// curves of one colour are one class.
+pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
+    let options = Options {
+        mask,
+        ..Options::default()
+    };
+    let mut extractor = Extractor::new(options).ok()?;
+    let curves = extractor.extract(image).curves.to_vec();
+    let mask = extractor.mask();
+    let (width, height) = (image.width(), image.height());
+    let owner = owners(&curves, mask);
+    let along = owner.iter().filter(|owner| owner.is_some()).count();
+    if curves.is_empty() || (along as f32) < LEAST_ALONG * mask.count() as f32 {
+        return None;
+    }
+    let classes = classes(image, &curves, &owner);
+    let count = classes
+        .iter()
+        .max()
+        .map_or(0, |&last| usize::from(last) + 1);
+    let label = |i: usize| match owner[i] {
+        Some((_, far)) if far > EDGE => Label::Unknown,
+        Some((curve, _)) => Label::Rope(classes[usize::from(curve)]),
+        None if mask.get((i % width) as i32, (i / width) as i32) => Label::Unknown,
+        None => Label::Table,
+    };
+    let mut evidence = Evidence {
+        width,
+        labels: (0..width * height).map(label).collect(),
+        classes: count,
+    };
+    evidence.guard(|i| mask.get((i % width) as i32, (i / width) as i32));
+    Some(evidence)
+}
+
+/// For each pixel of the mask that lies along a curve, which it is nearest to, and how far from its middle in
+/// half-widths.
+fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Option<(u8, f32)>> {
+    let width = mask.width() as i32;
+    let mut owner: Vec<Option<(u8, f32)>> = vec![None; mask.width() * mask.height()];
+    for (index, curve) in (0u8..).zip(curves) {
+        let half = 0.5 * curve.width_px;
+        let reach = 1.5 * half + 1.0;
+        for pair in curve.points.windows(2) {
+            let steps = vec2::distance(pair[0], pair[1]).ceil().max(1.0) as usize;
+            for step in 0..=steps {
+                let share = step as f32 / steps as f32;
+                let at = vec2::along(pair[0], vec2::sub(pair[1], pair[0]), share);
+                let span = |c: f32| (c - reach).ceil() as i32..=(c + reach).floor() as i32;
+                for y in span(at[1]) {
+                    for x in span(at[0]) {
+                        let far = vec2::distance(at, [x as f32, y as f32]);
+                        if far > reach || !mask.get(x, y) {
+                            continue;
+                        }
+                        let far = far / half.max(0.5);
+                        let pixel = &mut owner[(y * width + x) as usize];
+                        if pixel.is_none_or(|(_, before)| far < before) {
+                            *pixel = Some((index, far));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    owner
+}
+
+/// Each curve's class: curves of like colour share one.
+fn classes(image: &Image, curves: &[Curve], owner: &[Option<(u8, f32)>]) -> Vec<u8> {
+    let mut known: Vec<[f32; 3]> = Vec::new();
+    let mut classes = Vec::new();
+    for index in 0..curves.len() {
+        let is_core = |owner: &Option<(u8, f32)>| {
+            owner.is_some_and(|(curve, far)| usize::from(curve) == index && far < CORE)
+        };
+        let pixels = owner.iter().enumerate().filter(|(_, owner)| is_core(owner));
+        let own = pixels.map(|(i, _)| color::rgb(image, i % image.width(), i / image.width()));
+        let median = median_color(&own.collect::<Vec<_>>());
+        let same = known.iter().position(|&other| is_alike(median, other));
+        classes.push(same.unwrap_or(known.len()) as u8);
+        if same.is_none() {
+            known.push(median);
+        }
+    }
+    classes
+}
+
+/// The median of each channel; black of nothing.
+pub(super) fn median_color(pixels: &[[u8; 3]]) -> [f32; 3] {
+    std::array::from_fn(|channel| {
+        let mut levels: Vec<f32> = pixels.iter().map(|p| f32::from(p[channel])).collect();
+        crate::background::median(&mut levels)
+    })
+}
+
+fn is_alike(a: [f32; 3], b: [f32; 3]) -> bool {
+    let [(hue_a, _, value_a), (hue_b, _, value_b)] = [a, b].map(|c| hsv::hsv(c.map(|c| c as u8)));
+    match (has_hue(a), has_hue(b)) {
+        (true, true) => {
+            let apart = (hue_a - hue_b).abs();
+            apart.min(360.0 - apart) < SAME_HUE_DEG
+        }
+        (false, false) => (value_a - value_b).abs() < SAME_VALUE,
+        _ => false,
+    }
+}
+
+/// Whether a colour (levels of red, green, blue) has a hue to speak of.
+pub(super) fn has_hue(color: [f32; 3]) -> bool {
+    let largest = color.iter().copied().fold(0.0, f32::max);
+    let smallest = color.iter().copied().fold(255.0, f32::min);
+    largest - smallest >= LEAST_CHROMA * 255.0
+}

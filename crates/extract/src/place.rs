@@ -1,0 +1,118 @@
+//! Places on a finished curve: between its points it is straight for what is reported, and a smooth
+//! spline for what is looked at in the image.
+
+use crate::scene::Curve;
+use crate::vec2::{self, Vec2};
+
+/// A rope that bends back to cross itself needs more way than this, in widths: the centerline of
+/// the tightest loop, whose hole is closed, is π widths long.
+const TIGHTEST: f32 = 2.0;
+
+/// A place on a curve: its index, and the point with its fraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) curve: usize,
+    pub(crate) at: f32,
+}
+
+impl Curve {
+    /// Pieces between points; of a closed curve also from the last to the first.
+    pub(crate) fn intervals(&self) -> usize {
+        match self.points.len() {
+            0 | 1 => 0,
+            n if self.closed => n,
+            n => n - 1,
+        }
+    }
+
+    /// The two points that piece `i` joins.
+    pub(crate) fn piece(&self, i: usize) -> [Vec2; 2] {
+        [self.points[i], self.points[(i + 1) % self.points.len()]]
+    }
+
+    /// Whether pieces `i` and `j` are too near along the curve to cross each other.
+    pub(crate) fn neighbors(&self, i: usize, j: usize) -> bool {
+        let apart = self.step(i as f32, j as f32).abs();
+        apart < 1.5 || apart * self.spacing_px() < TIGHTEST * self.width_px
+    }
+
+    /// From place `from` to place `to` (points with fractions), the shorter way of a closed curve.
+    pub(crate) fn step(&self, from: f32, to: f32) -> f32 {
+        let (step, around) = (to - from, self.intervals() as f32);
+        if self.closed && step.abs() > 0.5 * around {
+            step - around.copysign(step)
+        } else {
+            step
+        }
+    }
+
+    /// How long the way between two places is, in pixels.
+    pub(crate) fn way_px(&self, from: f32, to: f32) -> f32 {
+        self.step(from, to).abs() * self.spacing_px()
+    }
+
+    /// From one point to the next, in pixels.
+    pub(crate) fn spacing_px(&self) -> f32 {
+        self.length_px / self.intervals().max(1) as f32
+    }
+
+    /// The position at a place.
+    pub(crate) fn at(&self, place: f32) -> Vec2 {
+        let pieces = self.intervals();
+        let place = if self.closed {
+            place.rem_euclid(pieces as f32)
+        } else {
+            place
+        };
+        let i = (place.max(0.0) as usize).min(pieces - 1);
+        let [from, to] = self.piece(i);
+        vec2::along(from, vec2::sub(to, from), place - i as f32)
+    }
+}
+
+/// The position at a place of the curve, by the Catmull-Rom spline through its points.
+pub(crate) fn spline(curve: &Curve, place: f32) -> Vec2 {
+    let (i, t) = split(curve, place);
+    let [p, q, r, s] = [-1, 0, 1, 2].map(|k| point(curve, i + k));
+    std::array::from_fn(|c| {
+        let bend = 2.0 * p[c] - 5.0 * q[c] + 4.0 * r[c] - s[c];
+        let twist = 3.0 * (q[c] - r[c]) + s[c] - p[c];
+        0.5 * (2.0 * q[c] + t * (r[c] - p[c] + t * (bend + t * twist)))
+    })
+}
+
+/// The spline's unit tangent there.
+pub(crate) fn tangent(curve: &Curve, place: f32) -> Vec2 {
+    let (i, t) = split(curve, place);
+    let [p, q, r, s] = [-1, 0, 1, 2].map(|k| point(curve, i + k));
+    let d = std::array::from_fn(|c| {
+        let bend = 2.0 * p[c] - 5.0 * q[c] + 4.0 * r[c] - s[c];
+        let twist = 3.0 * (q[c] - r[c]) + s[c] - p[c];
+        r[c] - p[c] + t * (2.0 * bend + 3.0 * t * twist)
+    });
+    vec2::unit_or(d, vec2::unit_or(vec2::sub(r, q), [1.0, 0.0]))
+}
+
+/// The piece of the spline and how far into it.
+fn split(curve: &Curve, place: f32) -> (i32, f32) {
+    let last = curve.intervals() as i32 - 1;
+    let i = place.floor() as i32;
+    let i = if curve.closed { i } else { i.clamp(0, last) };
+    (i, place - i as f32)
+}
+
+/// Point `i`, counted around a closed curve, and run on straight beyond the ends of an open one.
+fn point(curve: &Curve, i: i32) -> Vec2 {
+    let n = curve.points.len() as i32;
+    let at = |i: i32| curve.points[i as usize];
+    if curve.closed {
+        at(i.rem_euclid(n))
+    } else if i < 0 {
+        vec2::along(at(0), vec2::sub(at(1), at(0)), i as f32)
+    } else if i >= n {
+        let inner = at(n - 2);
+        vec2::along(at(n - 1), vec2::sub(at(n - 1), inner), (i - n + 1) as f32)
+    } else {
+        at(i)
+    }
+}

@@ -1,0 +1,94 @@
+//! A process that makes masks for lariat, as a neural network would: frames in, masks out.
+//!
+//! With `mask = "external"` under `[extract]` in lariat.toml:
+//!
+//! ```sh
+//! cargo run --release --example mask_network &
+//! lariat run
+//! ```
+//!
+//! What stands for the network here is `rope_probability`: put yours in its place. It sees the newest frame, and while
+//! it works others pass it by; extract counts a frame whose mask does not come in time as skipped.
+//! Flags: `--rig NAME`, and `--lossless` if the chain is.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use lariat_wire::{
+    Delivery, Domain, FRAMES, FrameHeader, PixelFormat, Reader, Rig, WireError, Writer,
+};
+
+#[allow(dead_code, reason = "a test runs `serve` alone")]
+fn main() -> anyhow::Result<()> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, stop.clone())?;
+    }
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let rig = arguments.windows(2).find(|pair| pair[0] == "--rig");
+    let rig = rig.map_or(Ok(Rig::default()), |pair| pair[1].parse())?;
+    let delivery = if arguments.iter().any(|argument| argument == "--lossless") {
+        Delivery::Lossless { stop: stop.clone() }
+    } else {
+        Delivery::NewestWins
+    };
+    serve(&Domain::open()?, &rig, &delivery, &stop)?;
+    Ok(())
+}
+
+/// Answers frames with masks until it is told to stop.
+///
+/// # Errors
+/// What the transport has to say.
+pub(crate) fn serve(
+    domain: &Domain,
+    rig: &Rig,
+    delivery: &Delivery,
+    stop: &AtomicBool,
+) -> Result<(), WireError> {
+    let frames = Reader::create(domain, rig, &FRAMES, Some(delivery))?;
+    let mut masks: Option<(usize, Writer<[u8]>)> = None;
+    while !stop.load(Ordering::Relaxed) {
+        // The newest frame is worth the work most; unless none may be left out.
+        let frame = match delivery {
+            Delivery::NewestWins => frames.latest()?,
+            Delivery::Lossless { .. } => frames.next()?,
+        };
+        let Some(frame) = frame else {
+            frames.sleep(Some(Instant::now() + Duration::from_millis(50)), None)?;
+            continue;
+        };
+        let header = frame.header().of_mask();
+        let bytes = header.width as usize * header.height as usize;
+        // The slots are made for the largest mask so far.
+        let writer = match &mut masks {
+            Some((largest, writer)) if *largest >= bytes => writer,
+            _ => {
+                masks = None;
+                let writer = Writer::masks(domain, rig, delivery, bytes)?;
+                &mut masks.insert((bytes, writer)).1
+            }
+        };
+        let mut mask = writer.frame_slot(bytes)?;
+        rope_probability(frame.header(), &frame, &mut mask);
+        // With the frame's own trace, by which extract knows whose mask it is.
+        *mask.header_mut() = header;
+        mask.send()?;
+    }
+    Ok(())
+}
+
+/// How likely each pixel is rope, 0 to 255. Here: how much bluer than red it is. Frames that are not RGB have no rope.
+fn rope_probability(header: &FrameHeader, frame: &[u8], mask: &mut [u8]) {
+    if header.format() != Some(PixelFormat::Rgb8) {
+        mask.fill(0);
+        return;
+    }
+    let rows = frame.chunks_exact(header.stride as usize);
+    for (row, mask) in rows.zip(mask.chunks_exact_mut(header.width as usize)) {
+        for (pixel, likely) in row.chunks_exact(3).zip(mask) {
+            *likely = pixel[2].saturating_sub(pixel[0]).saturating_mul(3);
+        }
+    }
+}

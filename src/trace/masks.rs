@@ -1,0 +1,40 @@
+//! Masks from elsewhere, as pictures in a folder: each of the name of the picture it belongs to.
+
+use crate::picture::Picture;
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+
+/// A folder of masks.
+pub(super) struct Masks(PathBuf);
+
+impl Masks {
+    /// # Errors
+    /// There is no such folder.
+    pub(super) fn new(folder: &Path) -> Result<Self> {
+        if !folder.is_dir() {
+            bail!(
+                "there is no folder {}: --mask takes a folder of PNG pictures, white for rope",
+                folder.display()
+            );
+        }
+        Ok(Self(folder.to_owned()))
+    }
+
+    /// The mask of the picture at `path`, and where it is.
+    ///
+    /// # Errors
+    /// It is not there, or is no picture.
+    pub(super) fn of(&self, path: &Path) -> Result<(PathBuf, Picture)> {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = self.0.join(format!("{stem}.png"));
+        if !name.exists() {
+            bail!(
+                "there is no mask of {}: it would be {}",
+                path.display(),
+                name.display()
+            );
+        }
+        let mask = Picture::load(&name)?.into_gray();
+        Ok((name, mask))
+    }
+}

@@ -1,0 +1,164 @@
+//! `lariat pick` on pictures drawn here.
+
+use assert_cmd::Command;
+use image::{GrayImage, Rgb, RgbImage};
+use serde_json::Value;
+use std::process::Output;
+use tempfile::TempDir;
+
+fn lariat(folder: &TempDir, args: &[&str]) -> Output {
+    let mut command: Command = assert_cmd::cargo::cargo_bin_cmd!("lariat");
+    command.current_dir(folder).args(args).output().unwrap()
+}
+
+/// A table with a blue bar and a red one, 11 px high each.
+fn save_bars(folder: &TempDir) {
+    let picture = RgbImage::from_fn(240, 160, |x, y| {
+        let along = (20..220).contains(&x);
+        match y {
+            40..51 if along => Rgb([40, 90, 190]),
+            110..121 if along => Rgb([190, 30, 40]),
+            _ => Rgb([225, 220, 210]),
+        }
+    });
+    picture.save(folder.path().join("bars.png")).unwrap();
+}
+
+fn mask(folder: &TempDir, name: &str) -> GrayImage {
+    image::open(folder.path().join(name)).unwrap().into_luma8()
+}
+
+fn rows(mask: &GrayImage) -> Vec<u32> {
+    (0..160)
+        .filter(|&y| mask.get_pixel(120, y).0[0] == 255)
+        .collect()
+}
+
+#[test]
+fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
+    let folder = TempDir::new().unwrap();
+    save_bars(&folder);
+    let output = lariat(&folder, &["pick", "bars.png"]);
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said, "lariat: the mask is drawn in bars-mask.png\n");
+    let bars: Vec<u32> = (40..51).chain(110..121).collect();
+    assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
+
+    std::fs::write(folder.path().join("lariat.toml"), &output.stdout).unwrap();
+    let shown = lariat(&folder, &["config", "check"]);
+    assert!(shown.status.success(), "{shown:?}");
+    let traced = lariat(&folder, &["trace", "bars.png", "--format", "jsonl"]);
+    let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
+    assert_eq!(report["curves"].as_array().unwrap().len(), 2);
+
+    // The mask itself can be given back, too.
+    std::fs::create_dir(folder.path().join("masks")).unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::rename(at("bars-mask.png"), at("masks/bars.png")).unwrap();
+    let traced = lariat(
+        &folder,
+        &["trace", "bars.png", "--mask", "masks", "--format", "jsonl"],
+    );
+    let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
+    assert_eq!(report["curves"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_point_chooses_one_rope() {
+    let folder = TempDir::new().unwrap();
+    save_bars(&folder);
+    for (at, bar) in [("100,45", 40..51), ("100.5, 114", 110..121)] {
+        let output = lariat(
+            &folder,
+            &["pick", "bars.png", "--at", at, "--out", "mask.png"],
+        );
+        assert!(output.status.success(), "{output:?}");
+        let printed = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(printed.matches("hue_deg").count(), 1, "{printed}");
+        // The same name again is replaced: the user gave it.
+        assert_eq!(rows(&mask(&folder, "mask.png")), bar.collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn no_file_is_replaced_that_the_user_did_not_name() {
+    let folder = TempDir::new().unwrap();
+    save_bars(&folder);
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("bars-mask.png"), "mine").unwrap();
+    let output = lariat(&folder, &["pick", "bars.png"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("a file bars-mask.png already: name one to write with --out"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read(at("bars-mask.png")).unwrap(), b"mine");
+    // The colours are found all the same.
+    assert!(
+        String::from_utf8(output.stdout)
+            .unwrap()
+            .contains("hue_deg")
+    );
+
+    let before = std::fs::read(at("bars.png")).unwrap();
+    let output = lariat(&folder, &["pick", "bars.png", "--out", "bars.png"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("would replace the picture bars.png"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read(at("bars.png")).unwrap(), before);
+
+    let output = lariat(&folder, &["pick", "bars.png", "--out", "mask.jpg"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("give --out a name that ends in .png, not mask.jpg"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_cannot_be_picked_is_said_in_a_sentence() {
+    let folder = TempDir::new().unwrap();
+    save_bars(&folder);
+    RgbImage::from_pixel(64, 48, Rgb([225, 220, 210]))
+        .save(folder.path().join("table.png"))
+        .unwrap();
+    std::fs::write(folder.path().join("letter.png"), "Dear rope,\n").unwrap();
+    for (args, sentence) in [
+        (
+            &["bars.png", "--at", "240,45"][..],
+            "bars.png: the point (240, 45) is outside of the image, whose last pixel is (239, 159)",
+        ),
+        (
+            &["bars.png", "--at", "-7,45"],
+            "bars.png: the point (-7, 45) is outside of the image, whose last pixel is (239, 159)",
+        ),
+        (
+            &["bars.png", "--at", "100,80"],
+            "bars.png: at (100, 80) is the table, and no rope within 3 pixels: give a point on the rope",
+        ),
+        (
+            &["table.png"],
+            "table.png: no rope stands out from the table by itself: give a point on it",
+        ),
+        (
+            &["letter.png"],
+            "cannot read letter.png as a PNG or JPEG picture",
+        ),
+        (&["missing.png"], "cannot open the picture missing.png"),
+        (
+            &["bars.png", "--at", "middle"],
+            "a point is two numbers of pixels, such as 320,240",
+        ),
+    ] {
+        let output = lariat(&folder, &[&["pick"], args].concat());
+        assert!(!output.status.success(), "{output:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(sentence), "{said}");
+        assert!(output.stdout.is_empty());
+    }
+}

@@ -1,0 +1,61 @@
+//! Masks from elsewhere, in a folder.
+
+use image::{GrayImage, Rgb, RgbImage};
+use tempfile::TempDir;
+
+use super::{TABLE, distance_to_wave, lines, points, save, trace, wave_picture};
+
+#[test]
+fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
+    let folder = TempDir::new().unwrap();
+    std::fs::create_dir(folder.path().join("masks")).unwrap();
+    // Nothing tells this rope from its table but the mask.
+    save(&folder, "table.jpg", &RgbImage::from_pixel(320, 240, TABLE));
+    let mask = wave_picture();
+    let white = |pixel: &Rgb<u8>| if pixel.0[0] < 130 { 255 } else { 0 };
+    let mask = GrayImage::from_fn(320, 240, |x, y| image::Luma([white(mask.get_pixel(x, y))]));
+    mask.save(folder.path().join("masks/table.png")).unwrap();
+    let args = ["table.jpg", "--mask", "masks", "--format", "jsonl"];
+    let output = trace(&folder, &args).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let report = &lines(&output.stdout)[0];
+    assert_eq!(report["curves"].as_array().unwrap().len(), 1);
+    for p in points(&report["curves"][0]["points"]) {
+        assert!(distance_to_wave(p) < 1.0, "{p:?}");
+    }
+}
+
+#[test]
+fn a_mask_that_is_missing_or_of_another_size_is_named() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "wave.png", &wave_picture());
+    let said = |args: &[&str]| {
+        let output = trace(&folder, args).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(
+        said(&["wave.png", "--mask", "masks"]),
+        "lariat: there is no folder masks: --mask takes a folder of PNG pictures, white for rope\n"
+    );
+    std::fs::create_dir(folder.path().join("masks")).unwrap();
+    assert_eq!(
+        said(&["wave.png", "--mask", "masks"]),
+        "lariat: there is no mask of wave.png: it would be masks/wave.png\n"
+    );
+    save(&folder, "masks/wave.png", &RgbImage::new(20, 10));
+    assert_eq!(
+        said(&["wave.png", "--mask", "masks"]),
+        "lariat: masks/wave.png: the mask is 20×10 pixels and its image 320×240: give each image a mask of its own \
+         size\n"
+    );
+    std::fs::write(
+        folder.path().join("lariat.toml"),
+        "[extract]\nmask = \"external\"\n",
+    )
+    .unwrap();
+    assert_eq!(
+        said(&["wave.png"]),
+        "lariat: the settings say mask = \"external\": name the masks' folder with --mask DIR\n"
+    );
+}
