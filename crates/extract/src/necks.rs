@@ -49,15 +49,15 @@ impl Necks {
         let wide_px = WIDE_HALVES * half_px + DOUBT_PX;
         let neck_px = NECK_HALVES * half_px + DOUBT_PX;
         necks.are_known &= narrowest <= neck_px || narrowest >= wide_px;
-        // The narrowest pixel of the neck that is being passed, and the pixels since then that are wide.
-        let (mut passed, mut wide): (Option<usize>, usize) = (None, 0);
+        // The first and last pixel of the neck that is being passed, and how many since then are wide.
+        let (mut passed, mut wide): (Option<[usize; 2]>, usize) = (None, 0);
         for k in inner {
             if radius(k) <= neck_px {
                 if wide >= rim.max(2) {
                     passed.take().into_iter().for_each(|n| necks.push(n));
                 }
                 wide = 0;
-                passed = Some(passed.filter(|&n| radius(n) <= radius(k)).unwrap_or(k));
+                passed = Some([passed.map_or(k, |[first, _]| first), k]);
             } else if radius(k) >= wide_px {
                 wide += 1;
             }
@@ -66,11 +66,13 @@ impl Necks {
         necks
     }
 
-    fn push(&mut self, pixel: usize) {
+    /// A neck lies in the middle of the pixels that are as narrow as one rope: where it is narrowest, whole pixels do
+    /// not tell.
+    fn push(&mut self, [first, last]: [usize; 2]) {
         if self.count == MOST {
             self.are_known = false;
         } else {
-            self.at[self.count] = pixel as u32;
+            self.at[self.count] = ((first + last) / 2) as u32;
             self.count += 1;
         }
     }

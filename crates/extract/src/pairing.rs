@@ -114,11 +114,7 @@ pub(crate) fn cost(a: &Arm, b: &Arm, past: &Past, yuv: bool) -> f32 {
     let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
-    let sides = if a.side * b.side < 0.0 {
-        OTHER_SIDE
-    } else {
-        0.0
-    };
+    let sides = OTHER_SIDE * (-a.side * b.side).max(0.0);
     let against = past.against(&a.past, &b.past, vec2::distance(a.at, b.at));
     // The narrowest ropes measure their width too coarsely for it to say much.
     bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0

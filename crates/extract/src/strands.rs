@@ -110,8 +110,12 @@ impl Strands {
                     }
                     let d = d as usize;
                     let cost = |i: usize, j: usize| {
-                        let arm = |slot: usize| &zones.arms[self.arm[slot] as usize];
-                        cost(arm(i), arm(j), &zones.past, yuv)
+                        // Tight loops lie too close to themselves for sides.
+                        let arm = |slot: usize| Arm {
+                            side: 0.0,
+                            ..zones.arms[self.arm[slot] as usize]
+                        };
+                        cost(&arm(i), &arm(j), &zones.past, yuv)
                     };
                     let more = cost(a, c) + cost(b, d) - RING_BEND * cost(a, b) - cost(c, d);
                     if more < best.0 {

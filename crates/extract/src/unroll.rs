@@ -11,6 +11,9 @@ use crate::zones::Arm;
 /// strands side by side (see `zones`).
 const SHORTEST_HALVES: f32 = 1.5;
 
+/// From this length on the sides are sure.
+const SURE_HALVES: f32 = 6.0;
+
 /// The motion that lays the far end of an overlap straight ahead of its near end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unroll {
@@ -21,6 +24,8 @@ pub(crate) struct Unroll {
     length_px: f32,
     /// Whether the strands change sides in it an even number of times (none, mostly); nothing when that is not known.
     keeps_sides: Option<bool>,
+    /// How sure that is, 0 to 1: in a short overlap a pixel more or less tells.
+    sureness: f32,
 }
 
 impl Unroll {
@@ -36,6 +41,7 @@ impl Unroll {
         let reach = ((3.0 * half_px) as usize).clamp(3, last.max(3)).min(last);
         let necks = Necks::of(e, graph, skeleton, half_px);
         Some(Self {
+            sureness: (length_px / (SURE_HALVES * half_px)).min(1.0).sqrt(),
             keeps_sides: necks.are_known.then(|| necks.at().len().is_multiple_of(2)),
             from: at(0),
             from_tangent: vec2::unit_or(vec2::sub(at(reach), at(0)), [1.0, 0.0]),
@@ -72,7 +78,7 @@ impl Unroll {
     fn note_side(&self, arm: &mut Arm, is_far: bool) {
         if let Some(keeps_sides) = self.keeps_sides {
             let side = vec2::cross(self.from_tangent, vec2::sub(arm.at, self.from)).signum();
-            arm.side = if is_far && !keeps_sides { -side } else { side };
+            arm.side = self.sureness * if is_far && !keeps_sides { -side } else { side };
         }
     }
 }

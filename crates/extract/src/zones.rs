@@ -32,7 +32,7 @@ pub(crate) struct Arm {
     pub(crate) half_px: f32,
     /// The mean native color along the strand, just outside of the crossing.
     pub(crate) color: [f32; 3],
-    /// Which side of an overlap of strands that do not cross it lies on, −1 or 1; 0: of none.
+    /// On which side of an overlap its strand lies at the overlap's near end, −1 to 1, by how sure it is; 0: of none.
     pub(crate) side: f32,
     /// Where it was in the last image.
     pub(crate) past: Traces,
