@@ -9,7 +9,7 @@
 
 use crate::background::Background;
 use crate::bits::BitPlane;
-use crate::components::for_each_run;
+use crate::components::{Components, for_each_run};
 use crate::morphology::Morphology;
 use crate::plane::Plane;
 use crate::skeleton::half_width;
@@ -19,13 +19,15 @@ use crate::{Image, shadow};
 /// Rows from one that the width is taken in to the next, and the most widths that are taken.
 const STRIDE: usize = 3;
 const MOST_WIDTHS: usize = 2048;
-/// The rope's width is the median of the widths along it; its edges' blur is what faint pixels add at this quantile.
+/// Of a longer run of pixels several widths are taken.
+const LONGEST_PX: usize = 24;
+/// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
 const MIDDLE: f32 = 0.5;
 const LEAST: f32 = 0.08;
+/// Faint pixels count as more than an edge's blur where they are thicker than at this quantile.
+const USUAL: f32 = 0.3;
 /// A place is thin when a disc this share of the rope's width across does not fit in.
 const THIN: f32 = 0.86;
-/// A disc does not reach into corners: this much farther a place still counts as reached.
-const CORNER_PX: usize = 2;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
 /// Ropes wider than this are not mended, in pixels: the widest that thinning brings to rest.
@@ -35,7 +37,8 @@ const WIDEST_PX: f32 = 128.0;
 #[derive(Debug, Default)]
 pub(crate) struct Mender {
     morphology: Morphology,
-    /// Widths along the ropes and what faint pixels add to them, each with the length it stands for.
+    pieces: Components,
+    /// Widths along the ropes and what faint pixels add to them, each with the area it stands for.
     widths: Vec<(f32, f32)>,
     edges: Vec<(f32, f32)>,
     weak: BitPlane,
@@ -58,11 +61,11 @@ impl Mender {
     ) {
         self.find_weak(image, background, cut, difference, mask);
         let (width_px, fringe_px) = self.rope_width(mask);
-        let across = (THIN * width_px) as usize;
+        let across = (THIN * width_px).round() as usize;
         if across < 3 || width_px > WIDEST_PX {
             return;
         }
-        if !self.find_thin(mask, across, width_px) {
+        if !self.find_thin(mask, across, width_px, fringe_px) {
             return;
         }
         let slit = ((SLIT * width_px) as usize).max(1);
@@ -74,7 +77,7 @@ impl Mender {
         // What has the rope's width now, with the corners that a disc does not reach.
         self.fits.copy_from(&self.wider);
         self.morphology.open(&mut self.fits, across);
-        self.morphology.dilate(&mut self.fits, CORNER_PX);
+        self.morphology.dilate(&mut self.fits, fringe_px);
         self.wider.zip(&self.fits, mask, |w, f, m| w & f & !m);
         self.drop_fringe(mask, slit, fringe_px);
         lift(difference, &self.wider, cut.level);
@@ -88,7 +91,7 @@ impl Mender {
         self.thin.copy_from(mask);
         self.morphology.close(&mut self.thin, slit);
         self.fits.copy_from(&self.wider);
-        self.morphology.open(&mut self.fits, fringe_px + 1);
+        self.morphology.open(&mut self.fits, 2 * fringe_px);
         self.morphology.dilate(&mut self.fits, 1);
         self.wider
             .zip(&self.fits, &self.thin, |w, f, c| w & (f | c));
@@ -103,22 +106,26 @@ impl Mender {
         self.edges.clear();
         for y in (0..mask.height()).step_by(STRIDE) {
             for_each_run(mask, y, true, |from, to| {
-                if self.widths.len() == MOST_WIDTHS {
-                    return;
+                // Pixels stand for their share of the ropes' area.
+                let count = (to - from).div_ceil(LONGEST_PX);
+                let area = (to - from) as f32 / count as f32;
+                for k in 0..count.min(MOST_WIDTHS - self.widths.len()) {
+                    let x = from as f32 + (k as f32 + 0.5) * area;
+                    let (x, y) = middle(mask, x as i32, y as i32);
+                    let sure_px = width_at(mask, x, y);
+                    let (x, y) = middle(&self.weak, x, y);
+                    let all_px = width_at(&self.weak, x, y);
+                    self.widths.push((all_px, area));
+                    self.edges.push(((all_px - sure_px).max(0.0), area));
                 }
-                // The middle of a run lies in the middle of a straight rope, however it slants; a run is the longer, the
-                // more of a rope goes by between two rows.
-                let sure_px = width_at(mask, (from + to) / 2, y);
-                let (left, right) = run_around(self.weak.row(y), (from + to) / 2);
-                let all_px = width_at(&self.weak, (left + right) / 2, y);
-                let length = (to - from) as f32 / sure_px;
-                self.widths.push((all_px, length));
-                self.edges.push(((all_px - sure_px).max(0.0), length));
             });
         }
         let edges_px = quantile(&mut self.edges, LEAST);
         let width_px = quantile(&mut self.widths, MIDDLE) - edges_px;
-        (width_px, (0.5 * edges_px).ceil().max(1.0) as usize)
+        (
+            width_px,
+            (0.5 * quantile(&mut self.edges, USUAL)).ceil().max(1.0) as usize,
+        )
     }
 
     /// Finds the faint pixels that are no shadow, and all that are sure.
@@ -137,13 +144,20 @@ impl Mender {
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.
-    fn find_thin(&mut self, mask: &BitPlane, across: usize, width_px: f32) -> bool {
+    fn find_thin(
+        &mut self,
+        mask: &BitPlane,
+        across: usize,
+        width_px: f32,
+        fringe_px: usize,
+    ) -> bool {
         self.fits.copy_from(mask);
         self.morphology.open(&mut self.fits, across);
-        self.morphology.dilate(&mut self.fits, CORNER_PX);
+        self.morphology.dilate(&mut self.fits, fringe_px);
         self.thin.copy_from(mask);
         self.thin.zip(&self.fits, mask, |m, f, _| m & !f);
-        if self.thin.count() == 0 {
+        let least = (0.5 * width_px) as u32;
+        if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
             return false;
         }
         self.morphology
@@ -152,23 +166,24 @@ impl Mender {
     }
 }
 
-/// The width of the rope about a pixel in its middle. A run of an even number of pixels has none: half a pixel is lacking
-/// there, a quarter in the mean.
-fn width_at(mask: &BitPlane, x: usize, y: usize) -> f32 {
-    2.0 * half_width(mask, x as i32, y as i32) + 0.25
+/// The width of the rope about a pixel in its middle. An even number of pixels has none there: half a pixel is lacking
+/// then, a quarter in the mean.
+fn width_at(mask: &BitPlane, x: i32, y: i32) -> f32 {
+    2.0 * half_width(mask, x, y) + 0.25
 }
 
-/// The run of set pixels around pixel `x`, which is set.
-fn run_around(row: &[u64], x: usize) -> (usize, usize) {
-    let (mut from, mut to) = (x, x + 1);
-    let get = |x: usize| row[x / 64] >> (x % 64) & 1 == 1;
-    while from > 0 && get(from - 1) {
-        from -= 1;
+/// The middle of a straight rope near the set pixel (x, y): that of its row's or its column's run, the shorter of the two.
+fn middle(mask: &BitPlane, x: i32, y: i32) -> (i32, i32) {
+    let reach = |dx: i32, dy: i32| {
+        let more = |k: &i32| mask.get(x + (k + 1) * dx, y + (k + 1) * dy);
+        (0..WIDEST_PX as i32).take_while(more).count() as i32
+    };
+    let [right, left, down, up] = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(x, y)| reach(x, y));
+    if left + right < up + down {
+        (x + (right - left) / 2, y)
+    } else {
+        (x, y + (down - up) / 2)
     }
-    while to < 64 * row.len() && get(to) {
-        to += 1;
-    }
-    (from, to)
 }
 
 /// The value below which `share` of the weights lie; 0 of nothing.
@@ -191,5 +206,86 @@ fn lift(difference: &mut Plane, added: &BitPlane, level: u8) {
                 *value = level.max(*value);
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mask::Masker;
+    use crate::{Image, Mask, PixelFormat};
+
+    const SIZE: [usize; 2] = [400, 100];
+    const TABLE: [u8; 3] = [200, 196, 190];
+    const ROPE: [u8; 3] = [40, 60, 120];
+
+    /// A picture of boxes: columns, rows and color of each.
+    fn picture(boxes: &[([usize; 2], [usize; 2], [u8; 3])]) -> Vec<u8> {
+        let mut pixels = TABLE.repeat(SIZE[0] * SIZE[1]);
+        for &([left, right], [top, bottom], color) in boxes {
+            for y in top..bottom {
+                for x in left..right {
+                    pixels[3 * (y * SIZE[0] + x)..][..3].copy_from_slice(&color);
+                }
+            }
+        }
+        pixels
+    }
+
+    fn masked(pixels: &[u8]) -> Masker {
+        let image = Image::new(pixels, SIZE[0], SIZE[1], 3 * SIZE[0], PixelFormat::Rgb8);
+        let mut masker = Masker::default();
+        masker.run(&image.expect("a whole image"), &Mask::Auto);
+        masker
+    }
+
+    #[test]
+    fn a_highlight_of_the_tables_color_does_not_split_the_rope() {
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 200], [43, 46], TABLE),
+        ]));
+        for x in 45..355 {
+            assert!((41..51).all(|y| masker.mask.get(x, y)), "column {x}");
+            let level = masker.difference.row(44)[x as usize];
+            assert!(level > 100, "column {x}: {level}");
+        }
+    }
+
+    #[test]
+    fn a_pale_side_belongs_to_the_rope() {
+        // 35 levels off the table in blue alone: far below the cut, and no shadow.
+        let pale = [200, 196, 225];
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 160], [40, 46], pale),
+        ]));
+        assert!((105..155).all(|x| masker.mask.get(x, 41)));
+    }
+
+    #[test]
+    fn a_shadow_beside_the_rope_does_not() {
+        let shadow = TABLE.map(|level| (f32::from(level) * 0.8) as u8);
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([40, 360], [52, 58], shadow),
+        ]));
+        assert!((40..360).all(|x| !masker.mask.get(x, 53)));
+    }
+
+    #[test]
+    fn the_table_between_two_strands_stays_table() {
+        let masker = masked(&picture(&[
+            ([40, 360], [30, 40], ROPE),
+            ([40, 360], [42, 52], ROPE),
+        ]));
+        for x in 40..360 {
+            assert!((40..42).all(|y| !masker.mask.get(x, y)), "column {x}");
+        }
+    }
+
+    #[test]
+    fn a_rope_of_one_width_is_left_as_it_is() {
+        let masker = masked(&picture(&[([40, 360], [40, 52], ROPE)]));
+        assert_eq!(masker.mask.count(), 320 * 12);
     }
 }
