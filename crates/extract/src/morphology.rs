@@ -61,10 +61,14 @@ fn is_square(step: usize) -> bool {
     squares(step + 1) > squares(step)
 }
 
-/// One word of the next plane, from the rows above, here and below, and whether corners count.
-type Step = fn(rows: [Option<&[u64]>; 3], i: usize, last: u64, square: bool) -> u64;
-
-fn each_row(before: &BitPlane, plane: &mut BitPlane, square: bool, step: Step) {
+/// Makes each word of `plane` what `step` says, given the rows of `before` above, here and below, the word's number and
+/// those of its bits that lie in the image, and whether corners count.
+fn each_row(
+    before: &BitPlane,
+    plane: &mut BitPlane,
+    square: bool,
+    step: impl Fn([Option<&[u64]>; 3], usize, u64, bool) -> u64,
+) {
     let (height, words) = (before.height(), before.words_per_row());
     let last = before.last_word_mask();
     let row = |y: usize| (y < height).then(|| before.row(y));
