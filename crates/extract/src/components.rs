@@ -142,7 +142,12 @@ fn find(parent: &mut [u32], mut i: u32) -> u32 {
 }
 
 /// Calls `run(from, to)` for each longest stretch of pixels of row `y` that equal `value`.
-fn for_each_run(plane: &BitPlane, y: usize, value: bool, mut run: impl FnMut(usize, usize)) {
+pub(crate) fn for_each_run(
+    plane: &BitPlane,
+    y: usize,
+    value: bool,
+    mut run: impl FnMut(usize, usize),
+) {
     let flip = if value { 0 } else { u64::MAX };
     let width = plane.width();
     let row = plane.row(y);

@@ -6,6 +6,8 @@ use crate::components::Components;
 use crate::difference::Differencer;
 use crate::doubt::{Doubter, Evidence};
 use crate::plane::Plane;
+use crate::threshold::Cut;
+use crate::whole::Mender;
 use crate::{Image, Mask, Notice, PixelFormat, hsv, threshold};
 use thiserror::Error;
 
@@ -41,6 +43,7 @@ pub(crate) struct Masker {
     background: Background,
     differencer: Differencer,
     components: Components,
+    mender: Mender,
     original: BitPlane,
     doubter: Doubter,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
@@ -65,8 +68,9 @@ impl Masker {
                 self.differencer
                     .difference(image, &self.background, &mut self.difference);
                 let cut = threshold::choose(&self.difference, self.background.noise);
-                threshold::apply(&self.difference, cut, &mut self.mask);
-                chosen = Some(cut);
+                threshold::apply(&self.difference, cut.rope, &mut self.mask);
+                self.mend(image, cut);
+                chosen = Some(cut.rope);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
             Mask::External => {
@@ -137,6 +141,18 @@ impl Masker {
         }
         if !self.clean() {
             self.mask.resize(cover.width(), cover.height());
+        }
+    }
+
+    /// Adds what the cut left out of the ropes.
+    fn mend(&mut self, image: &Image, cut: Cut) {
+        smooth(&mut self.mask, &mut self.original);
+        let pixels = self.mask.width() * self.mask.height();
+        let area = self.mask.count();
+        if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
+            let (table, difference) = (&self.background, &mut self.difference);
+            self.mender
+                .mend(image, table, cut, difference, &mut self.mask);
         }
     }
 

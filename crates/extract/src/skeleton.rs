@@ -114,7 +114,7 @@ impl Skeleton {
 /// Distance from the center of pixel (x, y) to the nearest side of an unset pixel's center, less the
 /// half pixel that the edge lies before it. What is outside the image does not count as unset: a
 /// rope that leaves the image is cut, not narrow.
-fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
+pub(crate) fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
     let mut best = WIDEST_HALF * WIDEST_HALF;
     let mut dy = 0;
     while dy * dy < best {

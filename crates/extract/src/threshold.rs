@@ -13,6 +13,8 @@ use crate::plane::Plane;
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
 /// deviation), and single pixels are dropped anyway.
 pub(crate) const NOISE_FLOOR: f32 = 6.0;
+/// The same where a mean of the ropes' is known that stands out: five standard deviations, once in some 10⁶ pixels.
+const FAINT_FLOOR: f32 = 4.0;
 /// Least difference taken for rope, in levels: coding artefacts of JPEG and video reach this far.
 pub(crate) const LEVEL_FLOOR: f32 = 14.0;
 /// Where the cut lies between the mean of the table and the mean of the rope.
@@ -23,8 +25,19 @@ pub(crate) fn floor(noise: f32) -> f32 {
     (NOISE_FLOOR * noise).max(LEVEL_FLOOR)
 }
 
-/// The cut, in levels of difference: from here on a pixel is rope.
-pub(crate) fn choose(difference: &Plane, noise: f32) -> u8 {
+/// What separates the ropes from the table, in levels of difference.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cut {
+    /// From here on a pixel is rope.
+    pub(crate) rope: u8,
+    /// From here on a pixel is not just the table's noise: rope, if there is rope around it.
+    pub(crate) faint: u8,
+    /// The ropes' mean.
+    pub(crate) level: u8,
+}
+
+/// Finds the cut, given the table's noise.
+pub(crate) fn choose(difference: &Plane, noise: f32) -> Cut {
     let histogram = histogram(difference);
     let floor = floor(noise);
     let mut cut = floor;
@@ -38,8 +51,17 @@ pub(crate) fn choose(difference: &Plane, noise: f32) -> u8 {
         cut = next;
     }
     let (below, above) = means(&histogram, cut);
-    let cut = above.map_or(floor, |above| below + SHARE * (above - below));
-    cut.max(floor).min(255.0).ceil() as u8
+    let above = above.unwrap_or(floor);
+    let share = below + SHARE * (above - below);
+    let faint = (FAINT_FLOOR * noise).max(LEVEL_FLOOR);
+    // Where ropes stand well out of the noise, their share decides.
+    let rope = if share >= faint { share } else { floor };
+    let level = |value: f32| value.min(255.0).ceil() as u8;
+    Cut {
+        rope: level(rope),
+        faint: level(faint),
+        level: level(above),
+    }
 }
 
 /// One bit a pixel: difference ≥ cut.

@@ -1,0 +1,291 @@
+//! A rope made whole: what the cut left out of it because its color comes near the table's there.
+//!
+//! A highlight as light as the table splits a dark rope lengthwise; the dark dashes of a coarse twist are
+//! bitten out of its side. Such places are narrower than the rope is elsewhere, and that is what is looked for:
+//! around them, and only there, fainter pixels (those that stand out of the table's noise at all) count as rope too,
+//! and slits between them are closed: hysteresis, as Canny's edges have it, "A computational approach to edge
+//! detection" (1986). Of that stays what gives the rope its own width back. A rope that is as wide everywhere is left as
+//! it is, so that blurred edges and shadows beside it, which are faint too, stay out.
+
+use crate::background::Background;
+use crate::bits::BitPlane;
+use crate::components::{Components, for_each_run};
+use crate::morphology::Morphology;
+use crate::plane::Plane;
+use crate::skeleton::half_width;
+use crate::threshold::{self, Cut};
+use crate::{Image, shadow};
+
+/// Rows from one that the width is taken in to the next, and the most widths that are taken.
+const STRIDE: usize = 3;
+const MOST_WIDTHS: usize = 2048;
+/// Of a longer run of pixels several widths are taken.
+const LONGEST_PX: usize = 24;
+/// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
+const MIDDLE: f32 = 0.5;
+const LEAST: f32 = 0.08;
+/// Faint pixels count as more than an edge's blur where they are thicker than at this quantile.
+const USUAL: f32 = 0.3;
+/// A place is thin when a disc this share of the rope's width across does not fit in.
+const THIN: f32 = 0.86;
+/// Half of the widest slit that is closed without a trace of rope in it, in widths.
+const SLIT: f32 = 0.2;
+/// Ropes wider than this are not mended, in pixels: the widest that thinning brings to rest.
+const WIDEST_PX: f32 = 128.0;
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Mender {
+    morphology: Morphology,
+    pieces: Components,
+    /// Widths along the ropes and what faint pixels add to them, each with the area it stands for.
+    widths: Vec<(f32, f32)>,
+    edges: Vec<(f32, f32)>,
+    weak: BitPlane,
+    /// Where the rope is thin, then all around that.
+    thin: BitPlane,
+    wider: BitPlane,
+    fits: BitPlane,
+}
+
+impl Mender {
+    /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack, and lifts the difference of that to the
+    /// ropes' mean, so that their outer edges are found.
+    pub(crate) fn mend(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        cut: Cut,
+        difference: &mut Plane,
+        mask: &mut BitPlane,
+    ) {
+        self.find_weak(image, background, cut, difference, mask);
+        let (width_px, fringe_px) = self.rope_width(mask);
+        let across = (THIN * width_px).round() as usize;
+        if across < 3 || width_px > WIDEST_PX {
+            return;
+        }
+        if !self.find_thin(mask, across, width_px, fringe_px) {
+            return;
+        }
+        let slit = ((SLIT * width_px) as usize).max(1);
+        self.wider.copy_from(mask);
+        self.wider.zip(&self.weak, &self.thin, |m, w, t| m | w & t);
+        self.fits.copy_from(&self.wider);
+        self.morphology.close(&mut self.fits, slit);
+        self.wider.zip(&self.fits, &self.thin, |m, c, t| m | c & t);
+        // What has the rope's width now, with the corners that a disc does not reach.
+        self.fits.copy_from(&self.wider);
+        self.morphology.open(&mut self.fits, across);
+        self.morphology.dilate(&mut self.fits, fringe_px);
+        self.wider.zip(&self.fits, mask, |w, f, m| w & f & !m);
+        self.drop_fringe(mask, slit, fringe_px);
+        lift(difference, &self.wider, cut.level);
+        let added = &self.wider;
+        mask.zip(added, added, |m, a, _| m | a);
+    }
+
+    /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
+    /// at the corners of a tip a disc finds thin places, too.
+    fn drop_fringe(&mut self, mask: &BitPlane, slit: usize, fringe_px: usize) {
+        self.thin.copy_from(mask);
+        self.morphology.close(&mut self.thin, slit);
+        self.fits.copy_from(&self.wider);
+        self.morphology.open(&mut self.fits, 2 * fringe_px);
+        self.morphology.dilate(&mut self.fits, 1);
+        self.wider
+            .zip(&self.fits, &self.thin, |w, f, c| w & (f | c));
+    }
+
+    /// The width of the ropes in pixels; 0 when there is none.
+    ///
+    /// Faint pixels stand beside a blurred edge, too: what the faint ones add where they add least is that, and the
+    /// rope's width is what they reach elsewhere, less it.
+    fn rope_width(&mut self, mask: &BitPlane) -> (f32, usize) {
+        self.widths.clear();
+        self.edges.clear();
+        for y in (0..mask.height()).step_by(STRIDE) {
+            for_each_run(mask, y, true, |from, to| {
+                // Pixels stand for their share of the ropes' area.
+                let count = (to - from).div_ceil(LONGEST_PX);
+                let area = (to - from) as f32 / count as f32;
+                for k in 0..count.min(MOST_WIDTHS - self.widths.len()) {
+                    let x = from as f32 + (k as f32 + 0.5) * area;
+                    let (x, y) = middle(mask, x as i32, y as i32);
+                    let sure_px = width_at(mask, x, y);
+                    let (x, y) = middle(&self.weak, x, y);
+                    let all_px = width_at(&self.weak, x, y);
+                    self.widths.push((all_px, area));
+                    self.edges.push(((all_px - sure_px).max(0.0), area));
+                }
+            });
+        }
+        let edges_px = quantile(&mut self.edges, LEAST);
+        let width_px = quantile(&mut self.widths, MIDDLE) - edges_px;
+        (
+            width_px,
+            (0.5 * quantile(&mut self.edges, USUAL)).ceil().max(1.0) as usize,
+        )
+    }
+
+    /// Finds the faint pixels that are no shadow, and all that are sure.
+    fn find_weak(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        cut: Cut,
+        difference: &Plane,
+        mask: &BitPlane,
+    ) {
+        threshold::apply(difference, cut.faint, &mut self.weak);
+        self.weak.zip(mask, mask, |w, m, _| w & !m);
+        shadow::clear(image, background, &mut self.weak);
+        self.weak.zip(mask, mask, |w, m, _| w | m);
+    }
+
+    /// Finds where the rope is thin, and all around it that could be rope.
+    fn find_thin(
+        &mut self,
+        mask: &BitPlane,
+        across: usize,
+        width_px: f32,
+        fringe_px: usize,
+    ) -> bool {
+        self.fits.copy_from(mask);
+        self.morphology.open(&mut self.fits, across);
+        self.morphology.dilate(&mut self.fits, fringe_px);
+        self.thin.copy_from(mask);
+        self.thin.zip(&self.fits, mask, |m, f, _| m & !f);
+        let least = (0.5 * width_px) as u32;
+        if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
+            return false;
+        }
+        self.morphology
+            .dilate(&mut self.thin, (0.7 * width_px).ceil() as usize);
+        true
+    }
+}
+
+/// The width of the rope about a pixel in its middle. An even number of pixels has none there: half a pixel is lacking
+/// then, a quarter in the mean.
+fn width_at(mask: &BitPlane, x: i32, y: i32) -> f32 {
+    2.0 * half_width(mask, x, y) + 0.25
+}
+
+/// The middle of a straight rope near the set pixel (x, y): that of its row's or its column's run, the shorter of the two.
+fn middle(mask: &BitPlane, x: i32, y: i32) -> (i32, i32) {
+    let reach = |dx: i32, dy: i32| {
+        let more = |k: &i32| mask.get(x + (k + 1) * dx, y + (k + 1) * dy);
+        (0..WIDEST_PX as i32).take_while(more).count() as i32
+    };
+    let [right, left, down, up] = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(x, y)| reach(x, y));
+    if left + right < up + down {
+        (x + (right - left) / 2, y)
+    } else {
+        (x, y + (down - up) / 2)
+    }
+}
+
+/// The value below which `share` of the weights lie; 0 of nothing.
+fn quantile(values: &mut [(f32, f32)], share: f32) -> f32 {
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f32 = values.iter().map(|v| v.1).sum();
+    let mut sum = 0.0;
+    let found = values.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= share * all
+    });
+    found.map_or(0.0, |v| v.0)
+}
+
+/// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
+fn lift(difference: &mut Plane, added: &BitPlane, level: u8) {
+    for y in 0..added.height() {
+        for_each_run(added, y, true, |from, to| {
+            for value in &mut difference.row_mut(y)[from..to] {
+                *value = level.max(*value);
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mask::Masker;
+    use crate::{Image, Mask, PixelFormat};
+
+    const SIZE: [usize; 2] = [400, 100];
+    const TABLE: [u8; 3] = [200, 196, 190];
+    const ROPE: [u8; 3] = [40, 60, 120];
+
+    /// A picture of boxes: columns, rows and color of each.
+    fn picture(boxes: &[([usize; 2], [usize; 2], [u8; 3])]) -> Vec<u8> {
+        let mut pixels = TABLE.repeat(SIZE[0] * SIZE[1]);
+        for &([left, right], [top, bottom], color) in boxes {
+            for y in top..bottom {
+                for x in left..right {
+                    pixels[3 * (y * SIZE[0] + x)..][..3].copy_from_slice(&color);
+                }
+            }
+        }
+        pixels
+    }
+
+    fn masked(pixels: &[u8]) -> Masker {
+        let image = Image::new(pixels, SIZE[0], SIZE[1], 3 * SIZE[0], PixelFormat::Rgb8);
+        let mut masker = Masker::default();
+        masker.run(&image.expect("a whole image"), &Mask::Auto);
+        masker
+    }
+
+    #[test]
+    fn a_highlight_of_the_tables_color_does_not_split_the_rope() {
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 200], [43, 46], TABLE),
+        ]));
+        for x in 45..355 {
+            assert!((41..51).all(|y| masker.mask.get(x, y)), "column {x}");
+            let level = masker.difference.row(44)[x as usize];
+            assert!(level > 100, "column {x}: {level}");
+        }
+    }
+
+    #[test]
+    fn a_pale_side_belongs_to_the_rope() {
+        // 35 levels off the table in blue alone: far below the cut, and no shadow.
+        let pale = [200, 196, 225];
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 160], [40, 46], pale),
+        ]));
+        assert!((105..155).all(|x| masker.mask.get(x, 41)));
+    }
+
+    #[test]
+    fn a_shadow_beside_the_rope_does_not() {
+        let shadow = TABLE.map(|level| (f32::from(level) * 0.8) as u8);
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([40, 360], [52, 58], shadow),
+        ]));
+        assert!((40..360).all(|x| !masker.mask.get(x, 53)));
+    }
+
+    #[test]
+    fn the_table_between_two_strands_stays_table() {
+        let masker = masked(&picture(&[
+            ([40, 360], [30, 40], ROPE),
+            ([40, 360], [42, 52], ROPE),
+        ]));
+        for x in 40..360 {
+            assert!((40..42).all(|y| !masker.mask.get(x, y)), "column {x}");
+        }
+    }
+
+    #[test]
+    fn a_rope_of_one_width_is_left_as_it_is() {
+        let masker = masked(&picture(&[([40, 360], [40, 52], ROPE)]));
+        assert_eq!(masker.mask.count(), 320 * 12);
+    }
+}
