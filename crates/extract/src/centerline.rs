@@ -28,6 +28,9 @@ const TIP_HALVES: f32 = 2.0;
 /// Half-widths from a tip that are not: as far as a section reaches that is 20° aslant.
 const CUT_HALVES: f32 = 0.35;
 
+/// Half-widths from a tip that are measured even if they could not be before.
+const ANEW_HALVES: f32 = 1.6;
+
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Centerliner {
@@ -88,12 +91,21 @@ impl Centerliner {
                 shading,
             };
             let count = (TIP_HALVES * half_px / step_px) as usize + 2;
+            // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
+            let n = line.samples.len();
+            let anew = (ANEW_HALVES * half_px / step_px) as usize + 2;
+            for k in 0..anew.min(n / 4) {
+                for (end, sample) in [(0, k), (1, n - 1 - k)] {
+                    if self.bodies[end].is_none() {
+                        line.samples[sample].weight = 1.0;
+                    }
+                }
+            }
             self.sections
                 .measure_ends(line, source.difference, how, count);
             // A section a little aslant runs into the cut itself.
             let cut_px = CUT_HALVES * half_px + 1.0;
             let skip = ((cut_px / step_px) as usize + 1).min(count / 2);
-            let n = line.samples.len();
             for k in 0..skip.min(n / 4) {
                 line.samples[k].weight = 0.0;
                 line.samples[n - 1 - k].weight = 0.0;
