@@ -8,13 +8,14 @@ mod overlay;
 mod report;
 
 use crate::descriptor_json::{Descriptor, thousandths};
+use crate::doubts;
 use crate::fit_lines::is_closed;
 use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
-    CrossingReport, CurveReport, Format, Report, StrandReport, Table, Timing,
+    CrossingReport, CurveReport, Format, NoticeReport, Report, StrandReport, Table, Timing,
 };
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -81,6 +82,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             Format::Jsonl => report.write_json(&mut output),
             Format::Table => table.write(&report, &mut output),
         };
+        for notice in &report.notices {
+            eprintln!("lariat: {}: {}", image.display(), notice.text);
+        }
         // Each picture's result is out before the next is begun.
         if is_closed(printed.and_then(|()| output.flush()))? {
             break;
@@ -191,6 +195,12 @@ fn report(
             .collect(),
         crossings: crossings
             .map(|crossing| crossing_report(scene, crossing))
+            .collect(),
+        notices: (scene.notice.into_iter())
+            .map(|notice| NoticeReport {
+                kind: notice.name(),
+                text: doubts::sentence(notice),
+            })
             .collect(),
         timing_us,
     }

@@ -9,6 +9,7 @@ use lariat_wire::{
 use super::masks::Masks;
 use super::status::Sent;
 use super::{Backlog, Station, receive};
+use crate::doubts::{self, Doubts};
 use crate::settings::Settings;
 
 /// Extracts until a signal comes.
@@ -72,6 +73,7 @@ struct Eye {
     /// What the extractor's buffers are made for.
     size: (usize, usize),
     unreadable: Warned,
+    doubts: Doubts,
 }
 
 impl Eye {
@@ -84,6 +86,7 @@ impl Eye {
             extractor,
             size: (width, height),
             unreadable: Warned::default(),
+            doubts: Doubts::default(),
         })
     }
 
@@ -122,6 +125,9 @@ impl Eye {
                 .extract_masked(&seen, &image(mask.header(), mask)?)?,
         };
         fill(message, &scene);
+        if let Some(notice) = self.doubts.next(scene.notice) {
+            tracing::warn!("{}", doubts::sentence(notice));
+        }
         Ok(())
     }
 }

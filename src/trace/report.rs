@@ -24,6 +24,8 @@ pub(super) struct Report {
     pub(super) height: u32,
     pub(super) curves: Vec<CurveReport>,
     pub(super) crossings: Vec<CrossingReport>,
+    /// What the automatic mask is unsure of.
+    pub(super) notices: Vec<NoticeReport>,
     pub(super) timing_us: Timing,
 }
 
@@ -54,6 +56,15 @@ pub(super) struct CrossingReport {
     pub(super) over: StrandReport,
     pub(super) under: StrandReport,
     pub(super) confidence: f64,
+}
+
+/// Why the mask may be wrong.
+#[derive(Debug, Serialize)]
+pub(super) struct NoticeReport {
+    /// A short name, for programs.
+    pub(super) kind: &'static str,
+    /// A sentence that says what to do.
+    pub(super) text: String,
 }
 
 /// A place on a rope.

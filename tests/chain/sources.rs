@@ -135,3 +135,23 @@ fn a_folder_of_pictures_comes_in_natural_order_and_whole() {
     }
     assert_eq!(accepted(&bench, "pictures"), (3, 3));
 }
+
+#[test]
+fn a_table_that_cannot_be_told_from_a_rope_is_named_once() {
+    let bench = Bench::new();
+    let folder = bench.path("cloth");
+    fs::create_dir(&folder).unwrap();
+    let cloth = RgbImage::from_fn(320, 240, |x, y| match (x / 20 + y / 20) % 2 {
+        0 => Rgb([190, 185, 175]),
+        _ => Rgb([90, 85, 75]),
+    });
+    for frame in 0..40 {
+        cloth.save(folder.join(format!("{frame}.png"))).unwrap();
+    }
+    let arguments = ["run", "--source", "cloth", "--fps", "max", "--lossless"];
+    let output = bench.run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert_eq!(said.matches("the table is checkered").count(), 1, "{said}");
+    bench.assert_nothing_is_left();
+}

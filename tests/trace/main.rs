@@ -2,6 +2,7 @@
 
 mod crossings;
 mod masks;
+mod notices;
 
 use assert_cmd::Command;
 use image::{GrayImage, Rgb, RgbImage};
@@ -107,7 +108,10 @@ fn a_line_has_the_keys_that_were_promised() {
     let report = the_waves_line();
     let curve = &report["curves"][0];
     let expected = [
-        (&report, "crossings curves height image timing_us width"),
+        (
+            &report,
+            "crossings curves height image notices timing_us width",
+        ),
         (
             &report["timing_us"],
             "decode fit graph mask points skeleton total",

@@ -76,7 +76,7 @@ impl Background {
         }
     }
 
-    /// The table's color at a pixel.
+    /// The surface at one pixel.
     pub(crate) fn at(&self, x: usize, y: usize) -> [f32; 3] {
         let (u, v) = (unit(x as f32, self.width), unit(y as f32, self.height));
         self.surface(&[1.0, u, v, u * u, u * v, v * v])

@@ -6,6 +6,7 @@
 //! with the better normals. Inside of crossings nothing is measured: the line bridges them as the
 //! curve of least bending between the parts that are.
 
+use crate::abut::Body;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::path;
@@ -21,6 +22,12 @@ use crate::zones::{Zones, quantile};
 /// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
 const SHARPEST: f32 = 0.8;
 
+/// Half-widths from a tip that are measured once more when it has been run on.
+const TIP_HALVES: f32 = 2.0;
+
+/// Half-widths from a tip that are not: as far as a section reaches that is 20° aslant.
+const CUT_HALVES: f32 = 0.35;
+
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Centerliner {
@@ -28,6 +35,8 @@ pub(crate) struct Centerliner {
     smoother: Smoother,
     spaced: Vec<Sample>,
     widths: Vec<f32>,
+    /// The strands that the line's ends lie against.
+    bodies: [Option<Body>; 2],
 }
 
 /// What a strand is made of.
@@ -46,6 +55,8 @@ impl Centerliner {
         let mut half_px = mean_half(source, legs);
         let step_px = (half_px / 4.0).clamp(0.75, 4.0);
         path::lay(source, legs, strand.closed, half_px, line);
+        let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
+        self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];
         if line.samples.len() < 3 || line.length_px() < step_px {
             return false;
         }
@@ -67,6 +78,31 @@ impl Centerliner {
             shading = Shading::measure(line, source.difference, how);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
             self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        }
+        // The tips were run on along the way they seemed to go; now that they are laid, they are measured as well.
+        if !line.closed {
+            let how = Measure {
+                half_px,
+                step_px,
+                tolerance: 1.25,
+                shading,
+            };
+            let count = (TIP_HALVES * half_px / step_px) as usize + 2;
+            self.sections
+                .measure_ends(line, source.difference, how, count);
+            // A section a little aslant runs into the cut itself.
+            let cut_px = CUT_HALVES * half_px + 1.0;
+            let skip = ((cut_px / step_px) as usize + 1).min(count / 2);
+            let n = line.samples.len();
+            for k in 0..skip.min(n / 4) {
+                line.samples[k].weight = 0.0;
+                line.samples[n - 1 - k].weight = 0.0;
+            }
+            self.fill_widths(line, 2.0 * half_px);
+            self.smoother
+                .smooth(line, (0.35 * half_px).max(2.5) / step_px);
+            self.extend(source, line, half_px, step_px, cut_px);
+            line.cut_to(source.difference);
         }
         line.samples.len() >= 2
     }
@@ -93,6 +129,7 @@ impl Centerliner {
                 self.extend_end(source, line, half_px, step_px, cut_px);
                 line.samples.reverse();
                 line.border.swap(0, 1);
+                self.bodies.swap(0, 1);
             }
         }
         self.space(line, step_px);
@@ -123,18 +160,20 @@ impl Centerliner {
         );
         let level = 0.5 * quantile(&mut self.widths, 0.5).max(2.0);
         let limit_px = cut_px + 4.0 * half_px + 4.0;
-        let (far, border) = section::tip(source.difference, &path, level, limit_px);
+        let (far, border) = match self.bodies[1] {
+            Some(body) => {
+                let rope = (half_px, level, limit_px);
+                let far = body.tip(source.difference, &path, rope, &mut self.widths);
+                (far, false)
+            }
+            None => section::tip(source.difference, &path, level, limit_px),
+        };
         line.border[1] = border;
         let count = (far / step_px).ceil() as usize;
         let width_px = line.samples[last].width_px;
-        let (right, bottom) = (
-            source.difference.width() as f32 - 1.0,
-            source.difference.height() as f32 - 1.0,
-        );
         for k in 1..=count {
-            let [x, y] = path(far * k as f32 / count as f32);
             line.samples.push(Sample {
-                at: [x.clamp(0.0, right), y.clamp(0.0, bottom)],
+                at: path(far * k as f32 / count as f32),
                 weight: 1.0,
                 width_px,
                 side: 0.0,

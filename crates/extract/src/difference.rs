@@ -28,6 +28,11 @@ impl Differencer {
         for channel in &mut self.channels {
             channel.resize(width, 0);
         }
+        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
+        self.luma.clear();
+        self.luma.reserve(4 * width);
+        self.chroma.clear();
+        self.chroma.reserve(width + 1);
         let arch = pulp::Arch::new();
         for y in 0..image.height() {
             if y % BAND == 0 {

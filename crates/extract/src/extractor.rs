@@ -217,6 +217,7 @@ impl Extractor {
         Scene {
             curves: &self.curves[..self.count],
             crossings: &self.crossings,
+            notice: self.masker.notice,
         }
     }
 
@@ -229,6 +230,11 @@ impl Extractor {
             // Twice: what is kept of the first frame is compared with the second.
             self.extract(&image);
             self.extract(&image);
+            // And a bare table, which is looked at more closely.
+            let bare = rehearse::bare(width, height);
+            if let Some(image) = rehearse::image(&bare, width, height) {
+                self.extract(&image);
+            }
             self.options.mask = wanted;
             self.reserve(width, height);
         }

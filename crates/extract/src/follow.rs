@@ -118,28 +118,37 @@ impl Follower {
         self.explained(lines, scene)
     }
 
-    /// Whether one of the lines is the rope, moved a little, from end to end.
+    /// Whether one of the lines is the rope, moved a little, from end to end; or with a part of it besides that was out
+    /// of sight at one end.
     fn agrees(&self, rope: &Rope, lines: &[Line], past: &Past) -> bool {
         let most_px = (AGREES.0 + 2.0 * past.moved()) * rope.width_px;
         lines.iter().any(|line| {
             let length_px = line.length_px();
-            if line.closed != rope.closed
-                || (length_px / rope.length_px - 1.0).abs() > LENGTH
-                || line.samples.len() < 2
-            {
+            let known = (length_px / rope.length_px - 1.0).abs() <= LENGTH;
+            let come_out =
+                length_px > rope.length_px && length_px <= (1.0 + 0.5 * LENGTH) * rope.usual_px;
+            if line.closed != rope.closed || !(known || come_out) || line.samples.len() < 2 {
                 return false;
             }
             if line.closed {
                 return true;
             }
-            [false, true].into_iter().any(|reversed| {
-                let near = (0..COMPARED).filter(|&k| {
-                    let t = k as f32 / (COMPARED - 1) as f32;
-                    let u = if reversed { 1.0 - t } else { t };
-                    let place = (u * (line.samples.len() - 1) as f32).round() as usize;
-                    vec2::distance(rope.at(t * rope.length_px), line.samples[place].at) <= most_px
-                });
-                near.count() as f32 >= AGREES.1 * COMPARED as f32
+            // The share of the line before the rope's first point, and of the rope itself.
+            let rest = (1.0 - rope.length_px / length_px).max(0.0);
+            let laid = [(0.0, 1.0), (0.0, 1.0 - rest), (rest, 1.0 - rest)];
+            let ways = if known { &laid[..] } else { &laid[1..] };
+            ways.iter().any(|&(from, share)| {
+                [false, true].into_iter().any(|reversed| {
+                    let near = (0..COMPARED).filter(|&k| {
+                        let t = k as f32 / (COMPARED - 1) as f32;
+                        let u = from + share * t;
+                        let u = if reversed { 1.0 - u } else { u };
+                        let place = (u * (line.samples.len() - 1) as f32).round() as usize;
+                        let at = rope.at(t * rope.length_px);
+                        vec2::distance(at, line.samples[place].at) <= most_px
+                    });
+                    near.count() as f32 >= AGREES.1 * COMPARED as f32
+                })
             })
         })
     }

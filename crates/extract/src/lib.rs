@@ -45,6 +45,7 @@
 //! and gives none; crossings of more than ten arms are resolved pair by pair; at most
 //! [`Options::ropes`] curves and 32 crossings are reported.
 
+mod abut;
 mod background;
 mod bits;
 mod bridge;
@@ -55,8 +56,10 @@ mod components;
 mod cover;
 mod crossings;
 mod difference;
+mod doubt;
 mod ends;
 mod extractor;
+mod faint;
 mod follow;
 mod graph;
 mod hsv;
@@ -69,6 +72,7 @@ mod matching;
 mod meet;
 mod morphology;
 mod necks;
+mod notice;
 mod options;
 mod over;
 mod overlaps;
@@ -76,6 +80,7 @@ mod pairing;
 mod part;
 mod past;
 mod path;
+mod pattern;
 mod pick;
 mod place;
 mod plane;
@@ -100,6 +105,7 @@ pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};
 pub use mask::{MaskError, mask_of};
+pub use notice::Notice;
 pub use options::{HsvRange, Mask, Options, OptionsError};
 pub use pick::{PickError, Picked, pick};
 pub use scene::{Crossing, Curve, Scene, Status};

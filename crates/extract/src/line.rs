@@ -1,5 +1,6 @@
 //! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
 
+use crate::plane::Plane;
 use crate::vec2::{self, Vec2};
 
 /// One sample.
@@ -50,6 +51,24 @@ impl Line {
             .sum()
     }
 
+    /// Cuts off what lies outside of the image at either end.
+    pub(crate) fn cut_to(&mut self, image: &Plane) {
+        for _end in 0..2 {
+            while let [.., before, last] = self.samples[..] {
+                if image.holds(last.at) || self.samples.len() <= 2 {
+                    break;
+                }
+                self.samples.pop();
+                if image.holds(before.at) {
+                    let part = image.part_within(before.at, last.at);
+                    self.samples.push(between(&before, &last, part));
+                    break;
+                }
+            }
+            self.samples.reverse();
+        }
+    }
+
     /// Fills `out` with `count` samples at equal arc lengths: from tip to tip, or, closed, once
     /// around. A stretch that touches a sample of weight 0 keeps weight 0.
     pub(crate) fn resample(&self, count: usize, out: &mut Vec<Sample>) {
@@ -95,18 +114,28 @@ impl Line {
         }
     }
 
-    /// The unit tangent at sample `i`, from the samples `reach` before and after.
+    /// The unit tangent at sample `i`: that of the parabola through three samples `reach` apart, `i` in the middle or,
+    /// near an end, where it lies.
     pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
-        let (a, b) = if self.closed {
-            ((i + n - reach % n) % n, (i + reach) % n)
-        } else {
-            (i.saturating_sub(reach), (i + reach).min(n - 1))
-        };
-        vec2::unit_or(
-            vec2::sub(self.samples[b].at, self.samples[a].at),
-            [1.0, 0.0],
-        )
+        let at = |i: usize| self.samples[i].at;
+        if self.closed {
+            let (a, b) = ((i + n - reach % n) % n, (i + reach) % n);
+            return vec2::unit_or(vec2::sub(at(b), at(a)), [1.0, 0.0]);
+        }
+        let reach = reach.min((n - 1) / 2).max(1);
+        let middle = i.clamp(
+            reach.min(n - 1),
+            (n - 1).saturating_sub(reach).max(reach.min(n - 1)),
+        );
+        let (a, b) = (middle.saturating_sub(reach), (middle + reach).min(n - 1));
+        let (back, ahead) = (vec2::sub(at(middle), at(a)), vec2::sub(at(b), at(middle)));
+        let aside = (i as f32 - middle as f32) / reach as f32;
+        let slope = vec2::add(
+            vec2::scale(back, 0.5 - aside),
+            vec2::scale(ahead, 0.5 + aside),
+        );
+        vec2::unit_or(slope, [1.0, 0.0])
     }
 }
 

@@ -4,10 +4,11 @@ use crate::background::Background;
 use crate::bits::{BitPlane, left_of, right_of};
 use crate::components::Components;
 use crate::difference::Differencer;
+use crate::doubt::{Doubter, Evidence};
 use crate::plane::Plane;
 use crate::threshold::Cut;
 use crate::whole::Mender;
-use crate::{Image, Mask, PixelFormat, hsv, threshold};
+use crate::{Image, Mask, Notice, PixelFormat, hsv, threshold};
 use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
@@ -44,6 +45,7 @@ pub(crate) struct Masker {
     components: Components,
     mender: Mender,
     original: BitPlane,
+    doubter: Doubter,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere).
     pub(crate) difference: Plane,
@@ -51,12 +53,15 @@ pub(crate) struct Masker {
     pub(crate) mask: BitPlane,
     /// The rope's width as guessed from area and outline of the mask, in pixels.
     pub(crate) width_px: f32,
+    /// What the automatic mask is unsure of.
+    pub(crate) notice: Option<Notice>,
 }
 
 impl Masker {
     /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
     /// an empty mask.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
+        let mut chosen = None;
         match how {
             Mask::Auto => {
                 self.background.estimate(image);
@@ -65,6 +70,7 @@ impl Masker {
                 let cut = threshold::choose(&self.difference, self.background.noise);
                 threshold::apply(&self.difference, cut.rope, &mut self.mask);
                 self.mend(image, cut);
+                chosen = Some(cut.rope);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
             Mask::External => {
@@ -73,6 +79,20 @@ impl Masker {
             }
         }
         self.clean_or_empty();
+        self.notice = chosen.and_then(|cut| self.judge(image, cut));
+    }
+
+    /// What to say about an automatic mask.
+    fn judge(&mut self, image: &Image, cut: u8) -> Option<Notice> {
+        let evidence = Evidence {
+            image,
+            background: &self.background,
+            difference: &self.difference,
+            floor: threshold::floor(self.background.noise),
+            cut,
+            mask: &self.mask,
+        };
+        self.doubter.judge(&evidence, &mut self.components)
     }
 
     /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
@@ -97,6 +117,7 @@ impl Masker {
         }
         threshold::apply(&self.difference, ROPE_LEVEL, &mut self.mask);
         self.clean_or_empty();
+        self.notice = None;
         Ok(())
     }
 

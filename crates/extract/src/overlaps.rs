@@ -137,10 +137,15 @@ impl Overlaps {
             self.arms
                 .extend(arms.iter().filter(|arm| arm.edge as usize != e));
             for arm in &mut self.arms[first..] {
-                match &unroll {
-                    Some(unroll) if zone == ends[1] => unroll.apply(arm),
-                    Some(unroll) => unroll.tell_side(arm),
-                    None => {}
+                let Some(unroll) = &unroll else { continue };
+                if zone == ends[1] {
+                    unroll.apply(arm);
+                } else {
+                    unroll.tell_side(arm);
+                }
+                // Which strand goes where is not asked yet, and tight loops bend too much to tell.
+                if unroll.changes_sides() {
+                    arm.side = 0.0;
                 }
             }
         }

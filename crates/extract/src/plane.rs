@@ -31,6 +31,28 @@ impl Plane {
         &mut self.bytes[y * self.width..][..self.width]
     }
 
+    /// Whether the position lies between the outermost pixels' centers.
+    #[inline]
+    pub(crate) fn holds(&self, [x, y]: [f32; 2]) -> bool {
+        let (right, bottom) = (self.width as f32 - 1.0, self.height as f32 - 1.0);
+        x >= 0.0 && y >= 0.0 && x <= right && y <= bottom
+    }
+
+    /// The share of the way from a position that the plane holds to one that it does not, up to its border.
+    pub(crate) fn part_within(&self, from: [f32; 2], to: [f32; 2]) -> f32 {
+        let limits = [(self.width - 1) as f32, (self.height - 1) as f32];
+        let share = |c: usize| {
+            let (from, to) = (from[c], to[c]);
+            let border = to.clamp(0.0, limits[c]);
+            if to == border {
+                1.0
+            } else {
+                (border - from) / (to - from)
+            }
+        };
+        share(0).min(share(1)).clamp(0.0, 1.0)
+    }
+
     /// The value at a position between pixels, bilinear; past the edge the edge's value goes on.
     #[inline]
     pub(crate) fn sample(&self, [x, y]: [f32; 2]) -> f32 {

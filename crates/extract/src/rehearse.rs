@@ -28,6 +28,11 @@ pub(crate) fn picture(width: usize, height: usize) -> Vec<u8> {
     pixels
 }
 
+/// The table alone.
+pub(crate) fn bare(width: usize, height: usize) -> Vec<u8> {
+    vec![TABLE; width * height]
+}
+
 /// How far off the edge a rope is at `along`: its own lane, and a parabola's swing to either side of it.
 fn wave(along: usize, length: usize, rope: usize, across: usize) -> usize {
     let t = along as f32 / length.max(1) as f32 * 2.0 - 1.0;

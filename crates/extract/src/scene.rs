@@ -1,5 +1,7 @@
 //! What the extractor says about one image.
 
+use crate::Notice;
+
 /// The most crossings reported.
 pub(crate) const MOST_CROSSINGS: usize = 32;
 
@@ -87,4 +89,6 @@ pub struct Scene<'a> {
     pub curves: &'a [Curve],
     /// Where they cross, at most 32.
     pub crossings: &'a [Crossing],
+    /// What the automatic mask is unsure of in this image, if anything; nothing with any other mask.
+    pub notice: Option<Notice>,
 }

@@ -22,7 +22,8 @@ const CORE: f32 = 0.35;
 pub(crate) struct Sections {
     contrast: Vec<f32>,
     window: Vec<f32>,
-    found: Vec<Option<Found>>,
+    /// What was found at which sample.
+    found: Vec<(usize, Option<Found>)>,
 }
 
 /// The middle and the width of one section.
@@ -49,10 +50,23 @@ impl Sections {
     /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
     /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
     pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
+        self.measure_ends(line, difference, how, line.samples.len());
+    }
+
+    /// As [`measure`](Self::measure), only for the `count` samples at either end.
+    pub(crate) fn measure_ends(
+        &mut self,
+        line: &mut Line,
+        difference: &Plane,
+        how: Measure,
+        count: usize,
+    ) {
         self.measure_contrast(line, difference, how);
         let reach = ((how.half_px / how.step_px) as usize).max(2);
         self.found.clear();
-        for i in 0..line.samples.len() {
+        let n = line.samples.len();
+        let (first, last) = (count.min(n), n.saturating_sub(count).max(count.min(n)));
+        for i in (0..first).chain(last..n) {
             let sample = line.samples[i];
             let normal = vec2::normal(line.tangent(i, reach));
             let contrast = self.contrast_near(i, line, how);
@@ -62,7 +76,7 @@ impl Sections {
             let seen = sample.weight > 0.0;
             let edges =
                 seen.then(|| edges(difference, sample.at, normal, levels, how.half_px, reach_px));
-            self.found.push(edges.flatten().map(|[left, right]| {
+            let found = edges.flatten().map(|[left, right]| {
                 // Of two strands side by side, this one lies half the rest of the width aside.
                 let rest = (left + right - 2.0 * how.half_px).max(0.0);
                 let (aside, width_px) = if overlap {
@@ -75,11 +89,13 @@ impl Sections {
                     center: vec2::along(sample.at, normal, 0.5 * (right - left) + aside),
                     width_px: if overlap && far { 0.0 } else { width_px },
                 }
-            }));
+            });
+            self.found.push((i, found));
         }
         let expected = 2.0 * how.half_px;
         let plausible = expected / how.tolerance..expected * how.tolerance;
-        for (sample, found) in line.samples.iter_mut().zip(&self.found) {
+        for &(i, found) in &self.found {
+            let sample = &mut line.samples[i];
             match found {
                 Some(found) if plausible.contains(&found.width_px) => {
                     (sample.at, sample.width_px) = (found.center, found.width_px);
@@ -124,7 +140,8 @@ impl Sections {
     }
 }
 
-/// The distances along −`normal` and +`normal` at which the difference falls below each level.
+/// The distances along −`normal` and +`normal` at which the difference falls below each level. Where the image ends
+/// before one edge, the other and the rope's width tell.
 fn edges(
     difference: &Plane,
     center: Vec2,
@@ -133,18 +150,31 @@ fn edges(
     half_px: f32,
     reach_px: f32,
 ) -> Option<[f32; 2]> {
-    let left = edge(
-        difference,
-        center,
-        vec2::scale(normal, -1.0),
-        levels[0],
-        half_px,
-        reach_px,
-    )?;
-    Some([
-        left,
-        edge(difference, center, normal, levels[1], half_px, reach_px)?,
-    ])
+    let outward = [vec2::scale(normal, -1.0), normal];
+    let found = [0, 1].map(|side| {
+        edge(
+            difference,
+            center,
+            outward[side],
+            levels[side],
+            half_px,
+            reach_px,
+        )
+    });
+    match found {
+        [Edge::At(left), Edge::At(right)] => Some([left, right]),
+        [Edge::At(left), Edge::OutOfImage] => Some([left, 2.0 * half_px - left]),
+        [Edge::OutOfImage, Edge::At(right)] => Some([2.0 * half_px - right, right]),
+        _ => None,
+    }
+}
+
+/// One edge of a section, at a distance from its center.
+#[derive(Clone, Copy, Debug)]
+enum Edge {
+    At(f32),
+    OutOfImage,
+    OutOfReach,
 }
 
 fn edge(
@@ -154,24 +184,28 @@ fn edge(
     level: f32,
     half_px: f32,
     reach_px: f32,
-) -> Option<f32> {
+) -> Edge {
     let step = (half_px / 12.0).max(0.5);
     let mut at = CORE * half_px;
     let mut before = difference.sample(vec2::along(center, out, at));
     while at < reach_px {
         let next = at + step;
-        let value = difference.sample(vec2::along(center, out, next));
+        let place = vec2::along(center, out, next);
+        if !difference.holds(place) {
+            return Edge::OutOfImage;
+        }
+        let value = difference.sample(place);
         if value < level {
             let part = if before > value {
                 ((before - level) / (before - value)).max(0.0)
             } else {
                 0.0
             };
-            return Some(at + part * step);
+            return Edge::At(at + part * step);
         }
         (at, before) = (next, value);
     }
-    None
+    Edge::OutOfReach
 }
 
 /// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
@@ -183,11 +217,6 @@ pub(crate) fn tip(
     limit_px: f32,
 ) -> (f32, bool) {
     const STEP: f32 = 0.5;
-    let (right, bottom) = (
-        difference.width() as f32 - 1.0,
-        difference.height() as f32 - 1.0,
-    );
-    let inner = |p: Vec2| p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= right && p[1] <= bottom;
     let mut before = difference.sample(at(0.0));
     let mut far = 0.0;
     while far < limit_px {
@@ -202,7 +231,7 @@ pub(crate) fn tip(
             };
             return (far + STEP * part, false);
         }
-        if !inner(p) {
+        if !difference.holds(p) {
             return (far + STEP, true);
         }
         (far, before) = (far + STEP, value);

@@ -12,11 +12,11 @@ use crate::plane::Plane;
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
 /// deviation), and single pixels are dropped anyway.
-const NOISE_FLOOR: f32 = 6.0;
+pub(crate) const NOISE_FLOOR: f32 = 6.0;
 /// The same where a mean of the ropes' is known that stands out: five standard deviations, once in some 10⁶ pixels.
 const FAINT_FLOOR: f32 = 4.0;
 /// Least difference taken for rope, in levels: coding artefacts of JPEG and video reach this far.
-const LEVEL_FLOOR: f32 = 14.0;
+pub(crate) const LEVEL_FLOOR: f32 = 14.0;
 /// Where the cut lies between the mean of the table and the mean of the rope.
 const SHARE: f32 = 0.42;
 
@@ -31,10 +31,15 @@ pub(crate) struct Cut {
     pub(crate) level: u8,
 }
 
+/// The least cut that the table's noise allows, in levels of difference.
+pub(crate) fn floor(noise: f32) -> f32 {
+    (NOISE_FLOOR * noise).max(LEVEL_FLOOR)
+}
+
 /// Finds the cut, given the table's noise.
 pub(crate) fn choose(difference: &Plane, noise: f32) -> Cut {
     let histogram = histogram(difference);
-    let floor = (NOISE_FLOOR * noise).max(LEVEL_FLOOR);
+    let floor = floor(noise);
     let mut cut = floor;
     for _ in 0..32 {
         let (below, above) = means(&histogram, cut);

@@ -69,6 +69,11 @@ impl Unroll {
         self.note_side(arm, true);
     }
 
+    /// Whether the strands surely change sides in the overlap.
+    pub(crate) fn changes_sides(&self) -> bool {
+        self.keeps_sides == Some(false)
+    }
+
     /// Notes on which side of the overlap an arm of the near end lies.
     pub(crate) fn tell_side(&self, arm: &mut Arm) {
         self.note_side(arm, false);

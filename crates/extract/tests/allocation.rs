@@ -102,3 +102,28 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
     assert_eq!(run(&frames), 80);
     assert_eq!(COUNT.get() - before, 0);
 }
+
+#[test]
+fn no_frame_without_a_clear_rope_allocates_after_preparation() {
+    let mut frames = Vec::new();
+    for contrast in [0.0, 5.0, 8.0] {
+        let mut table = Table::new(320, 240, [190.0; 3]);
+        table.noise = 1.5;
+        let rope = Rope::along(9.0, [190.0 - contrast; 3], |t| {
+            [20.0 + 280.0 * t, 120.0 + 60.0 * (6.0 * t).sin()]
+        });
+        frames.push(table.draw(&[rope]));
+    }
+    // A pattern of stripes besides.
+    let stripes = |i: usize| if i / 960 % 20 < 10 { 120 } else { 180 };
+    frames.push((0..320 * 240 * 3).map(stripes).collect());
+    let mut extractor = extractor();
+    extractor.prepare(320, 240);
+    for rgb in &frames {
+        let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
+        let before = COUNT.get();
+        let scene = extractor.extract(&image);
+        let grown = COUNT.get() - before;
+        assert_eq!((scene.curves.len(), grown), (0, 0), "{:?}", scene.notice);
+    }
+}

@@ -85,6 +85,7 @@ fn seen(class: Class, seed: u64) -> Score {
     let image = image.expect("the bytes are made for this size");
     let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
     let scene = extractor.extract(&image);
+    assert_eq!(scene.notice, None, "the rope stands out from the table");
     let curves: Vec<SeenCurve> = (scene.curves.iter())
         .map(|seen| SeenCurve {
             points: &seen.points,

@@ -70,7 +70,12 @@ fn sequence(space: &[Vec3]) -> CrossingSequence {
 }
 
 fn sequence_of((curves, crossings): &(Vec<Curve>, Vec<Crossing>)) -> CrossingSequence {
-    CrossingSequence::of(&Scene { curves, crossings }, 0)
+    let scene = Scene {
+        curves,
+        crossings,
+        notice: None,
+    };
+    CrossingSequence::of(&scene, 0)
 }
 
 /// Along `curve` from −`half` to `half`.
@@ -277,6 +282,7 @@ fn crossings_with_other_ropes_are_no_part_of_the_sequence() {
     let scene = Scene {
         curves: &curves,
         crossings: &crossings,
+        notice: None,
     };
     assert_eq!(CrossingSequence::of(&scene, 0).passes().len(), 6);
     assert_eq!(CrossingSequence::of(&scene, 1).passes().len(), 0);

@@ -1,0 +1,205 @@
+//! Small pictures out of a fuzzer's bytes: the bytes themselves as pixels, or strokes drawn on a table, so that shapes
+//! which come through the mask reach the steps behind it.
+
+use arbitrary::Arbitrary;
+use lariat_extract::PixelFormat;
+
+/// A side is 1 to this many pixels: enough for several strands and a crossing, few enough for many runs a second.
+const LONGEST_SIDE: usize = 96;
+
+/// A size, a format and what is to be seen.
+#[derive(Arbitrary, Clone, Debug)]
+pub(crate) struct Picture {
+    width: u8,
+    height: u8,
+    format: Format,
+    /// Bytes between one row's end and the next one's start.
+    gap: u8,
+    content: Content,
+}
+
+#[derive(Arbitrary, Clone, Copy, Debug)]
+enum Format {
+    Gray8,
+    Rgb8,
+    Bgr8,
+    Yuyv,
+    Nv12,
+}
+
+#[derive(Arbitrary, Clone, Debug)]
+enum Content {
+    /// These bytes, again and again.
+    Raw(Vec<u8>),
+    Drawn(Drawing),
+}
+
+#[derive(Arbitrary, Clone, Debug)]
+struct Drawing {
+    table: [u8; 3],
+    /// Levels from the left edge to the right one.
+    slope: i8,
+    /// Side of the squares of a checkered table, in pixels; 0: a plain one.
+    cell: u8,
+    /// Levels of noise.
+    noise: u8,
+    strokes: Vec<Stroke>,
+}
+
+/// A parabola's arc as thick as a rope, in 256ths of the picture.
+#[derive(Arbitrary, Clone, Debug)]
+struct Stroke {
+    from: [u8; 2],
+    by: [u8; 2],
+    to: [u8; 2],
+    thickness: u8,
+    color: [u8; 3],
+}
+
+/// A picture's bytes and how they are to be read.
+pub(crate) struct Pixels {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) stride: usize,
+    pub(crate) format: PixelFormat,
+}
+
+impl Picture {
+    pub(crate) fn pixels(&self) -> Pixels {
+        let (width, height) = (side(self.width), side(self.height));
+        let format = match self.format {
+            Format::Gray8 => PixelFormat::Gray8,
+            Format::Rgb8 => PixelFormat::Rgb8,
+            Format::Bgr8 => PixelFormat::Bgr8,
+            Format::Yuyv => PixelFormat::Yuyv,
+            Format::Nv12 => PixelFormat::Nv12,
+        };
+        let row = match format {
+            PixelFormat::Gray8 => width,
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,
+            PixelFormat::Yuyv => 4 * width.div_ceil(2),
+            PixelFormat::Nv12 => 2 * width.div_ceil(2),
+        };
+        let stride = row + usize::from(self.gap);
+        let rows = match format {
+            PixelFormat::Nv12 => height + height.div_ceil(2),
+            _ => height,
+        };
+        let mut pixels = Pixels {
+            bytes: vec![0; stride * rows],
+            width,
+            height,
+            stride,
+            format,
+        };
+        match &self.content {
+            Content::Raw(bytes) if bytes.is_empty() => {}
+            Content::Raw(bytes) => {
+                let again = bytes.iter().cycle();
+                pixels
+                    .bytes
+                    .iter_mut()
+                    .zip(again)
+                    .for_each(|(to, from)| *to = *from);
+            }
+            Content::Drawn(drawing) => drawing.draw(&mut pixels),
+        }
+        pixels
+    }
+
+    /// The same as a mask of a picture of this size: `Gray8`.
+    pub(crate) fn mask_of_size(&self, width: usize, height: usize) -> Pixels {
+        let mut mask = self.clone();
+        mask.format = Format::Gray8;
+        (mask.width, mask.height) = ((width - 1) as u8, (height - 1) as u8);
+        mask.pixels()
+    }
+}
+
+fn side(byte: u8) -> usize {
+    usize::from(byte) % LONGEST_SIDE + 1
+}
+
+impl Drawing {
+    fn draw(&self, pixels: &mut Pixels) {
+        let (width, height) = (pixels.width, pixels.height);
+        let mut colors = vec![[0; 3]; width * height];
+        let mut state = 1u32;
+        for (i, color) in colors.iter_mut().enumerate() {
+            let (x, y) = (i % width, i / width);
+            let mut light = i32::from(self.slope) * x as i32 / width as i32;
+            if self.cell > 0 {
+                let cell = usize::from(self.cell);
+                light += 60 * ((x / cell + y / cell) % 2) as i32;
+            }
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            light += (state >> 24) as i32 * i32::from(self.noise % 64) / 256;
+            *color = self
+                .table
+                .map(|level| i32::from(level).saturating_add(light).clamp(0, 255) as u8);
+        }
+        // More strokes than this hide each other.
+        for stroke in self.strokes.iter().take(24) {
+            stroke.draw(&mut colors, width, height);
+        }
+        for y in 0..height {
+            for x in 0..width {
+                pixels.set(x, y, colors[y * width + x]);
+            }
+        }
+    }
+}
+
+impl Stroke {
+    fn draw(&self, colors: &mut [[u8; 3]], width: usize, height: usize) {
+        let place = |[x, y]: [u8; 2]| {
+            let on = |c: u8, side: usize| f32::from(c) / 256.0 * side as f32;
+            [on(x, width), on(y, height)]
+        };
+        let (a, b, c) = (place(self.from), place(self.by), place(self.to));
+        let half = 0.5 + f32::from(self.thickness % 32) / 4.0;
+        let steps = 2 * width.max(height);
+        for step in 0..=steps {
+            let t = step as f32 / steps as f32;
+            let along = |i: usize| {
+                let (p, q) = (a[i] + t * (b[i] - a[i]), b[i] + t * (c[i] - b[i]));
+                p + t * (q - p)
+            };
+            let (x, y) = (along(0), along(1));
+            let reach = |at: f32, side: usize| {
+                (at - half).max(0.0) as usize..((at + half) as usize + 1).min(side)
+            };
+            for row in reach(y, height) {
+                for column in reach(x, width) {
+                    if (column as f32 - x).hypot(row as f32 - y) <= half {
+                        colors[row * width + column] = self.color;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Pixels {
+    /// The three levels are taken as they are, in whatever the format means by them.
+    fn set(&mut self, x: usize, y: usize, [a, b, c]: [u8; 3]) {
+        let row = y * self.stride;
+        match self.format {
+            PixelFormat::Gray8 => self.bytes[row + x] = a,
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
+                self.bytes[row + 3 * x..][..3].copy_from_slice(&[a, b, c]);
+            }
+            PixelFormat::Yuyv => {
+                let pair = row + 4 * (x / 2);
+                self.bytes[pair + 2 * (x % 2)] = a;
+                (self.bytes[pair + 1], self.bytes[pair + 3]) = (b, c);
+            }
+            PixelFormat::Nv12 => {
+                self.bytes[row + x] = a;
+                let pair = (self.height + y / 2) * self.stride + 2 * (x / 2);
+                self.bytes[pair..pair + 2].copy_from_slice(&[b, c]);
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What the automatic mask is unsure of is said, picture by picture.
+
+use image::{Rgb, RgbImage};
+use tempfile::TempDir;
+
+use super::{TABLE, lines, save, trace, wave_picture};
+
+/// The wave on a checkered table.
+fn checkered() -> RgbImage {
+    let mut picture = wave_picture();
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        if (x / 20 + y / 20) % 2 == 1 && *pixel == TABLE {
+            *pixel = Rgb([120, 116, 110]);
+        }
+    }
+    picture
+}
+
+#[test]
+fn a_checkered_table_is_named_with_what_to_do() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "cloth.png", &checkered());
+    save(&folder, "wave.png", &wave_picture());
+    let args = ["cloth.png", "wave.png", "--format", "jsonl"];
+    let output = trace(&folder, &args).output().unwrap();
+    // It is a warning: the exit code is that of success.
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let text = said.strip_prefix("lariat: cloth.png: ").unwrap();
+    assert!(text.starts_with("the table is checkered"), "{said}");
+    assert!(text.contains("lariat pick"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+
+    let reports = lines(&output.stdout);
+    let [notice] = &reports[0]["notices"].as_array().unwrap()[..] else {
+        panic!("one notice in {}", reports[0]["notices"]);
+    };
+    assert_eq!(notice["kind"], "checkered-table");
+    assert_eq!(notice["text"], text.trim_end());
+    assert_eq!(reports[1]["notices"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn a_picture_that_is_all_black_is_named_and_an_empty_table_is_not() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "black.png", &RgbImage::new(320, 240));
+    save(&folder, "table.png", &RgbImage::from_pixel(320, 240, TABLE));
+    let output = trace(&folder, &["black.png", "table.png"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.starts_with("lariat: black.png: the whole image is black"),
+        "{said}"
+    );
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
