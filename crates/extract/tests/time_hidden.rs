@@ -198,7 +198,9 @@ fn a_cut_takes_no_shape_over() {
             (1, Status::Ok),
             "frame {frame}"
         );
-        assert!(worst(&seen[0].points, &other) < 1.0, "frame {frame}");
+        // Its tip bends by a radius of 10 px, of which smoothing straightens 1 px.
+        let worst_px = worst(&seen[0].points, &other);
+        assert!(worst_px < 1.5, "frame {frame}: {worst_px}");
         assert_eq!(lost.len(), usize::from(frame < 30), "frame {frame}");
     }
 }
