@@ -1,5 +1,7 @@
 //! One extractor and a few frames, with what may happen between them, and what must hold after each.
 
+use std::time::Duration;
+
 use crate::picture::{Picture, Pixels};
 use arbitrary::Arbitrary;
 use lariat_extract::{
@@ -125,7 +127,7 @@ impl Session {
             points: self.points.into(),
             ropes: self.ropes.into(),
             start: self.start,
-            keep_lost_frames: self.keep_lost_frames.into(),
+            keep_lost: Duration::from_millis(33 * u64::from(self.keep_lost_frames)),
             ..Options::default()
         }
     }

@@ -4,12 +4,11 @@
 //! along the rope that come upon it tell where the cut is. Where none shows, the tip ends at the strongest step of
 //! brightness at, or soon after, the near edge of the strand.
 
-use crate::background::median;
 use crate::graph::Graph;
 use crate::plane::Plane;
 use crate::strands::Leg;
 use crate::vec2::{self, Vec2};
-use crate::zones::Zones;
+use crate::zones::{Zones, quantile};
 
 /// Lines along the rope to each side of its middle, and their distance in half-widths.
 const LINES: i32 = 3;
@@ -18,6 +17,8 @@ const APART_HALVES: f32 = 0.2;
 const STEP_PX: f32 = 0.5;
 /// A tip lies at most this share of the strand's width upon it; farther on it would show as an end on the other side.
 const UPON: f32 = 0.6;
+/// A step of this share of the strongest is taken, if it comes first.
+const FIRST: f32 = 0.5;
 /// A smaller step of brightness, in levels, is noise.
 const LEAST_STEP: f32 = 4.0;
 
@@ -106,20 +107,30 @@ impl Body {
             }
         }
         if scratch.len() >= 2 {
-            return median(scratch).max(0.0);
+            // In the narrow end of the wedge blur hides where the table begins; its open end tells.
+            return quantile(scratch, 0.25).max(0.0);
         }
         let across = |far: f32| -> f32 {
             let lines = (-LINES..=LINES).map(|line| difference.sample(place(far, line)));
             lines.sum::<f32>() / (2 * LINES + 1) as f32
         };
-        let mut best = (LEAST_STEP, near);
-        let mut far = near - 1.0;
-        while far <= (near + UPON * 2.0 * self.half_px).min(limit_px) {
-            let step = (across(far + 1.0) - across(far - 1.0)).abs();
-            if step > best.0 {
+        let step_at = |far: f32| (across(far + 1.0) - across(far - 1.0)).abs();
+        let last = (near + UPON * 2.0 * self.half_px).min(limit_px);
+        let places = || {
+            (0..)
+                .map(|k| near - 1.0 + STEP_PX * k as f32)
+                .take_while(|&far| far <= last)
+        };
+        let strongest = places().map(step_at).fold(LEAST_STEP, f32::max);
+        // The first that is about as strong: behind the cut come the strand's own shades.
+        let mut best = (0.0, near);
+        for far in places() {
+            let step = step_at(far);
+            if step > best.0 && step >= FIRST * strongest {
                 best = (step, far);
+            } else if best.0 > 0.0 {
+                break;
             }
-            far += STEP_PX;
         }
         best.1.max(0.0)
     }

@@ -31,6 +31,11 @@ const CUT_HALVES: f32 = 0.35;
 /// Half-widths from a tip that are measured even if they could not be before.
 const ANEW_HALVES: f32 = 1.6;
 
+/// Longer stretches before a tip, in half-widths, that cannot be measured are held where the skeleton had them, with
+/// this weight.
+const HELD_HALVES: f32 = 1.5;
+const HELD: f32 = 0.05;
+
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Centerliner {
@@ -76,8 +81,10 @@ impl Centerliner {
             };
             self.sections.measure(line, source.difference, how);
             self.fill_widths(line, 2.0 * half_px);
+            let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
             let reach_px = (0.35 * half_px).max(2.5);
             self.smoother.smooth(line, reach_px / step_px);
+            release_ends(line, held);
             shading = Shading::measure(line, source.difference, how);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
             self.extend(source, line, half_px, step_px, 0.7 * half_px);
@@ -193,6 +200,25 @@ impl Centerliner {
         }
     }
 
+    /// Where more than `most` samples before a free end could not be measured, holds them where they are: a little, lest
+    /// the line run out straight past a bend. Returns how many at either end.
+    fn hold_ends(&self, line: &mut Line, most: usize) -> [usize; 2] {
+        if line.closed {
+            return [0; 2];
+        }
+        let unmeasured = |s: &&Sample| s.weight == 0.0;
+        let counts = [
+            line.samples.iter().take_while(unmeasured).count(),
+            line.samples.iter().rev().take_while(unmeasured).count(),
+        ];
+        let held = [0, 1].map(|end| {
+            let held = counts[end] > most && self.bodies[end].is_none();
+            if held { counts[end] } else { 0 }
+        });
+        weigh_ends(line, held, HELD);
+        held
+    }
+
     /// Gives samples without a measured width the last one that was, so that nothing depends on
     /// what stood there before.
     fn fill_widths(&mut self, line: &mut Line, otherwise: f32) {
@@ -211,6 +237,21 @@ impl Centerliner {
         let seen = line.samples.iter().filter(|s| s.weight >= 1.0);
         self.widths.extend(seen.map(|s| s.width_px));
         (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
+    }
+}
+
+/// Lets the samples that were held be measured again.
+fn release_ends(line: &mut Line, held: [usize; 2]) {
+    weigh_ends(line, held, 1.0);
+}
+
+fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
+    let n = line.samples.len();
+    for sample in &mut line.samples[..counts[0]] {
+        sample.weight = weight;
+    }
+    for sample in &mut line.samples[n - counts[1]..] {
+        sample.weight = weight;
     }
 }
 
