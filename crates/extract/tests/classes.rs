@@ -5,7 +5,7 @@ use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, score}
 use lariat_extract::{Extractor, Image, Options, PixelFormat};
 
 const SIZE: [usize; 2] = [480, 360];
-const SEEDS: std::ops::Range<u64> = 1001..1004;
+const SEEDS: std::ops::Range<u64> = 1001..1007;
 /// Crossings above this angle must be connected rightly.
 const FLATTEST_DEG: f64 = 25.0;
 
@@ -30,51 +30,28 @@ const WHOLE: Bounds = Bounds {
     misconnected: 0,
 };
 
-/// Where this extractor falls short today; what it does reach there must not get worse.
-const FLAT_LENS: Bounds = Bounds {
-    // Two strands that cross twice, some widths apart, are taken for two that touch.
-    misconnected: 2,
-    correspondence_p95_px: 12.0,
-    ..WHOLE
-};
-const THICK: Bounds = Bounds {
-    // The same, and a loop is cut off.
+/// Where the extractor falls short of it on these pictures; what it does reach must not get worse.
+const TIGHT_LENS: Bounds = Bounds {
+    // In one of them two strands cross twice around a hole smaller than the rope, and are taken to turn back there.
     miscounted: 1,
     misconnected: 2,
     correspondence_p95_px: 200.0,
     ..WHOLE
 };
-const SHINE: Bounds = Bounds {
-    // A highlight as light as the table parts the rope in two.
-    mean_px: 0.8,
-    correspondence_p95_px: 8.0,
-    end_px: 8.0,
-    misconnected: 2,
+const WIDE_BLUR: Bounds = Bounds {
+    // Blur reaches to the middle of the rope: how it is shaded, and so where its dark edge lies, does not show.
+    mean_px: 0.4,
     ..WHOLE
 };
-const TEXTURE: Bounds = Bounds {
-    // Dark dashes are left out of the rope's edge.
-    mean_px: 0.6,
+const DASHES: Bounds = Bounds {
+    // Dark dashes at an edge move it.
+    mean_px: 0.4,
     end_px: 1.5,
     ..WHOLE
 };
-const UNLIT_SIDE: Bounds = Bounds {
-    // The edge that is turned away from the light is taken to be further in than it is.
-    mean_px: 0.5,
-    ..WHOLE
-};
-const TOUCH: Bounds = Bounds {
-    // Two ropes of one colour that touch are taken to cross.
-    misconnected: 2,
-    mean_px: 8.0,
-    correspondence_p95_px: 60.0,
-    end_px: 60.0,
-    ..WHOLE
-};
-const ENDS_TOUCHING: Bounds = Bounds {
-    // The tip is carried on through the strand to its far edge.
-    correspondence_p95_px: 15.0,
-    end_px: 15.0,
+const TIP: Bounds = Bounds {
+    // One tip in twelve.
+    end_px: 1.25,
     ..WHOLE
 };
 
@@ -146,28 +123,28 @@ macro_rules! classes {
 classes! {
     ropes_of_4_to_6_px: Thin, WHOLE;
     ropes_of_7_to_15_px: Medium, WHOLE;
-    ropes_of_16_to_30_px: Thick, THICK;
+    ropes_of_16_to_30_px: Thick, TIGHT_LENS;
     noise: Noise, WHOLE;
     blur: Blur, WHOLE;
-    motion_blur: MotionBlur, WHOLE;
+    motion_blur: MotionBlur, WIDE_BLUR;
     uneven_light: UnevenLight, WHOLE;
-    specular_shine: Shine, SHINE;
-    texture: Texture, TEXTURE;
-    shadow: Shadow, UNLIT_SIDE;
+    specular_shine: Shine, WHOLE;
+    texture: Texture, DASHES;
+    shadow: Shadow, WHOLE;
     no_crossing: Crossings0, WHOLE;
     one_crossing: Crossings1, WHOLE;
     two_crossings: Crossings2, WHOLE;
-    three_crossings: Crossings3, FLAT_LENS;
+    three_crossings: Crossings3, WHOLE;
     four_crossings: Crossings4, WHOLE;
     five_crossings: Crossings5, WHOLE;
     crossings_down_to_20_degrees: FlatCrossings, WHOLE;
-    strands_that_touch: Touch, TOUCH;
+    strands_that_touch: Touch, WHOLE;
     ends_near_a_strand: EndsNear, WHOLE;
-    ends_touching_a_strand: EndsTouching, ENDS_TOUCHING;
+    ends_touching_a_strand: EndsTouching, TIP;
     ropes_that_leave_the_image: Border, WHOLE;
     closed_loops: Closed, WHOLE;
     dark_on_light: DarkOnLight, WHOLE;
-    light_on_dark: LightOnDark, UNLIT_SIDE;
-    several_ropes_of_several_colors: SeveralColors, UNLIT_SIDE;
+    light_on_dark: LightOnDark, TIP;
+    several_ropes_of_several_colors: SeveralColors, WHOLE;
     half_and_whole_light: LightChange, WHOLE;
 }
