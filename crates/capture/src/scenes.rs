@@ -2,7 +2,7 @@
 //!
 //! A picture is a [`Class`], a seed and a size; the same three make the same picture again. The rope's edge is
 //! unbiased: at half its width from the centerline half of a pixel is covered, before a camera's small blur and noise.
-//! [`score`] measures curves against the truth.
+//! [`score()`] measures curves against the truth.
 
 mod camera;
 mod class;
