@@ -223,6 +223,10 @@ fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveRep
             .map(|p| p.map(|c| rounded(&c)))
             .collect(),
         widths_px: curve.widths_px.iter().map(rounded).collect(),
+        hidden: (0..curve.points.len())
+            .filter(|&i| curve.hidden.get(i) == Some(&true))
+            .collect(),
+        age_ms: curve.age_ns as f64 / 1e6,
         crossing_sequence: sequence.to_string(),
         pulls_straight: sequence.pulls_straight(),
         descriptor,

@@ -42,6 +42,10 @@ pub(super) struct CurveReport {
     pub(super) points: Vec<[f64; 2]>,
     /// The width at each point.
     pub(super) widths_px: Vec<f64>,
+    /// Which of the points something else lies over.
+    pub(super) hidden: Vec<usize>,
+    /// How long ago it was seen last, in ms: 0 but for a lost rope.
+    pub(super) age_ms: f64,
     /// Its passes over and under itself, from its first point on.
     pub(super) crossing_sequence: String,
     /// Whether it comes out straight when its ends are drawn apart; `null`: undecided.

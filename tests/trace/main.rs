@@ -118,8 +118,8 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             curve,
-            "border closed crossing_sequence descriptor length_px points pulls_straight status track \
-             width_px widths_px",
+            "age_ms border closed crossing_sequence descriptor hidden length_px points pulls_straight status \
+             track width_px widths_px",
         ),
         (
             &curve["descriptor"],
