@@ -3,16 +3,22 @@
 
 use crate::line::Line;
 use crate::past::Past;
-use crate::vec2;
+use crate::vec2::{self, Vec2};
 
 /// Widths to both sides of a joint from which the ropes are told.
 const BESIDE_WIDTHS: f32 = 2.5;
 /// Widths from an end of the line in which a rope's end is where it belongs.
 const OWN_WIDTHS: f32 = 3.0;
 
+/// How long a ring may be beside the open rope that it was: its ends lie along each other, or nearly meet.
+const SAME_LENGTH: std::ops::Range<f32> = 0.7..1.06;
+
 /// Cuts `line` where it runs over a rope's end into something else. What is cut off an open line is
 /// put into `rest`; a ring is opened. Returns whether there is a rest.
 pub(crate) fn part(line: &mut Line, past: &Past, rest: &mut Line) -> bool {
+    if line.closed && open_again(line, past) {
+        return false;
+    }
     let Some(i) = joint(line, past) else {
         return false;
     };
@@ -25,6 +31,64 @@ pub(crate) fn part(line: &mut Line, past: &Past, rest: &mut Line) -> bool {
     rest.samples.extend(line.samples.drain(i..));
     rest.border = [false, line.border[1]];
     line.border[1] = false;
+    true
+}
+
+/// Opens a ring that lies where an open rope lay: its ends have come to lie beside or upon each other. The line then runs
+/// from where the rope began to where it ended, over the stretch in which both ends lie twice.
+fn open_again(line: &mut Line, past: &Past) -> bool {
+    let n = line.samples.len();
+    let ring_px = line.length_px();
+    if n < 8 || past.live().any(|rope| rope.closed) {
+        return false;
+    }
+    let step_px = ring_px / n as f32;
+    let nearest = |at: Vec2| {
+        let apart = |i: &usize| vec2::distance(line.samples[*i].at, at);
+        let i = (0..n).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        Some((i, apart(&i)))
+    };
+    let found = past.live().find_map(|rope| {
+        if !SAME_LENGTH.contains(&(ring_px / rope.length_px)) {
+            return None;
+        }
+        let places = [0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0];
+        let mut on = [0; 7];
+        for (i, share) in on.iter_mut().zip(places) {
+            let (place, apart_px) = nearest(rope.at(share * rope.length_px))?;
+            if apart_px > past.reach_px(rope.width_px) {
+                return None;
+            }
+            *i = place;
+        }
+        // Half a ring on from its first quarter in the ring's own direction, or against it.
+        let ahead = (on[3] + n - on[2]) % n <= n / 2;
+        let way = |from: usize, to: usize| {
+            let (from, to) = if ahead { (from, to) } else { (to, from) };
+            (to + n - from) % n
+        };
+        // Once around and on to the last point, or just short of once around.
+        let short = way(on[0], on[6]);
+        let off = |count: usize| (count as f32 * step_px - rope.length_px).abs();
+        let count = if off(short + n) < off(short) {
+            short + n
+        } else {
+            short
+        };
+        Some((on[0], ahead, count.clamp(n / 2, n + n / 3)))
+    });
+    let Some((first, ahead, count)) = found else {
+        return false;
+    };
+    line.samples.rotate_left(first);
+    if !ahead {
+        line.samples[1..].reverse();
+    }
+    line.closed = false;
+    for i in n..count {
+        line.samples.push(line.samples[i - n]);
+    }
+    line.samples.truncate(count);
     true
 }
 
