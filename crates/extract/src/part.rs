@@ -11,7 +11,7 @@ const BESIDE_WIDTHS: f32 = 2.5;
 const OWN_WIDTHS: f32 = 3.0;
 
 /// How long a ring may be beside the open rope that it was: its ends lie along each other, or nearly meet.
-const SAME_LENGTH: std::ops::Range<f32> = 0.7..1.06;
+const SAME_LENGTH: std::ops::Range<f32> = 0.5..1.06;
 
 /// Cuts `line` where it runs over a rope's end into something else. What is cut off an open line is
 /// put into `rest`; a ring is opened. Returns whether there is a rest.
@@ -75,7 +75,7 @@ fn open_again(line: &mut Line, past: &Past) -> bool {
         } else {
             short
         };
-        Some((on[0], ahead, count.clamp(n / 2, n + n / 3)))
+        Some((on[0], ahead, count.clamp(n / 2, 2 * n)))
     });
     let Some((first, ahead, count)) = found else {
         return false;

@@ -192,3 +192,26 @@ fn crossings_say_where_and_at_which_arc_length() {
         );
     }
 }
+
+#[test]
+fn a_rope_whose_ends_come_to_lie_along_each_other_stays_open() {
+    let table = Table::new(320, 240, WHITE);
+    let mut extractor = extractor();
+    for frame in 0..40 {
+        // It winds up, from less than a turn to more than one; half a pixel of it lies upon itself then.
+        let turns = 0.85 + 0.008 * frame as f32;
+        let rope = Rope::along(9.0, BLUE, |t| {
+            let (sin, cos) = (std::f32::consts::TAU * turns * t).sin_cos();
+            let radius = 70.0 + 8.5 * turns * t;
+            [160.0 + radius * cos, 120.0 + radius * sin]
+        });
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        let scene = see(&mut extractor, &rgb, &table);
+        assert_eq!(scene.curves.len(), 1, "frame {frame}");
+        let curve = &scene.curves[0];
+        assert!(!curve.closed && curve.track == 0, "frame {frame}");
+        let first = curve.points[0];
+        let off = distance(first, rope.points[0]).min(distance(first, rope.points[1500]));
+        assert!(off < 30.0, "frame {frame}: {off}");
+    }
+}
