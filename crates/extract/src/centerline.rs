@@ -3,7 +3,7 @@
 //! The pixels outside of crossings are spaced evenly and smoothed; the ends, which thinning has bent
 //! and shortened, are cut and run on straight to where the rope's difference from the table falls
 //! to half; then every sample is moved to the middle of its cross-section, twice, the second time
-//! with the better normals. Inside of crossings nothing is measured: the line bridges them as the
+//! with the better normals, and the tips once more where they then lie. Inside of crossings nothing is measured: the line bridges them as the
 //! curve of least bending between the parts that are.
 
 use crate::abut::Body;
@@ -35,6 +35,10 @@ const ANEW_HALVES: f32 = 1.6;
 /// this weight.
 const HELD_HALVES: f32 = 1.5;
 const HELD: f32 = 0.05;
+
+/// How much a section's width may differ from the rope's, as a factor: at first, and when that is known well.
+const COARSE: f32 = 1.6;
+const FINE: f32 = 1.25;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -72,7 +76,7 @@ impl Centerliner {
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
         self.extend(source, line, half_px, step_px, 0.0);
         let mut shading = Shading::FLAT;
-        for tolerance in [1.6, 1.25] {
+        for tolerance in [COARSE, FINE] {
             let how = Measure {
                 half_px,
                 step_px,
@@ -82,48 +86,56 @@ impl Centerliner {
             self.sections.measure(line, source.difference, how);
             self.fill_widths(line, 2.0 * half_px);
             let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
-            let reach_px = (0.35 * half_px).max(2.5);
-            self.smoother.smooth(line, reach_px / step_px);
-            release_ends(line, held);
+            self.smooth_measured(line, half_px, step_px);
+            // They may be measured the next time.
+            weigh_ends(line, held, 1.0);
             shading = Shading::measure(line, source.difference, how);
             half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
             self.extend(source, line, half_px, step_px, 0.7 * half_px);
         }
-        // The tips were run on along the way they seemed to go; now that they are laid, they are measured as well.
         if !line.closed {
             let how = Measure {
                 half_px,
                 step_px,
-                tolerance: 1.25,
+                tolerance: FINE,
                 shading,
             };
-            let count = (TIP_HALVES * half_px / step_px) as usize + 2;
-            // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
-            let n = line.samples.len();
-            let anew = (ANEW_HALVES * half_px / step_px) as usize + 2;
-            for k in 0..anew.min(n / 4) {
-                for (end, sample) in [(0, k), (1, n - 1 - k)] {
-                    if self.bodies[end].is_none() {
-                        line.samples[sample].weight = 1.0;
-                    }
-                }
-            }
-            self.sections
-                .measure_ends(line, source.difference, how, count);
-            // A section a little aslant runs into the cut itself.
-            let cut_px = CUT_HALVES * half_px + 1.0;
-            let skip = ((cut_px / step_px) as usize + 1).min(count / 2);
-            for k in 0..skip.min(n / 4) {
-                line.samples[k].weight = 0.0;
-                line.samples[n - 1 - k].weight = 0.0;
-            }
-            self.fill_widths(line, 2.0 * half_px);
-            self.smoother
-                .smooth(line, (0.35 * half_px).max(2.5) / step_px);
-            self.extend(source, line, half_px, step_px, cut_px);
+            self.measure_tips(source, line, how);
             line.cut_to(source.difference);
         }
         line.samples.len() >= 2
+    }
+
+    /// Measures the tips too, which were run on along the way they seemed to go, and lays them anew.
+    fn measure_tips(&mut self, source: &Source, line: &mut Line, how: Measure) {
+        let Measure {
+            half_px, step_px, ..
+        } = how;
+        let n = line.samples.len();
+        let within = |halves: f32| (halves * half_px / step_px) as usize + 2;
+        // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
+        let anew = within(ANEW_HALVES).min(n / 4);
+        weigh_ends(
+            line,
+            self.bodies.map(|b| if b.is_none() { anew } else { 0 }),
+            1.0,
+        );
+        let count = within(TIP_HALVES);
+        self.sections
+            .measure_ends(line, source.difference, how, count);
+        // A section a little aslant runs into the cut itself.
+        let cut_px = CUT_HALVES * half_px + 1.0;
+        let skip = ((cut_px / step_px) as usize + 1).min(count / 2).min(n / 4);
+        weigh_ends(line, [skip; 2], 0.0);
+        self.fill_widths(line, 2.0 * half_px);
+        self.smooth_measured(line, half_px, step_px);
+        self.extend(source, line, half_px, step_px, cut_px);
+    }
+
+    /// Smooths what was measured, over a part of the rope's width.
+    fn smooth_measured(&mut self, line: &mut Line, half_px: f32, step_px: f32) {
+        self.smoother
+            .smooth(line, (0.35 * half_px).max(2.5) / step_px);
     }
 
     /// Spaces the line's samples evenly, about `step_px` apart.
@@ -240,11 +252,7 @@ impl Centerliner {
     }
 }
 
-/// Lets the samples that were held be measured again.
-fn release_ends(line: &mut Line, held: [usize; 2]) {
-    weigh_ends(line, held, 1.0);
-}
-
+/// Gives so many samples at either end this weight.
 fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     let n = line.samples.len();
     for sample in &mut line.samples[..counts[0]] {

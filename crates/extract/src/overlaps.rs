@@ -133,21 +133,9 @@ impl Overlaps {
                 detour_alone += usize::from(partner == i && Some(arms[i].edge) == detour);
             }
             apart += self.pairing.best_cost;
-            let first = self.arms.len();
+            let kept = arms.iter().filter(|arm| arm.edge as usize != e);
             self.arms
-                .extend(arms.iter().filter(|arm| arm.edge as usize != e));
-            for arm in &mut self.arms[first..] {
-                let Some(unroll) = &unroll else { continue };
-                if zone == ends[1] {
-                    unroll.apply(arm);
-                } else {
-                    unroll.tell_side(arm);
-                }
-                // Which strand goes where is not asked yet, and tight loops bend too much to tell.
-                if unroll.changes_sides() {
-                    arm.side = 0.0;
-                }
-            }
+                .extend(kept.map(|arm| laid_straight(*arm, unroll.as_ref(), zone == ends[1])));
         }
         if detour_alone == 2 {
             // Not an end on a rope, twice, but both ends of one rope at one place.
@@ -161,6 +149,21 @@ impl Overlaps {
             zones: ends,
         })
     }
+}
+
+/// An arm of the overlap's far or near end, where it would be were the overlap straight.
+fn laid_straight(mut arm: Arm, unroll: Option<&Unroll>, is_far: bool) -> Arm {
+    let Some(unroll) = unroll else { return arm };
+    if is_far {
+        unroll.apply(&mut arm);
+    } else {
+        unroll.tell_side(&mut arm);
+    }
+    // Which strand goes where is not asked yet, and tight loops bend too much to tell.
+    if unroll.changes_sides() {
+        arm.side = 0.0;
+    }
+    arm
 }
 
 /// Whether two strands ran along the middle of edge `e` in the last image.
