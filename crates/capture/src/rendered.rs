@@ -6,9 +6,10 @@
 
 pub(crate) mod draw;
 mod motion;
+pub(crate) mod mottling;
 pub(crate) mod portable;
 pub(crate) mod table;
-mod truth;
+pub(crate) mod truth;
 
 use lariat_wire::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};
 

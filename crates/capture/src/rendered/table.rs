@@ -1,6 +1,7 @@
 //! The table under the rope, drawn once: a plain, faintly mottled surface in uneven light; and the camera's noise.
 
 use super::RenderOptions;
+use super::mottling::Mottling;
 use super::portable::SplitMix64;
 
 /// No noise is larger: what is drawn stays this far from 0 and 255, so that noise is added without a saturation.
@@ -20,7 +21,7 @@ pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
     let (width, height) = (options.width as usize, options.height as usize);
     // Where the lamp stands: near an upper corner; its light falls off with the square of the distance.
     let lamp = [random.uniform(0.1, 0.9), random.uniform(0.0, 0.3)];
-    let mottling = Mottling::new(random);
+    let mottling = Mottling::<64>::new(random);
     let mut pixels = Vec::with_capacity(3 * width * height);
     let scale = 1.0 / width.max(height) as f64;
     for y in 0..height {
@@ -33,7 +34,7 @@ pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
                 at[1] - 0.5 * height as f64 * scale,
             ];
             let vignette = 1.0 - 0.35 * dot(from_centre, from_centre);
-            let light = falloff * vignette * (1.0 + 0.025 * mottling.at(at));
+            let light = falloff * vignette * (1.0 + 0.025 * mottling.at(at, [9.0, 31.0]));
             for channel in options.table_rgb {
                 pixels.push(to_byte((f64::from(channel) * light) as f32));
             }
@@ -44,38 +45,6 @@ pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
-}
-
-/// Two octaves of value noise: random heights on a grid, smoothly joined.
-struct Mottling {
-    heights: Vec<f64>,
-}
-
-impl Mottling {
-    const GRID: usize = 64;
-
-    fn new(random: &mut SplitMix64) -> Self {
-        let count = Self::GRID * Self::GRID;
-        Self {
-            heights: (0..count).map(|_| random.uniform(-1.0, 1.0)).collect(),
-        }
-    }
-
-    fn at(&self, at: [f64; 2]) -> f64 {
-        self.octave([at[0] * 9.0, at[1] * 9.0]) + 0.5 * self.octave([at[0] * 31.0, at[1] * 31.0])
-    }
-
-    fn octave(&self, [x, y]: [f64; 2]) -> f64 {
-        let (column, row) = (x as usize, y as usize);
-        let ease = |x: f64| x * x * (3.0 - 2.0 * x);
-        let (u, v) = (ease(x - column as f64), ease(y - row as f64));
-        let height = |column: usize, row: usize| {
-            self.heights[(row % Self::GRID) * Self::GRID + column % Self::GRID]
-        };
-        let upper = height(column, row) * (1.0 - u) + height(column + 1, row) * u;
-        let lower = height(column, row + 1) * (1.0 - u) + height(column + 1, row + 1) * u;
-        upper * (1.0 - v) + lower * v
-    }
 }
 
 /// The camera's noise: a table of normal-like values, of which every row of every frame takes another stretch.

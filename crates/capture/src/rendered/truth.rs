@@ -59,7 +59,7 @@ fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64;
     for i in 0..segments {
         let mut j = i + 2;
         while j < segments {
-            if let Some((s, t)) = meet(line[i], line[i + 1], line[j], line[j + 1]) {
+            if let Some((s, t)) = meet([line[i], line[i + 1]], [line[j], line[j + 1]]) {
                 let at = [0, 1].map(|a| line[i][a] + (line[i + 1][a] - line[i][a]) * s);
                 found(at, i as f64 + s, j as f64 + t);
             }
@@ -72,7 +72,7 @@ fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64;
 }
 
 /// Where segments pq and rs meet, as shares of each; the ends q and s belong to the next segments.
-fn meet(p: [f64; 2], q: [f64; 2], r: [f64; 2], s: [f64; 2]) -> Option<(f64, f64)> {
+pub(crate) fn meet([p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]) -> Option<(f64, f64)> {
     let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let (u, v, w) = (minus(q, p), minus(s, r), minus(r, p));

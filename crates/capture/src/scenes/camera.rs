@@ -1,9 +1,12 @@
 //! From the light on the table and the ropes to the bytes of a picture: shadow, light, blur, motion, noise.
 
-use super::line::Vec2;
 use super::look::Look;
 use super::paint::Painted;
+use crate::rendered::mottling::Mottling;
 use crate::rendered::portable::SplitMix64;
+
+/// The table's pattern is of 35 and of 11 px.
+const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];
 
 /// The picture, three bytes a pixel.
 pub(super) fn expose(
@@ -21,7 +24,7 @@ pub(super) fn expose(
         shadow = moved(&shadow, [width, height], [shift, 1.3 * shift]);
         blur(&mut shadow, [width, height], 0.3 * width_px as f32);
     }
-    let pattern = Pattern::new(random);
+    let pattern = Mottling::<32>::new(random);
     let mut picture = Vec::with_capacity(width * height);
     for (i, (light, cover)) in painted.light.iter().zip(&painted.cover).enumerate() {
         let (x, y) = (i % width, i / width);
@@ -34,7 +37,8 @@ pub(super) fn expose(
                 + look.fall[1] * (at[1] - 0.5) as f32
                 + look.spot_light * spot as f32);
         let shade = shadow.get(i).map_or(1.0, |s| 1.0 - look.shadow * s[0]);
-        let table = shade * (1.0 + look.mottling * pattern.at([x, y].map(|c| c as f64)) as f32);
+        let table =
+            shade * (1.0 + look.mottling * pattern.at([x, y].map(|c| c as f64), OCTAVES) as f32);
         picture.push([0, 1, 2].map(|k| lamp * (light[k] + (1.0 - cover) * look.table[k] * table)));
     }
     blur(&mut picture, [width, height], look.blur_px);
@@ -129,37 +133,4 @@ fn smear(picture: &mut [[f32; 3]], size: [usize; 2], by: [f32; 2]) {
         }
     }
     picture.copy_from_slice(&sum);
-}
-
-/// The table's pattern: two octaves of random heights on a grid, smoothly joined.
-struct Pattern {
-    heights: Vec<f64>,
-}
-
-impl Pattern {
-    const GRID: usize = 32;
-
-    fn new(random: &mut SplitMix64) -> Self {
-        let count = Self::GRID * Self::GRID;
-        Self {
-            heights: (0..count).map(|_| random.uniform(-1.0, 1.0)).collect(),
-        }
-    }
-
-    fn at(&self, at_px: Vec2) -> f64 {
-        // Of 35 and of 11 px.
-        self.octave(at_px.map(|c| c / 35.0)) + 0.5 * self.octave(at_px.map(|c| c / 11.0))
-    }
-
-    fn octave(&self, [x, y]: Vec2) -> f64 {
-        let (column, row) = (x as usize, y as usize);
-        let ease = |x: f64| x * x * (3.0 - 2.0 * x);
-        let (u, v) = (ease(x - column as f64), ease(y - row as f64));
-        let height = |column: usize, row: usize| {
-            self.heights[(row % Self::GRID) * Self::GRID + column % Self::GRID]
-        };
-        let upper = height(column, row) * (1.0 - u) + height(column + 1, row) * u;
-        let lower = height(column, row + 1) * (1.0 - u) + height(column + 1, row + 1) * u;
-        upper * (1.0 - v) + lower * v
-    }
 }

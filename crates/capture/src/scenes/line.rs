@@ -1,5 +1,7 @@
 //! Curves as points at equal steps of arc length: positions, cuts, bends, and where two of them meet.
 
+use crate::rendered::truth::meet;
+
 pub(super) type Vec2 = [f64; 2];
 
 pub(super) fn minus(a: Vec2, b: Vec2) -> Vec2 {
@@ -227,16 +229,4 @@ fn pair_meetings(of: [usize; 2], [a, b]: [&Line; 2], near_px: f64, found: &mut F
             j += (spare.max(0.0) as usize).saturating_sub(1).max(1);
         }
     }
-}
-
-/// Where two segments meet, as shares of each; their second ends belong to the next segments.
-fn meet([p, q]: [Vec2; 2], [r, s]: [Vec2; 2]) -> Option<(f64, f64)> {
-    let (u, v, w) = (minus(q, p), minus(s, r), minus(r, p));
-    let det = cross(u, v);
-    if det == 0.0 {
-        return None;
-    }
-    let (along, other) = (cross(w, v) / det, cross(w, u) / det);
-    let within = 0.0..1.0;
-    (within.contains(&along) && within.contains(&other)).then_some((along, other))
 }
