@@ -88,10 +88,10 @@ impl Background {
         self.coefficients.map(|c| surface(&along_row(&c, v), u))
     }
 
-    /// The table's levels in row `y`, one for each block of pixels, which is taken in its middle.
-    pub(crate) fn row(&self, y: usize, block: usize, out: [&mut [u8]; 3]) {
+    /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
+    pub(crate) fn row(&self, [x, y]: [usize; 2], block: usize, out: [&mut [u8]; 3]) {
         let v = unit(y as f32, self.height);
-        let middle = unit(0.5 * (block - 1) as f32, self.width);
+        let middle = unit(x as f32 + 0.5 * (block - 1) as f32, self.width);
         let step = 2.0 * block as f32 / self.width;
         for (levels, c) in out.into_iter().zip(&self.coefficients) {
             Arch::new().dispatch(AlongRow {

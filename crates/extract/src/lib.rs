@@ -85,6 +85,7 @@ mod pattern;
 mod pick;
 mod place;
 mod plane;
+mod pursue;
 mod rehearse;
 mod scene;
 mod section;
