@@ -49,7 +49,10 @@ pub fn photographs(folder: &Path) -> Result<Vec<PhotoSet>> {
 }
 
 /// Picture files, or folders of them, decoded; a grey one is `Gray8`.
-fn load(paths: Vec<PathBuf>) -> Result<Vec<Picture>> {
+///
+/// # Errors
+/// A file cannot be read, or is no picture.
+pub fn load(paths: Vec<PathBuf>) -> Result<Vec<Picture>> {
     let mut source = open(&Source::Paths {
         paths,
         looped: false,

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use lariat_bench::{Picture, Samples, Table, converted, micros, times};
 use lariat_capture::RenderOptions;
-use lariat_extract::PixelFormat;
+use lariat_extract::{Mask, Options, PixelFormat, pick};
 
 use crate::Effort;
 use crate::case::{Case, Times, measure};
@@ -28,6 +28,14 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
             Case::new(format!("{format:?}"), frames)
         })
         .collect::<Result<Vec<_>>>()?;
+    // The same bytes as the first, the rope told by its colour instead of by its difference from the table.
+    let told = film.iter().map(|f| converted(f, PixelFormat::Rgb8));
+    let told: Vec<Picture> = told.collect::<Option<_>>().context("RGB stays RGB")?;
+    let options = Options {
+        mask: Mask::Hsv(pick(&told[0].image(), None)?.ranges),
+        ..Options::default()
+    };
+    cases.push(Case::with("Rgb8, by HSV range", told, options)?);
     let turns = measure(&mut cases, effort.time(24.0));
     print_steps(&cases[0], film.len(), turns);
     print_formats(&cases);
