@@ -14,6 +14,9 @@ use tempfile::TempDir;
 
 use super::Args;
 
+/// The set of drawn frames.
+pub(super) const DRAWN: &str = "drawn, 640×480";
+
 /// One picture.
 pub(super) struct Shown {
     /// Which of [`Pictures::sets`] it belongs to.
@@ -68,7 +71,7 @@ impl Pictures {
         };
         let film = rendered(&options)?;
         let film = film.into_iter().map(|f| (f.picture, Some(f.truth)));
-        let mut left_out = pictures.add("drawn, 640×480".into(), film);
+        let mut left_out = pictures.add(DRAWN.into(), film);
         if let Some(folder) = &args.dataset {
             for set in photographs(folder)? {
                 let untold = set.pictures.into_iter().map(|p| (p, None));
