@@ -28,4 +28,4 @@ pub use formats::converted;
 pub use photographs::{PhotoSet, load, photographs};
 pub use picture::Picture;
 pub use statistics::Samples;
-pub use table::{Table, micros, millis, times};
+pub use table::{Table, micros, millis, multiple, times};

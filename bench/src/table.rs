@@ -56,12 +56,17 @@ pub fn millis(ns: f64) -> String {
     format!("{:.3}", ns / 1e6)
 }
 
-/// A ratio, to three digits; a dash where there is nothing to divide by.
+/// How many times `unit` goes into `value`, to three digits; a dash where there is nothing to divide by.
 pub fn times(value: f64, unit: f64) -> String {
-    let ratio = value / unit;
-    if unit <= 0.0 || !ratio.is_finite() {
-        return "-".into();
+    if unit > 0.0 {
+        multiple(value / unit)
+    } else {
+        "-".into()
     }
+}
+
+/// A ratio, to three digits.
+pub fn multiple(ratio: f64) -> String {
     let decimals = match ratio {
         r if r < 9.995 => 2,
         r if r < 99.95 => 1,

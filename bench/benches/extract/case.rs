@@ -10,23 +10,39 @@ use lariat_extract::{Extractor, Options};
 /// Turns that a table has at least.
 const FEWEST_TURNS: usize = 3;
 
-/// What extractions took, in nanoseconds.
+/// Mask, skeleton, graph, points, and the whole.
+pub(crate) const WHOLE: usize = 4;
+
+/// What extractions took: the steps and the whole.
 #[derive(Default)]
 pub(crate) struct Times {
-    /// Mask, skeleton, graph, points.
-    pub(crate) steps: [Samples; 4],
-    pub(crate) whole: Samples,
+    /// In nanoseconds.
+    pub(crate) ns: [Samples; WHOLE + 1],
+    /// Over the read of the same frame just before.
+    pub(crate) over_read: [Samples; WHOLE + 1],
+}
+
+impl Times {
+    /// Median of the whole, in nanoseconds.
+    pub(crate) fn whole_ns(&self) -> f64 {
+        self.ns[WHOLE].median()
+    }
+
+    /// Median of the whole over the read.
+    pub(crate) fn whole_over_read(&self) -> f64 {
+        self.over_read[WHOLE].median()
+    }
 }
 
 /// A film, and what was measured on it.
 pub(crate) struct Case {
     pub(crate) name: String,
     film: Vec<Picture>,
-    cold: Extractor,
-    tracked: Extractor,
+    forgetful: Extractor,
+    mindful: Extractor,
     pub(crate) read_ns: Samples,
-    pub(crate) cold_ns: Times,
-    pub(crate) tracked_ns: Times,
+    pub(crate) cold: Times,
+    pub(crate) tracked: Times,
     /// Area of the ropes found in a frame, cold, in pixels.
     pub(crate) rope_px2: Samples,
     /// How many were found.
@@ -44,20 +60,21 @@ impl Case {
         film: Vec<Picture>,
         options: Options,
     ) -> Result<Self> {
-        let [mut cold, mut tracked] = [Extractor::new(options.clone())?, Extractor::new(options)?];
+        let [mut forgetful, mut mindful] =
+            [Extractor::new(options.clone())?, Extractor::new(options)?];
         if let Some(first) = film.first() {
             let [width, height] = first.size();
-            cold.prepare(width, height);
-            tracked.prepare(width, height);
+            forgetful.prepare(width, height);
+            mindful.prepare(width, height);
         }
         Ok(Self {
             name: name.into(),
             film,
-            cold,
-            tracked,
+            forgetful,
+            mindful,
             read_ns: Samples::default(),
-            cold_ns: Times::default(),
-            tracked_ns: Times::default(),
+            cold: Times::default(),
+            tracked: Times::default(),
             rope_px2: Samples::default(),
             ropes: Samples::default(),
         })
@@ -76,28 +93,28 @@ impl Case {
 
     /// Once through the film.
     fn turn(&mut self, read: &ReadPass) {
-        self.tracked.reset();
+        self.mindful.reset();
         for (k, frame) in self.film.iter().enumerate() {
             let bytes = frame.bytes();
             let fetch = || black_box(read.sum(black_box(bytes)));
             fetch();
-            self.read_ns.time(fetch);
+            let read_ns = self.read_ns.time(fetch);
             fetch();
-            self.cold.reset();
-            let (ropes, area_px2) = timed(&mut self.cold, frame, &mut self.cold_ns);
-            self.ropes.push(ropes as f64);
-            self.rope_px2.push(area_px2);
+            self.forgetful.reset();
+            let found = timed(&mut self.forgetful, frame, read_ns, &mut self.cold);
+            self.ropes.push(found.ropes as f64);
+            self.rope_px2.push(found.area_px2);
             fetch();
             if k == 0 {
-                self.tracked.extract(&frame.image());
+                self.mindful.extract(&frame.image());
             } else {
-                timed(&mut self.tracked, frame, &mut self.tracked_ns);
+                timed(&mut self.mindful, frame, read_ns, &mut self.tracked);
             }
         }
     }
 
     fn forget(&mut self) {
-        (self.cold_ns, self.tracked_ns) = Default::default();
+        (self.cold, self.tracked) = Default::default();
         (self.read_ns, self.ropes, self.rope_px2) = Default::default();
     }
 }
@@ -118,17 +135,29 @@ pub(crate) fn measure(cases: &mut [Case], time: Duration) -> usize {
     turns
 }
 
-/// One extraction; how many ropes it found, and their area in pixels.
-fn timed(extractor: &mut Extractor, frame: &Picture, times: &mut Times) -> (usize, f64) {
+/// What an extraction found.
+struct Found {
+    ropes: usize,
+    area_px2: f64,
+}
+
+fn timed(extractor: &mut Extractor, frame: &Picture, read_ns: f64, times: &mut Times) -> Found {
     let image = frame.image();
     let start = Instant::now();
-    let (mut last, mut step) = (start, 0);
+    let (mut last, mut step, mut ns) = (start, 0, [0.0; WHOLE + 1]);
     let scene = extractor.extract_observed(&image, &mut |_| {
         let now = Instant::now();
-        times.steps[step].push((now - last).as_secs_f64() * 1e9);
+        ns[step] = (now - last).as_secs_f64() * 1e9;
         (last, step) = (now, step + 1);
     });
-    times.whole.push(start.elapsed().as_secs_f64() * 1e9);
+    ns[WHOLE] = start.elapsed().as_secs_f64() * 1e9;
+    for (k, ns) in ns.into_iter().enumerate() {
+        times.ns[k].push(ns);
+        times.over_read[k].push(ns / read_ns);
+    }
     let areas = scene.curves.iter().map(|c| c.length_px * c.width_px);
-    (scene.curves.len(), f64::from(areas.sum::<f32>()))
+    Found {
+        ropes: scene.curves.len(),
+        area_px2: f64::from(areas.sum::<f32>()),
+    }
 }

@@ -1,12 +1,12 @@
 //! The normal case, step by step, and the same film in every pixel format.
 
 use anyhow::{Context, Result};
-use lariat_bench::{Picture, Samples, Table, converted, micros, times};
+use lariat_bench::{Picture, Table, converted, micros, multiple, times};
 use lariat_capture::RenderOptions;
 use lariat_extract::{Mask, Options, PixelFormat, pick};
 
 use crate::Effort;
-use crate::case::{Case, Times, measure};
+use crate::case::{Case, Times, WHOLE, measure};
 
 /// Frames of the film: 1.3 s.
 const FRAMES: u64 = 40;
@@ -51,25 +51,26 @@ fn print_steps(case: &Case, frames: usize, turns: usize) {
         case.bytes() / read
     );
     let mut table = Table::new(&["", "mask", "skeleton", "graph", "points", "whole", "p99"]);
-    for (name, taken) in [("cold", &case.cold_ns), ("tracked", &case.tracked_ns)] {
-        let figures = figures(taken);
-        let cells = |show: &dyn Fn(f64) -> String| figures.iter().map(|&ns| show(ns)).collect();
-        let row = |name: String, cells: Vec<String>| std::iter::once(name).chain(cells);
-        table.push(row(format!("{name}, µs"), cells(&micros)));
-        table.push(row("  ÷ read".into(), cells(&|ns| times(ns, read))));
+    for (name, taken) in [("cold", &case.cold), ("tracked", &case.tracked)] {
+        let rows = [
+            (
+                format!("{name}, µs"),
+                &taken.ns,
+                micros as fn(f64) -> String,
+            ),
+            ("  ÷ read".into(), &taken.over_read, multiple),
+        ];
+        for (name, samples, show) in rows {
+            let medians = samples.iter().map(|samples| show(samples.median()));
+            let late = show(samples[WHOLE].percentile(0.99));
+            table.push(std::iter::once(name).chain(medians).chain([late]));
+        }
     }
     println!("{table}");
 }
 
-/// Medians of the steps and of the whole, and the whole's 99th percentile.
-fn figures(taken: &Times) -> Vec<f64> {
-    let steps = taken.steps.iter().map(Samples::median);
-    let whole = [taken.whole.median(), taken.whole.percentile(0.99)];
-    steps.chain(whole).collect()
-}
-
 fn print_formats(cases: &[Case]) {
-    let rgb = cases[0].cold_ns.whole.median();
+    let rgb = [&cases[0].cold, &cases[0].tracked].map(Times::whole_ns);
     let mut table = Table::new(&[
         "format, 640×480",
         "read, µs",
@@ -81,17 +82,16 @@ fn print_formats(cases: &[Case]) {
         "÷ RGB",
     ]);
     for case in cases {
-        let [read, cold, tracked] =
-            [&case.read_ns, &case.cold_ns.whole, &case.tracked_ns.whole].map(Samples::median);
+        let [cold, tracked] = [&case.cold, &case.tracked].map(Times::whole_ns);
         table.push([
             case.name.clone(),
-            micros(read),
+            micros(case.read_ns.median()),
             micros(cold),
-            times(cold, read),
-            times(cold, rgb),
+            multiple(case.cold.whole_over_read()),
+            times(cold, rgb[0]),
             micros(tracked),
-            times(tracked, read),
-            times(tracked, cases[0].tracked_ns.whole.median()),
+            multiple(case.tracked.whole_over_read()),
+            times(tracked, rgb[1]),
         ]);
     }
     println!("{table}");

@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use anyhow::Result;
-use lariat_bench::{Picture, Samples, Table, micros, times};
+use lariat_bench::{Picture, Table, micros, multiple, times};
 use lariat_capture::RenderOptions;
 use lariat_extract::{HsvRange, Mask, Options};
 
 use crate::Effort;
-use crate::case::{Case, measure};
+use crate::case::{Case, Times, measure};
 use crate::paint::{HEIGHT, Noise, WIDTH, picture, ropes};
 
 /// The same picture again and again, so that "tracked" is measured too.
@@ -108,8 +108,7 @@ fn salt(percent: u64) -> Result<Picture> {
 
 fn print(cases: &[Case]) {
     let normal = &cases[0];
-    let [normal_cold, normal_tracked] =
-        [&normal.cold_ns, &normal.tracked_ns].map(|times| times.whole.median());
+    let [normal_cold, normal_tracked] = [&normal.cold, &normal.tracked].map(Times::whole_ns);
     let mut table = Table::new(&[
         "hostile, 640×480 RGB",
         "curves",
@@ -121,14 +120,13 @@ fn print(cases: &[Case]) {
     ]);
     let mut worst = [0.0f64; 2];
     for case in cases {
-        let [read, cold, tracked] =
-            [&case.read_ns, &case.cold_ns.whole, &case.tracked_ns.whole].map(Samples::median);
+        let [cold, tracked] = [&case.cold, &case.tracked].map(Times::whole_ns);
         worst = [worst[0].max(cold), worst[1].max(tracked)];
         table.push([
             case.name.clone(),
             format!("{:.0}", case.ropes.median()),
             micros(cold),
-            times(cold, read),
+            multiple(case.cold.whole_over_read()),
             times(cold, normal_cold),
             micros(tracked),
             times(tracked, normal_tracked),

@@ -6,7 +6,8 @@
 //! the frame is read once more, untimed, so that all three find its bytes where a stage finds them that runs right
 //! after the camera's writer: in the second-level cache, as far as they fit. Frames lie on a cache line, as the chain's
 //! do. The cases of a table take turns, film by film, until the table's time is used; the first turn is not counted.
-//! Figures are medians over frames and turns; ratios are of two medians of one table.
+//! Figures are medians over frames and turns; "÷ read" is the median of
+//! the ratios to the read of the same frame in the same turn, other ratios are of two medians of one table.
 //!
 //! `-- --quick` uses a tenth of the time; `-- --dataset DIR`, or the environment's `LARIAT_MBEST`, adds photographs.
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use anyhow::Result;
-use lariat_bench::{MBEST_MS, Samples, Table, micros, millis, photographs, times};
+use lariat_bench::{MBEST_MS, Table, micros, millis, multiple, photographs, times};
 
 use crate::Effort;
-use crate::case::{Case, measure};
+use crate::case::{Case, WHOLE, measure};
 
 pub(crate) fn run(effort: &Effort, folder: &Path) -> Result<()> {
     let mut cases = Vec::new();
@@ -30,16 +30,15 @@ pub(crate) fn run(effort: &Effort, folder: &Path) -> Result<()> {
         "mBEST ÷ lariat",
     ]);
     for (case, count) in cases.iter().zip(counts) {
-        let cold = &case.cold_ns.whole;
-        let [read, median] = [&case.read_ns, cold].map(Samples::median);
+        let median = case.cold.whole_ns();
         let published = MBEST_MS.iter().find(|(set, _)| *set == case.name);
         table.push([
             case.name.clone(),
             count.to_string(),
-            micros(read),
+            micros(case.read_ns.median()),
             millis(median),
-            times(median, read),
-            millis(cold.percentile(0.99)),
+            multiple(case.cold.whole_over_read()),
+            millis(case.cold.ns[WHOLE].percentile(0.99)),
             published.map_or("-".into(), |(_, ms)| format!("{ms:.1}")),
             published.map_or("-".into(), |(_, ms)| times(ms * 1e6, median)),
         ]);

@@ -1,11 +1,11 @@
 //! Larger pictures: cold, time goes by the pixel; tracked, by the rope's area.
 
 use anyhow::Result;
-use lariat_bench::{Samples, Table, micros, times};
+use lariat_bench::{Table, micros, multiple};
 use lariat_capture::RenderOptions;
 
 use crate::Effort;
-use crate::case::{Case, measure};
+use crate::case::{Case, Times, measure};
 
 /// Frames of each film: 50 MB at the largest size.
 const FRAMES: u64 = 8;
@@ -42,22 +42,16 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
         "ns/rope pixel",
     ]);
     for case in &cases {
-        let [read, cold, tracked, rope_px2] = [
-            &case.read_ns,
-            &case.cold_ns.whole,
-            &case.tracked_ns.whole,
-            &case.rope_px2,
-        ]
-        .map(Samples::median);
+        let [cold, tracked] = [&case.cold, &case.tracked].map(Times::whole_ns);
         table.push([
             case.name.clone(),
-            micros(read),
+            micros(case.read_ns.median()),
             micros(cold),
-            times(cold, read),
+            multiple(case.cold.whole_over_read()),
             format!("{:.3}", cold / case.pixels()),
             micros(tracked),
-            times(tracked, read),
-            format!("{:.2}", tracked / rope_px2.max(1.0)),
+            multiple(case.tracked.whole_over_read()),
+            format!("{:.2}", tracked / case.rope_px2.median().max(1.0)),
         ]);
     }
     println!("{table}");
