@@ -288,10 +288,10 @@ impl Extractor {
 
     /// Thins the mask and lists what is left.
     fn skeletonize(&mut self) {
-        self.thin.copy_from(&self.masker.mask);
+        let mask = &self.masker.mask;
         let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
-        self.thinner.thin(&mut self.thin, most_passes);
-        self.skeleton.list(&self.thin, &self.masker.mask);
+        self.thinner.thin(mask, &mut self.thin, most_passes);
+        self.skeleton.list(&self.thin, mask);
     }
 
     /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns

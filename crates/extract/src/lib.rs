@@ -92,6 +92,7 @@ mod shadow;
 mod skeleton;
 mod smooth;
 mod strands;
+mod strips;
 mod thin;
 mod threshold;
 mod track;
