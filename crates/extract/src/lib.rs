@@ -50,6 +50,7 @@ mod background;
 mod bits;
 mod bridge;
 mod centerline;
+mod clearance;
 mod color;
 mod complete;
 mod components;

@@ -1,6 +1,9 @@
 //! The skeleton as a list: each pixel's position, neighbors and distance to the rope's edge.
 
 use crate::bits::BitPlane;
+use crate::clearance::Clearance;
+use crate::strips::{BLOCK, Strips};
+use crate::thin::Thinner;
 
 /// No pixel, node, edge or arm.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -13,8 +16,11 @@ const WIDEST_HALF: i32 = 160;
 /// The pixels of a skeleton in the order of rows.
 #[derive(Debug, Default)]
 pub(crate) struct Skeleton {
-    /// Index of the first pixel of each word that has any.
+    /// Index of the first pixel of each word in a block that has any.
     first: Vec<u32>,
+    /// Strips that have any in the rows that are listed.
+    filled: Vec<u32>,
+    clearance: Clearance,
     pub(crate) pixels: Vec<Pixel>,
 }
 
@@ -25,7 +31,8 @@ pub(crate) struct Pixel {
     pub(crate) y: u16,
     /// Distance from the pixel's center to the rope's edge, in pixels.
     pub(crate) half_px: f32,
-    pub(crate) neighbors: [u32; 8],
+    /// No more than four: a corner neighbor counts only where neither side neighbor beside it is.
+    pub(crate) neighbors: [u32; 4],
     pub(crate) degree: u8,
 }
 
@@ -36,52 +43,93 @@ impl Pixel {
 }
 
 impl Skeleton {
-    /// Lists the pixels of `thin`, the skeleton of `mask`. An image that is noise gets none.
-    pub(crate) fn list(&mut self, thin: &BitPlane, mask: &BitPlane) {
+    /// Lists the pixels that `thinner` left of `mask`. An image that is noise gets none.
+    pub(crate) fn list(&mut self, thinner: &Thinner, mask: &BitPlane) {
+        self.clearance.take(&thinner.mask);
+        pulp::Arch::new().dispatch(List {
+            skeleton: self,
+            thin: &thinner.thin,
+            mask,
+        });
+    }
+
+    #[inline(always)]
+    fn list_places(&mut self, thin: &Strips) {
+        let shape = &thin.shape;
         self.pixels.clear();
-        self.first.resize(thin.words().len(), 0);
-        for y in 0..thin.height() {
-            for (i, &row_word) in thin.row(y).iter().enumerate() {
-                self.first[y * thin.words_per_row() + i] = self.pixels.len() as u32;
-                let mut word = row_word;
-                while word != 0 {
-                    let x = 64 * i + word.trailing_zeros() as usize;
-                    self.pixels.push(Pixel {
-                        x: x as u16,
-                        y: y as u16,
-                        half_px: 0.0,
-                        neighbors: [NONE; 8],
-                        degree: 0,
-                    });
-                    word &= word - 1;
+        self.first.resize(shape.words(), 0);
+        for top in (0..shape.height()).step_by(BLOCK) {
+            self.filled.clear();
+            let strips = 0..shape.strips() as u32;
+            let filled = strips.filter(|&s| thin.used.holds(shape, s as usize, top / BLOCK));
+            self.filled.extend(filled);
+            if self.filled.is_empty() {
+                continue;
+            }
+            for y in top..(top + BLOCK).min(shape.height()) {
+                for &strip in &self.filled {
+                    let at = shape.index(strip as usize, y);
+                    let mut word = thin.words[at];
+                    self.first[at] = self.pixels.len() as u32;
+                    while word != 0 {
+                        self.pixels.push(Pixel {
+                            x: (64 * strip + word.trailing_zeros()) as u16,
+                            y: y as u16,
+                            half_px: 0.0,
+                            neighbors: [NONE; 4],
+                            degree: 0,
+                        });
+                        word &= word - 1;
+                    }
+                }
+                if self.pixels.len() > BUDGET {
+                    self.pixels.clear();
+                    return;
                 }
             }
-            if self.pixels.len() > BUDGET {
-                self.pixels.clear();
-                return;
-            }
-        }
-        for i in 0..self.pixels.len() {
-            let (x, y) = (i32::from(self.pixels[i].x), i32::from(self.pixels[i].y));
-            self.pixels[i].half_px = half_width(mask, x, y);
-            self.connect(thin, i, x, y);
         }
     }
 
     /// Finds the neighbors of pixel `i`. A corner neighbor that is also reached through a side
     /// neighbor is left out, so that a staircase is a path and not a row of junctions.
-    fn connect(&mut self, thin: &BitPlane, i: usize, x: i32, y: i32) {
-        for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
-            if thin.get(x + dx, y + dy) {
-                self.link(thin, i, x + dx, y + dy);
+    #[inline(always)]
+    fn connect(&mut self, thin: &Strips, i: usize) {
+        let (words, stride) = (&thin.words, thin.shape.stride);
+        let mut pixel = self.pixels[i];
+        let (strip, bit) = (usize::from(pixel.x / 64), pixel.x % 64);
+        let at = thin.shape.index(strip, usize::from(pixel.y));
+        // Whether the pixels to the left, here and to the right are set in the row of a word.
+        let three = |at: usize| {
+            let left = words[at] << 1 | words[at - stride] >> 63;
+            let right = words[at] >> 1 | words[at + stride] << 63;
+            [left, words[at], right].map(|word| word >> bit & 1 == 1)
+        };
+        // The index of the first pixel of a row that is not to the left: those of a row follow each other.
+        let first = |at: usize, is_left: bool| {
+            match (words[at], is_left) {
+                // Nothing in this word: the one to the left is the last of its own, one to the right the first.
+                (0, true) => self.first[at - stride] + words[at - stride].count_ones(),
+                (0, false) => self.first[at + stride],
+                (word, _) => self.first[at] + (word & ((1 << bit) - 1)).count_ones(),
             }
-        }
-        for (dx, dy) in [(1, 1), (-1, 1), (-1, -1), (1, -1)] {
-            let around = thin.get(x + dx, y) || thin.get(x, y + dy);
-            if thin.get(x + dx, y + dy) && !around {
-                self.link(thin, i, x + dx, y + dy);
+        };
+        let [[nw, n, ne], [w, _, e], [sw, s, se]] = [three(at - 1), three(at), three(at + 1)];
+        let mut add = |is_there: bool, index: u32| {
+            if is_there {
+                pixel.neighbors[usize::from(pixel.degree)] = index;
+                pixel.degree += 1;
             }
-        }
+        };
+        let (here, above, below) = (i as u32, first(at - 1, nw), first(at + 1, sw));
+        add(e, here + 1);
+        add(s, below);
+        add(w, here.wrapping_sub(1));
+        add(n, above);
+        add(se && !e && !s, below);
+        add(sw && !w && !s, below.wrapping_sub(1));
+        add(nw && !w && !n, above.wrapping_sub(1));
+        add(ne && !e && !n, above);
+        self.pixels[i] = pixel;
     }
 
     /// Takes pixel `i` out: no neighbor leads to it any more.
@@ -99,15 +147,27 @@ impl Skeleton {
         }
         self.pixels[i as usize].degree = 0;
     }
+}
 
-    fn link(&mut self, thin: &BitPlane, i: usize, x: i32, y: i32) {
-        let (x, y) = (x as usize, y as usize);
-        let word = y * thin.words_per_row() + x / 64;
-        let before = thin.words()[word] & ((1u64 << (x % 64)) - 1);
-        let index = self.first[word] + before.count_ones();
-        let pixel = &mut self.pixels[i];
-        pixel.neighbors[usize::from(pixel.degree)] = index;
-        pixel.degree += 1;
+/// The listing, to be compiled for each kind of machine: counting bits is one instruction on most.
+struct List<'a> {
+    skeleton: &'a mut Skeleton,
+    thin: &'a Strips,
+    mask: &'a BitPlane,
+}
+
+impl pulp::NullaryFnOnce for List<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let skeleton = self.skeleton;
+        skeleton.list_places(self.thin);
+        for i in 0..skeleton.pixels.len() {
+            let Pixel { x, y, .. } = skeleton.pixels[i];
+            skeleton.pixels[i].half_px = skeleton.clearance.half_px(self.mask, x, y);
+            skeleton.connect(self.thin, i);
+        }
     }
 }
 

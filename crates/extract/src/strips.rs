@@ -36,64 +36,100 @@ impl Shape {
         }
     }
 
+    pub(crate) fn height(&self) -> usize {
+        self.height
+    }
+
+    pub(crate) fn strips(&self) -> usize {
+        self.strips
+    }
+
     /// Where the word of strip `strip` and row `y` lies. Before the first strip and behind the last lies an empty one.
+    #[inline(always)]
     pub(crate) fn index(&self, strip: usize, y: usize) -> usize {
         (strip + 1) * self.stride + BLOCK + y
     }
 
-    fn words(&self) -> usize {
+    /// All words, empty ones around the picture included.
+    pub(crate) fn words(&self) -> usize {
         (self.strips + 2) * self.stride + BLOCK
+    }
+
+    /// The strip of a word, and its row.
+    #[inline(always)]
+    pub(crate) fn place(&self, at: usize) -> (usize, usize) {
+        let strip = at / self.stride - 1;
+        (strip, at - self.index(strip, 0))
+    }
+
+    /// The pixels of a word of this strip that lie in the picture.
+    pub(crate) fn inside(&self, strip: usize) -> u64 {
+        match self.width - 64 * strip {
+            0..64 => (1 << (self.width % 64)) - 1,
+            _ => u64::MAX,
+        }
     }
 }
 
 /// The words of a picture in strips.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Strips {
+    pub(crate) shape: Shape,
     pub(crate) words: Vec<u64>,
+    /// Blocks that may hold something: all others are 0.
+    pub(crate) used: Blocks,
 }
 
 impl Strips {
     /// Takes this shape, all pixels 0.
     pub(crate) fn resize(&mut self, shape: &Shape) {
-        self.words.clear();
-        self.words.resize(shape.words(), 0);
+        if self.shape == *shape {
+            for (at, count) in self.used.runs(shape) {
+                self.words[at..][..count].fill(0);
+            }
+        } else {
+            self.shape = *shape;
+            self.words.clear();
+            self.words.resize(shape.words(), 0);
+        }
+        self.used.resize(shape);
     }
 
-    /// Sets the blocks of `what` to 0.
-    pub(crate) fn clear(&mut self, shape: &Shape, what: &Blocks) {
-        what.for_each_run(shape, |at, count| self.words[at..][..count].fill(0));
-    }
-
-    /// Takes the pixels of `plane` into an empty picture, and notes in `used` the blocks that hold any.
-    pub(crate) fn fill(&mut self, shape: &Shape, plane: &BitPlane, used: &mut Blocks) {
-        used.resize(shape);
+    /// Takes the pixels of `plane`.
+    pub(crate) fn take(&mut self, plane: &BitPlane) {
+        let shape = Shape::of(plane);
+        self.resize(&shape);
         for y in 0..shape.height {
             let (group, block) = (y / BLOCK / GROUP, y / BLOCK % GROUP);
             for (strip, &word) in plane.row(y).iter().enumerate() {
                 if word != 0 {
                     self.words[shape.index(strip, y)] = word;
-                    used.bits[strip * shape.groups + group] |= 1 << block;
+                    self.used.bits[strip * shape.groups + group] |= 1 << block;
                 }
             }
         }
     }
+}
 
-    /// Puts the pixels of the blocks of `used` into `plane`.
-    pub(crate) fn put(&self, shape: &Shape, used: &Blocks, plane: &mut BitPlane) {
-        used.for_each_run(shape, |at, count| {
-            let strip = at / shape.stride - 1;
-            let from = at - shape.index(strip, 0);
-            for y in from..(from + count).min(shape.height) {
-                plane.row_mut(y)[strip] = self.words[shape.index(strip, y)];
+#[cfg(test)]
+impl Strips {
+    /// The same pixels row by row.
+    pub(crate) fn plane(&self) -> BitPlane {
+        let mut plane = BitPlane::default();
+        plane.resize(self.shape.width, self.shape.height);
+        for y in 0..self.shape.height {
+            for strip in 0..self.shape.strips {
+                plane.row_mut(y)[strip] = self.words[self.shape.index(strip, y)];
             }
-        });
+        }
+        plane
     }
 }
 
 /// A set of blocks: a bit each, strip by strip.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocks {
-    pub(crate) bits: Vec<u64>,
+    bits: Vec<u64>,
 }
 
 impl Blocks {
@@ -103,34 +139,37 @@ impl Blocks {
         self.bits.resize(shape.strips * shape.groups, 0);
     }
 
+    pub(crate) fn copy_from(&mut self, other: &Blocks) {
+        self.bits.clone_from(&other.bits);
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.bits.iter().all(|&bits| bits == 0)
     }
 
-    /// Calls `visit(index of the first word, count of words)` for each stretch of blocks.
+    /// Whether block `block` of a strip is in the set.
     #[inline(always)]
-    pub(crate) fn for_each_run(&self, shape: &Shape, mut visit: impl FnMut(usize, usize)) {
-        for strip in 0..shape.strips {
-            for group in 0..shape.groups {
-                let mut bits = self.bits[strip * shape.groups + group];
-                while bits != 0 {
-                    let from = bits.trailing_zeros();
-                    let count = (!(bits >> from)).trailing_zeros();
-                    let block = group * GROUP + from as usize;
-                    visit(shape.index(strip, BLOCK * block), BLOCK * count as usize);
-                    bits &= !(u64::MAX >> (GROUP as u32 - count) << from);
-                }
-            }
+    pub(crate) fn holds(&self, shape: &Shape, strip: usize, block: usize) -> bool {
+        self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
+    }
+
+    /// Each stretch of blocks: the index of its first word, and how many words it has.
+    #[inline(always)]
+    pub(crate) fn runs(&self, shape: &Shape) -> Runs<'_> {
+        Runs {
+            bits: &self.bits,
+            shape: *shape,
+            group: 0,
+            rest: self.bits.first().copied().unwrap_or(0),
         }
     }
 
-    /// Adds the blocks that the words from `at` on, `count` of them, lie in: a run as it was visited.
+    /// Adds the blocks of a run as it was visited.
     #[inline(always)]
     pub(crate) fn add_run(&mut self, shape: &Shape, at: usize, count: usize) {
-        let strip = at / shape.stride - 1;
-        let block = (at - shape.index(strip, 0)) / BLOCK;
-        let bits = u64::MAX >> (GROUP - count / BLOCK) << (block % GROUP);
-        self.bits[strip * shape.groups + block / GROUP] |= bits;
+        let (strip, y) = shape.place(at);
+        let bits = u64::MAX >> (GROUP - count / BLOCK) << (y / BLOCK % GROUP);
+        self.bits[strip * shape.groups + y / BLOCK / GROUP] |= bits;
     }
 
     /// Makes this the blocks of `used` that lie in or beside a block of `a` or of `b`.
@@ -162,4 +201,52 @@ impl Blocks {
             }
         }
     }
+}
+
+/// The stretches of blocks of a set: see [`Blocks::runs`].
+pub(crate) struct Runs<'a> {
+    bits: &'a [u64],
+    shape: Shape,
+    /// The word of bits that is looked at, and those of its bits that are still to come.
+    group: usize,
+    rest: u64,
+}
+
+impl Iterator for Runs<'_> {
+    type Item = (usize, usize);
+
+    // Closures and iterators within a dispatched kernel are inlined, or they are compiled for the baseline.
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, usize)> {
+        while self.rest == 0 {
+            self.group += 1;
+            self.rest = *self.bits.get(self.group)?;
+        }
+        let from = self.rest.trailing_zeros();
+        let count = (!(self.rest >> from)).trailing_zeros();
+        self.rest &= !(u64::MAX >> (GROUP as u32 - count) << from);
+        let (strip, group) = (
+            self.group / self.shape.groups,
+            self.group % self.shape.groups,
+        );
+        let block = group * GROUP + from as usize;
+        Some((
+            self.shape.index(strip, BLOCK * block),
+            BLOCK * count as usize,
+        ))
+    }
+}
+
+/// The words of a block from `at` on, or as many a row or a strip beside it.
+#[inline(always)]
+pub(crate) fn block(words: &[u64], at: usize) -> &[u64; BLOCK] {
+    words[at..]
+        .first_chunk()
+        .expect("empty blocks lie all around the picture")
+}
+
+/// The same, to be written.
+#[inline(always)]
+pub(crate) fn block_mut(words: &mut [u64], at: usize) -> &mut [u64; BLOCK] {
+    words[at..].first_chunk_mut().expect("blocks are whole")
 }
