@@ -6,10 +6,13 @@
 
 use crate::bits::BitPlane;
 use crate::skeleton::half_width;
-use crate::strips::{BLOCK, Blocks, Shape, Strips, block};
+use crate::strips::{BLOCK, Blocks, Shape, Strips};
 
 /// Pixels to either side that a window shows.
 const SEEN: u32 = 32;
+
+/// How far away the rows about a pixel lie, from eight above on.
+const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -57,44 +60,47 @@ impl Clearance {
         // The window's first bit is `SEEN` pixels to the left: in the empty strip, for the leftmost pixels.
         let shifted = usize::from(x) + 64 - SEEN as usize;
         let (first, shift) = (shifted / 64 * stride + BLOCK, shifted % 64);
-        let mut best = u32::MAX;
-        let mut near = 0;
-        // Nothing outside of the windows is nearer than what is found within these rows.
-        while near < SEEN as usize {
-            if y >= near {
-                // Rows from `near` + 8 above to `near` + 1 above.
-                best = best.min(self.nearest(first + y - near - BLOCK, stride, shift, |k| {
-                    near + BLOCK - k
-                }));
+        // First the rows from eight above to seven below, which is far enough on most ropes.
+        let mut best = self.nearest(first + y - BLOCK, stride, shift, &NEAR);
+        let mut far = BLOCK;
+        // Then eight more above and eight more below. Nothing outside of the windows is nearer than what they show.
+        while best as usize > far * far && far < SEEN as usize {
+            if y >= far {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + BLOCK - k) as u32);
+                best = best.min(self.nearest(first + y - far - BLOCK, stride, shift, &away));
             }
-            if y + near < self.shape.height() {
-                best = best.min(self.nearest(first + y + near, stride, shift, |k| near + k));
+            if y + far < self.shape.height() {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + k) as u32);
+                best = best.min(self.nearest(first + y + far, stride, shift, &away));
             }
-            near += BLOCK;
-            if best as usize <= near * near {
-                return (best as f32).sqrt() - 0.5;
-            }
+            far += BLOCK;
+        }
+        if best as usize <= far * far {
+            return (best as f32).sqrt() - 0.5;
         }
         half_width(mask, i32::from(x), y as i32)
     }
 
-    /// The least squared distance to an unset pixel in eight rows from `at` on, `away(k)` rows away.
+    /// The least squared distance to an unset pixel in the rows from `at` on, which lie that far away.
     #[inline(always)]
-    fn nearest(
+    fn nearest<const ROWS: usize>(
         &self,
         at: usize,
         stride: usize,
         shift: usize,
-        away: impl Fn(usize) -> usize,
+        away: &[u32; ROWS],
     ) -> u32 {
-        let (left, right) = (block(&self.bare, at), block(&self.bare, at + stride));
-        let mut squares = [0u32; BLOCK];
-        for k in 0..BLOCK {
+        let rows = |at: usize| -> &[u64; ROWS] {
+            let rows = self.bare[at..].first_chunk();
+            rows.expect("empty blocks lie all around the picture")
+        };
+        let (left, right) = (rows(at), rows(at + stride));
+        let mut squares = [0u32; ROWS];
+        for k in 0..ROWS {
             let window = left[k] >> shift | right[k] << 1 << (63 - shift);
             let (before, from) = (window as u32, (window >> SEEN) as u32);
             let across = from.trailing_zeros().min(before.leading_zeros() + 1);
-            let away = away(k) as u32;
-            squares[k] = across * across + away * away;
+            squares[k] = across * across + away[k] * away[k];
         }
         squares.into_iter().fold(u32::MAX, u32::min)
     }

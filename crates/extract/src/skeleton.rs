@@ -31,8 +31,9 @@ pub(crate) struct Pixel {
     pub(crate) y: u16,
     /// Distance from the pixel's center to the rope's edge, in pixels.
     pub(crate) half_px: f32,
-    /// No more than four: a corner neighbor counts only where neither side neighbor beside it is.
-    pub(crate) neighbors: [u32; 4],
+    /// The first `degree` are meant. They are no more than four: a corner neighbor counts only where neither side neighbor
+    /// beside it is.
+    pub(crate) neighbors: [u32; 5],
     pub(crate) degree: u8,
 }
 
@@ -53,16 +54,19 @@ impl Skeleton {
         });
     }
 
+    /// Lists the pixels with their half-widths; none if there are too many.
     #[inline(always)]
-    fn list_places(&mut self, thin: &Strips) {
+    fn list_places(&mut self, thin: &Strips, mask: &BitPlane) {
         let shape = &thin.shape;
         self.pixels.clear();
         self.first.resize(shape.words(), 0);
         for top in (0..shape.height()).step_by(BLOCK) {
             self.filled.clear();
-            let strips = 0..shape.strips() as u32;
-            let filled = strips.filter(|&s| thin.used.holds(shape, s as usize, top / BLOCK));
-            self.filled.extend(filled);
+            for strip in 0..shape.strips() {
+                if thin.used.holds(shape, strip, top / BLOCK) {
+                    self.filled.push(strip as u32);
+                }
+            }
             if self.filled.is_empty() {
                 continue;
             }
@@ -72,11 +76,12 @@ impl Skeleton {
                     let mut word = thin.words[at];
                     self.first[at] = self.pixels.len() as u32;
                     while word != 0 {
+                        let (x, y) = ((64 * strip + word.trailing_zeros()) as u16, y as u16);
                         self.pixels.push(Pixel {
-                            x: (64 * strip + word.trailing_zeros()) as u16,
-                            y: y as u16,
-                            half_px: 0.0,
-                            neighbors: [NONE; 4],
+                            x,
+                            y,
+                            half_px: self.clearance.half_px(mask, x, y),
+                            neighbors: [NONE; 5],
                             degree: 0,
                         });
                         word &= word - 1;
@@ -94,42 +99,33 @@ impl Skeleton {
     /// neighbor is left out, so that a staircase is a path and not a row of junctions.
     #[inline(always)]
     fn connect(&mut self, thin: &Strips, i: usize) {
-        let (words, stride) = (&thin.words, thin.shape.stride);
-        let mut pixel = self.pixels[i];
-        let (strip, bit) = (usize::from(pixel.x / 64), pixel.x % 64);
+        let (pixel, words) = (&mut self.pixels[i], &thin.words[..]);
+        let (stride, bit) = (thin.shape.stride, pixel.x % 64);
+        let strip = usize::from(pixel.x / 64);
         let at = thin.shape.index(strip, usize::from(pixel.y));
-        // Whether the pixels to the left, here and to the right are set in the row of a word.
-        let three = |at: usize| {
-            let left = words[at] << 1 | words[at - stride] >> 63;
-            let right = words[at] >> 1 | words[at + stride] << 63;
-            [left, words[at], right].map(|word| word >> bit & 1 == 1)
-        };
-        // The index of the first pixel of a row that is not to the left: those of a row follow each other.
-        let first = |at: usize, is_left: bool| {
-            match (words[at], is_left) {
-                // Nothing in this word: the one to the left is the last of its own, one to the right the first.
-                (0, true) => self.first[at - stride] + words[at - stride].count_ones(),
-                (0, false) => self.first[at + stride],
-                (word, _) => self.first[at] + (word & ((1 << bit) - 1)).count_ones(),
-            }
-        };
-        let [[nw, n, ne], [w, _, e], [sw, s, se]] = [three(at - 1), three(at), three(at + 1)];
-        let mut add = |is_there: bool, index: u32| {
-            if is_there {
-                pixel.neighbors[usize::from(pixel.degree)] = index;
-                pixel.degree += 1;
-            }
-        };
-        let (here, above, below) = (i as u32, first(at - 1, nw), first(at + 1, sw));
-        add(e, here + 1);
-        add(s, below);
-        add(w, here.wrapping_sub(1));
-        add(n, above);
-        add(se && !e && !s, below);
-        add(sw && !w && !s, below.wrapping_sub(1));
-        add(nw && !w && !n, above.wrapping_sub(1));
-        add(ne && !e && !n, above);
-        self.pixels[i] = pixel;
+        let [above, below] = [at - 1, at + 1].map(|at| three(words, at, stride, bit));
+        let ([nw, n, ne], [sw, s, se]) = (above, below);
+        let [w, _, e] = three(words, at, stride, bit);
+        let above = first_from(&self.first, words, at - 1, stride, bit, nw);
+        let below = first_from(&self.first, words, at + 1, stride, bit, sw);
+        let here = i as u32;
+        let kinds = [
+            (e, here + 1),
+            (s, below),
+            (w, here.wrapping_sub(1)),
+            (n, above),
+            (se & !e & !s, below),
+            (sw & !w & !s, below.wrapping_sub(1)),
+            (nw & !w & !n, above.wrapping_sub(1)),
+            (ne & !e & !n, above),
+        ];
+        // Written always, kept where it is one: chance decides, and no branch guesses that.
+        let mut degree = 0;
+        for (is_there, index) in kinds {
+            pixel.neighbors[degree] = index;
+            degree += usize::from(is_there);
+        }
+        pixel.degree = degree as u8;
     }
 
     /// Takes pixel `i` out: no neighbor leads to it any more.
@@ -149,6 +145,33 @@ impl Skeleton {
     }
 }
 
+/// Whether the pixels to the left of a bit, of it and to its right are set in the row of a word.
+#[inline(always)]
+fn three(words: &[u64], at: usize, stride: usize, bit: u16) -> [bool; 3] {
+    let left = words[at] << 1 | words[at - stride] >> 63;
+    let right = words[at] >> 1 | words[at + stride] << 63;
+    [left, words[at], right].map(|word| word >> bit & 1 == 1)
+}
+
+/// The index of the first pixel of a row that is not to the left of a bit, if it or its neighbors in the row are set: the
+/// pixels of a row follow each other.
+#[inline(always)]
+fn first_from(
+    first: &[u32],
+    words: &[u64],
+    at: usize,
+    stride: usize,
+    bit: u16,
+    is_left: bool,
+) -> u32 {
+    match (words[at], is_left) {
+        // Nothing in this word: the one to the left is the last of its own, one to the right the first.
+        (0, true) => first[at - stride] + words[at - stride].count_ones(),
+        (0, false) => first[at + stride],
+        (word, _) => first[at] + (word & ((1 << bit) - 1)).count_ones(),
+    }
+}
+
 /// The listing, to be compiled for each kind of machine: counting bits is one instruction on most.
 struct List<'a> {
     skeleton: &'a mut Skeleton,
@@ -162,10 +185,8 @@ impl pulp::NullaryFnOnce for List<'_> {
     #[inline(always)]
     fn call(self) {
         let skeleton = self.skeleton;
-        skeleton.list_places(self.thin);
+        skeleton.list_places(self.thin, self.mask);
         for i in 0..skeleton.pixels.len() {
-            let Pixel { x, y, .. } = skeleton.pixels[i];
-            skeleton.pixels[i].half_px = skeleton.clearance.half_px(self.mask, x, y);
             skeleton.connect(self.thin, i);
         }
     }

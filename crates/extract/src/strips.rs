@@ -99,12 +99,20 @@ impl Strips {
     pub(crate) fn take(&mut self, plane: &BitPlane) {
         let shape = Shape::of(plane);
         self.resize(&shape);
-        for y in 0..shape.height {
-            let (group, block) = (y / BLOCK / GROUP, y / BLOCK % GROUP);
-            for (strip, &word) in plane.row(y).iter().enumerate() {
+        // Most words hold nothing: eight at a time are passed over.
+        for (i, words) in plane.words().chunks(BLOCK).enumerate() {
+            if words.iter().fold(0, |all, word| all | word) == 0 {
+                continue;
+            }
+            let (mut y, mut strip) = (BLOCK * i / shape.strips, BLOCK * i % shape.strips);
+            for &word in words {
                 if word != 0 {
                     self.words[shape.index(strip, y)] = word;
-                    self.used.bits[strip * shape.groups + group] |= 1 << block;
+                    self.used.add(&shape, strip, y);
+                }
+                strip += 1;
+                if strip == shape.strips {
+                    (y, strip) = (y + 1, 0);
                 }
             }
         }
@@ -151,6 +159,13 @@ impl Blocks {
     #[inline(always)]
     pub(crate) fn holds(&self, shape: &Shape, strip: usize, block: usize) -> bool {
         self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
+    }
+
+    /// Adds the block of row `y` of a strip.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, shape: &Shape, strip: usize, y: usize) {
+        let block = y / BLOCK;
+        self.bits[strip * shape.groups + block / GROUP] |= 1 << (block % GROUP);
     }
 
     /// Each stretch of blocks: the index of its first word, and how many words it has.
