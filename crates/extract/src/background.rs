@@ -4,9 +4,13 @@
 //! agrees on: a quadratic surface per channel (light falls off smoothly over a table, and lenses
 //! vignette), fitted by least squares again and again to the pixels that lie within a few times the
 //! median residual. Up to about 40% of the samples may be rope.
+//!
+//! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
+//! [`LANES`] samples side by side, and those are spread over the powers of the other.
 
 use crate::Image;
 use crate::color;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Samples along each side of the grid: enough for six coefficients and a sharp median, few enough
 /// to cost less than one pass over a 640×480 image.
@@ -14,13 +18,37 @@ const GRID: usize = 64;
 const ROUNDS: usize = 8;
 /// Samples farther than this many median residuals from the surface are taken for rope.
 const OUTLIER: f32 = 3.0;
+/// The terms of the surface are 1, u, v, u², uv, v²: of each the powers of u and v.
+const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 const TERMS: usize = 6;
+/// Samples that are worked on side by side.
+const LANES: usize = 16;
+/// Residuals are counted in sixteenths of a level, finer than anything made of their median, up to one beyond which no
+/// rope would stand out.
+const STEPS: f32 = 16.0;
+const BINS: usize = 64 * STEPS as usize;
+/// Counts are kept this many times, so that equal neighbors do not wait for each other's.
+const PARTS: usize = 4;
+/// Rows of the grid from one to the next of which the table's first guess is made.
+const GLANCE: usize = 4;
+
+type Lanes = [f32; LANES];
 
 /// Memory of the fit and its result.
 #[derive(Debug, Default)]
 pub(crate) struct Background {
-    samples: Vec<Sample>,
-    residuals: Vec<f32>,
+    /// The pixels of the grid's columns, and their positions from −1 to 1, filled up to whole lanes.
+    x: Vec<usize>,
+    u: Vec<Lanes>,
+    /// The same of its rows.
+    y: Vec<usize>,
+    v: Vec<f32>,
+    /// The samples of each channel, row by row.
+    colors: [Vec<Lanes>; 3],
+    /// How far each is off the surface; those that fill up a row are infinitely far.
+    residuals: Vec<Lanes>,
+    /// The same in steps.
+    steps: Vec<[u32; LANES]>,
     coefficients: [[f32; TERMS]; 3],
     width: f32,
     height: f32,
@@ -28,31 +56,23 @@ pub(crate) struct Background {
     pub(crate) noise: f32,
 }
 
-#[derive(Debug)]
-struct Sample {
-    terms: [f32; TERMS],
-    color: [f32; 3],
-}
-
 impl Background {
     /// Fits the surface to `image`.
     pub(crate) fn estimate(&mut self, image: &Image) {
-        (self.width, self.height) = (image.width() as f32, image.height() as f32);
-        let yuv = color::is_yuv(image.format());
+        self.lay_grid(image.width(), image.height());
         self.take_samples(image);
         self.coefficients = [[0.0; TERMS]; 3];
         for channel in 0..3 {
-            self.residuals.clear();
-            self.residuals
-                .extend(self.samples.iter().map(|s| s.color[channel]));
-            self.coefficients[channel][0] = median(&mut self.residuals);
+            self.coefficients[channel][0] = self.median_level(channel);
         }
-        let mut scale = self.measure(yuv);
+        let chroma = color::chroma_weight(image.format());
+        let arch = Arch::new();
+        let mut scale = self.measure(arch, chroma);
         for _ in 0..ROUNDS {
-            if !self.fit(OUTLIER * scale.max(0.7), yuv) {
+            if !self.fit(arch, OUTLIER * scale.max(0.7)) {
                 break;
             }
-            let tighter = self.measure(yuv);
+            let tighter = self.measure(arch, chroma);
             if (tighter - scale).abs() < 0.02 * scale {
                 scale = tighter;
                 break;
@@ -62,88 +82,368 @@ impl Background {
         self.noise = scale.max(0.5);
     }
 
-    /// The surface along row `y`: for each x and channel the level, into `out` (three rows of width).
-    pub(crate) fn row(&self, y: usize, out: [&mut [u8]; 3]) {
-        for (row, c) in out.into_iter().zip(&self.coefficients) {
-            let v = unit(y as f32, self.height);
-            let a = c[0] + v * (c[2] + v * c[5]);
-            let b = c[1] + v * c[4];
-            let scale = 2.0 / self.width;
-            for (x, level) in row.iter_mut().enumerate() {
-                let u = (x as f32 + 0.5) * scale - 1.0;
-                *level = (a + u * (b + u * c[3]) + 0.5) as u8;
-            }
-        }
-    }
-
     /// The table's color at a pixel.
     pub(crate) fn at(&self, x: usize, y: usize) -> [f32; 3] {
         let (u, v) = (unit(x as f32, self.width), unit(y as f32, self.height));
-        self.surface(&[1.0, u, v, u * u, u * v, v * v])
+        self.coefficients.map(|c| surface(&along_row(&c, v), u))
     }
 
-    fn take_samples(&mut self, image: &Image) {
-        let (width, height) = (image.width(), image.height());
-        self.samples.clear();
-        let (columns, rows) = (GRID.min(width), GRID.min(height));
-        for j in 0..rows {
-            let y = (2 * j + 1) * height / (2 * rows);
-            for i in 0..columns {
-                let x = (2 * i + 1) * width / (2 * columns);
-                let (u, v) = (unit(x as f32, self.width), unit(y as f32, self.height));
-                self.samples.push(Sample {
-                    terms: [1.0, u, v, u * u, u * v, v * v],
-                    color: color::native(image, x, y).map(f32::from),
-                });
-            }
+    /// The table's levels in row `y`, one for each block of pixels, which is taken in its middle.
+    pub(crate) fn row(&self, y: usize, block: usize, out: [&mut [u8]; 3]) {
+        let v = unit(y as f32, self.height);
+        let middle = unit(0.5 * (block - 1) as f32, self.width);
+        let step = 2.0 * block as f32 / self.width;
+        for (levels, c) in out.into_iter().zip(&self.coefficients) {
+            Arch::new().dispatch(AlongRow {
+                surface: along_row(c, v),
+                middle,
+                step,
+                levels,
+            });
         }
     }
 
-    fn surface(&self, terms: &[f32; TERMS]) -> [f32; 3] {
-        self.coefficients
-            .map(|c| c.iter().zip(terms).map(|(c, t)| c * t).sum())
+    fn lay_grid(&mut self, width: usize, height: usize) {
+        (self.width, self.height) = (width as f32, height as f32);
+        let place = |i: usize, count: usize, side: usize| (2 * i + 1) * side / (2 * count);
+        let (columns, rows) = (GRID.min(width), GRID.min(height));
+        self.x.clear();
+        self.x
+            .extend((0..columns).map(|i| place(i, columns, width)));
+        self.y.clear();
+        self.y.extend((0..rows).map(|j| place(j, rows, height)));
+        let groups = columns.div_ceil(LANES);
+        self.u.resize(groups, [0.0; LANES]);
+        for (u, &x) in self.u.as_flattened_mut().iter_mut().zip(&self.x) {
+            *u = unit(x as f32, self.width);
+        }
+        self.v.clear();
+        let (height, y) = (self.height, &self.y);
+        self.v.extend(y.iter().map(|&y| unit(y as f32, height)));
+        for plane in self.colors.iter_mut().chain([&mut self.residuals]) {
+            plane.resize(groups * rows, [0.0; LANES]);
+        }
+        self.steps.resize(groups * rows, [0; LANES]);
     }
 
-    /// The median distance of the samples from the surface.
-    fn measure(&mut self, yuv: bool) -> f32 {
-        let mut residuals = std::mem::take(&mut self.residuals);
-        residuals.clear();
-        residuals.extend(
-            self.samples
-                .iter()
-                .map(|s| color::distance(s.color, self.surface(&s.terms), yuv)),
-        );
-        let middle = median(&mut residuals);
-        self.residuals = residuals;
-        middle
+    fn take_samples(&mut self, image: &Image) {
+        let groups = self.u.len();
+        for (j, &y) in self.y.iter().enumerate() {
+            let [a, b, c] = self
+                .colors
+                .each_mut()
+                .map(|plane| plane[j * groups..][..groups].as_flattened_mut());
+            color::at_places(image, y, &self.x, |i, pixel| {
+                (a[i], b[i], c[i]) = (pixel[0].into(), pixel[1].into(), pixel[2].into());
+            });
+        }
+    }
+
+    /// The middle level of a channel, at a glance.
+    fn median_level(&self, channel: usize) -> f32 {
+        let (columns, groups) = (self.x.len(), self.u.len());
+        let mut counts = Counts::<256>::default();
+        for row in self.colors[channel].chunks_exact(groups).step_by(GLANCE) {
+            for (i, &level) in row.as_flattened()[..columns].iter().enumerate() {
+                counts.add(i, level as usize);
+            }
+        }
+        counts.middle() as f32
+    }
+
+    /// Finds how far the samples are off the surface; returns the median.
+    fn measure(&mut self, arch: Arch, chroma: f32) -> f32 {
+        let groups = self.u.len();
+        arch.dispatch(Measure {
+            u: &self.u,
+            v: &self.v,
+            colors: &self.colors,
+            coefficients: &self.coefficients,
+            chroma,
+            residuals: &mut self.residuals,
+            steps: &mut self.steps,
+        });
+        let columns = self.x.len();
+        let mut counts = Counts::<BINS>::default();
+        for row in self.steps.chunks_exact(groups) {
+            for (i, &step) in row.as_flattened()[..columns].iter().enumerate() {
+                counts.add(i, step as usize);
+            }
+        }
+        (counts.middle() as f32 + 0.5) / STEPS
     }
 
     /// Least squares over the samples within `limit` of the surface. False when they do not
     /// determine it.
-    fn fit(&mut self, limit: f32, yuv: bool) -> bool {
-        let mut gram = [[0.0f64; TERMS]; TERMS];
-        let mut right = [[0.0f64; TERMS]; 3];
-        for sample in &self.samples {
-            if color::distance(sample.color, self.surface(&sample.terms), yuv) > limit {
-                continue;
-            }
-            for (i, row) in gram.iter_mut().enumerate() {
-                let t = f64::from(sample.terms[i]);
-                for (g, &u) in row.iter_mut().zip(&sample.terms) {
-                    *g += t * f64::from(u);
-                }
-                for (r, c) in right.iter_mut().zip(sample.color) {
-                    r[i] += t * f64::from(c);
-                }
-            }
+    fn fit(&mut self, arch: Arch, limit: f32) -> bool {
+        // What fills up the rows counts for nothing.
+        let (columns, groups) = (self.x.len(), self.u.len());
+        for row in self.residuals.chunks_exact_mut(groups) {
+            row.as_flattened_mut()[columns..].fill(f32::INFINITY);
         }
-        let Some(factor) = cholesky(gram) else {
+        let moments = arch.dispatch(Sum {
+            u: &self.u,
+            v: &self.v,
+            colors: &self.colors,
+            residuals: &self.residuals,
+            limit,
+        });
+        let Some(factor) = cholesky(moments.gram()) else {
             return false;
         };
-        for (c, r) in self.coefficients.iter_mut().zip(right) {
-            *c = solve(&factor, r).map(|v| v as f32);
+        for (channel, c) in self.coefficients.iter_mut().enumerate() {
+            *c = solve(&factor, moments.right(channel)).map(|v| v as f32);
         }
         true
+    }
+}
+
+/// The surface along a row, as a polynomial of u.
+#[inline(always)]
+fn along_row(c: &[f32; TERMS], v: f32) -> [f32; 3] {
+    [c[0] + v * (c[2] + v * c[5]), c[1] + v * c[4], c[3]]
+}
+
+#[inline(always)]
+fn surface(row: &[f32; 3], u: f32) -> f32 {
+    row[0] + u * (row[1] + u * row[2])
+}
+
+/// The surface along a row in whole levels, from `middle` on at each `step`.
+struct AlongRow<'a> {
+    surface: [f32; 3],
+    middle: f32,
+    step: f32,
+    levels: &'a mut [u8],
+}
+
+impl WithSimd for AlongRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (i, level) in self.levels.iter_mut().enumerate() {
+            let u = self.middle + i as u32 as f32 * self.step;
+            *level = rounded(surface(&self.surface, u), 255.0) as u8;
+        }
+    }
+}
+
+/// How far the samples are off the surface, by `color::distance`, and the same in steps.
+struct Measure<'a> {
+    u: &'a [Lanes],
+    v: &'a [f32],
+    colors: &'a [Vec<Lanes>; 3],
+    coefficients: &'a [[f32; TERMS]; 3],
+    chroma: f32,
+    residuals: &'a mut [Lanes],
+    steps: &'a mut [[u32; LANES]],
+}
+
+impl WithSimd for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let groups = self.u.len();
+        for (j, &v) in self.v.iter().enumerate() {
+            let rows = self.coefficients.each_ref().map(|c| along_row(c, v));
+            let [a, b, c] = self
+                .colors
+                .each_ref()
+                .map(|plane| &plane[j * groups..][..groups]);
+            let samples = self.u.iter().zip(a).zip(b).zip(c);
+            let residuals = self.residuals[j * groups..][..groups].iter_mut();
+            let steps = self.steps[j * groups..][..groups].iter_mut();
+            for (((((u, a), b), c), residuals), steps) in samples.zip(residuals).zip(steps) {
+                for lane in 0..LANES {
+                    let off = |color: f32, row: &[f32; 3]| (color - surface(row, u[lane])).abs();
+                    let [a, b, c] = [
+                        off(a[lane], &rows[0]),
+                        self.chroma * off(b[lane], &rows[1]),
+                        self.chroma * off(c[lane], &rows[2]),
+                    ];
+                    let larger = |a: f32, b: f32| if a > b { a } else { b };
+                    let residual = larger(a, larger(b, c));
+                    residuals[lane] = residual;
+                    steps[lane] = rounded(residual * STEPS - 0.5, BINS as f32 - 1.0);
+                }
+            }
+        }
+    }
+}
+
+/// Sums over the samples within `limit` of the surface.
+struct Sum<'a> {
+    u: &'a [Lanes],
+    v: &'a [f32],
+    colors: &'a [Vec<Lanes>; 3],
+    residuals: &'a [Lanes],
+    limit: f32,
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = Moments;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Moments {
+        let mut moments = Moments::default();
+        for (j, &v) in self.v.iter().enumerate() {
+            moments.add(simd, &Row::sum(simd, &self, j), v);
+        }
+        moments
+    }
+}
+
+/// Sums along a row of the grid over what is taken for table, in lanes: of uᵏ, k = 0…4, and of each channel's level
+/// times uᵏ, k = 0…2.
+struct Row {
+    powers: [Lanes; 5],
+    levels: [[Lanes; 3]; 3],
+}
+
+impl Row {
+    #[inline(always)]
+    fn sum<S: Simd>(simd: S, sum: &Sum, j: usize) -> Self {
+        let mut row = Self {
+            powers: [[0.0; LANES]; 5],
+            levels: [[[0.0; LANES]; 3]; 3],
+        };
+        let groups = sum.u.len();
+        for (group, u) in sum.u.iter().enumerate() {
+            let at = j * groups + group;
+            let mut power = [0.0; LANES];
+            each(simd, &mut power, &sum.residuals[at], u, |_, residual, _| {
+                let is_table = simd.less_than_or_equal_f32s(residual, simd.splat_f32s(sum.limit));
+                simd.select_f32s(is_table, simd.splat_f32s(1.0), simd.splat_f32s(0.0))
+            });
+            for k in 0..5 {
+                each(simd, &mut row.powers[k], &power, u, |sum, power, _| {
+                    simd.add_f32s(sum, power)
+                });
+                if k < 3 {
+                    for (levels, samples) in row.levels.iter_mut().zip(sum.colors) {
+                        each(simd, &mut levels[k], &power, &samples[at], |sum, a, b| {
+                            simd.add_f32s(sum, simd.mul_f32s(a, b))
+                        });
+                    }
+                }
+                each(simd, &mut power, u, u, |power, u, _| {
+                    simd.mul_f32s(power, u)
+                });
+            }
+        }
+        row
+    }
+}
+
+/// Makes `out` what `rule` says of it, `a` and `b`, as many lanes at a time as the machine has.
+#[inline(always)]
+fn each<S: Simd>(
+    _: S,
+    out: &mut Lanes,
+    a: &Lanes,
+    b: &Lanes,
+    rule: impl Fn(S::f32s, S::f32s, S::f32s) -> S::f32s,
+) {
+    let (a, b) = (S::as_simd_f32s(a).0, S::as_simd_f32s(b).0);
+    for ((out, &a), &b) in S::as_mut_simd_f32s(out).0.iter_mut().zip(a).zip(b) {
+        *out = rule(*out, a, b);
+    }
+}
+
+/// Sums over the whole grid, in lanes: of uᵃvᵇ at `[a][b]`, and of each channel's level times each term.
+struct Moments {
+    powers: [[Lanes; 5]; 5],
+    levels: [[Lanes; TERMS]; 3],
+}
+
+impl Default for Moments {
+    fn default() -> Self {
+        Self {
+            powers: [[[0.0; LANES]; 5]; 5],
+            levels: [[[0.0; LANES]; TERMS]; 3],
+        }
+    }
+}
+
+impl Moments {
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, row: &Row, v: f32) {
+        let v = [1.0, v, v * v, v * v * v, v * v * v * v];
+        let add = |sum: &mut Lanes, of: &Lanes, b: usize| {
+            let weight = simd.splat_f32s(v[b]);
+            each(simd, sum, of, of, |sum, of, _| {
+                simd.add_f32s(sum, simd.mul_f32s(weight, of))
+            });
+        };
+        for a in 0..5 {
+            for b in 0..5 - a {
+                add(&mut self.powers[a][b], &row.powers[a], b);
+            }
+        }
+        for (sums, levels) in self.levels.iter_mut().zip(&row.levels) {
+            for (sum, [a, b]) in sums.iter_mut().zip(POWERS) {
+                add(sum, &levels[a], b);
+            }
+        }
+    }
+
+    fn gram(&self) -> [[f64; TERMS]; TERMS] {
+        let term = |i: usize, j: usize| {
+            let ([a, b], [c, d]) = (POWERS[i], POWERS[j]);
+            total(&self.powers[a + c][b + d])
+        };
+        std::array::from_fn(|i| std::array::from_fn(|j| term(i, j)))
+    }
+
+    fn right(&self, channel: usize) -> [f64; TERMS] {
+        self.levels[channel].each_ref().map(total)
+    }
+}
+
+fn total(lanes: &Lanes) -> f64 {
+    lanes.iter().map(|&lane| f64::from(lane)).sum()
+}
+
+/// The nearest whole number from 0 to `most`, which is below 2²³: where a float's last bit stands for 1.
+#[inline(always)]
+fn rounded(value: f32, most: f32) -> u32 {
+    const ONES: f32 = 8_388_608.0;
+    ((if value > 0.0 { value } else { 0.0 }).min(most) + ONES).to_bits() - ONES.to_bits()
+}
+
+/// How often each of `N` values occurs.
+struct Counts<const N: usize>([[u16; N]; PARTS]);
+
+impl<const N: usize> Default for Counts<N> {
+    fn default() -> Self {
+        Self([[0; N]; PARTS])
+    }
+}
+
+impl<const N: usize> Counts<N> {
+    /// Counts the `i`-th value.
+    #[inline(always)]
+    fn add(&mut self, i: usize, value: usize) {
+        self.0[i % PARTS][value % N] += 1;
+    }
+
+    /// The middle value (of an even number the upper one).
+    fn middle(&self) -> usize {
+        let count = |value: usize| {
+            self.0
+                .iter()
+                .map(|part| u32::from(part[value]))
+                .sum::<u32>()
+        };
+        let all: u32 = self.0.as_flattened().iter().map(|&n| u32::from(n)).sum();
+        let mut below = 0;
+        let passes = |&value: &usize| {
+            below += count(value);
+            below > all / 2
+        };
+        (0..N).find(passes).unwrap_or(0)
     }
 }
 

@@ -22,6 +22,22 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
+/// Calls `put` with the number and the native color of each of the pixels `xs` of row `y`.
+pub(crate) fn at_places(
+    image: &Image,
+    y: usize,
+    xs: &[usize],
+    mut put: impl FnMut(usize, [u8; 3]),
+) {
+    let row = image.row(y);
+    match image.format() {
+        // The loop a format at a time: it is the reading of the format over and over that costs.
+        PixelFormat::Rgb8 => (xs.iter().enumerate())
+            .for_each(|(i, &x)| put(i, [row[3 * x], row[3 * x + 1], row[3 * x + 2]])),
+        _ => (xs.iter().enumerate()).for_each(|(i, &x)| put(i, native(image, x, y))),
+    }
+}
+
 /// The native color at a position between pixels, bilinear; past the edge the edge's goes on.
 pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (right, bottom) = (image.width() - 1, image.height() - 1);
@@ -46,6 +62,11 @@ pub(crate) fn rgb(image: &Image, x: usize, y: usize) -> [u8; 3] {
     } else {
         pixel
     }
+}
+
+/// How much a difference of the second and third channel counts beside one of the first: see [`distance`].
+pub(crate) fn chroma_weight(format: PixelFormat) -> f32 {
+    if is_yuv(format) { 2.0 } else { 1.0 }
 }
 
 pub(crate) fn is_yuv(format: PixelFormat) -> bool {

@@ -1,102 +1,143 @@
-//! How unlike the table each pixel is, straight from the camera's bytes.
+//! How unlike the table each pixel is, straight from the camera's bytes, and which pixels are not just its noise.
 //!
 //! `difference = max over channels |pixel − table|`, U and V counting double. Because the maximum
 //! scales with the share of rope in a pixel (see `color::distance`), half the rope's own difference
-//! is the rope's edge, whatever its color. The loops are plain; pulp compiles them for the widest
-//! registers that the machine turns out to have.
+//! is the rope's edge, whatever its color. All that is asked of every pixel is asked here, while a row is in reach.
 
 use crate::background::Background;
+use crate::bits::BitPlane;
+use crate::kernels::Kernels;
 use crate::plane::Plane;
+use crate::threshold::Levels;
 use crate::{Image, PixelFormat};
 
-/// Rows that share one evaluation of the table's surface: it changes by a level over many more.
-const BAND: usize = 8;
+/// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
+const BLOCK: usize = 8;
 
-/// Memory of the differencing: the table's color along a band, interleaved as the image's bytes.
+/// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
 #[derive(Debug, Default)]
 pub(crate) struct Differencer {
+    kernels: Kernels,
+    /// One level for each block.
     channels: [Vec<u8>; 3],
     luma: Vec<u8>,
     chroma: Vec<u8>,
 }
 
 impl Differencer {
-    /// Fills `out` with the difference of each pixel of `image` from `background`.
-    pub(crate) fn difference(&mut self, image: &Image, background: &Background, out: &mut Plane) {
-        let width = image.width();
-        out.resize(width, image.height());
+    /// Fills `out` with the difference of each pixel of `image` from `background`, `faint` with those from the level
+    /// `least` on, and counts the levels.
+    pub(crate) fn run(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        least: u8,
+        out: &mut Plane,
+        faint: &mut BitPlane,
+    ) -> Levels {
+        let (width, height) = (image.width(), image.height());
+        out.resize(width, height);
+        faint.resize(width, height);
+        let blocks = width.div_ceil(BLOCK);
         for channel in &mut self.channels {
-            channel.resize(width, 0);
+            channel.resize(blocks, 0);
         }
         // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
-        self.luma.clear();
-        self.luma.reserve(4 * width);
-        self.chroma.clear();
-        self.chroma.reserve(width + 1);
-        let arch = pulp::Arch::new();
-        for y in 0..image.height() {
-            if y % BAND == 0 {
+        self.luma.resize(3 * BLOCK * blocks, 0);
+        self.chroma.resize(BLOCK * blocks, 0);
+        let mut levels = Levels::new(width * height);
+        for y in 0..height {
+            if y % BLOCK == 0 {
+                let middle = (y + BLOCK / 2).min(height - 1);
                 let [a, b, c] = &mut self.channels;
-                let middle = (y + BAND / 2).min(image.height() - 1);
-                background.row(middle, [a, b, c]);
-                self.interleave(image.format(), width);
+                background.row(middle, BLOCK, [a, b, c]);
+                self.interleave(image.format());
             }
-            let (row, out) = (image.row(y), out.row_mut(y));
-            let (luma, chroma) = (&self.luma[..], &self.chroma[..]);
-            match image.format() {
-                PixelFormat::Gray8 => arch.dispatch(|| gray(row, luma, out)),
-                PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
-                    arch.dispatch(|| three_channels(row, luma, out));
-                }
-                PixelFormat::Yuyv => arch.dispatch(|| yuyv(row, luma, out)),
-                PixelFormat::Nv12 => {
-                    let uv = image.chroma_row(y);
-                    arch.dispatch(|| nv12(row, uv, luma, chroma, out));
-                }
+            self.row(image, y, out.row_mut(y));
+            let (row, words) = (out.row(y), faint.row_mut(y));
+            levels.total += (self.kernels.at_least)(row, least, words);
+            levels.count(row, words);
+        }
+        levels
+    }
+
+    fn row(&self, image: &Image, y: usize, out: &mut [u8]) {
+        let (row, luma, chroma) = (image.row(y), &self.luma[..], &self.chroma[..]);
+        let arch = pulp::Arch::new();
+        match image.format() {
+            PixelFormat::Gray8 => arch.dispatch(|| gray(row, luma, out)),
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => (self.kernels.three_channels)(row, luma, out),
+            PixelFormat::Yuyv => arch.dispatch(|| yuyv(row, luma, out)),
+            PixelFormat::Nv12 => {
+                let uv = image.chroma_row(y);
+                arch.dispatch(|| nv12(row, uv, luma, chroma, out));
             }
         }
     }
 
-    /// Puts the table's three channels in the order of the image's bytes.
-    fn interleave(&mut self, format: PixelFormat, width: usize) {
+    /// Puts the table's three channels in the order of the image's bytes, a block of pixels at a time.
+    fn interleave(&mut self, format: PixelFormat) {
         let [a, b, c] = &self.channels;
-        self.luma.clear();
-        self.chroma.clear();
-        // An odd last pixel's pair is filled up with the last pixel itself.
-        let even = |x: usize| x.min(width - 1);
+        let colors = a.iter().zip(b).zip(c).map(|((&a, &b), &c)| [a, b, c]);
+        let (luma, chroma) = (&mut self.luma, &mut self.chroma);
         match format {
-            PixelFormat::Gray8 => self.luma.extend_from_slice(a),
-            PixelFormat::Rgb8 => (0..width).for_each(|x| self.luma.extend([a[x], b[x], c[x]])),
-            PixelFormat::Bgr8 => (0..width).for_each(|x| self.luma.extend([c[x], b[x], a[x]])),
-            PixelFormat::Yuyv => (0..width).step_by(2).for_each(|x| {
-                self.luma.extend([a[x], b[x], a[even(x + 1)], c[x]]);
+            PixelFormat::Gray8 => spread(colors, luma, |[a, _, _]| [a; BLOCK]),
+            PixelFormat::Rgb8 => spread(colors, luma, triples),
+            PixelFormat::Bgr8 => spread(colors, luma, |[r, g, b]| triples([b, g, r])),
+            PixelFormat::Yuyv => spread(colors, luma, |[y, u, v]| {
+                repeated::<{ 2 * BLOCK }>([y, u, y, v])
             }),
-            PixelFormat::Nv12 => (0..width).step_by(2).for_each(|x| {
-                self.luma.extend([a[x], a[even(x + 1)]]);
-                self.chroma.extend([b[x], c[x]]);
-            }),
+            PixelFormat::Nv12 => {
+                spread(colors.clone(), luma, |[y, _, _]| [y; BLOCK]);
+                spread(colors, chroma, |[_, u, v]| repeated::<BLOCK>([u, v, u, v]));
+            }
         }
     }
+}
+
+/// Fills `out` with the bytes of each block.
+#[inline(always)]
+fn spread<const N: usize>(
+    colors: impl Iterator<Item = [u8; 3]>,
+    out: &mut [u8],
+    bytes: impl Fn([u8; 3]) -> [u8; N],
+) {
+    for (out, color) in out.as_chunks_mut::<N>().0.iter_mut().zip(colors) {
+        *out = bytes(color);
+    }
+}
+
+/// Eight times the same three bytes, as the three words they are.
+#[inline(always)]
+fn triples([a, b, c]: [u8; 3]) -> [u8; 3 * BLOCK] {
+    let v = u64::from_le_bytes([a, b, c, 0, 0, 0, 0, 0]);
+    let words = [
+        v | v << 24 | v << 48,
+        v >> 16 | v << 8 | v << 32 | v << 56,
+        v >> 8 | v << 16 | v << 40,
+    ];
+    let mut bytes = [0; 3 * BLOCK];
+    for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
+    }
+    bytes
+}
+
+/// The same four bytes over and over, as the words they are.
+#[inline(always)]
+fn repeated<const N: usize>(four: [u8; 4]) -> [u8; N] {
+    let word = u64::from(u32::from_le_bytes(four)) * 0x1_0000_0001;
+    let mut bytes = [0; N];
+    for bytes in bytes.as_chunks_mut::<8>().0 {
+        *bytes = word.to_le_bytes();
+    }
+    bytes
 }
 
 #[inline(always)]
 fn gray(row: &[u8], table: &[u8], out: &mut [u8]) {
     for ((d, &p), &t) in out.iter_mut().zip(row).zip(table) {
         *d = p.abs_diff(t);
-    }
-}
-
-#[inline(always)]
-fn three_channels(row: &[u8], table: &[u8], out: &mut [u8]) {
-    for ((d, p), t) in out
-        .iter_mut()
-        .zip(row.chunks_exact(3))
-        .zip(table.chunks_exact(3))
-    {
-        *d = p[0]
-            .abs_diff(t[0])
-            .max(p[1].abs_diff(t[1]))
-            .max(p[2].abs_diff(t[2]));
     }
 }
 

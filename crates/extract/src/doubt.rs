@@ -15,6 +15,7 @@ use crate::faint::Faint;
 use crate::pattern::{self, Deviation, Table};
 use crate::plane::Plane;
 use crate::scene::MOST_CROSSINGS;
+use crate::threshold::Cut;
 
 /// Samples along each side of the grid on which the difference is looked at, as the table's own.
 const GRID: usize = 64;
@@ -40,8 +41,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) difference: &'a Plane,
     /// The least cut that the table's noise allows, in levels of difference.
     pub(crate) floor: f32,
-    /// The cut that was taken.
-    pub(crate) cut: u8,
+    /// The cut that was taken, and what it covers.
+    pub(crate) cut: Cut,
     /// What came of it, cleaned.
     pub(crate) mask: &'a BitPlane,
 }
@@ -55,8 +56,9 @@ pub(crate) struct Doubter {
 impl Doubter {
     /// What to say about the mask; nothing when it is sure.
     pub(crate) fn judge(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
-        let seen = Seen::of(of.difference, of.cut);
-        if seen.covered > MOST_COVERED {
+        let cut = of.cut.rope;
+        if of.cut.covered > MOST_COVERED {
+            let seen = Seen::of(of.difference, cut);
             return Some(match seen.changes > CHANGES {
                 true => Notice::CheckeredTable,
                 false => Notice::Covered,
@@ -67,7 +69,7 @@ impl Doubter {
         if !is_empty && pieces_less_holes(of.mask) < -(MOST_CROSSINGS as i64) {
             return Some(Notice::CheckeredTable);
         }
-        let is_at_floor = f32::from(of.cut) <= of.floor.ceil();
+        let is_at_floor = f32::from(cut) <= of.floor.ceil();
         if !is_empty && !is_at_floor {
             return None;
         }
@@ -75,7 +77,7 @@ impl Doubter {
             image: of.image,
             background: of.background,
             difference: of.difference,
-            cut: of.cut,
+            cut,
         };
         match pattern::deviation(&table) {
             Deviation::Pattern => return Some(Notice::CheckeredTable),
@@ -83,6 +85,7 @@ impl Doubter {
             Deviation::Noise => {}
         }
         if !is_empty {
+            let seen = Seen::of(of.difference, cut);
             return (seen.fringe > FRINGE).then_some(Notice::LikeTheTable);
         }
         if self.faint.is_there(of.difference, components) {
@@ -94,8 +97,6 @@ impl Doubter {
 
 /// What a grid of the differences shows.
 struct Seen {
-    /// The share from the cut on.
-    covered: f32,
     /// How often a row passes the cut, in the mean.
     changes: f32,
     /// How many lie just below the cut, in shares of those above.
@@ -121,7 +122,6 @@ impl Seen {
             }
         }
         Self {
-            covered: above as f32 / (columns * rows) as f32,
             changes: changes as f32 / rows as f32,
             fringe: below as f32 / above.max(1) as f32,
         }

@@ -65,6 +65,7 @@ mod follow;
 mod graph;
 mod hsv;
 mod image;
+mod kernels;
 mod knot;
 mod lens;
 mod line;

@@ -5,6 +5,7 @@ use crate::bits::{BitPlane, left_of, right_of};
 use crate::components::Components;
 use crate::difference::Differencer;
 use crate::doubt::{Doubter, Evidence};
+use crate::kernels::Kernels;
 use crate::plane::Plane;
 use crate::threshold::Cut;
 use crate::whole::Mender;
@@ -40,6 +41,7 @@ pub enum MaskError {
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Masker {
+    kernels: Kernels,
     background: Background,
     differencer: Differencer,
     components: Components,
@@ -65,12 +67,19 @@ impl Masker {
         match how {
             Mask::Auto => {
                 self.background.estimate(image);
-                self.differencer
-                    .difference(image, &self.background, &mut self.difference);
-                let cut = threshold::choose(&self.difference, self.background.noise);
-                threshold::apply(&self.difference, cut.rope, &mut self.mask);
+                let noise = self.background.noise;
+                let levels = self.differencer.run(
+                    image,
+                    &self.background,
+                    threshold::faint(noise),
+                    &mut self.difference,
+                    &mut self.mender.faint,
+                );
+                let cut = threshold::choose(&levels, noise);
+                let (kernels, faint) = (&self.kernels, &self.mender.faint);
+                threshold::apply_within(kernels, &self.difference, cut.rope, faint, &mut self.mask);
                 self.mend(image, cut);
-                chosen = Some(cut.rope);
+                chosen = Some(cut);
             }
             Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
             Mask::External => {
@@ -83,7 +92,7 @@ impl Masker {
     }
 
     /// What to say about an automatic mask.
-    fn judge(&mut self, image: &Image, cut: u8) -> Option<Notice> {
+    fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
         let evidence = Evidence {
             image,
             background: &self.background,
@@ -115,7 +124,7 @@ impl Masker {
         for y in 0..mask.height() {
             self.difference.row_mut(y).copy_from_slice(mask.row(y));
         }
-        threshold::apply(&self.difference, ROPE_LEVEL, &mut self.mask);
+        threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
         self.clean_or_empty();
         self.notice = None;
         Ok(())

@@ -7,6 +7,7 @@
 //! has no rope.
 
 use crate::bits::BitPlane;
+use crate::kernels::Kernels;
 use crate::plane::Plane;
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
@@ -30,19 +31,69 @@ pub(crate) fn floor(noise: f32) -> f32 {
 pub(crate) struct Cut {
     /// From here on a pixel is rope.
     pub(crate) rope: u8,
-    /// From here on a pixel is not just the table's noise: rope, if there is rope around it.
-    pub(crate) faint: u8,
     /// The ropes' mean.
     pub(crate) level: u8,
+    /// The share of the image that is rope by that.
+    pub(crate) covered: f32,
 }
 
-/// Finds the cut, given the table's noise.
-pub(crate) fn choose(difference: &Plane, noise: f32) -> Cut {
-    let histogram = histogram(difference);
+/// The least level that is not just the table's noise.
+pub(crate) fn faint(noise: f32) -> u8 {
+    whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
+}
+
+/// How often each level of difference occurs, those of the mere table taken together.
+#[derive(Debug)]
+pub(crate) struct Levels {
+    /// The sum of all levels.
+    pub(crate) total: u64,
+    pixels: usize,
+    /// Of the levels that are not the table's. Four counts, so that equal neighbors do not wait for each other's.
+    counts: [[u32; 256]; 4],
+}
+
+impl Levels {
+    /// Those of so many pixels, none of which is counted yet.
+    pub(crate) fn new(pixels: usize) -> Self {
+        Self {
+            total: 0,
+            pixels,
+            counts: [[0; 256]; 4],
+        }
+    }
+
+    /// Counts the pixels of a row that are set in `faint`.
+    pub(crate) fn count(&mut self, row: &[u8], faint: &[u64]) {
+        for (&word, pixels) in faint.iter().zip(row.chunks(64)) {
+            let mut rest = word;
+            while rest != 0 {
+                let x = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                self.counts[x % 4][usize::from(pixels[x])] += 1;
+            }
+        }
+    }
+
+    /// The share of the pixels from a level on.
+    fn share(&self, histogram: &[u32; 256], from: u8) -> f32 {
+        let above: u32 = histogram[usize::from(from)..].iter().sum();
+        above as f32 / self.pixels.max(1) as f32
+    }
+
+    /// How often each level that is not the table's occurs.
+    fn histogram(&self) -> [u32; 256] {
+        std::array::from_fn(|level| self.counts.iter().map(|part| part[level]).sum())
+    }
+}
+
+/// Finds the cut, given the levels of an image (those from [`faint`] on counted) and the table's noise.
+pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
+    let histogram = levels.histogram();
+    let means = |cut| means(levels, &histogram, cut);
     let floor = floor(noise);
     let mut cut = floor;
     for _ in 0..32 {
-        let (below, above) = means(&histogram, cut);
+        let (below, above) = means(cut);
         let Some(above) = above else { break };
         let next = (0.5 * (below + above)).max(floor);
         if (next - cut).abs() < 0.25 {
@@ -50,71 +101,60 @@ pub(crate) fn choose(difference: &Plane, noise: f32) -> Cut {
         }
         cut = next;
     }
-    let (below, above) = means(&histogram, cut);
+    let (below, above) = means(cut);
     let above = above.unwrap_or(floor);
     let share = below + SHARE * (above - below);
-    let faint = (FAINT_FLOOR * noise).max(LEVEL_FLOOR);
     // Where ropes stand well out of the noise, their share decides.
-    let rope = if share >= faint { share } else { floor };
-    let level = |value: f32| value.min(255.0).ceil() as u8;
+    let rope = if share >= (FAINT_FLOOR * noise).max(LEVEL_FLOOR) {
+        share
+    } else {
+        floor
+    };
     Cut {
-        rope: level(rope),
-        faint: level(faint),
-        level: level(above),
+        rope: whole(rope),
+        level: whole(above),
+        covered: levels.share(&histogram, whole(rope)),
     }
 }
 
-/// One bit a pixel: difference ≥ cut.
-pub(crate) fn apply(difference: &Plane, cut: u8, mask: &mut BitPlane) {
-    mask.resize(difference.width(), difference.height());
-    let arch = pulp::Arch::new();
-    for y in 0..difference.height() {
-        let (row, words) = (difference.row(y), mask.row_mut(y));
-        arch.dispatch(|| pack(row, cut, words));
-    }
-}
-
-/// Eight comparisons at a time become eight bits by one multiplication.
-#[inline(always)]
-fn pack(row: &[u8], cut: u8, words: &mut [u64]) {
-    for (word, pixels) in words.iter_mut().zip(row.chunks(64)) {
-        let mut ones = [0u8; 64];
-        for (one, &pixel) in ones.iter_mut().zip(pixels) {
-            *one = u8::from(pixel >= cut);
-        }
-        *word = 0;
-        for (i, eight) in ones.chunks_exact(8).enumerate() {
-            let mut bytes = [0; 8];
-            bytes.copy_from_slice(eight);
-            let bits = u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-            *word |= bits << (8 * i);
-        }
-    }
-}
-
-fn histogram(difference: &Plane) -> [u32; 256] {
-    // Four histograms, so that equal neighbors do not wait for each other's count.
-    let mut parts = [[0u32; 256]; 4];
-    for y in 0..difference.height() {
-        for four in difference.row(y).chunks(4) {
-            for (part, &level) in parts.iter_mut().zip(four) {
-                part[usize::from(level)] += 1;
-            }
-        }
-    }
-    std::array::from_fn(|level| parts.iter().map(|p| p[level]).sum())
+/// The least level that is not below `value`.
+fn whole(value: f32) -> u8 {
+    value.min(255.0).ceil() as u8
 }
 
 /// The mean level below `cut` and, if there is any, from `cut` on.
-fn means(histogram: &[u32; 256], cut: f32) -> (f32, Option<f32>) {
-    let split = (cut.ceil() as usize).min(256);
-    let mean = |from: usize, to: usize| {
-        let (mut count, mut sum) = (0u64, 0u64);
-        for (level, &n) in histogram.iter().enumerate().take(to).skip(from) {
-            count += u64::from(n);
-            sum += u64::from(n) * level as u64;
+fn means(levels: &Levels, histogram: &[u32; 256], cut: f32) -> (f32, Option<f32>) {
+    let from = (cut.ceil() as usize).min(256);
+    let (mut count, mut sum) = (0u64, 0u64);
+    for (level, &n) in histogram.iter().enumerate().skip(from) {
+        count += u64::from(n);
+        sum += u64::from(n) * level as u64;
+    }
+    let mean = |sum: u64, count: u64| (count > 0).then(|| sum as f32 / count as f32);
+    let below = mean(levels.total - sum, levels.pixels as u64 - count);
+    (below.unwrap_or(0.0), mean(sum, count))
+}
+
+/// One bit a pixel: difference ≥ cut.
+pub(crate) fn apply(kernels: &Kernels, difference: &Plane, cut: u8, mask: &mut BitPlane) {
+    mask.resize(difference.width(), difference.height());
+    for y in 0..difference.height() {
+        (kernels.at_least)(difference.row(y), cut, mask.row_mut(y));
+    }
+}
+
+/// The same, where all pixels that can be rope lie in `faint`.
+pub(crate) fn apply_within(
+    kernels: &Kernels,
+    difference: &Plane,
+    cut: u8,
+    faint: &BitPlane,
+    mask: &mut BitPlane,
+) {
+    mask.resize(difference.width(), difference.height());
+    for y in 0..difference.height() {
+        if faint.row(y).iter().any(|&word| word != 0) {
+            (kernels.at_least)(difference.row(y), cut, mask.row_mut(y));
         }
-        (count > 0).then(|| sum as f32 / count as f32)
-    };
-    (mean(0, split).unwrap_or(0.0), mean(split, 256))
+    }
 }

@@ -13,7 +13,7 @@ use crate::components::{Components, for_each_run};
 use crate::morphology::Morphology;
 use crate::plane::Plane;
 use crate::skeleton::half_width;
-use crate::threshold::{self, Cut};
+use crate::threshold::Cut;
 use crate::{Image, shadow};
 
 /// Rows from one that the width is taken in to the next, and the most widths that are taken.
@@ -41,7 +41,8 @@ pub(crate) struct Mender {
     /// Widths along the ropes and what faint pixels add to them, each with the area it stands for.
     widths: Vec<(f32, f32)>,
     edges: Vec<(f32, f32)>,
-    weak: BitPlane,
+    /// The pixels that are not just the table's noise, as the difference has them; less the shadows in the end.
+    pub(crate) faint: BitPlane,
     /// Where the rope is thin, then all around that.
     thin: BitPlane,
     wider: BitPlane,
@@ -59,7 +60,7 @@ impl Mender {
         difference: &mut Plane,
         mask: &mut BitPlane,
     ) {
-        self.find_weak(image, background, cut, difference, mask);
+        self.clear_shadows(image, background, mask);
         let (width_px, fringe_px) = self.rope_width(mask);
         let across = (THIN * width_px).round() as usize;
         if across < 3 || width_px > WIDEST_PX {
@@ -70,7 +71,7 @@ impl Mender {
         }
         let slit = ((SLIT * width_px) as usize).max(1);
         self.wider.copy_from(mask);
-        self.wider.zip(&self.weak, &self.thin, |m, w, t| m | w & t);
+        self.wider.zip(&self.faint, &self.thin, |m, w, t| m | w & t);
         self.fits.copy_from(&self.wider);
         self.morphology.close(&mut self.fits, slit);
         self.wider.zip(&self.fits, &self.thin, |m, c, t| m | c & t);
@@ -113,8 +114,8 @@ impl Mender {
                     let x = from as f32 + (k as f32 + 0.5) * area;
                     let (x, y) = middle(mask, x as i32, y as i32);
                     let sure_px = width_at(mask, x, y);
-                    let (x, y) = middle(&self.weak, x, y);
-                    let all_px = width_at(&self.weak, x, y);
+                    let (x, y) = middle(&self.faint, x, y);
+                    let all_px = width_at(&self.faint, x, y);
                     self.widths.push((all_px, area));
                     self.edges.push(((all_px - sure_px).max(0.0), area));
                 }
@@ -128,19 +129,11 @@ impl Mender {
         )
     }
 
-    /// Finds the faint pixels that are no shadow, and all that are sure.
-    fn find_weak(
-        &mut self,
-        image: &Image,
-        background: &Background,
-        cut: Cut,
-        difference: &Plane,
-        mask: &BitPlane,
-    ) {
-        threshold::apply(difference, cut.faint, &mut self.weak);
-        self.weak.zip(mask, mask, |w, m, _| w & !m);
-        shadow::clear(image, background, &mut self.weak);
-        self.weak.zip(mask, mask, |w, m, _| w | m);
+    /// Leaves the faint pixels that are no shadow, and all that are sure.
+    fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &BitPlane) {
+        self.faint.zip(mask, mask, |w, m, _| w & !m);
+        shadow::clear(image, background, &mut self.faint);
+        self.faint.zip(mask, mask, |w, m, _| w | m);
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.

@@ -82,10 +82,7 @@ fn region(image: &Image, at: Vec2) -> Result<Vec<bool>, PickError> {
 fn is_table(image: &Image, [x, y]: [usize; 2]) -> bool {
     let mut background = Background::default();
     background.estimate(image);
-    let mut rows = [(); 3].map(|()| vec![0u8; image.width()]);
-    let [a, b, c] = &mut rows;
-    background.row(y, [a, b, c]);
-    let table = [rows[0][x], rows[1][x], rows[2][x]].map(f32::from);
+    let table = background.at(x, y);
     let own = color::native(image, x, y).map(f32::from);
     let limit = (TABLE_RESIDUALS * background.noise).max(TABLE_LEVELS);
     background.noise < PLAIN && color::distance(own, table, color::is_yuv(image.format())) < limit

@@ -1,0 +1,176 @@
+//! The kernels in the registers of x86-64: 64 bytes (AVX-512 with VBMI) or 32 (AVX2) at a time.
+//!
+//! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
+//! has them, and to load and store through pointers, which are taken from slices of the length that is moved.
+//!
+//! Three interleaved channels A, B, C in three registers of 16 or 64 lanes: as both leave 1 when divided by 3, lane i
+//! holds channel i, i + 1 and i + 2 (mod 3) of them, so that blending them by lanes gathers all of a channel's bytes in
+//! one register, and one permutation puts them in order.
+#![allow(unsafe_code)]
+
+use super::Kernels;
+use std::arch::x86_64::*;
+
+/// The fastest of this machine.
+pub(super) fn detect() -> Option<Kernels> {
+    all().next()
+}
+
+/// All that this machine can run, the fastest first.
+pub(super) fn all() -> impl Iterator<Item = Kernels> {
+    let wide = is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vbmi");
+    let medium = is_x86_feature_detected!("avx2");
+    let wide = wide.then_some(Kernels {
+        // SAFETY: the machine has AVX-512BW and VBMI.
+        three_channels: |row, table, out| unsafe { three_channels_512(row, table, out) },
+        // SAFETY: as above.
+        at_least: |row, cut, words| unsafe { at_least_512(row, cut, words) },
+    });
+    let medium = medium.then_some(Kernels {
+        // SAFETY: the machine has AVX2.
+        three_channels: |row, table, out| unsafe { three_channels_256(row, table, out) },
+        // SAFETY: as above.
+        at_least: |row, cut, words| unsafe { at_least_256(row, cut, words) },
+    });
+    wide.into_iter().chain(medium)
+}
+
+/// Calls `block` with the first pixel of each block of `size` pixels, the last one moved back so that it ends with the
+/// row; false if the row is shorter than a block.
+#[inline(always)]
+fn in_blocks(pixels: usize, size: usize, mut block: impl FnMut(usize)) -> bool {
+    if pixels < size {
+        return false;
+    }
+    (0..pixels / size).for_each(|i| block(i * size));
+    if !pixels.is_multiple_of(size) {
+        block(pixels - size);
+    }
+    true
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn three_channels_512(row: &[u8], table: &[u8], out: &mut [u8]) {
+    const ORDERS: [[u8; 64]; 3] = orders();
+    // Lanes that a register after the first gives to a channel.
+    const LANES: u64 = 0x9249_2492_4924_9249;
+    let pixels = out.len().min(row.len() / 3).min(table.len() / 3);
+    // SAFETY: the arrays are 64 bytes long.
+    let orders = ORDERS.map(|order| unsafe { _mm512_loadu_si512(order.as_ptr().cast()) });
+    let done = in_blocks(pixels, 64, |x| {
+        let (row, table) = (&row[3 * x..][..192], &table[3 * x..][..192]);
+        // SAFETY: both slices are 192 bytes long.
+        let [a, b, c] = [0, 64, 128].map(|at| unsafe {
+            let p = _mm512_loadu_si512(row[at..].as_ptr().cast());
+            let t = _mm512_loadu_si512(table[at..].as_ptr().cast());
+            _mm512_sub_epi8(_mm512_max_epu8(p, t), _mm512_min_epu8(p, t))
+        });
+        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
+        let [zero, one, two] = [LANES, LANES << 1, LANES << 2];
+        let blend = |from_b, from_c| {
+            let ab = _mm512_mask_blend_epi8(from_b, a, b);
+            _mm512_mask_blend_epi8(from_c, ab, c)
+        };
+        let first = _mm512_permutexvar_epi8(orders[0], blend(two, one));
+        let second = _mm512_permutexvar_epi8(orders[1], blend(zero, two));
+        let third = _mm512_permutexvar_epi8(orders[2], blend(one, zero));
+        let most = _mm512_max_epu8(first, _mm512_max_epu8(second, third));
+        let out = &mut out[x..][..64];
+        // SAFETY: `out` is 64 bytes long.
+        unsafe { _mm512_storeu_si512(out.as_mut_ptr().cast(), most) };
+    });
+    if !done {
+        super::three_channels(row, table, out);
+    }
+}
+
+#[target_feature(enable = "avx2")]
+fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
+    const ORDERS: [[u8; 16]; 3] = orders();
+    let pixels = out.len().min(row.len() / 3).min(table.len() / 3);
+    let twice = |bytes: &[u8; 16]| {
+        // SAFETY: the array is 16 bytes long.
+        _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) })
+    };
+    let orders = ORDERS.each_ref().map(twice);
+    let lanes =
+        |rest: usize| -> [u8; 16] { std::array::from_fn(|i| if i % 3 == rest { 0xFF } else { 0 }) };
+    let [zero, one, two] = [0, 1, 2].map(|rest| twice(&lanes(rest)));
+    let done = in_blocks(pixels, 32, |x| {
+        let (row, table) = (&row[3 * x..][..96], &table[3 * x..][..96]);
+        // Each half of a register is a block of 16 pixels of its own.
+        let load = |bytes: &[u8], at: usize| {
+            let (low, high) = (&bytes[at..][..16], &bytes[at + 48..][..16]);
+            // SAFETY: both slices are 16 bytes long.
+            unsafe { _mm256_loadu2_m128i(high.as_ptr().cast(), low.as_ptr().cast()) }
+        };
+        let [a, b, c] = [0, 16, 32].map(|at| {
+            let (p, t) = (load(row, at), load(table, at));
+            _mm256_sub_epi8(_mm256_max_epu8(p, t), _mm256_min_epu8(p, t))
+        });
+        let blend =
+            |from_b, from_c| _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, from_b), c, from_c);
+        let first = _mm256_shuffle_epi8(blend(two, one), orders[0]);
+        let second = _mm256_shuffle_epi8(blend(zero, two), orders[1]);
+        let third = _mm256_shuffle_epi8(blend(one, zero), orders[2]);
+        let most = _mm256_max_epu8(first, _mm256_max_epu8(second, third));
+        let out = &mut out[x..][..32];
+        // SAFETY: `out` is 32 bytes long.
+        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), most) };
+    });
+    if !done {
+        super::three_channels(row, table, out);
+    }
+}
+
+/// Of each channel the lane where pixel p is found: (3p + channel) mod the number of lanes.
+const fn orders<const N: usize>() -> [[u8; N]; 3] {
+    let mut orders = [[0; N]; 3];
+    let mut channel = 0;
+    while channel < 3 {
+        let mut p = 0;
+        while p < N {
+            orders[channel][p] = ((3 * p + channel) % N) as u8;
+            p += 1;
+        }
+        channel += 1;
+    }
+    orders
+}
+
+#[target_feature(enable = "avx512f,avx512bw")]
+fn at_least_512(row: &[u8], cut: u8, words: &mut [u64]) -> u64 {
+    let level = _mm512_set1_epi8(cut.cast_signed());
+    let mut sums = _mm512_setzero_si512();
+    let (blocks, rest) = row.as_chunks::<64>();
+    for (word, block) in words.iter_mut().zip(blocks) {
+        // SAFETY: a block is 64 bytes long.
+        let bytes = unsafe { _mm512_loadu_si512(block.as_ptr().cast()) };
+        *word = _mm512_cmpge_epu8_mask(bytes, level);
+        sums = _mm512_add_epi64(sums, _mm512_sad_epu8(bytes, _mm512_setzero_si512()));
+    }
+    let sum = _mm512_reduce_add_epi64(sums).cast_unsigned();
+    sum + super::at_least(rest, cut, words.get_mut(blocks.len()..).unwrap_or(&mut []))
+}
+
+#[target_feature(enable = "avx2")]
+fn at_least_256(row: &[u8], cut: u8, words: &mut [u64]) -> u64 {
+    let level = _mm256_set1_epi8(cut.cast_signed());
+    let mut sums = _mm256_setzero_si256();
+    let (blocks, rest) = row.as_chunks::<64>();
+    for (word, block) in words.iter_mut().zip(blocks) {
+        *word = 0;
+        for (half, bytes) in block.as_chunks::<32>().0.iter().enumerate() {
+            // SAFETY: half a block is 32 bytes long.
+            let bytes = unsafe { _mm256_loadu_si256(bytes.as_ptr().cast()) };
+            let is = _mm256_cmpeq_epi8(_mm256_max_epu8(bytes, level), bytes);
+            *word |= u64::from(_mm256_movemask_epi8(is).cast_unsigned()) << (32 * half);
+            sums = _mm256_add_epi64(sums, _mm256_sad_epu8(bytes, _mm256_setzero_si256()));
+        }
+    }
+    let mut parts = [0u64; 4];
+    // SAFETY: the array is 32 bytes long.
+    unsafe { _mm256_storeu_si256(parts.as_mut_ptr().cast(), sums) };
+    let sum: u64 = parts.iter().sum();
+    sum + super::at_least(rest, cut, words.get_mut(blocks.len()..).unwrap_or(&mut []))
+}
