@@ -59,7 +59,6 @@ pub struct Extractor {
     size: (usize, usize),
     masker: Masker,
     cover: Cover,
-    thin: BitPlane,
     thinner: Thinner,
     skeleton: Skeleton,
     graph: Graph,
@@ -98,7 +97,6 @@ impl Extractor {
             size: (0, 0),
             masker: Masker::default(),
             cover: Cover::default(),
-            thin: BitPlane::default(),
             thinner: Thinner::default(),
             skeleton: Skeleton::default(),
             graph: Graph::default(),
@@ -339,10 +337,10 @@ impl Extractor {
 
     /// Thins the mask and lists what is left.
     fn skeletonize(&mut self) {
-        self.thin.copy_from(&self.masker.mask);
+        let mask = &self.masker.mask;
         let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
-        self.thinner.thin(&mut self.thin, most_passes);
-        self.skeleton.list(&self.thin, &self.masker.mask);
+        self.thinner.thin(mask, most_passes);
+        self.skeleton.list(&self.thinner, mask);
     }
 
     /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns

@@ -1,6 +1,9 @@
 //! The skeleton as a list: each pixel's position, neighbors and distance to the rope's edge.
 
 use crate::bits::BitPlane;
+use crate::clearance::Clearance;
+use crate::strips::{BLOCK, Strips};
+use crate::thin::Thinner;
 
 /// No pixel, node, edge or arm.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -13,8 +16,11 @@ const WIDEST_HALF: i32 = 160;
 /// The pixels of a skeleton in the order of rows.
 #[derive(Debug, Default)]
 pub(crate) struct Skeleton {
-    /// Index of the first pixel of each word that has any.
+    /// Index of the first pixel of each word in a block that has any.
     first: Vec<u32>,
+    /// Strips that have any in the rows that are listed.
+    filled: Vec<u32>,
+    clearance: Clearance,
     pub(crate) pixels: Vec<Pixel>,
 }
 
@@ -25,7 +31,9 @@ pub(crate) struct Pixel {
     pub(crate) y: u16,
     /// Distance from the pixel's center to the rope's edge, in pixels.
     pub(crate) half_px: f32,
-    pub(crate) neighbors: [u32; 8],
+    /// The first `degree` are meant. They are no more than four: a corner neighbor counts only where neither side neighbor
+    /// beside it is.
+    pub(crate) neighbors: [u32; 5],
     pub(crate) degree: u8,
 }
 
@@ -36,52 +44,88 @@ impl Pixel {
 }
 
 impl Skeleton {
-    /// Lists the pixels of `thin`, the skeleton of `mask`. An image that is noise gets none.
-    pub(crate) fn list(&mut self, thin: &BitPlane, mask: &BitPlane) {
+    /// Lists the pixels that `thinner` left of `mask`. An image that is noise gets none.
+    pub(crate) fn list(&mut self, thinner: &Thinner, mask: &BitPlane) {
+        self.clearance.take(&thinner.mask);
+        pulp::Arch::new().dispatch(List {
+            skeleton: self,
+            thin: &thinner.thin,
+            mask,
+        });
+    }
+
+    /// Lists the pixels with their half-widths; none if there are too many.
+    #[inline(always)]
+    fn list_places(&mut self, thin: &Strips, mask: &BitPlane) {
+        let shape = &thin.shape;
         self.pixels.clear();
-        self.first.resize(thin.words().len(), 0);
-        for y in 0..thin.height() {
-            for (i, &row_word) in thin.row(y).iter().enumerate() {
-                self.first[y * thin.words_per_row() + i] = self.pixels.len() as u32;
-                let mut word = row_word;
-                while word != 0 {
-                    let x = 64 * i + word.trailing_zeros() as usize;
-                    self.pixels.push(Pixel {
-                        x: x as u16,
-                        y: y as u16,
-                        half_px: 0.0,
-                        neighbors: [NONE; 8],
-                        degree: 0,
-                    });
-                    word &= word - 1;
+        self.first.resize(shape.words(), 0);
+        for top in (0..shape.height()).step_by(BLOCK) {
+            self.filled.clear();
+            for strip in 0..shape.strips() {
+                if thin.used.holds(shape, strip, top / BLOCK) {
+                    self.filled.push(strip as u32);
                 }
             }
-            if self.pixels.len() > BUDGET {
-                self.pixels.clear();
-                return;
+            if self.filled.is_empty() {
+                continue;
             }
-        }
-        for i in 0..self.pixels.len() {
-            let (x, y) = (i32::from(self.pixels[i].x), i32::from(self.pixels[i].y));
-            self.pixels[i].half_px = half_width(mask, x, y);
-            self.connect(thin, i, x, y);
+            for y in top..(top + BLOCK).min(shape.height()) {
+                for &strip in &self.filled {
+                    let at = shape.index(strip as usize, y);
+                    let mut word = thin.words[at];
+                    self.first[at] = self.pixels.len() as u32;
+                    while word != 0 {
+                        let (x, y) = ((64 * strip + word.trailing_zeros()) as u16, y as u16);
+                        self.pixels.push(Pixel {
+                            x,
+                            y,
+                            half_px: self.clearance.half_px(mask, x, y),
+                            neighbors: [NONE; 5],
+                            degree: 0,
+                        });
+                        word &= word - 1;
+                    }
+                }
+                if self.pixels.len() > BUDGET {
+                    self.pixels.clear();
+                    return;
+                }
+            }
         }
     }
 
     /// Finds the neighbors of pixel `i`. A corner neighbor that is also reached through a side
     /// neighbor is left out, so that a staircase is a path and not a row of junctions.
-    fn connect(&mut self, thin: &BitPlane, i: usize, x: i32, y: i32) {
-        for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
-            if thin.get(x + dx, y + dy) {
-                self.link(thin, i, x + dx, y + dy);
-            }
+    #[inline(always)]
+    fn connect(&mut self, thin: &Strips, i: usize) {
+        let (pixel, words) = (&mut self.pixels[i], &thin.words[..]);
+        let (stride, bit) = (thin.shape.stride, pixel.x % 64);
+        let strip = usize::from(pixel.x / 64);
+        let at = thin.shape.index(strip, usize::from(pixel.y));
+        let [above, below] = [at - 1, at + 1].map(|at| three(words, at, stride, bit));
+        let ([nw, n, ne], [sw, s, se]) = (above, below);
+        let [w, _, e] = three(words, at, stride, bit);
+        let above = first_from(&self.first, words, at - 1, stride, bit, nw);
+        let below = first_from(&self.first, words, at + 1, stride, bit, sw);
+        let here = i as u32;
+        let kinds = [
+            (e, here + 1),
+            (s, below),
+            (w, here.wrapping_sub(1)),
+            (n, above),
+            (se & !e & !s, below),
+            (sw & !w & !s, below.wrapping_sub(1)),
+            (nw & !w & !n, above.wrapping_sub(1)),
+            (ne & !e & !n, above),
+        ];
+        // Written always, kept where it is one: chance decides, and no branch guesses that.
+        let mut degree = 0;
+        for (is_there, index) in kinds {
+            pixel.neighbors[degree] = index;
+            degree += usize::from(is_there);
         }
-        for (dx, dy) in [(1, 1), (-1, 1), (-1, -1), (1, -1)] {
-            let around = thin.get(x + dx, y) || thin.get(x, y + dy);
-            if thin.get(x + dx, y + dy) && !around {
-                self.link(thin, i, x + dx, y + dy);
-            }
-        }
+        pixel.degree = degree as u8;
     }
 
     /// Takes pixel `i` out: no neighbor leads to it any more.
@@ -99,15 +143,52 @@ impl Skeleton {
         }
         self.pixels[i as usize].degree = 0;
     }
+}
 
-    fn link(&mut self, thin: &BitPlane, i: usize, x: i32, y: i32) {
-        let (x, y) = (x as usize, y as usize);
-        let word = y * thin.words_per_row() + x / 64;
-        let before = thin.words()[word] & ((1u64 << (x % 64)) - 1);
-        let index = self.first[word] + before.count_ones();
-        let pixel = &mut self.pixels[i];
-        pixel.neighbors[usize::from(pixel.degree)] = index;
-        pixel.degree += 1;
+/// Whether the pixels to the left of a bit, of it and to its right are set in the row of a word.
+#[inline(always)]
+fn three(words: &[u64], at: usize, stride: usize, bit: u16) -> [bool; 3] {
+    let left = words[at] << 1 | words[at - stride] >> 63;
+    let right = words[at] >> 1 | words[at + stride] << 63;
+    [left, words[at], right].map(|word| word >> bit & 1 == 1)
+}
+
+/// The index of the first pixel of a row that is not to the left of a bit, if it or its neighbors in the row are set: the
+/// pixels of a row follow each other.
+#[inline(always)]
+fn first_from(
+    first: &[u32],
+    words: &[u64],
+    at: usize,
+    stride: usize,
+    bit: u16,
+    is_left: bool,
+) -> u32 {
+    match (words[at], is_left) {
+        // Nothing in this word: the one to the left is the last of its own, one to the right the first.
+        (0, true) => first[at - stride] + words[at - stride].count_ones(),
+        (0, false) => first[at + stride],
+        (word, _) => first[at] + (word & ((1 << bit) - 1)).count_ones(),
+    }
+}
+
+/// The listing, to be compiled for each kind of machine: counting bits is one instruction on most.
+struct List<'a> {
+    skeleton: &'a mut Skeleton,
+    thin: &'a Strips,
+    mask: &'a BitPlane,
+}
+
+impl pulp::NullaryFnOnce for List<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let skeleton = self.skeleton;
+        skeleton.list_places(self.thin, self.mask);
+        for i in 0..skeleton.pixels.len() {
+            skeleton.connect(self.thin, i);
+        }
     }
 }
 

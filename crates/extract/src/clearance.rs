@@ -1,0 +1,107 @@
+//! How far the rope's pixels are from its edge.
+//!
+//! The exact distance to the nearest pixel that is not rope, found row by row from the nearest on: in a window of 64
+//! pixels a row, eight rows at a time, the nearest bit to either side. Rows are left out once they are farther than what
+//! was found. What is outside of the image does not count as unset: a rope that leaves the image is cut, not narrow.
+
+use crate::bits::BitPlane;
+use crate::skeleton::half_width;
+use crate::strips::{BLOCK, Blocks, Shape, Strips};
+
+/// Pixels to either side that a window shows.
+const SEEN: u32 = 32;
+
+/// How far away the rows about a pixel lie, from eight above on.
+const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Clearance {
+    shape: Shape,
+    /// The pixels of the image that are not set.
+    bare: Vec<u64>,
+    /// Blocks in which some pixel is set.
+    used: Blocks,
+}
+
+impl Clearance {
+    /// Takes a mask.
+    pub(crate) fn take(&mut self, mask: &Strips) {
+        let shape = mask.shape;
+        if self.shape != shape {
+            self.shape = shape;
+            self.bare.clear();
+            self.bare.resize(shape.words(), 0);
+            for strip in 0..shape.strips() {
+                let rows = &mut self.bare[shape.index(strip, 0)..][..shape.height()];
+                rows.fill(shape.inside(strip));
+            }
+        } else {
+            for (at, count) in self.used.runs(&shape) {
+                let (strip, y) = shape.place(at);
+                let rows = count.min(shape.height() - y);
+                self.bare[at..][..rows].fill(shape.inside(strip));
+            }
+        }
+        self.used.copy_from(&mask.used);
+        for (at, count) in mask.used.runs(&shape) {
+            let words = self.bare[at..][..count].iter_mut();
+            words
+                .zip(&mask.words[at..][..count])
+                .for_each(|(bare, set)| *bare &= !set);
+        }
+    }
+
+    /// Distance from the center of set pixel (x, y) of `mask`, the one that was taken, to the edge: to the nearest
+    /// side of an unset pixel's center, less the half pixel that the edge lies before it.
+    #[inline(always)]
+    pub(crate) fn half_px(&self, mask: &BitPlane, x: u16, y: u16) -> f32 {
+        let (stride, y) = (self.shape.stride, usize::from(y));
+        // The window's first bit is `SEEN` pixels to the left: in the empty strip, for the leftmost pixels.
+        let shifted = usize::from(x) + 64 - SEEN as usize;
+        let (first, shift) = (shifted / 64 * stride + BLOCK, shifted % 64);
+        // First the rows from eight above to seven below, which is far enough on most ropes.
+        let mut best = self.nearest(first + y - BLOCK, stride, shift, &NEAR);
+        let mut far = BLOCK;
+        // Then eight more above and eight more below. Nothing outside of the windows is nearer than what they show.
+        while best as usize > far * far && far < SEEN as usize {
+            if y >= far {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + BLOCK - k) as u32);
+                best = best.min(self.nearest(first + y - far - BLOCK, stride, shift, &away));
+            }
+            if y + far < self.shape.height() {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + k) as u32);
+                best = best.min(self.nearest(first + y + far, stride, shift, &away));
+            }
+            far += BLOCK;
+        }
+        if best as usize <= far * far {
+            return (best as f32).sqrt() - 0.5;
+        }
+        half_width(mask, i32::from(x), y as i32)
+    }
+
+    /// The least squared distance to an unset pixel in the rows from `at` on, which lie that far away.
+    #[inline(always)]
+    fn nearest<const ROWS: usize>(
+        &self,
+        at: usize,
+        stride: usize,
+        shift: usize,
+        away: &[u32; ROWS],
+    ) -> u32 {
+        let rows = |at: usize| -> &[u64; ROWS] {
+            let rows = self.bare[at..].first_chunk();
+            rows.expect("empty blocks lie all around the picture")
+        };
+        let (left, right) = (rows(at), rows(at + stride));
+        let mut squares = [0u32; ROWS];
+        for k in 0..ROWS {
+            let window = left[k] >> shift | right[k] << 1 << (63 - shift);
+            let (before, from) = (window as u32, (window >> SEEN) as u32);
+            let across = from.trailing_zeros().min(before.leading_zeros() + 1);
+            squares[k] = across * across + away[k] * away[k];
+        }
+        squares.into_iter().fold(u32::MAX, u32::min)
+    }
+}
