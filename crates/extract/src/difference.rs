@@ -15,6 +15,9 @@ use crate::{Image, PixelFormat};
 /// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
 const BLOCK: usize = 8;
 
+/// Pixels down a column that are worked on together.
+const PART: usize = 32;
+
 /// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
 #[derive(Debug, Default)]
 pub(crate) struct Differencer {
@@ -70,11 +73,28 @@ impl Differencer {
         let table = background
             .at(x, y + out.len() / 2)
             .map(|level| (level + 0.5) as u8);
-        let chroma = if color::is_yuv(image.format()) { 2 } else { 1 };
-        color::down(image, [x, y], out.len(), |k, pixel| {
-            let [a, b, c] = std::array::from_fn(|i| pixel[i].abs_diff(table[i]));
-            out[k] = a.max(b.max(c).saturating_mul(chroma));
-        });
+        // U and V count double.
+        let more = if color::is_yuv(image.format()) {
+            0xFF
+        } else {
+            0
+        };
+        // A part at a time, one channel beside the other: what is done to each of many bytes is done to all at once.
+        for (part, out) in out.chunks_mut(PART).enumerate() {
+            let mut channels = [[0u8; PART]; 3];
+            color::down(image, [x, y + part * PART], out.len(), |k, pixel| {
+                for (channel, level) in channels.iter_mut().zip(pixel) {
+                    channel[k % PART] = level;
+                }
+            });
+            let mut differences = [0; PART];
+            for (k, difference) in differences.iter_mut().enumerate() {
+                let [a, b, c] = std::array::from_fn(|i| channels[i][k].abs_diff(table[i]));
+                let chroma = b.max(c);
+                *difference = a.max(chroma.saturating_add(chroma & more));
+            }
+            out.copy_from_slice(&differences[..out.len()]);
+        }
     }
 
     /// Lays the table's color along `width` pixels from [x, y] on.
