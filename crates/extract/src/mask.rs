@@ -142,6 +142,7 @@ impl Masker {
     fn clean_or_empty(&mut self) {
         if self.clean() {
             self.strips.put(&mut self.mask);
+            self.strips.tighten();
         } else {
             self.mask.resize(self.mask.width(), self.mask.height());
             self.strips.resize(&Shape::of(&self.mask));
@@ -170,6 +171,8 @@ impl Masker {
         let area = self.strips.count();
         if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
             self.strips.put(&mut self.mask);
+            // The noise is gone, and its blocks need no more looking at.
+            self.strips.tighten();
             let (table, difference) = (&self.background, &mut self.difference);
             let mask = (&mut self.strips, &self.mask);
             self.mender.mend(image, table, cut, difference, mask);

@@ -175,6 +175,22 @@ impl Strips {
         self.for_each_word(|y, strip, word| plane.row_mut(y)[strip] = word);
     }
 
+    /// Forgets of the blocks that may hold something those that do not; for a picture on nothing.
+    pub(crate) fn tighten(&mut self) {
+        for at in 0..self.used.bits.len() {
+            let mut bits = self.used.bits[at];
+            while bits != 0 {
+                let from = bits & bits.wrapping_neg();
+                bits ^= from;
+                let block = at % self.shape.groups * GROUP + from.trailing_zeros() as usize;
+                let word = self.shape.index(at / self.shape.groups, BLOCK * block);
+                if *self::block(&self.words, word) == [0; BLOCK] {
+                    self.used.bits[at] ^= from;
+                }
+            }
+        }
+    }
+
     /// How many pixels are set in the blocks that may hold something.
     pub(crate) fn count(&self) -> usize {
         pulp::Arch::new().dispatch(Count(self))
