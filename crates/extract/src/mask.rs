@@ -105,7 +105,7 @@ impl Masker {
             difference: &self.difference,
             floor: threshold::floor(self.background.noise),
             cut,
-            mask: &self.mask,
+            mask: &self.strips,
         };
         let components = &mut self.mender.pieces.components;
         self.doubter.judge(&evidence, components)

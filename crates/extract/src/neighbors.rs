@@ -66,8 +66,10 @@ pub(crate) fn apply_to_block<R: Rule>(
 
 /// Applies `rule` to the blocks of `plane` that may hold something; `next` is memory for it, on the same ground.
 pub(crate) fn step(rule: impl Rule, plane: &mut Strips, next: &mut Strips) {
-    next.resize(&plane.shape);
-    next.used.copy_from(&plane.used);
+    if next.shape != plane.shape || next.used != plane.used {
+        next.resize(&plane.shape);
+        next.used.copy_from(&plane.used);
+    }
     apply(rule, plane, &plane.used, next);
     std::mem::swap(plane, next);
 }

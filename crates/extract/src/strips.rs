@@ -292,7 +292,7 @@ impl Strips {
 }
 
 /// A set of blocks: a bit each, strip by strip.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blocks {
     bits: Vec<u64>,
 }
@@ -321,10 +321,11 @@ impl Blocks {
         self.bits.iter().all(|&bits| bits == 0)
     }
 
-    /// Whether block `block` of a strip is in the set.
+    /// Whether block `block` of a strip is in the set; one below the picture is not.
     #[inline(always)]
     pub(crate) fn holds(&self, shape: &Shape, strip: usize, block: usize) -> bool {
-        self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
+        block < shape.groups * GROUP
+            && self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
     }
 
     /// Adds the block of row `y` of a strip.
