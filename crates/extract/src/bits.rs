@@ -78,24 +78,9 @@ impl BitPlane {
         }
     }
 
-    /// Makes each word what `rule` says of it and of the words of `a` and `b`, planes of the same size.
-    pub(crate) fn zip(&mut self, a: &BitPlane, b: &BitPlane, rule: impl Fn(u64, u64, u64) -> u64) {
-        for ((word, &a), &b) in self.words.iter_mut().zip(&a.words).zip(&b.words) {
-            *word = rule(*word, a, b);
-        }
-    }
-
     /// How many pixels are set.
     pub(crate) fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
-    }
-
-    /// The word of ones up to the width, for the last word of a row.
-    pub(crate) fn last_word_mask(&self) -> u64 {
-        match self.width % 64 {
-            0 => u64::MAX,
-            used => u64::MAX >> (64 - used),
-        }
     }
 }
 

@@ -6,7 +6,7 @@
 
 use crate::bits::BitPlane;
 use crate::skeleton::half_width;
-use crate::strips::{BLOCK, Blocks, Shape, Strips};
+use crate::strips::{BLOCK, Strips};
 
 /// Pixels to either side that a window shows.
 const SEEN: u32 = 32;
@@ -15,48 +15,31 @@ const SEEN: u32 = 32;
 const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Memory of the step.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Clearance {
-    shape: Shape,
     /// The pixels of the image that are not set.
-    bare: Vec<u64>,
-    /// Blocks in which some pixel is set.
-    used: Blocks,
+    bare: Strips,
+}
+
+impl Default for Clearance {
+    fn default() -> Self {
+        Self {
+            bare: Strips::of_ground(),
+        }
+    }
 }
 
 impl Clearance {
     /// Takes a mask.
     pub(crate) fn take(&mut self, mask: &Strips) {
-        let shape = mask.shape;
-        if self.shape != shape {
-            self.shape = shape;
-            self.bare.clear();
-            self.bare.resize(shape.words(), 0);
-            for strip in 0..shape.strips() {
-                let rows = &mut self.bare[shape.index(strip, 0)..][..shape.height()];
-                rows.fill(shape.inside(strip));
-            }
-        } else {
-            for (at, count) in self.used.runs(&shape) {
-                let (strip, y) = shape.place(at);
-                let rows = count.min(shape.height() - y);
-                self.bare[at..][..rows].fill(shape.inside(strip));
-            }
-        }
-        self.used.copy_from(&mask.used);
-        for (at, count) in mask.used.runs(&shape) {
-            let words = self.bare[at..][..count].iter_mut();
-            words
-                .zip(&mask.words[at..][..count])
-                .for_each(|(bare, set)| *bare &= !set);
-        }
+        self.bare.complement(mask);
     }
 
     /// Distance from the center of set pixel (x, y) of `mask`, the one that was taken, to the edge: to the nearest
     /// side of an unset pixel's center, less the half pixel that the edge lies before it.
     #[inline(always)]
     pub(crate) fn half_px(&self, mask: &BitPlane, x: u16, y: u16) -> f32 {
-        let (stride, y) = (self.shape.stride, usize::from(y));
+        let (stride, y) = (self.bare.shape.stride, usize::from(y));
         // The window's first bit is `SEEN` pixels to the left: in the empty strip, for the leftmost pixels.
         let shifted = usize::from(x) + 64 - SEEN as usize;
         let (first, shift) = (shifted / 64 * stride + BLOCK, shifted % 64);
@@ -69,7 +52,7 @@ impl Clearance {
                 let away: [u32; BLOCK] = std::array::from_fn(|k| (far + BLOCK - k) as u32);
                 best = best.min(self.nearest(first + y - far - BLOCK, stride, shift, &away));
             }
-            if y + far < self.shape.height() {
+            if y + far < self.bare.shape.height() {
                 let away: [u32; BLOCK] = std::array::from_fn(|k| (far + k) as u32);
                 best = best.min(self.nearest(first + y + far, stride, shift, &away));
             }
@@ -91,7 +74,7 @@ impl Clearance {
         away: &[u32; ROWS],
     ) -> u32 {
         let rows = |at: usize| -> &[u64; ROWS] {
-            let rows = self.bare[at..].first_chunk();
+            let rows = self.bare.words[at..].first_chunk();
             rows.expect("empty blocks lie all around the picture")
         };
         let (left, right) = (rows(at), rows(at + stride));

@@ -29,11 +29,25 @@ struct Run {
 pub(crate) struct TooManyRuns;
 
 /// Runs allowed for a plane of this size: one for each 16 pixels, and some for tiny planes.
-fn budget(plane: &BitPlane) -> usize {
-    plane.width() * plane.height() / 16 + 1024
+pub(crate) fn budget(width: usize, height: usize) -> usize {
+    width * height / 16 + 1024
 }
 
 impl Components {
+    /// Makes the memory for planes of this size.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        // The last row that is looked at may go beyond the budget.
+        let runs = budget(width, height) + width;
+        self.runs.clear();
+        self.runs.reserve(runs);
+        for numbers in [&mut self.parent, &mut self.area] {
+            numbers.clear();
+            numbers.reserve(runs);
+        }
+        self.at_edge.clear();
+        self.at_edge.reserve(runs);
+    }
+
     /// Clears pieces (of pixels that touch by side or corner) smaller than `least` pixels.
     pub(crate) fn drop_specks(
         &mut self,
@@ -76,7 +90,7 @@ impl Components {
     fn label(&mut self, plane: &BitPlane, value: bool) -> Result<(), TooManyRuns> {
         self.runs.clear();
         self.parent.clear();
-        let budget = budget(plane);
+        let budget = budget(plane.width(), plane.height());
         let (mut above_from, mut above_to) = (0, 0);
         for y in 0..plane.height() {
             let first = self.runs.len();

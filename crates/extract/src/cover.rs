@@ -9,8 +9,10 @@ use crate::Image;
 use crate::bits::{BitPlane, left_of, right_of};
 use crate::color;
 use crate::skeleton::Skeleton;
-use crate::zones::quantile;
+use crate::zones::{quantile, quantile_of_positive};
 
+/// The share of the skeleton that is narrower than the ropes usually are.
+const USUAL: f32 = 0.35;
 /// Times as wide as a rope, and pixels more, that a thing is which is none.
 const WIDE: (f32, f32) = (2.6, 2.0);
 /// Times as wide as a rope that a thing of the rope's own color is: no strands lie so close.
@@ -40,6 +42,8 @@ pub(crate) struct Cover {
     grown: BitPlane,
     /// The pixels of all things.
     pub(crate) plane: BitPlane,
+    /// Whether there is any.
+    found: bool,
 }
 
 impl Cover {
@@ -66,7 +70,7 @@ impl Cover {
 
     /// Whether there is any.
     pub(crate) fn any(&self) -> bool {
-        self.plane.words().iter().any(|&word| word != 0)
+        self.found
     }
 
     /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope.
@@ -78,17 +82,29 @@ impl Cover {
         mask: &BitPlane,
         known_half_px: Option<f32>,
     ) -> bool {
-        self.plane.resize(mask.width(), mask.height());
+        let size = [mask.width(), mask.height()];
+        if self.found || size != [self.plane.width(), self.plane.height()] {
+            self.plane.resize(size[0], size[1]);
+            self.found = false;
+        }
+        let widest_px = skeleton
+            .pixels
+            .iter()
+            .map(|p| p.half_px)
+            .fold(0.0, f32::max);
+        if known_half_px.is_none() && is_even(skeleton, widest_px) {
+            return false;
+        }
         self.halves.clear();
         self.halves
             .extend(skeleton.pixels.iter().map(|p| p.half_px));
-        let half_px = known_half_px.unwrap_or_else(|| quantile(&mut self.halves, 0.35).max(0.5));
+        let usual_px = || quantile_of_positive(&mut self.halves, USUAL).max(0.5);
+        let half_px = known_half_px.unwrap_or_else(usual_px);
         let wide_px = WIDE.0 * half_px + WIDE.1;
-        if skeleton.pixels.iter().all(|p| p.half_px <= wide_px) {
+        if widest_px <= wide_px {
             return false;
         }
         let rope = self.rope_color(image, skeleton, half_px);
-        let mut any = false;
         for _ in 0..MOST {
             let free = |x: u16, y: u16| !self.plane.get(i32::from(x), i32::from(y));
             let widest = skeleton
@@ -105,9 +121,9 @@ impl Cover {
             if !self.take(image, mask, &seed, rope, half_px, known_half_px.is_some()) {
                 break;
             }
-            any = true;
+            self.found = true;
         }
-        any
+        self.found
     }
 
     /// The typical color of what is about as wide as a rope.
@@ -177,6 +193,16 @@ impl Cover {
         self.plane.fill(seed.y, seed.x, seed.x + 1, true);
         true
     }
+}
+
+/// Whether no place is far wider than the ropes usually are: so many are near the widest in width that the usual
+/// width, whatever it is exactly, is.
+fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
+    let pixels = &skeleton.pixels;
+    // A thousandth more than it takes, for what rounding does.
+    let near_px = 1.001 * (widest_px - WIDE.1).max(0.0) / WIDE.0;
+    let narrow = pixels.iter().filter(|p| p.half_px < near_px).count();
+    narrow <= ((pixels.len().max(1) - 1) as f32 * USUAL) as usize
 }
 
 /// The middle of a wide place.

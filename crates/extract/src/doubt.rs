@@ -8,13 +8,13 @@
 use crate::Image;
 use crate::Notice;
 use crate::background::Background;
-use crate::bits::BitPlane;
 use crate::color;
 use crate::components::Components;
 use crate::faint::Faint;
 use crate::pattern::{self, Deviation, Table};
 use crate::plane::Plane;
 use crate::scene::MOST_CROSSINGS;
+use crate::strips::{BLOCK, Strips};
 use crate::threshold::Cut;
 
 /// Samples along each side of the grid on which the difference is looked at, as the table's own.
@@ -44,7 +44,7 @@ pub(crate) struct Evidence<'a> {
     /// The cut that was taken, and what it covers.
     pub(crate) cut: Cut,
     /// What came of it, cleaned.
-    pub(crate) mask: &'a BitPlane,
+    pub(crate) mask: &'a Strips,
 }
 
 /// Memory of the judgement.
@@ -64,9 +64,11 @@ impl Doubter {
                 false => Notice::Covered,
             });
         }
-        let is_empty = of.mask.words().iter().all(|&word| word == 0);
+        let is_empty = of.mask.used.is_empty();
         // A rope that crosses itself n times encloses n + 1 holes.
-        if !is_empty && pieces_less_holes(of.mask) < -(MOST_CROSSINGS as i64) {
+        if !is_empty
+            && pulp::Arch::new().dispatch(PiecesLessHoles(of.mask)) < -(MOST_CROSSINGS as i64)
+        {
             return Some(Notice::CheckeredTable);
         }
         let is_at_floor = f32::from(cut) <= of.floor.ceil();
@@ -128,27 +130,39 @@ impl Seen {
     }
 }
 
-/// Euler's number of the plane: its pieces (of pixels that touch by side or corner) less the holes in them.
+/// Euler's number of a mask: its pieces (of pixels that touch by side or corner) less the holes in them.
 ///
 /// Taken as closed squares the pixels have it as vertices − edges + faces. Along a row all but the ends of runs cancel,
 /// so it is the number of runs in the unions of neighboring rows less the number of runs in the rows.
-fn pieces_less_holes(plane: &BitPlane) -> i64 {
-    let words = plane.words_per_row();
-    let height = plane.height();
-    let mut number = 0;
-    for y in 0..=height {
-        let (mut before, mut before_union) = (0u64, 0u64);
-        for i in 0..words {
-            let word = if y < height { plane.row(y)[i] } else { 0 };
-            let union = word | if y > 0 { plane.row(y - 1)[i] } else { 0 };
-            number += i64::from(starts(union, before_union)) - i64::from(starts(word, before));
-            (before, before_union) = (word, union);
+struct PiecesLessHoles<'a>(&'a Strips);
+
+impl pulp::NullaryFnOnce for PiecesLessHoles<'_> {
+    type Output = i64;
+
+    #[inline(always)]
+    fn call(self) -> i64 {
+        let Strips {
+            shape, words, used, ..
+        } = self.0;
+        let mut number = 0;
+        for (from, count) in used.runs(shape) {
+            let (strip, y) = shape.place(from);
+            // The first row below a stretch of blocks, too, if none follows.
+            let below = usize::from(!used.holds(shape, strip, (y + count) / BLOCK));
+            for at in from..from + count + below {
+                let left = at - shape.stride;
+                let (union, left_union) =
+                    (words[at] | words[at - 1], words[left] | words[left - 1]);
+                number += i64::from(starts(union, left_union));
+                number -= i64::from(starts(words[at], words[left]));
+            }
         }
+        number
     }
-    number
 }
 
 /// How many runs of set bits begin in `word`, which stands after `before`.
+#[inline(always)]
 fn starts(word: u64, before: u64) -> u32 {
     (word & !(word << 1 | before >> 63)).count_ones()
 }
@@ -180,6 +194,7 @@ fn clipped(image: &Image) -> Option<Notice> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bits::BitPlane;
     use imageproc::region_labelling::{Connectivity, connected_components};
     use proptest::prelude::*;
 
@@ -208,7 +223,10 @@ mod tests {
             let pieces = count(&picture, Connectivity::Eight);
             image::imageops::invert(&mut picture);
             let holes = count(&picture, Connectivity::Four) - 1;
-            prop_assert_eq!(pieces_less_holes(&plane), pieces - holes);
+            let mut strips = Strips::default();
+            strips.take(&plane);
+            let number = pulp::Arch::new().dispatch(PiecesLessHoles(&strips));
+            prop_assert_eq!(number, pieces - holes);
         }
     }
 }

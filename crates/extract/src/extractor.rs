@@ -337,10 +337,10 @@ impl Extractor {
 
     /// Thins the mask and lists what is left.
     fn skeletonize(&mut self) {
-        let mask = &self.masker.mask;
+        let (mask, rows) = (&self.masker.strips, &self.masker.mask);
         let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
         self.thinner.thin(mask, most_passes);
-        self.skeleton.list(&self.thinner, mask);
+        self.skeleton.list(&self.thinner.thin, mask, rows);
     }
 
     /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns

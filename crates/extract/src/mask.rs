@@ -1,12 +1,13 @@
 //! The first step: from an image to one bit a pixel, rope or not, cleaned of specks and pinholes.
 
 use crate::background::Background;
-use crate::bits::{BitPlane, left_of, right_of};
-use crate::components::Components;
+use crate::bits::BitPlane;
 use crate::difference::Differencer;
 use crate::doubt::{Doubter, Evidence};
 use crate::kernels::Kernels;
+use crate::neighbors::{self, Around, Rule};
 use crate::plane::Plane;
+use crate::strips::{Shape, Strips};
 use crate::threshold::Cut;
 use crate::whole::Mender;
 use crate::{Image, Mask, Notice, PixelFormat, hsv, threshold};
@@ -44,15 +45,15 @@ pub(crate) struct Masker {
     kernels: Kernels,
     pub(crate) background: Background,
     differencer: Differencer,
-    components: Components,
     mender: Mender,
-    original: BitPlane,
+    smoothed: Strips,
     doubter: Doubter,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere).
     pub(crate) difference: Plane,
-    /// The mask.
+    /// The mask, row by row and in strips.
     pub(crate) mask: BitPlane,
+    pub(crate) strips: Strips,
     /// The rope's width as guessed from area and outline of the mask, in pixels.
     pub(crate) width_px: f32,
     /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
@@ -80,13 +81,18 @@ impl Masker {
                 let cut = threshold::choose(&levels, noise);
                 let (kernels, faint) = (&self.kernels, &self.mender.faint);
                 threshold::apply_within(kernels, &self.difference, cut.rope, faint, &mut self.mask);
+                self.strips.take(&self.mask);
                 self.mend(image, cut);
                 chosen = Some(cut);
             }
-            Mask::Hsv(ranges) => hsv::apply(image, ranges, &mut self.difference, &mut self.mask),
+            Mask::Hsv(ranges) => {
+                hsv::apply(image, ranges, &mut self.difference, &mut self.mask);
+                self.strips.take(&self.mask);
+            }
             Mask::External => {
                 self.difference.resize(image.width(), image.height());
                 self.mask.resize(image.width(), image.height());
+                self.strips.take(&self.mask);
             }
         }
         self.clean_or_empty();
@@ -102,9 +108,10 @@ impl Masker {
             difference: &self.difference,
             floor: threshold::floor(self.background.noise),
             cut,
-            mask: &self.mask,
+            mask: &self.strips,
         };
-        self.doubter.judge(&evidence, &mut self.components)
+        let components = &mut self.mender.pieces.components;
+        self.doubter.judge(&evidence, components)
     }
 
     /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
@@ -128,16 +135,21 @@ impl Masker {
             self.difference.row_mut(y).copy_from_slice(mask.row(y));
         }
         threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
+        self.strips.take(&self.mask);
         self.clean_or_empty();
         self.cut = None;
         self.notice = None;
         Ok(())
     }
 
+    /// Cleans the mask; one that is no picture of ropes is emptied.
     fn clean_or_empty(&mut self) {
-        if !self.clean() {
-            let (width, height) = (self.mask.width(), self.mask.height());
-            self.mask.resize(width, height);
+        if self.clean() {
+            self.strips.put(&mut self.mask);
+            self.strips.tighten();
+        } else {
+            self.mask.resize(self.mask.width(), self.mask.height());
+            self.strips.resize(&Shape::of(&self.mask));
         }
     }
 
@@ -152,37 +164,46 @@ impl Masker {
                 }
             }
         }
-        if !self.clean() {
-            self.mask.resize(cover.width(), cover.height());
-        }
+        self.strips.take(&self.mask);
+        self.clean_or_empty();
     }
 
     /// Adds what the cut left out of the ropes.
     fn mend(&mut self, image: &Image, cut: Cut) {
-        smooth(&mut self.mask, &mut self.original);
+        self.smooth();
         let pixels = self.mask.width() * self.mask.height();
-        let area = self.mask.count();
+        let area = self.strips.count();
         if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
+            self.strips.put(&mut self.mask);
+            // The noise is gone, and its blocks need no more looking at.
+            self.strips.tighten();
             let (table, difference) = (&self.background, &mut self.difference);
-            self.mender
-                .mend(image, table, cut, difference, &mut self.mask);
+            let mask = (&mut self.strips, &self.mask);
+            self.mender.mend(image, table, cut, difference, mask);
         }
     }
 
     /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
     fn clean(&mut self) -> bool {
         let pixels = self.mask.width() * self.mask.height();
-        smooth(&mut self.mask, &mut self.original);
-        let area = self.mask.count();
+        self.smooth();
+        let (area, sides) = outline(&self.strips);
         if area == 0 || area as f32 > MOST_COVERED * pixels as f32 {
             return false;
         }
-        self.width_px = width_from_outline(&self.mask, area);
+        self.width_px = width_from_outline(area, sides);
         let square = self.width_px * self.width_px;
         // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
-        self.components.drop_specks(&mut self.mask, speck).is_ok()
-            && self.components.fill_holes(&mut self.mask, hole).is_ok()
+        let pieces = &mut self.mender.pieces;
+        pieces.drop_specks(&mut self.strips, speck).is_ok()
+            && pieces.fill_holes(&mut self.strips, hole).is_ok()
+    }
+
+    /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all
+    /// words at once: most of the noise, before anything counts pieces.
+    fn smooth(&mut self) {
+        neighbors::step(Smooth, &mut self.strips, &mut self.smoothed);
     }
 }
 
@@ -199,45 +220,54 @@ pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
         .collect()
 }
 
-/// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all
-/// words at once: most of the noise, before anything counts pieces.
-fn smooth(mask: &mut BitPlane, original: &mut BitPlane) {
-    original.copy_from(mask);
-    let (words, height) = (mask.words_per_row(), mask.height());
-    let last = mask.last_word_mask();
-    for y in 0..height {
-        for i in 0..words {
-            let row = original.row(y);
-            let (w, e) = (left_of(row, i), right_of(row, i));
-            let n = if y > 0 { original.row(y - 1)[i] } else { 0 };
-            let s = if y + 1 < height {
-                original.row(y + 1)[i]
-            } else {
-                0
-            };
-            let filled = row[i] | n & s & w & e;
-            // A lone pixel has no neighbor by a side: it goes.
-            let mut word = filled & (n | s | w | e);
-            if i + 1 == words {
-                word &= last;
+/// See [`Masker::smooth`].
+struct Smooth;
+
+impl Rule for Smooth {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let &Around {
+            here, n, s, w, e, ..
+        } = around;
+        let filled = here | n & s & w & e;
+        // A lone pixel has no neighbor by a side: it goes.
+        filled & (n | s | w | e)
+    }
+}
+
+/// How many pixels are set, and how many of their sides are the outline.
+fn outline(mask: &Strips) -> (usize, usize) {
+    pulp::Arch::new().dispatch(Outline(mask))
+}
+
+/// The same, to be compiled for each kind of machine.
+struct Outline<'a>(&'a Strips);
+
+impl pulp::NullaryFnOnce for Outline<'_> {
+    type Output = (usize, usize);
+
+    #[inline(always)]
+    fn call(self) -> (usize, usize) {
+        let (words, stride) = (&self.0.words, self.0.shape.stride);
+        let (mut area, mut sides) = (0, 0);
+        for (from, count) in self.0.used.runs(&self.0.shape) {
+            for at in from..from + count {
+                let here = words[at];
+                let west = here << 1 | words[at - stride] >> 63;
+                let east = here >> 1 | words[at + stride] << 63;
+                area += here.count_ones() as usize;
+                sides += (here & !west).count_ones() as usize;
+                sides += (here & !east).count_ones() as usize;
+                // As many sides below as above.
+                sides += 2 * (here & !words[at - 1]).count_ones() as usize;
             }
-            mask.row_mut(y)[i] = word;
         }
+        (area, sides)
     }
 }
 
 /// A long shape's width is twice its area over its outline; sides of pixels overstate the outline of
 /// a slanted edge by 4/π in the mean.
-fn width_from_outline(mask: &BitPlane, area: usize) -> f32 {
-    let mut sides = 0usize;
-    for y in 0..mask.height() {
-        let row = mask.row(y);
-        for i in 0..row.len() {
-            sides += (row[i] & !left_of(row, i)).count_ones() as usize;
-            sides += (row[i] & !right_of(row, i)).count_ones() as usize;
-            let above = if y > 0 { mask.row(y - 1)[i] } else { 0 };
-            sides += 2 * (row[i] & !above).count_ones() as usize;
-        }
-    }
+fn width_from_outline(area: usize, sides: usize) -> f32 {
     2.0 * area as f32 / (sides as f32 * std::f32::consts::FRAC_PI_4).max(1.0)
 }

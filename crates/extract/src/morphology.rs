@@ -5,53 +5,86 @@
 //! A dilation sees nothing outside of the image and an erosion only rope, so that a rope that the image's border cuts
 //! is not taken for thin.
 
-use crate::bits::{BitPlane, left_of, right_of};
+use crate::neighbors::{Around, Rule, step};
+use crate::strips::{BLOCK, Blocks, Strips};
 
 /// Squares among the steps of an octagon whose diagonals are as long as its axes: s of r steps with
 /// s·√2 + (r − s)·√2/2 = r.
 const SQUARES: f32 = std::f32::consts::SQRT_2 - 1.0;
 
 /// Memory of the steps.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Morphology {
-    before: BitPlane,
+    /// Where a step of a dilation writes.
+    next: Strips,
+    /// What is not set, and where a step of an erosion writes.
+    bare: Strips,
+    next_bare: Strips,
+    wider: Blocks,
+}
+
+impl Default for Morphology {
+    fn default() -> Self {
+        Self {
+            next: Strips::default(),
+            bare: Strips::of_ground(),
+            next_bare: Strips::of_ground(),
+            wider: Blocks::default(),
+        }
+    }
 }
 
 impl Morphology {
     /// Sets all that lies within `radius` of a set pixel.
-    pub(crate) fn dilate(&mut self, plane: &mut BitPlane, radius: usize) {
-        for step in 0..radius {
-            self.before.copy_from(plane);
-            each_row(&self.before, plane, is_square(step), grow);
+    pub(crate) fn dilate(&mut self, plane: &mut Strips, radius: usize) {
+        for _ in 0..radius.div_ceil(BLOCK) {
+            self.wider.beside(&plane.shape, &plane.used);
+            plane.used.copy_from(&self.wider);
         }
+        self.dilate_within(plane, radius);
     }
 
-    /// Clears all that lies within `radius` of an unset pixel.
-    pub(crate) fn erode(&mut self, plane: &mut BitPlane, radius: usize) {
-        for step in 0..radius {
-            self.before.copy_from(plane);
-            each_row(&self.before, plane, is_square(step), shrink);
-        }
+    /// The same, looking only at the blocks in which something is set.
+    pub(crate) fn dilate_within(&mut self, plane: &mut Strips, radius: usize) {
+        steps(plane, &mut self.next, radius);
+    }
+
+    /// Clears all that lies within `radius` of an unset pixel: outside of the image there is none.
+    pub(crate) fn erode(&mut self, plane: &mut Strips, radius: usize) {
+        self.bare.complement(plane);
+        steps(&mut self.bare, &mut self.next_bare, radius);
+        plane.complement(&self.bare);
     }
 
     /// Leaves what a disc `across` pixels wide reaches without leaving the set pixels.
-    pub(crate) fn open(&mut self, plane: &mut BitPlane, across: usize) {
+    pub(crate) fn open(&mut self, plane: &mut Strips, across: usize) {
         let radius = across.saturating_sub(1) / 2;
-        let even = across > 0 && across.is_multiple_of(2);
         self.erode(plane, radius);
-        if even {
-            self.before.copy_from(plane);
-            each_row(&self.before, plane, false, shrink_by_half);
-            self.before.copy_from(plane);
-            each_row(&self.before, plane, false, grow_by_half);
+        if across > 0 && across.is_multiple_of(2) {
+            self.bare.complement(plane);
+            step(ToTopLeft, &mut self.bare, &mut self.next_bare);
+            plane.complement(&self.bare);
+            step(ToBottomRight, plane, &mut self.next);
         }
-        self.dilate(plane, radius);
+        // What an erosion left does not grow beyond what there was.
+        self.dilate_within(plane, radius);
     }
 
     /// Sets what a disc of this radius cannot reach without touching a set pixel.
-    pub(crate) fn close(&mut self, plane: &mut BitPlane, radius: usize) {
+    pub(crate) fn close(&mut self, plane: &mut Strips, radius: usize) {
         self.dilate(plane, radius);
         self.erode(plane, radius);
+    }
+}
+
+/// Grows `plane` by an octagon.
+fn steps(plane: &mut Strips, next: &mut Strips, radius: usize) {
+    for i in 0..radius {
+        if is_square(i) {
+            step(Square, plane, next);
+        } else {
+            step(Cross, plane, next);
+        }
     }
 }
 
@@ -61,79 +94,56 @@ fn is_square(step: usize) -> bool {
     squares(step + 1) > squares(step)
 }
 
-/// Makes each word of `plane` what `step` says, given the rows of `before` above, here and below, the word's number and
-/// those of its bits that lie in the image, and whether corners count.
-fn each_row(
-    before: &BitPlane,
-    plane: &mut BitPlane,
-    square: bool,
-    step: impl Fn([Option<&[u64]>; 3], usize, u64, bool) -> u64,
-) {
-    let (height, words) = (before.height(), before.words_per_row());
-    let last = before.last_word_mask();
-    let row = |y: usize| (y < height).then(|| before.row(y));
-    let is_empty = |y: usize| row(y).is_none_or(|row| row.iter().all(|&word| word == 0));
-    let mut empty = [true, height == 0 || is_empty(0)];
-    for y in 0..height {
-        let below = is_empty(y + 1);
-        let skip = empty[0] && empty[1] && below;
-        empty = [empty[1], below];
-        if skip {
-            continue;
-        }
-        let above = y.checked_sub(1).and_then(row);
-        let rows = [above, row(y), row(y + 1)];
-        for i in 0..words {
-            let inside = if i + 1 == words { last } else { u64::MAX };
-            plane.row_mut(y)[i] = step(rows, i, inside, square) & inside;
-        }
+/// Dilation by a pixel and its neighbors by a side.
+struct Cross;
+
+impl Rule for Cross {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let &Around {
+            here, n, s, w, e, ..
+        } = around;
+        here | n | s | w | e
     }
 }
 
-/// Dilation: outside of the image nothing is set.
-#[inline(always)]
-fn grow([above, here, below]: [Option<&[u64]>; 3], i: usize, _: u64, square: bool) -> u64 {
-    let wide = |row: &[u64]| row[i] | left_of(row, i) | right_of(row, i);
-    let side = |row: Option<&[u64]>| row.map_or(0, |row| if square { wide(row) } else { row[i] });
-    here.map_or(0, wide) | side(above) | side(below)
-}
+/// Dilation by a square of 3×3.
+struct Square;
 
-/// Erosion: outside of the image all is set.
-#[inline(always)]
-fn shrink([above, here, below]: [Option<&[u64]>; 3], i: usize, inside: u64, square: bool) -> u64 {
-    let wide = |row: &[u64]| {
-        let word = row[i] | !inside;
-        let left = if i > 0 { row[i - 1] >> 63 } else { 1 };
-        let right = row.get(i + 1).map_or(1 << 63, |next| next << 63);
-        word & (word << 1 | left) & (word >> 1 | right)
-    };
-    let side =
-        |row: Option<&[u64]>| row.map_or(u64::MAX, |row| if square { wide(row) } else { row[i] });
-    here.map_or(u64::MAX, wide) & side(above) & side(below)
+impl Rule for Square {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { nw, ne, sw, se, .. } = around;
+        Cross.word(around) | nw | ne | sw | se
+    }
 }
 
 /// Dilation by a square of 2×2, half a pixel to the right and below.
-#[inline(always)]
-fn grow_by_half([above, here, _]: [Option<&[u64]>; 3], i: usize, _: u64, _: bool) -> u64 {
-    let pair = |row: Option<&[u64]>| row.map_or(0, |row| row[i] | left_of(row, i));
-    pair(above) | pair(here)
+struct ToBottomRight;
+
+impl Rule for ToBottomRight {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { here, n, w, nw, .. } = around;
+        here | n | w | nw
+    }
 }
 
-/// Erosion by that square turned around, so that one undoes the other's shift.
-#[inline(always)]
-fn shrink_by_half([_, here, below]: [Option<&[u64]>; 3], i: usize, inside: u64, _: bool) -> u64 {
-    let pair = |row: Option<&[u64]>| {
-        row.map_or(u64::MAX, |row| {
-            let word = row[i] | !inside;
-            word & (word >> 1 | row.get(i + 1).map_or(1 << 63, |next| next << 63))
-        })
-    };
-    pair(here) & pair(below)
+/// The same by that square turned around: eroding by it undoes the other's shift.
+struct ToTopLeft;
+
+impl Rule for ToTopLeft {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { here, s, e, se, .. } = around;
+        here | s | e | se
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bits::BitPlane;
     use proptest::prelude::*;
 
     /// The definition: one pixel at a time.
@@ -163,6 +173,33 @@ mod tests {
         plane
     }
 
+    /// The definition of an opening.
+    fn open_scalar(plane: &BitPlane, across: usize) -> BitPlane {
+        let radius = across.saturating_sub(1) / 2;
+        let mut opened = scalar(plane, radius, false);
+        if across > 0 && across.is_multiple_of(2) {
+            let old = opened.clone();
+            let (width, height) = (old.width() as i32, old.height() as i32);
+            // A square of 2×2 fits here if none of its pixels is unset; those outside of the image are not.
+            let fits = |x: i32, y: i32| {
+                (0..4).all(|k| {
+                    let (x, y) = (x + k % 2, y + k / 2);
+                    x >= width || y >= height || old.get(x, y)
+                })
+            };
+            for y in 0..height {
+                for x in 0..width {
+                    let covered = (0..4).any(|k| {
+                        let (x, y) = (x - k % 2, y - k / 2);
+                        x >= 0 && y >= 0 && fits(x, y)
+                    });
+                    opened.fill(y as usize, x as usize, x as usize + 1, covered);
+                }
+            }
+        }
+        scalar(&opened, radius, true)
+    }
+
     proptest! {
         #[test]
         fn words_at_a_time_equal_the_scalar_twin(
@@ -186,13 +223,20 @@ mod tests {
             }
             let mut morphology = Morphology::default();
             for dilate in [true, false] {
-                let mut fast = plane.clone();
+                let mut fast = Strips::default();
+                fast.take(&plane);
                 if dilate {
                     morphology.dilate(&mut fast, radius);
                 } else {
                     morphology.erode(&mut fast, radius);
                 }
-                prop_assert_eq!(&fast, &scalar(&plane, radius, dilate));
+                prop_assert_eq!(fast.plane(), scalar(&plane, radius, dilate));
+            }
+            for across in [2 * radius, 2 * radius + 1] {
+                let mut fast = Strips::default();
+                fast.take(&plane);
+                morphology.open(&mut fast, across);
+                prop_assert_eq!(fast.plane(), open_scalar(&plane, across));
             }
         }
     }
@@ -203,7 +247,10 @@ mod tests {
             let mut plane = BitPlane::default();
             plane.resize(64, 64);
             plane.fill(32, 32, 33, true);
-            Morphology::default().dilate(&mut plane, radius);
+            let mut strips = Strips::default();
+            strips.take(&plane);
+            Morphology::default().dilate(&mut strips, radius);
+            plane = strips.plane();
             let along = |dx: i32, dy: i32| {
                 (0..32)
                     .take_while(|k| plane.get(32 + k * dx, 32 + k * dy))

@@ -3,7 +3,6 @@
 use crate::bits::BitPlane;
 use crate::clearance::Clearance;
 use crate::strips::{BLOCK, Strips};
-use crate::thin::Thinner;
 
 /// No pixel, node, edge or arm.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -44,13 +43,13 @@ impl Pixel {
 }
 
 impl Skeleton {
-    /// Lists the pixels that `thinner` left of `mask`. An image that is noise gets none.
-    pub(crate) fn list(&mut self, thinner: &Thinner, mask: &BitPlane) {
-        self.clearance.take(&thinner.mask);
+    /// Lists the pixels of `thin`, the skeleton of `mask`, which stands in `rows`, too. An image that is noise gets none.
+    pub(crate) fn list(&mut self, thin: &Strips, mask: &Strips, rows: &BitPlane) {
+        self.clearance.take(mask);
         pulp::Arch::new().dispatch(List {
             skeleton: self,
-            thin: &thinner.thin,
-            mask,
+            thin,
+            mask: rows,
         });
     }
 

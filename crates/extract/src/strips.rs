@@ -36,6 +36,10 @@ impl Shape {
         }
     }
 
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
     pub(crate) fn height(&self) -> usize {
         self.height
     }
@@ -76,23 +80,128 @@ impl Shape {
 pub(crate) struct Strips {
     pub(crate) shape: Shape,
     pub(crate) words: Vec<u64>,
-    /// Blocks that may hold something: all others are 0.
+    /// Blocks that may hold something: all others are as the ground.
     pub(crate) used: Blocks,
+    /// Whether the pixels of those others are set.
+    ground: bool,
 }
 
 impl Strips {
-    /// Takes this shape, all pixels 0.
+    /// A picture in which all is set that nothing else is said of.
+    pub(crate) fn of_ground() -> Self {
+        Self {
+            ground: true,
+            ..Self::default()
+        }
+    }
+
+    /// Takes this shape, all of it ground.
     pub(crate) fn resize(&mut self, shape: &Shape) {
-        if self.shape == *shape {
-            for (at, count) in self.used.runs(shape) {
-                self.words[at..][..count].fill(0);
-            }
-        } else {
+        if self.shape != *shape {
             self.shape = *shape;
             self.words.clear();
             self.words.resize(shape.words(), 0);
+            self.used.resize(shape);
+            if self.ground {
+                for strip in 0..shape.strips {
+                    self.words[shape.index(strip, 0)..][..shape.height].fill(shape.inside(strip));
+                }
+            }
+            return;
         }
-        self.used.resize(shape);
+        for (at, count) in self.used.runs(shape) {
+            let words = &mut self.words[at..][..count];
+            if self.ground {
+                let (strip, y) = shape.place(at);
+                let rows = count.min(shape.height - y);
+                words[..rows].fill(shape.inside(strip));
+            } else {
+                words.fill(0);
+            }
+        }
+        self.used.clear();
+    }
+
+    /// Takes the pixels of a picture on the same ground.
+    pub(crate) fn copy_from(&mut self, other: &Strips) {
+        self.resize(&other.shape);
+        self.used.copy_from(&other.used);
+        for (at, count) in other.used.runs(&other.shape) {
+            self.words[at..][..count].copy_from_slice(&other.words[at..][..count]);
+        }
+    }
+
+    /// Takes the pixels that `other`, a picture on the other ground, has not.
+    pub(crate) fn complement(&mut self, other: &Strips) {
+        self.resize(&other.shape);
+        self.used.copy_from(&other.used);
+        let shape = &self.shape;
+        for (at, count) in other.used.runs(shape) {
+            let (strip, y) = shape.place(at);
+            let (inside, rows) = (shape.inside(strip), count.min(shape.height - y));
+            let words = self.words[at..][..rows].iter_mut();
+            words
+                .zip(&other.words[at..][..rows])
+                .for_each(|(word, other)| *word = !other & inside);
+        }
+    }
+
+    /// Makes each word what `rule` says of it and of the words of `a` and `b`, which have the same shape and stand on
+    /// nothing, too; of nothing it makes nothing.
+    pub(crate) fn zip(&mut self, a: &Strips, b: &Strips, rule: impl Fn(u64, u64, u64) -> u64) {
+        self.used.add_all(&a.used);
+        self.used.add_all(&b.used);
+        for (at, count) in self.used.runs(&self.shape) {
+            let words = self.words[at..][..count].iter_mut();
+            let others = a.words[at..][..count].iter().zip(&b.words[at..][..count]);
+            for (word, (&a, &b)) in words.zip(others) {
+                *word = rule(*word, a, b);
+            }
+        }
+    }
+
+    /// Calls `visit` with each word's row, its strip and the word, for those in blocks that may hold something.
+    pub(crate) fn for_each_word(&self, mut visit: impl FnMut(usize, usize, u64)) {
+        for (at, count) in self.used.runs(&self.shape) {
+            let (strip, y) = self.shape.place(at);
+            for k in 0..count.min(self.shape.height - y) {
+                visit(y + k, strip, self.words[at + k]);
+            }
+        }
+    }
+
+    /// Writes the pixels into `plane`, which has the same size and is as the ground elsewhere.
+    pub(crate) fn put(&self, plane: &mut BitPlane) {
+        self.for_each_word(|y, strip, word| plane.row_mut(y)[strip] = word);
+    }
+
+    /// Forgets of the blocks that may hold something those that do not; for a picture on nothing.
+    pub(crate) fn tighten(&mut self) {
+        for at in 0..self.used.bits.len() {
+            let mut bits = self.used.bits[at];
+            while bits != 0 {
+                let from = bits & bits.wrapping_neg();
+                bits ^= from;
+                let block = at % self.shape.groups * GROUP + from.trailing_zeros() as usize;
+                let word = self.shape.index(at / self.shape.groups, BLOCK * block);
+                if *self::block(&self.words, word) == [0; BLOCK] {
+                    self.used.bits[at] ^= from;
+                }
+            }
+        }
+    }
+
+    /// How many pixels are set in the blocks that may hold something.
+    pub(crate) fn count(&self) -> usize {
+        pulp::Arch::new().dispatch(Count(self))
+    }
+
+    /// Whether pixel (x, y) is set; outside of the picture nothing is.
+    pub(crate) fn get(&self, x: usize, y: usize) -> bool {
+        let (strip, height) = (x / 64, self.shape.height);
+        strip < self.shape.strips
+            && y < height
+            && self.words[self.shape.index(strip, y)] >> (x % 64) & 1 == 1
     }
 
     /// Takes the pixels of `plane`.
@@ -119,6 +228,54 @@ impl Strips {
     }
 }
 
+impl Strips {
+    /// How many set pixels follow each other to the left and to the right of set pixel (x, y), up to `most`, which is no
+    /// more than two words have.
+    #[inline(always)]
+    pub(crate) fn reach_along_row(&self, [x, y]: [usize; 2], most: usize) -> (usize, usize) {
+        let (at, stride) = (self.shape.index(x / 64, y), self.shape.stride);
+        let bit = x % 64;
+        let (mut left, mut word) = (0, at);
+        let mut unset = !self.words[at] << (63 - bit);
+        let mut seen = bit + 1;
+        while unset == 0 && left + seen <= most && word > stride {
+            (left, word) = (left + seen, word - stride);
+            (unset, seen) = (!self.words[word], 64);
+        }
+        left += (unset.leading_zeros() as usize).min(seen);
+        let (mut right, mut word) = (0, at);
+        let mut unset = !self.words[at] >> bit;
+        let mut seen = 64 - bit;
+        while unset == 0 && right + seen <= most && word + stride < self.words.len() {
+            (right, word) = (right + seen, word + stride);
+            (unset, seen) = (!self.words[word], 64);
+        }
+        right += (unset.trailing_zeros() as usize).min(seen);
+        // The pixel itself was counted.
+        (
+            left.saturating_sub(1).min(most),
+            right.saturating_sub(1).min(most),
+        )
+    }
+
+    /// How many set pixels follow each other below pixel (x, y), up to `most`.
+    #[inline(always)]
+    pub(crate) fn reach_down(&self, [x, y]: [usize; 2], most: usize) -> usize {
+        let (at, bit) = (self.shape.index(x / 64, y), x % 64);
+        // Below the picture lies a block of nothing.
+        let below = self.words[at + 1..].iter().take(most);
+        below.take_while(|&&word| word >> bit & 1 == 1).count()
+    }
+
+    /// The same above it.
+    #[inline(always)]
+    pub(crate) fn reach_up(&self, [x, y]: [usize; 2], most: usize) -> usize {
+        let (at, bit) = (self.shape.index(x / 64, y), x % 64);
+        let above = self.words[..at].iter().rev().take(most);
+        above.take_while(|&&word| word >> bit & 1 == 1).count()
+    }
+}
+
 #[cfg(test)]
 impl Strips {
     /// The same pixels row by row.
@@ -135,7 +292,7 @@ impl Strips {
 }
 
 /// A set of blocks: a bit each, strip by strip.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blocks {
     bits: Vec<u64>,
 }
@@ -147,6 +304,15 @@ impl Blocks {
         self.bits.resize(shape.strips * shape.groups, 0);
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.bits.fill(0);
+    }
+
+    pub(crate) fn add_all(&mut self, other: &Blocks) {
+        let bits = self.bits.iter_mut().zip(&other.bits);
+        bits.for_each(|(bits, other)| *bits |= other);
+    }
+
     pub(crate) fn copy_from(&mut self, other: &Blocks) {
         self.bits.clone_from(&other.bits);
     }
@@ -155,10 +321,11 @@ impl Blocks {
         self.bits.iter().all(|&bits| bits == 0)
     }
 
-    /// Whether block `block` of a strip is in the set.
+    /// Whether block `block` of a strip is in the set; one below the picture is not.
     #[inline(always)]
     pub(crate) fn holds(&self, shape: &Shape, strip: usize, block: usize) -> bool {
-        self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
+        block < shape.groups * GROUP
+            && self.bits[strip * shape.groups + block / GROUP] >> (block % GROUP) & 1 == 1
     }
 
     /// Adds the block of row `y` of a strip.
@@ -188,33 +355,70 @@ impl Blocks {
     }
 
     /// Makes this the blocks of `used` that lie in or beside a block of `a` or of `b`.
+    #[inline(always)]
     pub(crate) fn around(&mut self, shape: &Shape, used: &Blocks, a: &Blocks, b: &Blocks) {
-        let groups = shape.groups;
         for strip in 0..shape.strips {
-            for group in 0..groups {
-                let at = |group: usize| {
-                    let of = |strip: usize| {
-                        a.bits[strip * groups + group] | b.bits[strip * groups + group]
-                    };
-                    let left = if strip > 0 { of(strip - 1) } else { 0 };
-                    let right = if strip + 1 < shape.strips {
-                        of(strip + 1)
-                    } else {
-                        0
-                    };
-                    left | of(strip) | right
-                };
-                let mut near = at(group);
-                near |= near << 1 | near >> 1;
-                if group > 0 {
-                    near |= at(group - 1) >> (GROUP - 1);
-                }
-                if group + 1 < groups {
-                    near |= at(group + 1) << (GROUP - 1);
-                }
-                self.bits[strip * groups + group] = near & used.bits[strip * groups + group];
+            for group in 0..shape.groups {
+                let i = strip * shape.groups + group;
+                self.bits[i] = near(shape, strip, group, |i| a.bits[i] | b.bits[i]) & used.bits[i];
             }
         }
+    }
+
+    /// Makes this the blocks in and beside those of `of`.
+    pub(crate) fn beside(&mut self, shape: &Shape, of: &Blocks) {
+        self.resize(shape);
+        let blocks = shape.stride / BLOCK - 1;
+        for strip in 0..shape.strips {
+            for group in 0..shape.groups {
+                let inside = u64::MAX >> (GROUP - (blocks - GROUP * group).min(GROUP));
+                self.bits[strip * shape.groups + group] =
+                    near(shape, strip, group, |i| of.bits[i]) & inside;
+            }
+        }
+    }
+}
+
+/// The blocks of a word of `Blocks` in or beside those that `bits` says of each word.
+#[inline(always)]
+fn near(shape: &Shape, strip: usize, group: usize, bits: impl Fn(usize) -> u64) -> u64 {
+    let groups = shape.groups;
+    let across = |group: usize| {
+        let of = |strip: usize| bits(strip * groups + group);
+        let left = if strip > 0 { of(strip - 1) } else { 0 };
+        let right = if strip + 1 < shape.strips {
+            of(strip + 1)
+        } else {
+            0
+        };
+        left | of(strip) | right
+    };
+    let mut near = across(group);
+    near |= near << 1 | near >> 1;
+    if group > 0 {
+        near |= across(group - 1) >> (GROUP - 1);
+    }
+    if group + 1 < groups {
+        near |= across(group + 1) << (GROUP - 1);
+    }
+    near
+}
+
+/// The counting of pixels, to be compiled for each kind of machine.
+struct Count<'a>(&'a Strips);
+
+impl pulp::NullaryFnOnce for Count<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        let mut count = 0;
+        for (at, words) in self.0.used.runs(&self.0.shape) {
+            for word in &self.0.words[at..][..words] {
+                count += u64::from(word.count_ones());
+            }
+        }
+        count as usize
     }
 }
 

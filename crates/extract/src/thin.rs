@@ -8,14 +8,12 @@
 //! Work: only blocks that hold rope are visited, while they or their neighbors still change, and at most
 //! `max_passes` passes are made, so that a mask of all ones costs no more than the widest rope that is looked for.
 
-use crate::bits::BitPlane;
+use crate::neighbors::{Around, Rule, apply_to_block};
 use crate::strips::{BLOCK, Blocks, Strips, block, block_mut};
 
 /// Memory of the thinning, kept from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Thinner {
-    /// The mask that is thinned.
-    pub(crate) mask: Strips,
     /// The skeleton: what the last sub-iteration left, and where the next one writes. They are equal outside of the
     /// blocks that it visits.
     pub(crate) thin: Strips,
@@ -27,7 +25,7 @@ pub(crate) struct Thinner {
 
 impl Thinner {
     /// Thins `mask`. Returns whether it came to rest within `max_passes`.
-    pub(crate) fn thin(&mut self, mask: &BitPlane, max_passes: u32) -> bool {
+    pub(crate) fn thin(&mut self, mask: &Strips, max_passes: u32) -> bool {
         self.begin(mask);
         let arch = pulp::Arch::new();
         for _ in 0..max_passes {
@@ -41,37 +39,35 @@ impl Thinner {
     }
 
     /// Takes the mask; all of it is still to be looked at.
-    fn begin(&mut self, mask: &BitPlane) {
-        self.mask.take(mask);
-        let (shape, used) = (&self.mask.shape, &self.mask.used);
-        for strips in [&mut self.thin, &mut self.next] {
-            strips.resize(shape);
-            strips.used.copy_from(used);
-        }
-        for (at, count) in used.runs(shape) {
-            self.thin.words[at..][..count].copy_from_slice(&self.mask.words[at..][..count]);
-        }
+    fn begin(&mut self, mask: &Strips) {
+        self.thin.copy_from(mask);
+        self.next.resize(&mask.shape);
+        self.next.used.copy_from(&mask.used);
         for changed in &mut self.changed {
-            changed.copy_from(used);
+            changed.copy_from(&mask.used);
         }
-        self.active.resize(shape);
+        self.active.resize(&mask.shape);
     }
 
     /// One parallel sub-iteration over all blocks that can still change: those about which one of the last two, whose
     /// rules take turns, changed anything.
     #[inline(always)]
     fn sub_iteration<const SOUTH_EAST: bool>(&mut self) {
-        let (shape, [last, other]) = (&self.mask.shape, &mut self.changed);
-        self.active.around(shape, &self.mask.used, last, other);
+        let (shape, [last, other]) = (&self.thin.shape, &mut self.changed);
+        self.active.around(shape, &self.thin.used, last, other);
         other.resize(shape);
         let (old, new) = (&self.thin.words[..], &mut self.next.words[..]);
         for (at, count) in self.active.runs(shape) {
-            let mut taken = [0; BLOCK];
-            for block in (at..at + count).step_by(BLOCK) {
-                *block_mut(new, block) =
-                    thin_block::<SOUTH_EAST>(old, block, shape.stride, &mut taken);
+            let mut changes = [0; BLOCK];
+            for at in (at..at + count).step_by(BLOCK) {
+                let left = apply_to_block(&GuoHall::<SOUTH_EAST>, old, at, shape.stride);
+                let before = block(old, at);
+                for k in 0..BLOCK {
+                    changes[k] |= left[k] ^ before[k];
+                }
+                *block_mut(new, at) = left;
             }
-            if taken != [0; BLOCK] {
+            if changes != [0; BLOCK] {
                 other.add_run(shape, at, count);
             }
         }
@@ -92,64 +88,14 @@ impl<const SOUTH_EAST: bool> pulp::NullaryFnOnce for SubIteration<'_, SOUTH_EAST
     }
 }
 
-/// What one sub-iteration leaves of the block at `at`; adds what it takes away to `taken`.
-#[inline(always)]
-fn thin_block<const SOUTH_EAST: bool>(
-    old: &[u64],
-    at: usize,
-    stride: usize,
-    taken: &mut [u64; BLOCK],
-) -> [u64; BLOCK] {
-    // The rows above, of and below each word, in its own strip and in those to its left and right.
-    let (left, right) = (at - stride, at + stride);
-    let left = [block(old, left - 1), block(old, left), block(old, left + 1)];
-    let own = [block(old, at - 1), block(old, at), block(old, at + 1)];
-    let right = [
-        block(old, right - 1),
-        block(old, right),
-        block(old, right + 1),
-    ];
-    // Values and not places in memory: the compiler sees then that nothing it reads is written.
-    let (mut new, mut sum) = ([0; BLOCK], *taken);
-    for k in 0..BLOCK {
-        let west = |row: usize| own[row][k] << 1 | left[row][k] >> 63;
-        let east = |row: usize| own[row][k] >> 1 | right[row][k] << 63;
-        let around = Around {
-            n: own[0][k],
-            s: own[2][k],
-            w: west(1),
-            e: east(1),
-            nw: west(0),
-            ne: east(0),
-            sw: west(2),
-            se: east(2),
-        };
-        let word = own[1][k];
-        let take = word & around.deletable::<SOUTH_EAST>();
-        new[k] = word & !take;
-        sum[k] |= take;
-    }
-    *taken = sum;
-    new
-}
+/// One sub-iteration of Guo and Hall.
+struct GuoHall<const SOUTH_EAST: bool>;
 
-/// The neighbors of 64 pixels, each moved to its pixel's bit.
-struct Around {
-    n: u64,
-    s: u64,
-    w: u64,
-    e: u64,
-    nw: u64,
-    ne: u64,
-    sw: u64,
-    se: u64,
-}
-
-impl Around {
-    /// Where one sub-iteration of Guo and Hall takes a set pixel away.
+impl<const SOUTH_EAST: bool> Rule for GuoHall<SOUTH_EAST> {
     #[inline(always)]
-    fn deletable<const SOUTH_EAST: bool>(&self) -> u64 {
-        let &Self {
+    fn word(&self, around: &Around) -> u64 {
+        let &Around {
+            here,
             n,
             s,
             w,
@@ -158,7 +104,7 @@ impl Around {
             ne,
             sw,
             se,
-        } = self;
+        } = around;
         // C, the number of 8-connected pieces around the pixel, is exactly one.
         let (c1, c2) = (!n & (ne | e), !e & (se | s));
         let (c3, c4) = (!s & (sw | w), !w & (nw | n));
@@ -174,7 +120,7 @@ impl Around {
         } else {
             (s | sw | !nw) & w
         };
-        one_piece & neighbors & !side
+        here & !(one_piece & neighbors & !side)
     }
 }
 
@@ -191,6 +137,7 @@ fn all([a, b, c, d]: [u64; 4]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bits::BitPlane;
     use proptest::prelude::*;
 
     /// The definition: one pixel at a time, as in the paper.
@@ -247,14 +194,18 @@ mod tests {
         plane
     }
 
+    fn strips(plane: &BitPlane) -> Strips {
+        let mut strips = Strips::default();
+        strips.take(plane);
+        strips
+    }
+
     fn both_agree(mask: &BitPlane) -> Result<(), TestCaseError> {
         let mut thinner = Thinner::default();
         // A second mask finds the memory of the first.
-        thinner.thin(
-            &plane(mask.width(), mask.height(), |x, y| (x ^ y) & 6 != 0),
-            3,
-        );
-        thinner.thin(mask, 100);
+        let other = plane(mask.width(), mask.height(), |x, y| (x ^ y) & 6 != 0);
+        thinner.thin(&strips(&other), 3);
+        thinner.thin(&strips(mask), 100);
         let mut slow = mask.clone();
         thin_scalar(&mut slow, 100);
         prop_assert_eq!(thinner.thin.plane(), slow);
@@ -293,7 +244,7 @@ mod tests {
     #[test]
     fn all_ones_thin_alike() {
         let (mut thinner, mut slow) = (Thinner::default(), plane(130, 70, |_, _| true));
-        assert!(thinner.thin(&slow, 100));
+        assert!(thinner.thin(&strips(&slow), 100));
         thin_scalar(&mut slow, 100);
         assert!(slow.count() > 0);
         assert_eq!(thinner.thin.plane(), slow);
@@ -302,6 +253,6 @@ mod tests {
     #[test]
     fn a_mask_wider_than_the_passes_allow_says_so() {
         let wide = plane(200, 200, |_, _| true);
-        assert!(!Thinner::default().thin(&wide, 5));
+        assert!(!Thinner::default().thin(&strips(&wide), 5));
     }
 }

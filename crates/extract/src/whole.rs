@@ -9,18 +9,15 @@
 
 use crate::background::Background;
 use crate::bits::BitPlane;
-use crate::components::{Components, for_each_run};
+use crate::components::for_each_run;
 use crate::morphology::Morphology;
+use crate::pieces::Pieces;
 use crate::plane::Plane;
-use crate::skeleton::half_width;
+use crate::strips::Strips;
 use crate::threshold::Cut;
+use crate::widths::Widths;
 use crate::{Image, shadow};
 
-/// Rows from one that the width is taken in to the next, and the most widths that are taken.
-const STRIDE: usize = 3;
-const MOST_WIDTHS: usize = 2048;
-/// Of a longer run of pixels several widths are taken.
-const LONGEST_PX: usize = 24;
 /// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
 const MIDDLE: f32 = 0.5;
 const LEAST: f32 = 0.08;
@@ -37,31 +34,33 @@ const WIDEST_PX: f32 = 128.0;
 #[derive(Debug, Default)]
 pub(crate) struct Mender {
     morphology: Morphology,
-    pieces: Components,
-    /// Widths along the ropes and what faint pixels add to them, each with the area it stands for.
-    widths: Vec<(f32, f32)>,
-    edges: Vec<(f32, f32)>,
+    pub(crate) pieces: Pieces,
+    widths: Widths,
     /// The pixels that are not just the table's noise, as the difference has them; less the shadows in the end.
     pub(crate) faint: BitPlane,
+    weak: Strips,
     /// Where the rope is thin, then all around that.
-    thin: BitPlane,
-    wider: BitPlane,
-    fits: BitPlane,
+    thin: Strips,
+    wider: Strips,
+    fits: Strips,
+    added: BitPlane,
 }
 
 impl Mender {
     /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack, and lifts the difference of that to the
-    /// ropes' mean, so that their outer edges are found.
+    /// ropes' mean, so that their outer edges are found. In `rows` stands what the mask is before that.
     pub(crate) fn mend(
         &mut self,
         image: &Image,
         background: &Background,
         cut: Cut,
         difference: &mut Plane,
-        mask: &mut BitPlane,
+        (mask, rows): (&mut Strips, &BitPlane),
     ) {
         self.clear_shadows(image, background, mask);
-        let (width_px, fringe_px) = self.rope_width(mask);
+        self.weak.take(&self.faint);
+        self.widths.take((mask, rows), (&self.weak, &self.faint));
+        let (width_px, fringe_px) = self.rope_width();
         let across = (THIN * width_px).round() as usize;
         if across < 3 || width_px > WIDEST_PX {
             return;
@@ -71,7 +70,7 @@ impl Mender {
         }
         let slit = ((SLIT * width_px) as usize).max(1);
         self.wider.copy_from(mask);
-        self.wider.zip(&self.faint, &self.thin, |m, w, t| m | w & t);
+        self.wider.zip(&self.weak, &self.thin, |m, w, t| m | w & t);
         self.fits.copy_from(&self.wider);
         self.morphology.close(&mut self.fits, slit);
         self.wider.zip(&self.fits, &self.thin, |m, c, t| m | c & t);
@@ -81,14 +80,16 @@ impl Mender {
         self.morphology.dilate(&mut self.fits, fringe_px);
         self.wider.zip(&self.fits, mask, |w, f, m| w & f & !m);
         self.drop_fringe(mask, slit, fringe_px);
-        lift(difference, &self.wider, cut.level);
+        self.added.resize(rows.width(), rows.height());
+        self.wider.put(&mut self.added);
+        lift(difference, &self.added, cut.level);
         let added = &self.wider;
         mask.zip(added, added, |m, a, _| m | a);
     }
 
     /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
     /// at the corners of a tip a disc finds thin places, too.
-    fn drop_fringe(&mut self, mask: &BitPlane, slit: usize, fringe_px: usize) {
+    fn drop_fringe(&mut self, mask: &Strips, slit: usize, fringe_px: usize) {
         self.thin.copy_from(mask);
         self.morphology.close(&mut self.thin, slit);
         self.fits.copy_from(&self.wider);
@@ -98,55 +99,35 @@ impl Mender {
             .zip(&self.fits, &self.thin, |w, f, c| w & (f | c));
     }
 
-    /// The width of the ropes in pixels; 0 when there is none.
+    /// The width of the ropes in pixels, 0 when there is none, and how wide the faint fringe of their edges is.
     ///
     /// Faint pixels stand beside a blurred edge, too: what the faint ones add where they add least is that, and the
     /// rope's width is what they reach elsewhere, less it.
-    fn rope_width(&mut self, mask: &BitPlane) -> (f32, usize) {
-        self.widths.clear();
-        self.edges.clear();
-        for y in (0..mask.height()).step_by(STRIDE) {
-            for_each_run(mask, y, true, |from, to| {
-                // Pixels stand for their share of the ropes' area.
-                let count = (to - from).div_ceil(LONGEST_PX);
-                let area = (to - from) as f32 / count as f32;
-                for k in 0..count.min(MOST_WIDTHS - self.widths.len()) {
-                    let x = from as f32 + (k as f32 + 0.5) * area;
-                    let (x, y) = middle(mask, x as i32, y as i32);
-                    let sure_px = width_at(mask, x, y);
-                    let (x, y) = middle(&self.faint, x, y);
-                    let all_px = width_at(&self.faint, x, y);
-                    self.widths.push((all_px, area));
-                    self.edges.push(((all_px - sure_px).max(0.0), area));
-                }
-            });
-        }
-        let edges_px = quantile(&mut self.edges, LEAST);
-        let width_px = quantile(&mut self.widths, MIDDLE) - edges_px;
-        (
-            width_px,
-            (0.5 * quantile(&mut self.edges, USUAL)).ceil().max(1.0) as usize,
-        )
+    fn rope_width(&mut self) -> (f32, usize) {
+        let edges_px = self.widths.edge(LEAST);
+        let width_px = self.widths.width(MIDDLE) - edges_px;
+        let fringe_px = (0.5 * self.widths.edge(USUAL)).ceil().max(1.0);
+        (width_px, fringe_px as usize)
     }
 
     /// Leaves the faint pixels that are no shadow, and all that are sure.
-    fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &BitPlane) {
-        self.faint.zip(mask, mask, |w, m, _| w & !m);
-        shadow::clear(image, background, &mut self.faint);
-        self.faint.zip(mask, mask, |w, m, _| w | m);
+    fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &Strips) {
+        let faint = &mut self.faint;
+        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] &= !word);
+        shadow::clear(image, background, faint);
+        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] |= word);
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.
-    fn find_thin(
-        &mut self,
-        mask: &BitPlane,
-        across: usize,
-        width_px: f32,
-        fringe_px: usize,
-    ) -> bool {
+    fn find_thin(&mut self, mask: &Strips, across: usize, width_px: f32, fringe_px: usize) -> bool {
         self.fits.copy_from(mask);
         self.morphology.open(&mut self.fits, across);
-        self.morphology.dilate(&mut self.fits, fringe_px);
+        if fringe_px == 1 {
+            // What one step reaches within the mask it reaches from beside it.
+            self.morphology.dilate_within(&mut self.fits, 1);
+        } else {
+            self.morphology.dilate(&mut self.fits, fringe_px);
+        }
         self.thin.copy_from(mask);
         self.thin.zip(&self.fits, mask, |m, f, _| m & !f);
         let least = (0.5 * width_px) as u32;
@@ -157,38 +138,6 @@ impl Mender {
             .dilate(&mut self.thin, (0.7 * width_px).ceil() as usize);
         true
     }
-}
-
-/// The width of the rope about a pixel in its middle. An even number of pixels has none there: half a pixel is lacking
-/// then, a quarter in the mean.
-fn width_at(mask: &BitPlane, x: i32, y: i32) -> f32 {
-    2.0 * half_width(mask, x, y) + 0.25
-}
-
-/// The middle of a straight rope near the set pixel (x, y): that of its row's or its column's run, the shorter of the two.
-fn middle(mask: &BitPlane, x: i32, y: i32) -> (i32, i32) {
-    let reach = |dx: i32, dy: i32| {
-        let more = |k: &i32| mask.get(x + (k + 1) * dx, y + (k + 1) * dy);
-        (0..WIDEST_PX as i32).take_while(more).count() as i32
-    };
-    let [right, left, down, up] = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(x, y)| reach(x, y));
-    if left + right < up + down {
-        (x + (right - left) / 2, y)
-    } else {
-        (x, y + (down - up) / 2)
-    }
-}
-
-/// The value below which `share` of the weights lie; 0 of nothing.
-fn quantile(values: &mut [(f32, f32)], share: f32) -> f32 {
-    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let all: f32 = values.iter().map(|v| v.1).sum();
-    let mut sum = 0.0;
-    let found = values.iter().find(|(_, weight)| {
-        sum += weight;
-        sum >= share * all
-    });
-    found.map_or(0.0, |v| v.0)
 }
 
 /// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
