@@ -84,6 +84,7 @@ mod pattern;
 mod pick;
 mod place;
 mod plane;
+mod ray;
 mod rehearse;
 mod scene;
 mod section;
