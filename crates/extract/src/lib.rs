@@ -89,6 +89,7 @@ mod pieces;
 mod place;
 mod plane;
 mod pursue;
+mod ray;
 mod rehearse;
 mod scene;
 mod section;
