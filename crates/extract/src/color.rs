@@ -4,6 +4,7 @@ use crate::{Image, PixelFormat};
 
 /// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
 /// YUV formats; the brightness alone, three times the same, of `Gray8`.
+#[inline]
 pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     let row = image.row(y);
     match image.format() {
@@ -47,8 +48,13 @@ pub(crate) fn down(
     mut put: impl FnMut(usize, [u8; 3]),
 ) {
     match image.format() {
-        PixelFormat::Rgb8 => (image.rows_from(3 * x, y).take(count).enumerate())
-            .for_each(|(k, row)| put(k, [row[0], row[1], row[2]])),
+        PixelFormat::Rgb8 => {
+            for (k, row) in image.rows_from(3 * x, y).take(count).enumerate() {
+                if let Some(&pixel) = row.first_chunk::<3>() {
+                    put(k, pixel);
+                }
+            }
+        }
         PixelFormat::Gray8 => {
             (image.rows_from(x, y).take(count).enumerate()).for_each(|(k, row)| put(k, [row[0]; 3]))
         }
@@ -65,13 +71,14 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (x0, y0) = (x as usize, y as usize);
     let (x1, y1) = ((x0 + 1).min(right), (y0 + 1).min(bottom));
     let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    let at = |x: usize, y: usize| native(image, x, y).map(f32::from);
-    let corners = [at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)];
-    std::array::from_fn(|c| {
-        let [a, b, d, e] = corners.map(|corner| corner[c]);
-        let (top, low) = (a + fx * (b - a), d + fx * (e - d));
-        top + fy * (low - top)
-    })
+    let [a, b] = [native(image, x0, y0), native(image, x1, y0)];
+    let [d, e] = [native(image, x0, y1), native(image, x1, y1)];
+    let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
+    let channel = |c: usize| {
+        let [a, b, d, e] = [a[c], b[c], d[c], e[c]].map(f32::from);
+        mix(mix(a, b, fx), mix(d, e, fx), fy)
+    };
+    [channel(0), channel(1), channel(2)]
 }
 
 /// The pixel as red, green and blue.

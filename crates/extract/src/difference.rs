@@ -16,7 +16,7 @@ use crate::{Image, PixelFormat};
 const BLOCK: usize = 8;
 
 /// Pixels down a column that are worked on together.
-const PART: usize = 32;
+const PART: usize = 64;
 
 /// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
 #[derive(Debug, Default)]
@@ -56,6 +56,23 @@ impl Differencer {
         levels
     }
 
+    /// The difference along a row, from pixel [x, y] on, x even, into `out`. The table has one color for all of it.
+    pub(crate) fn across(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        from: [usize; 2],
+        out: &mut [u8],
+    ) {
+        let levels = whole(background.at(from[0] + out.len() / 2, from[1]));
+        self.reserve(out.len());
+        for (channel, level) in self.channels.iter_mut().zip(levels) {
+            channel.fill(level);
+        }
+        self.interleave(image.format());
+        self.stretch(image, from, out);
+    }
+
     /// The difference along a row, from pixel [x, y] on, x even, into `out`.
     pub(crate) fn along(
         &mut self,
@@ -70,30 +87,19 @@ impl Differencer {
 
     /// The difference down a column, from pixel [x, y] on, into `out`. The table has one color for all of it.
     pub(crate) fn down(image: &Image, background: &Background, [x, y]: [usize; 2], out: &mut [u8]) {
-        let table = background
-            .at(x, y + out.len() / 2)
-            .map(|level| (level + 0.5) as u8);
+        let table = whole(background.at(x, y + out.len() / 2));
         // U and V count double.
         let more = if color::is_yuv(image.format()) {
             0xFF
         } else {
             0
         };
-        // A part at a time, one channel beside the other: what is done to each of many bytes is done to all at once.
         for (part, out) in out.chunks_mut(PART).enumerate() {
-            let mut channels = [[0u8; PART]; 3];
-            color::down(image, [x, y + part * PART], out.len(), |k, pixel| {
-                for (channel, level) in channels.iter_mut().zip(pixel) {
-                    channel[k % PART] = level;
-                }
+            let mut pixels = [[0; 4]; PART];
+            color::down(image, [x, y + part * PART], out.len(), |k, [a, b, c]| {
+                pixels[k] = [a, b, c, 0];
             });
-            let mut differences = [0; PART];
-            for (k, difference) in differences.iter_mut().enumerate() {
-                let [a, b, c] = std::array::from_fn(|i| channels[i][k].abs_diff(table[i]));
-                let chroma = b.max(c);
-                *difference = a.max(chroma.saturating_add(chroma & more));
-            }
-            out.copy_from_slice(&differences[..out.len()]);
+            pulp::Arch::new().dispatch(|| four_channels(&pixels, table, more, out));
         }
     }
 
@@ -105,6 +111,14 @@ impl Differencer {
         from: [usize; 2],
         width: usize,
     ) {
+        self.reserve(width);
+        let [a, b, c] = &mut self.channels;
+        background.row(from, BLOCK, [a, b, c]);
+        self.interleave(format);
+    }
+
+    /// Makes room for the table along `width` pixels.
+    fn reserve(&mut self, width: usize) {
         let blocks = width.div_ceil(BLOCK);
         // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
         self.luma.resize(self.luma.len().max(3 * BLOCK * blocks), 0);
@@ -112,9 +126,6 @@ impl Differencer {
         for channel in &mut self.channels {
             channel.resize(blocks, 0);
         }
-        let [a, b, c] = &mut self.channels;
-        background.row(from, BLOCK, [a, b, c]);
-        self.interleave(format);
     }
 
     fn stretch(&self, image: &Image, [x, y]: [usize; 2], out: &mut [u8]) {
@@ -159,6 +170,11 @@ impl Differencer {
     }
 }
 
+/// A color in whole levels.
+fn whole(color: [f32; 3]) -> [u8; 3] {
+    color.map(|level| (level + 0.5) as u8)
+}
+
 /// Fills `out` with the bytes of each block.
 #[inline(always)]
 fn spread<const N: usize>(
@@ -196,6 +212,18 @@ fn repeated<const N: usize>(four: [u8; 4]) -> [u8; N] {
         *bytes = word.to_le_bytes();
     }
     bytes
+}
+
+/// The difference of pixels of four bytes, the last of which is nothing.
+#[inline(always)]
+fn four_channels(pixels: &[[u8; 4]; PART], [a, b, c]: [u8; 3], more: u8, out: &mut [u8]) {
+    let mut differences = [0; PART];
+    for (difference, pixel) in differences.iter_mut().zip(pixels) {
+        let chroma = pixel[1].abs_diff(b).max(pixel[2].abs_diff(c));
+        let chroma = chroma.saturating_add(chroma & more);
+        *difference = pixel[0].abs_diff(a).max(chroma);
+    }
+    out.copy_from_slice(&differences[..out.len()]);
 }
 
 #[inline(always)]

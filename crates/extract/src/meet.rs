@@ -160,6 +160,33 @@ fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     }
 }
 
+/// Where the curves meet within `reach` pieces of two places.
+pub(crate) fn near(curves: &[Curve], a: Place, b: Place, reach: usize) -> Option<Meeting> {
+    let around = |place: Place| {
+        let (middle, count) = (place.at.max(0.0) as usize, curves[place.curve].intervals());
+        middle.saturating_sub(reach)..(middle + reach + 1).min(count)
+    };
+    for i in around(a) {
+        let [from, to] = curves[a.curve].piece(i);
+        for j in around(b) {
+            if let Some((t, u)) = meet([from, to], curves[b.curve].piece(j)) {
+                return Some(Meeting {
+                    at: vec2::along(from, vec2::sub(to, from), t),
+                    a: Place {
+                        at: i as f32 + t,
+                        ..a
+                    },
+                    b: Place {
+                        at: j as f32 + u,
+                        ..b
+                    },
+                });
+            }
+        }
+    }
+    None
+}
+
 /// Where on the two pieces they meet, as shares of each.
 fn meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> Option<(f32, f32)> {
     let side = |from: Vec2, to: Vec2, p: Vec2| vec2::cross(vec2::sub(to, from), vec2::sub(p, from));

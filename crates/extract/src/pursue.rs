@@ -19,7 +19,8 @@ mod sweep;
 use crate::background::Background;
 use crate::difference::Differencer;
 use crate::kernels::Kernels;
-use crate::meet::{Meeter, Meeting};
+use crate::meet;
+use crate::place::Place;
 use crate::scene::{Crossing, Curve};
 use crate::{Image, PixelFormat};
 use chord::Reader;
@@ -28,8 +29,8 @@ use sweep::Sweep;
 
 /// Frames that ropes are followed before they are extracted again: a second at a camera's usual rate.
 const MOST_FRAMES: u32 = 30;
-/// How far a crossing may move along its ropes between two frames, as a share of their length.
-const CROSSING: f32 = 0.03;
+/// Points by which a crossing may move along its ropes from one frame to the next.
+const CROSSING: usize = 4;
 
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
@@ -37,7 +38,6 @@ pub(crate) struct Pursuer {
     kernels: Kernels,
     differencer: Differencer,
     sweep: Sweep,
-    meeter: Meeter,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
     count: usize,
@@ -126,12 +126,11 @@ impl Pursuer {
         for (rope, curve) in ropes.iter_mut().zip(&mut *curves) {
             rope.take(curve);
         }
-        self.meeter.find(curves);
-        if !carry(&self.meeter.crossings, curves, crossings) {
+        let carried = crossings.iter_mut().all(|crossing| carry(curves, crossing));
+        if !carried {
             self.count = 0;
-            return false;
         }
-        true
+        carried
     }
 }
 
@@ -148,33 +147,21 @@ fn note(ropes: &mut [Rope], crossings: &[Crossing]) {
     }
 }
 
-/// Moves each crossing to where the curves now meet near it; false unless they are as many, each with its own.
-fn carry(meetings: &[Meeting], curves: &[Curve], crossings: &mut [Crossing]) -> bool {
-    if meetings.len() != crossings.len() {
+/// Moves a crossing to where the curves now meet near it; false if they do not. No new one comes about unseen: strands
+/// that come to lie on each other have no chords of their own any more.
+fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
+    let pieces = |curve: usize| curves[curve].intervals() as f32;
+    let place = |curve, rho: f32| Place {
+        curve,
+        at: rho * pieces(curve),
+    };
+    let over = place(crossing.over, crossing.over_rho);
+    let under = place(crossing.under, crossing.under_rho);
+    let Some(meeting) = meet::near(curves, over, under, CROSSING) else {
         return false;
-    }
-    let rho = |curve: usize, at: f32| at / curves[curve].intervals() as f32;
-    for meeting in meetings {
-        let [a, b] = [meeting.a, meeting.b].map(|place| (place.curve, rho(place.curve, place.at)));
-        let near = |(curve, at): (usize, f32), other: usize, rho: f32| {
-            curve == other && (at - rho).abs() < CROSSING
-        };
-        let same = crossings.iter_mut().find_map(|crossing| {
-            let over = |p| near(p, crossing.over, crossing.over_rho);
-            let under = |p| near(p, crossing.under, crossing.under_rho);
-            if over(a) && under(b) {
-                Some((crossing, a, b))
-            } else if over(b) && under(a) {
-                Some((crossing, b, a))
-            } else {
-                None
-            }
-        });
-        let Some((crossing, over, under)) = same else {
-            return false;
-        };
-        crossing.at = meeting.at;
-        (crossing.over_rho, crossing.under_rho) = (over.1, under.1);
-    }
+    };
+    crossing.at = meeting.at;
+    crossing.over_rho = meeting.a.at / pieces(crossing.over);
+    crossing.under_rho = meeting.b.at / pieces(crossing.under);
     true
 }

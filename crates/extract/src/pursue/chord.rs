@@ -57,7 +57,7 @@ impl Reader<'_> {
         (self.kernels.at_least)(&profile[..64 * count], cut, &mut words[..count]);
         let set = u128::from(words[0]) | u128::from(words[1]) << 64;
         let middle = of.at[of.axis] - from as f32;
-        let [first, end] = run(set, of.span, middle.round() as usize)?;
+        let [first, end] = run(set, of.span, (middle + 0.5) as usize)?;
         // Between the last pixel without and the first within; both exist.
         let edge = |without: usize, within: usize| {
             let [low, high] = [without, within].map(|i| f32::from(profile[i]));
@@ -83,9 +83,10 @@ impl Reader<'_> {
     fn read(&mut self, of: &Where, profile: &mut [u8; MOST]) -> Option<(usize, usize)> {
         let profile = &mut profile[..of.span];
         let size = [self.image.width(), self.image.height()];
-        let line = of.at[1 - of.axis].round();
-        let from = of.at[of.axis].round() - (of.span / 2) as f32;
-        let last = (size[of.axis] as f32) - of.span as f32;
+        // Rounded where they are not negative.
+        let line = of.at[1 - of.axis] + 0.5;
+        let from = of.at[of.axis] + 0.5 - (of.span / 2) as f32;
+        let last = size[of.axis] as f32 - of.span as f32;
         let holds = line >= 0.0 && line < size[1 - of.axis] as f32 && from >= 0.0 && from <= last;
         if !holds {
             return None;
@@ -94,7 +95,7 @@ impl Reader<'_> {
         let (line, from) = (line as usize, from as usize & !1);
         if of.axis == 0 {
             self.differencer
-                .along(self.image, self.background, [from, line], profile);
+                .across(self.image, self.background, [from, line], profile);
         } else {
             Differencer::down(self.image, self.background, [line, from], profile);
         }

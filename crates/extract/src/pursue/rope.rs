@@ -194,9 +194,10 @@ impl Rope {
 
     /// Reads the rope's contrast at its points, in the mean of those around.
     fn learn_contrast(&mut self, reader: &mut Reader) {
+        let yuv = color::is_yuv(reader.image.format());
         for station in &mut self.stations {
             let color = color::between(reader.image, station.at);
-            station.bias_px[0] = difference(reader, station.at, color);
+            station.bias_px[0] = color::distance(color, table(reader, station.at), yuv);
         }
         self.average(|s| Some(s.bias_px[0]), |s, mean| s.contrast = mean.max(2.0));
     }
@@ -560,6 +561,8 @@ fn beyond(reader: &Reader, stations: &[Station], end: usize, width_px: f32) -> O
 /// start, up to a limit or to the image's border.
 fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Option<f32> {
     let limits = [reader.image.width(), reader.image.height()];
+    let table = table(reader, from);
+    let yuv = color::is_yuv(reader.image.format());
     let (mut far_px, mut before) = (0.0, f32::INFINITY);
     while far_px <= limit_px {
         let place = vec2::along(from, out, far_px);
@@ -567,7 +570,7 @@ fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Op
         if !holds {
             return None;
         }
-        let value = difference(reader, place, color::between(reader.image, place));
+        let value = color::distance(color::between(reader.image, place), table, yuv);
         if value < level {
             let part = (before - level) / (before - value).max(1e-3);
             return before.is_finite().then_some(far_px - 1.0 + part);
@@ -578,12 +581,10 @@ fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Op
     None
 }
 
-/// How unlike the table a color at a place is.
-fn difference(reader: &Reader, at: Vec2, color: [f32; 3]) -> f32 {
-    let table = reader
-        .background
-        .at(at[0].max(0.0) as usize, at[1].max(0.0) as usize);
-    color::distance(color, table, color::is_yuv(reader.image.format()))
+/// The table's color at a place.
+fn table(reader: &Reader, at: Vec2) -> [f32; 3] {
+    let [x, y] = at.map(|v| v.max(0.0) as usize);
+    reader.background.at(x, y)
 }
 
 /// Along which the rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.

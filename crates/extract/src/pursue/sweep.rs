@@ -4,7 +4,7 @@ use super::chord::Reader;
 use crate::vec2::Vec2;
 
 /// Rows from one that is read to the next: what is as high is seen at once, anything else within as many frames.
-const APART: usize = 32;
+const APART: usize = 48;
 /// Rows by which they move from frame to frame; it has no divisor in common with their distance.
 const MOVE: usize = 13;
 /// Side of the squares that the ropes' neighborhood is made of, in pixels.
@@ -35,14 +35,25 @@ impl Sweep {
 
     /// Notes that a rope lies within `reach_px` of a place.
     pub(super) fn note(&mut self, at: Vec2, reach_px: f32) {
-        let square = |v: f32| (v.max(0.0) as usize) / SQUARE;
-        let columns = self.row.len().div_ceil(SQUARE);
-        let (from, to) = (square(at[0] - reach_px), square(at[0] + reach_px));
-        let rows = self.near.chunks_exact_mut(self.words.max(1));
-        let [top, bottom] = [square(at[1] - reach_px), square(at[1] + reach_px)];
-        for row in rows.skip(top).take(bottom + 1 - top) {
-            for column in from..=to.min(columns.saturating_sub(1)) {
-                row[column / 64] |= 1 << (column % 64);
+        let square = |v: f32, most: usize| ((v.max(0.0) as usize) / SQUARE).min(most);
+        let rows = self.near.len() / self.words;
+        let [left, right] =
+            [at[0] - reach_px, at[0] + reach_px].map(|x| square(x, 64 * self.words - 1));
+        let [top, bottom] = [at[1] - reach_px, at[1] + reach_px].map(|y| square(y, rows - 1));
+        let from = u64::MAX << (left % 64);
+        let to = u64::MAX >> (63 - right % 64);
+        for row in self
+            .near
+            .chunks_exact_mut(self.words)
+            .take(bottom + 1)
+            .skip(top)
+        {
+            if left / 64 == right / 64 {
+                row[left / 64] |= from & to;
+            } else {
+                row[left / 64] |= from;
+                row[left / 64 + 1..right / 64].fill(u64::MAX);
+                row[right / 64] |= to;
             }
         }
     }
