@@ -18,6 +18,7 @@ use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
+use crate::tips;
 use crate::track::{Look, Tracker};
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
@@ -206,7 +207,9 @@ impl Extractor {
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
+        self.lengthen(joined);
         let joined = self.follow(image, joined);
+        self.lengthen(joined);
         self.points(joined);
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
@@ -334,6 +337,17 @@ impl Extractor {
         count
     }
 
+    /// Lengthens those of the first `count` lines of which a tip lies upon another strand.
+    fn lengthen(&mut self, count: usize) {
+        for (l, line) in self.lines[..count].iter_mut().enumerate() {
+            let [before_px, _] = tips::lengthen(line, &self.zones.past, &self.masker.mask);
+            for gap in self.bridger.gaps.iter_mut().filter(|gap| gap.line == l) {
+                gap.from_px += before_px;
+                gap.to_px += before_px;
+            }
+        }
+    }
+
     /// Takes the ropes of the last image, followed into this one, where the first `count` lines
     /// contradict them; returns how many lines there are then.
     fn follow(&mut self, image: &Image, count: usize) -> usize {
@@ -345,7 +359,8 @@ impl Extractor {
             skeleton: &self.skeleton,
         };
         // Where no strands meet and nothing lies over them, one image leaves nothing open.
-        let open = self.zones.has_meeting() || self.cover.any();
+        let ring = self.strands.strands.iter().any(|strand| strand.closed);
+        let open = self.zones.has_meeting() || self.cover.any() || ring;
         if !open || !self.follower.follow(&self.lines[..count], &scene) {
             return count;
         }
@@ -389,6 +404,7 @@ impl Extractor {
                     is_covered(0, curve.points.first()),
                     is_covered(1, curve.points.last()),
                 ],
+                free: tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.
             self.lines.swap(self.count, l);

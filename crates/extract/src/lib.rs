@@ -94,6 +94,7 @@ mod smooth;
 mod strands;
 mod thin;
 mod threshold;
+mod tips;
 mod track;
 mod turn;
 mod unroll;
