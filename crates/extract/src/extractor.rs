@@ -337,14 +337,30 @@ impl Extractor {
         count
     }
 
-    /// Lengthens those of the first `count` lines of which a tip lies upon another strand.
+    /// Lengthens those of the first `count` lines of which a tip lies upon another strand, or under a cover.
     fn lengthen(&mut self, count: usize) {
+        let cover = &self.cover.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
-            let [before_px, _] = tips::lengthen(line, &self.zones.past, &self.masker.mask);
-            for gap in self.bridger.gaps.iter_mut().filter(|gap| gap.line == l) {
+            let planes = [&self.masker.mask, cover];
+            let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
+            if before_px + after_px == 0.0 {
+                continue;
+            }
+            let gaps = &mut self.bridger.gaps;
+            for gap in gaps.iter_mut().filter(|gap| gap.line == l) {
                 gap.from_px += before_px;
                 gap.to_px += before_px;
             }
+            let length_px = line.length_px();
+            Follower::covered(line, cover, |from_px, to_px| {
+                if from_px < before_px || to_px > length_px - after_px {
+                    gaps.push(Gap {
+                        line: l,
+                        from_px,
+                        to_px,
+                    });
+                }
+            });
         }
     }
 
@@ -398,13 +414,14 @@ impl Extractor {
                 let free = !curve.closed && !curve.border[end];
                 free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
             };
+            let covered = [
+                is_covered(0, curve.points.first()),
+                is_covered(1, curve.points.last()),
+            ];
             self.looks.push(Look {
                 color: self.colors[l],
-                covered: [
-                    is_covered(0, curve.points.first()),
-                    is_covered(1, curve.points.last()),
-                ],
-                free: tips::are_free(curve, &self.masker.mask),
+                covered,
+                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.
             self.lines.swap(self.count, l);

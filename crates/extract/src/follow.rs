@@ -193,7 +193,8 @@ impl Follower {
                 line.border.swap(0, 1);
             }
         }
-        tips::lengthen(line, scene.past, scene.mask);
+        tips::shorten(line, scene.past, [scene.mask, scene.cover]);
+        tips::lengthen(line, scene.past, [scene.mask, scene.cover]);
         let count = (line.length_px() / step_px).ceil().max(8.0) as usize;
         line.resample(count, &mut self.spaced);
         std::mem::swap(&mut line.samples, &mut self.spaced);

@@ -13,6 +13,8 @@ use crate::vec2::{self, Vec2};
 
 /// Widths of a rope's length that make no difference: what tips are measured to.
 const LEAST_WIDTHS: f32 = 0.3;
+/// Widths that a line may be too long by, because it goes on along the strand that its tip lies upon.
+const MOST_OVER_WIDTHS: f32 = 3.0;
 /// Widths that may be out of sight at most, and as a share of the rope.
 const MOST: (f32, f32) = (10.0, 0.3);
 /// Widths at the line's end that are replaced, too: upon a strand it is not the tip's own.
@@ -51,7 +53,7 @@ struct Place<'a> {
 
 /// Lengthens the line at the ends at which a tip of its rope is out of sight. Returns by how much, at
 /// each end.
-pub(crate) fn lengthen(line: &mut Line, past: &Past, mask: &BitPlane) -> [f32; 2] {
+pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) -> [f32; 2] {
     let Some(place) = place(line, past) else {
         return [0.0; 2];
     };
@@ -77,7 +79,7 @@ pub(crate) fn lengthen(line: &mut Line, past: &Past, mask: &BitPlane) -> [f32; 2
         }
         // Whether the rope's last point, not its first, is the one at this end.
         let at_last = (end == 1) != reversed;
-        added[end] = extend(line, rope, at_last, most_px, mask);
+        added[end] = extend(line, rope, at_last, most_px, [mask, cover]);
         if end == 0 {
             line.samples.reverse();
         }
@@ -140,7 +142,13 @@ fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed
 }
 
 /// Lengthens the last end of the line by up to `most_px`, as the rope's end lies. Returns by how much.
-fn extend(line: &mut Line, rope: &Rope, at_last: bool, most_px: f32, mask: &BitPlane) -> f32 {
+fn extend(
+    line: &mut Line,
+    rope: &Rope,
+    at_last: bool,
+    most_px: f32,
+    [mask, cover]: [&BitPlane; 2],
+) -> f32 {
     let n = line.samples.len();
     let length_px = line.length_px();
     let step_px = length_px / (n - 1) as f32;
@@ -171,7 +179,7 @@ fn extend(line: &mut Line, rope: &Rope, at_last: bool, most_px: f32, mask: &BitP
         let to_tip_px = tip_px * (1.0 - k as f32 / steps as f32);
         let [x, y] = vec2::sub(known(to_tip_px), known(tip_px));
         let at = vec2::add(anchor, [cos * x - sin * y, sin * x + cos * y]);
-        if is_rope(at, mask) {
+        if is_rope(at, mask) || is_rope(at, cover) {
             (bare, good) = (0, k);
         } else {
             bare += 1;
@@ -202,14 +210,49 @@ pub(crate) fn are_free(curve: &Curve, mask: &BitPlane) -> bool {
     let back = ((curve.width_px / step_px.max(0.1)) as usize).clamp(1, n / 4);
     [[0, back], [n - 1, n - 1 - back]]
         .iter()
-        .all(|&[tip, inner]| {
-            let out = vec2::unit_or(vec2::sub(points[tip], points[inner]), [1.0, 0.0]);
-            let far_px = BEYOND_WIDTHS * curve.width_px;
-            AROUND.iter().all(|&(cos, sin)| {
-                let way = [cos * out[0] - sin * out[1], sin * out[0] + cos * out[1]];
-                !is_rope(vec2::along(points[tip], way, far_px), mask)
-            })
-        })
+        .all(|&[tip, inner]| is_free(points[tip], points[inner], curve.width_px, mask))
+}
+
+/// Whether the table shows around a tip, seen from a place before it.
+fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
+    let out = vec2::unit_or(vec2::sub(tip, inner), [1.0, 0.0]);
+    AROUND.iter().all(|&(cos, sin)| {
+        let way = [cos * out[0] - sin * out[1], sin * out[0] + cos * out[1]];
+        !is_rope(vec2::along(tip, way, BEYOND_WIDTHS * width_px), mask)
+    })
+}
+
+/// Shortens the line, a followed one, at the end that lies upon something, if it is longer than its rope and the other
+/// end lies freely: a rope that slides along itself shows that only at its free end.
+pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) {
+    let n = line.samples.len();
+    if line.closed || line.border.contains(&true) || n < 8 {
+        return;
+    }
+    let length_px = line.length_px();
+    let step_px = (length_px / (n - 1) as f32).max(0.1);
+    let known = past.live().find(|rope| {
+        let excess_px = length_px - rope.usual_px;
+        let range_px = LEAST_WIDTHS * rope.width_px..MOST_OVER_WIDTHS * rope.width_px;
+        let apart = |reversed| apart_widths(line, length_px, rope, 0.0, reversed);
+        let is_near =
+            apart(false).min(apart(true)) <= APART_WIDTHS + MOST_OVER_WIDTHS + past.moved();
+        !rope.closed && rope.whole && range_px.contains(&excess_px) && is_near
+    });
+    let Some(rope) = known else {
+        return;
+    };
+    let back = ((rope.width_px / step_px) as usize).clamp(1, n / 4);
+    let free = [[0, back], [n - 1, n - 1 - back]].map(|ends| {
+        let [tip, inner] = ends.map(|i| line.samples[i].at);
+        is_free(tip, inner, rope.width_px, mask) && !is_rope(tip, cover)
+    });
+    let count = ((length_px - rope.usual_px) / step_px).round() as usize;
+    match free {
+        [true, false] => line.samples.truncate(n - count.min(n / 4)),
+        [false, true] => drop(line.samples.drain(..count.min(n / 4))),
+        _ => {}
+    }
 }
 
 fn is_rope([x, y]: Vec2, mask: &BitPlane) -> bool {
@@ -269,7 +312,11 @@ mod tests {
         for (from, to) in [(20, 120), (40, 140)] {
             let mut line = read(from, to);
             let strand = if from == 20 { [121, 160] } else { [0, 40] };
-            let added = lengthen(&mut line, &past(), &mask([20, 141], strand));
+            let added = lengthen(
+                &mut line,
+                &past(),
+                [&mask([20, 141], strand), &BitPlane::default()],
+            );
             let (first, last) = (line.samples[0].at, line.samples[line.samples.len() - 1].at);
             assert!((added[0] + added[1] - 20.0).abs() < 1.5, "{added:?}");
             assert!((first[0] - 20.0).abs() < 1.5 && (last[0] - 140.0).abs() < 1.5);
@@ -280,8 +327,32 @@ mod tests {
     #[test]
     fn a_tip_that_shows_is_where_it_shows() {
         let mut line = read(20, 120);
-        let added = lengthen(&mut line, &past(), &mask([20, 121], [190, 199]));
+        let added = lengthen(
+            &mut line,
+            &past(),
+            [&mask([20, 121], [190, 199]), &BitPlane::default()],
+        );
         assert_eq!((added, line.samples.len()), ([0.0; 2], 101));
+    }
+
+    #[test]
+    fn a_tip_under_a_cover_is_where_the_ropes_length_says() {
+        let mut line = read(20, 120);
+        let added = lengthen(
+            &mut line,
+            &past(),
+            [&mask([20, 121], [190, 199]), &mask([121, 160], [121, 160])],
+        );
+        assert!((added[1] - 20.0).abs() < 1.5, "{added:?}");
+    }
+
+    #[test]
+    fn a_followed_rope_that_is_too_long_ends_sooner_where_it_lies_upon_a_strand() {
+        let mut line = read(20, 150);
+        let mask = mask([20, 151], [140, 190]);
+        shorten(&mut line, &past(), [&mask, &BitPlane::default()]);
+        let (first, last) = (line.samples[0].at, line.samples[line.samples.len() - 1].at);
+        assert!(first[0] == 20.0 && (last[0] - 140.0).abs() < 1.5);
     }
 
     #[test]
