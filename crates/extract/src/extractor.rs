@@ -19,6 +19,7 @@ use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
 use crate::thin::Thinner;
+use crate::tips;
 use crate::track::{Look, Tracker};
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
@@ -247,7 +248,9 @@ impl Extractor {
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
+        self.lengthen(joined);
         let joined = self.follow(image, joined);
+        self.lengthen(joined);
         self.points(joined);
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
@@ -383,6 +386,33 @@ impl Extractor {
         count
     }
 
+    /// Lengthens those of the first `count` lines of which a tip lies upon another strand, or under a cover.
+    fn lengthen(&mut self, count: usize) {
+        let cover = &self.cover.plane;
+        for (l, line) in self.lines[..count].iter_mut().enumerate() {
+            let planes = [&self.masker.mask, cover];
+            let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
+            if before_px + after_px == 0.0 {
+                continue;
+            }
+            let gaps = &mut self.bridger.gaps;
+            for gap in gaps.iter_mut().filter(|gap| gap.line == l) {
+                gap.from_px += before_px;
+                gap.to_px += before_px;
+            }
+            let length_px = line.length_px();
+            Follower::covered(line, cover, |from_px, to_px| {
+                if from_px < before_px || to_px > length_px - after_px {
+                    gaps.push(Gap {
+                        line: l,
+                        from_px,
+                        to_px,
+                    });
+                }
+            });
+        }
+    }
+
     /// Takes the ropes of the last image, followed into this one, where the first `count` lines
     /// contradict them; returns how many lines there are then.
     fn follow(&mut self, image: &Image, count: usize) -> usize {
@@ -394,7 +424,8 @@ impl Extractor {
             skeleton: &self.skeleton,
         };
         // Where no strands meet and nothing lies over them, one image leaves nothing open.
-        let open = self.zones.has_meeting() || self.cover.any();
+        let ring = self.strands.strands.iter().any(|strand| strand.closed);
+        let open = self.zones.has_meeting() || self.cover.any() || ring;
         if !open || !self.follower.follow(&self.lines[..count], &scene) {
             return count;
         }
@@ -432,12 +463,14 @@ impl Extractor {
                 let free = !curve.closed && !curve.border[end];
                 free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
             };
+            let covered = [
+                is_covered(0, curve.points.first()),
+                is_covered(1, curve.points.last()),
+            ];
             self.looks.push(Look {
                 color: self.colors[l],
-                covered: [
-                    is_covered(0, curve.points.first()),
-                    is_covered(1, curve.points.last()),
-                ],
+                covered,
+                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.
             self.lines.swap(self.count, l);

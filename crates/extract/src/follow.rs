@@ -15,6 +15,7 @@ use crate::section::{self, Measure, Sections};
 use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
+use crate::tips;
 use crate::vec2::{self, Vec2};
 use crate::zones::quantile;
 
@@ -31,6 +32,8 @@ const BARE: f32 = 0.04;
 const BARE_WIDTHS: f32 = 0.75;
 /// The least share of the skeleton that followed ropes must account for, each within so many widths.
 const EXPLAINED: (f32, f32) = (0.95, 1.0);
+/// Widths of the skeleton that may be left over at most: more is a tip that has come out.
+const LEFT_WIDTHS: f32 = 1.0;
 /// How much a rope's length may seem to change from one image to the next.
 const LENGTH: f32 = 0.06;
 /// Skeleton pixels that are asked whether they are accounted for.
@@ -190,6 +193,8 @@ impl Follower {
                 line.border.swap(0, 1);
             }
         }
+        tips::shorten(line, scene.past, [scene.mask, scene.cover]);
+        tips::lengthen(line, scene.past, [scene.mask, scene.cover]);
         let count = (line.length_px() / step_px).ceil().max(8.0) as usize;
         line.resample(count, &mut self.spaced);
         std::mem::swap(&mut line.samples, &mut self.spaced);
@@ -296,7 +301,13 @@ impl Follower {
                     .any(|line| near(line, pixel.at(), EXPLAINED.1)),
             );
         }
-        known >= EXPLAINED.0 * asked
+        let width_px = |line: &Line| line.samples.first().map_or(1.0, |s| s.width_px);
+        let widest_px = self.lines[..self.count]
+            .iter()
+            .map(width_px)
+            .fold(1.0, f32::max);
+        let left_px = (asked - known) * stride as f32;
+        known >= EXPLAINED.0 * asked && left_px <= LEFT_WIDTHS * widest_px
     }
 
     /// Whether a line is accounted for by the followed ropes, for more than half of it.

@@ -101,6 +101,7 @@ mod strands;
 mod strips;
 mod thin;
 mod threshold;
+mod tips;
 mod track;
 mod turn;
 mod unroll;

@@ -52,6 +52,8 @@ struct Track {
     age: u32,
     /// Frames in which it was seen.
     frames: u32,
+    /// Those of them in which both of its ends lay freely.
+    free_frames: u32,
     /// The curve of this image that it is, and whether that runs against it.
     current: Option<(usize, bool)>,
     closed: bool,
@@ -81,6 +83,8 @@ pub(crate) struct Look {
     pub(crate) color: [f32; 3],
     /// Whether each end runs into something that is no rope.
     pub(crate) covered: [bool; 2],
+    /// Whether the table shows beyond both ends: the rope is as long as it looks.
+    pub(crate) free: bool,
 }
 
 impl Tracker {
@@ -382,7 +386,7 @@ fn see(
     } else {
         Status::Partial
     };
-    track.note_length(curve, cut);
+    track.note_length(curve, cut, look.free);
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
     track.color = Some(match track.color {
@@ -405,15 +409,25 @@ fn see(
 
 impl Track {
     /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
-    /// a rope that stays short is a shorter view of it, not half hidden for ever.
-    fn note_length(&mut self, curve: &Curve, cut: bool) {
+    /// a rope that stays short is a shorter view of it, not half hidden for ever. Ends that lie upon
+    /// something say next to nothing of it.
+    fn note_length(&mut self, curve: &Curve, cut: bool, free: bool) {
         if cut || self.frames == 0 {
             self.whole_px = curve.length_px;
+            self.free_frames = 0;
+        }
+        if cut {
             return;
         }
-        let pace = match curve.status {
-            Status::Ok => 0.005,
-            _ => 0.002,
+        let pace = match (free, curve.status) {
+            (true, Status::Ok) => {
+                self.free_frames = self.free_frames.saturating_add(1);
+                // Of the first few, the mean.
+                (1.0 / self.free_frames as f32).max(0.005)
+            }
+            (true, _) => 0.005,
+            (false, Status::Ok) => 0.0005,
+            (false, _) => 0.002,
         };
         let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
         self.whole_px *= 1.0 + step.clamp(-pace, pace);

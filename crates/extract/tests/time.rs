@@ -215,3 +215,36 @@ fn a_rope_whose_ends_come_to_lie_along_each_other_stays_open() {
         assert!(off < 20.0, "frame {frame}: {off}");
     }
 }
+
+/// A straight stem, a bend of this radius by 215° and a straight tail that comes down upon the stem; always of one length.
+fn noose(radius_px: f32) -> Rope {
+    const LENGTH_PX: f32 = 420.0;
+    const STEM_PX: f32 = 160.0;
+    let mut rope = Rope::along(8.0, BLUE, |t| [t, 0.0]);
+    let (mut at, step_px) = ([40.0f32, 170.0], LENGTH_PX / rope.points.len() as f32);
+    for (i, point) in rope.points.iter_mut().enumerate() {
+        *point = at;
+        let bent_px = (i as f32 * step_px - STEM_PX).max(0.0);
+        let (sin, cos) = (bent_px / radius_px).min(3.75).sin_cos();
+        at = [at[0] + step_px * cos, at[1] - step_px * sin];
+    }
+    rope
+}
+
+#[test]
+fn a_tip_on_its_way_over_a_strand_stays_a_part_of_the_rope() {
+    let table = Table::new(320, 240, WHITE);
+    let mut extractor = extractor();
+    for frame in 0..60 {
+        let rope = noose(42.0 - 0.25 * frame as f32);
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        let scene = see(&mut extractor, &rgb, &table);
+        assert_eq!(scene.curves.len(), 1, "frame {frame}");
+        let curve = &scene.curves[0];
+        let tips = [rope.points[0], rope.points[rope.points.len() - 1]];
+        let ends = [curve.points[0], curve.points[curve.points.len() - 1]];
+        let off = |a: usize, b: usize| distance(ends[0], tips[a]).max(distance(ends[1], tips[b]));
+        let off = off(0, 1).min(off(1, 0));
+        assert!(off < rope.width_px, "frame {frame}: {off}");
+    }
+}
