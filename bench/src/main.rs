@@ -1,6 +1,7 @@
-//! How right lariat's centerlines are, measured on pictures.
+//! How right lariat's centerlines are, measured on pictures, and how fast its rivals are on them.
 
 mod accuracy;
+mod rivals;
 mod time;
 
 use std::process::ExitCode;
@@ -19,6 +20,8 @@ struct Cli {
 enum Command {
     /// How close the extractor's curves are to the truth
     Accuracy(accuracy::Args),
+    /// The same work by OpenCV and scikit-image, side by side with lariat's
+    Rivals(rivals::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
 }
@@ -26,6 +29,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Rivals(args) => rivals::run(&args),
         Command::Time(args) => time::run(&args),
     };
     match done {

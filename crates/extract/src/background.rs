@@ -66,20 +66,26 @@ impl Background {
             self.coefficients[channel][0] = self.median_level(channel);
         }
         let chroma = color::chroma_weight(image.format());
+        // Every few rows show what is table; all of them how it is lit.
+        let scale = self.refine(GLANCE, ROUNDS, f32::INFINITY, chroma);
+        self.noise = self.refine(1, ROUNDS, scale, chroma).max(0.5);
+    }
+
+    /// Fits the surface, over and over, to the samples of every `stride`-th row of the grid that lie near it, at first
+    /// within a few times the `scale` known (the median residual, if there is none). Returns the new one.
+    fn refine(&mut self, stride: usize, rounds: usize, known: f32, chroma: f32) -> f32 {
         let arch = Arch::new();
-        let mut scale = self.measure(arch, chroma);
-        for _ in 0..ROUNDS {
-            if !self.fit(arch, OUTLIER * scale.max(0.7)) {
+        let mut scale = self.measure(arch, stride, chroma).min(known);
+        for _ in 0..rounds {
+            if !self.fit(arch, stride, OUTLIER * scale.max(0.7)) {
                 break;
             }
-            let tighter = self.measure(arch, chroma);
-            if (tighter - scale).abs() < 0.02 * scale {
-                scale = tighter;
+            let before = std::mem::replace(&mut scale, self.measure(arch, stride, chroma));
+            if (scale - before).abs() < 0.02 * before {
                 break;
             }
-            scale = tighter;
         }
-        self.noise = scale.max(0.5);
+        scale
     }
 
     /// The table's color at a pixel.
@@ -88,10 +94,18 @@ impl Background {
         self.coefficients.map(|c| surface(&along_row(&c, v), u))
     }
 
-    /// The table's levels in row `y`, one for each block of pixels, which is taken in its middle.
-    pub(crate) fn row(&self, y: usize, block: usize, out: [&mut [u8]; 3]) {
+    /// The table's color along row `y`, at each pixel asked for.
+    pub(crate) fn along(&self, y: usize) -> impl Fn(usize) -> [f32; 3] + use<> {
         let v = unit(y as f32, self.height);
-        let middle = unit(0.5 * (block - 1) as f32, self.width);
+        let rows = self.coefficients.map(|c| along_row(&c, v));
+        let step = 2.0 / self.width;
+        move |x| rows.map(|c| surface(&c, (x as f32 + 0.5) * step - 1.0))
+    }
+
+    /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
+    pub(crate) fn row(&self, [x, y]: [usize; 2], block: usize, out: [&mut [u8]; 3]) {
+        let v = unit(y as f32, self.height);
+        let middle = unit(x as f32 + 0.5 * (block - 1) as f32, self.width);
         let step = 2.0 * block as f32 / self.width;
         for (levels, c) in out.into_iter().zip(&self.coefficients) {
             Arch::new().dispatch(AlongRow {
@@ -152,9 +166,10 @@ impl Background {
     }
 
     /// Finds how far the samples are off the surface; returns the median.
-    fn measure(&mut self, arch: Arch, chroma: f32) -> f32 {
+    fn measure(&mut self, arch: Arch, stride: usize, chroma: f32) -> f32 {
         let groups = self.u.len();
         arch.dispatch(Measure {
+            stride,
             u: &self.u,
             v: &self.v,
             colors: &self.colors,
@@ -165,7 +180,7 @@ impl Background {
         });
         let columns = self.x.len();
         let mut counts = Counts::<BINS>::default();
-        for row in self.steps.chunks_exact(groups) {
+        for row in self.steps.chunks_exact(groups).step_by(stride) {
             for (i, &step) in row.as_flattened()[..columns].iter().enumerate() {
                 counts.add(i, step as usize);
             }
@@ -175,13 +190,14 @@ impl Background {
 
     /// Least squares over the samples within `limit` of the surface. False when they do not
     /// determine it.
-    fn fit(&mut self, arch: Arch, limit: f32) -> bool {
+    fn fit(&mut self, arch: Arch, stride: usize, limit: f32) -> bool {
         // What fills up the rows counts for nothing.
         let (columns, groups) = (self.x.len(), self.u.len());
         for row in self.residuals.chunks_exact_mut(groups) {
             row.as_flattened_mut()[columns..].fill(f32::INFINITY);
         }
         let moments = arch.dispatch(Sum {
+            stride,
             u: &self.u,
             v: &self.v,
             colors: &self.colors,
@@ -231,6 +247,8 @@ impl WithSimd for AlongRow<'_> {
 
 /// How far the samples are off the surface, by `color::distance`, and the same in steps.
 struct Measure<'a> {
+    /// Rows of the grid from one that counts to the next.
+    stride: usize,
     u: &'a [Lanes],
     v: &'a [f32],
     colors: &'a [Vec<Lanes>; 3],
@@ -246,7 +264,7 @@ impl WithSimd for Measure<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let groups = self.u.len();
-        for (j, &v) in self.v.iter().enumerate() {
+        for (j, &v) in self.v.iter().enumerate().step_by(self.stride) {
             let rows = self.coefficients.each_ref().map(|c| along_row(c, v));
             let [a, b, c] = self
                 .colors
@@ -275,6 +293,8 @@ impl WithSimd for Measure<'_> {
 
 /// Sums over the samples within `limit` of the surface.
 struct Sum<'a> {
+    /// Rows of the grid from one that counts to the next.
+    stride: usize,
     u: &'a [Lanes],
     v: &'a [f32],
     colors: &'a [Vec<Lanes>; 3],
@@ -288,7 +308,7 @@ impl WithSimd for Sum<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Moments {
         let mut moments = Moments::default();
-        for (j, &v) in self.v.iter().enumerate() {
+        for (j, &v) in self.v.iter().enumerate().step_by(self.stride) {
             moments.add(simd, &Row::sum(simd, &self, j), v);
         }
         moments

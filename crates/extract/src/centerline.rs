@@ -40,6 +40,10 @@ const HELD: f32 = 0.05;
 const COARSE: f32 = 1.6;
 const FINE: f32 = 1.25;
 
+/// What was measured is smoothed over so many half-widths, and at least so many pixels.
+const SMOOTH_HALVES: f32 = 0.35;
+const SMOOTH_PX: f32 = 2.5;
+
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Centerliner {
@@ -75,32 +79,35 @@ impl Centerliner {
         self.space(line, step_px);
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
         self.extend(source, line, half_px, step_px, 0.0);
-        let mut shading = Shading::FLAT;
-        for tolerance in [COARSE, FINE] {
-            let how = Measure {
-                half_px,
-                step_px,
-                tolerance,
-                shading,
-            };
-            self.sections.measure(line, source.difference, how);
-            self.fill_widths(line, 2.0 * half_px);
-            let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
-            self.smooth_measured(line, half_px, step_px);
-            // They may be measured the next time.
-            weigh_ends(line, held, 1.0);
-            shading = Shading::measure(line, source.difference, how);
-            half_px = self.median_width(line).unwrap_or(2.0 * half_px) / 2.0;
-            self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        let coarse = Measure {
+            half_px,
+            step_px,
+            tolerance: COARSE,
+            shading: Shading::FLAT,
+        };
+        if let Some(width_px) = self.sections.center(line, source.difference, coarse) {
+            half_px = 0.5 * width_px;
         }
-        if !line.closed {
-            let how = Measure {
-                half_px,
-                step_px,
-                tolerance: FINE,
-                shading,
-            };
-            self.measure_tips(source, line, how);
+        let shading = Shading::measure(line, source.difference, Measure { half_px, ..coarse });
+        self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        let fine = Measure {
+            half_px,
+            step_px,
+            tolerance: FINE,
+            shading,
+        };
+        self.sections.measure(line, source.difference, fine);
+        let width_px = self.fill_widths(line, 2.0 * half_px);
+        let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
+        self.smoother.smooth(line, reach(half_px, step_px));
+        // They may be measured the next time.
+        weigh_ends(line, held, 1.0);
+        half_px = 0.5 * width_px;
+        self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        if line.closed {
+            self.space(line, step_px);
+        } else {
+            self.measure_tips(source, line, Measure { half_px, ..fine });
             line.cut_to(source.difference);
         }
         line.samples.len() >= 2
@@ -128,14 +135,9 @@ impl Centerliner {
         let skip = ((cut_px / step_px) as usize + 1).min(count / 2).min(n / 4);
         weigh_ends(line, [skip; 2], 0.0);
         self.fill_widths(line, 2.0 * half_px);
-        self.smooth_measured(line, half_px, step_px);
-        self.extend(source, line, half_px, step_px, cut_px);
-    }
-
-    /// Smooths what was measured, over a part of the rope's width.
-    fn smooth_measured(&mut self, line: &mut Line, half_px: f32, step_px: f32) {
         self.smoother
-            .smooth(line, (0.35 * half_px).max(2.5) / step_px);
+            .smooth_ends(line, reach(half_px, step_px), count);
+        self.extend(source, line, half_px, step_px, cut_px);
     }
 
     /// Spaces the line's samples evenly, about `step_px` apart.
@@ -146,7 +148,7 @@ impl Centerliner {
         std::mem::swap(&mut line.samples, &mut self.spaced);
     }
 
-    /// Cuts `cut_px` from each visible end and runs on straight to the tip, then spaces evenly.
+    /// Cuts `cut_px` from each visible end and runs on to the tip.
     fn extend(
         &mut self,
         source: &Source,
@@ -163,7 +165,6 @@ impl Centerliner {
                 self.bodies.swap(0, 1);
             }
         }
-        self.space(line, step_px);
     }
 
     /// Works on the last end of the line.
@@ -232,9 +233,10 @@ impl Centerliner {
     }
 
     /// Gives samples without a measured width the last one that was, so that nothing depends on
-    /// what stood there before.
-    fn fill_widths(&mut self, line: &mut Line, otherwise: f32) {
-        let mut last = self.median_width(line).unwrap_or(otherwise);
+    /// what stood there before. Returns the median of the measured ones.
+    fn fill_widths(&mut self, line: &mut Line, otherwise: f32) -> f32 {
+        let median_px = self.median_width(line).unwrap_or(otherwise);
+        let mut last = median_px;
         for sample in &mut line.samples {
             if sample.weight > 0.0 {
                 last = sample.width_px;
@@ -242,6 +244,7 @@ impl Centerliner {
                 sample.width_px = last;
             }
         }
+        median_px
     }
 
     fn median_width(&mut self, line: &Line) -> Option<f32> {
@@ -250,6 +253,11 @@ impl Centerliner {
         self.widths.extend(seen.map(|s| s.width_px));
         (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
     }
+}
+
+/// Samples over which what was measured is smoothed: a part of the rope's width.
+fn reach(half_px: f32, step_px: f32) -> f32 {
+    (SMOOTH_HALVES * half_px).max(SMOOTH_PX) / step_px
 }
 
 /// Gives so many samples at either end this weight.

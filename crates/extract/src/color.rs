@@ -38,6 +38,26 @@ pub(crate) fn at_places(
     }
 }
 
+/// Calls `put` with the number and the native color of each of `count` pixels, from [x, y] down.
+#[inline(always)]
+pub(crate) fn down(
+    image: &Image,
+    [x, y]: [usize; 2],
+    count: usize,
+    mut put: impl FnMut(usize, [u8; 3]),
+) {
+    match image.format() {
+        PixelFormat::Rgb8 => (image.rows_from(3 * x, y).take(count).enumerate())
+            .for_each(|(k, row)| put(k, [row[0], row[1], row[2]])),
+        PixelFormat::Gray8 => {
+            (image.rows_from(x, y).take(count).enumerate()).for_each(|(k, row)| put(k, [row[0]; 3]))
+        }
+        PixelFormat::Yuyv => (image.rows_from(4 * (x / 2), y).take(count).enumerate())
+            .for_each(|(k, row)| put(k, [row[2 * (x % 2)], row[1], row[3]])),
+        _ => (0..count).for_each(|k| put(k, native(image, x, y + k))),
+    }
+}
+
 /// The native color at a position between pixels, bilinear; past the edge the edge's goes on.
 pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (right, bottom) = (image.width() - 1, image.height() - 1);

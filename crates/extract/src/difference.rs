@@ -6,6 +6,7 @@
 
 use crate::background::Background;
 use crate::bits::BitPlane;
+use crate::color;
 use crate::kernels::Kernels;
 use crate::plane::Plane;
 use crate::threshold::Levels;
@@ -13,6 +14,9 @@ use crate::{Image, PixelFormat};
 
 /// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
 const BLOCK: usize = 8;
+
+/// Pixels down a column that are worked on together.
+const PART: usize = 32;
 
 /// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
 #[derive(Debug, Default)]
@@ -38,22 +42,13 @@ impl Differencer {
         let (width, height) = (image.width(), image.height());
         out.resize(width, height);
         faint.resize(width, height);
-        let blocks = width.div_ceil(BLOCK);
-        for channel in &mut self.channels {
-            channel.resize(blocks, 0);
-        }
-        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
-        self.luma.resize(3 * BLOCK * blocks, 0);
-        self.chroma.resize(BLOCK * blocks, 0);
         let mut levels = Levels::new(width * height);
         for y in 0..height {
             if y % BLOCK == 0 {
                 let middle = (y + BLOCK / 2).min(height - 1);
-                let [a, b, c] = &mut self.channels;
-                background.row(middle, BLOCK, [a, b, c]);
-                self.interleave(image.format());
+                self.lay_table(image.format(), background, [0, middle], width);
             }
-            self.row(image, y, out.row_mut(y));
+            self.stretch(image, [0, y], out.row_mut(y));
             let (row, words) = (out.row(y), faint.row_mut(y));
             levels.total += (self.kernels.at_least)(row, least, words);
             levels.count(row, words);
@@ -61,15 +56,84 @@ impl Differencer {
         levels
     }
 
-    fn row(&self, image: &Image, y: usize, out: &mut [u8]) {
+    /// The difference along a row, from pixel [x, y] on, x even, into `out`.
+    pub(crate) fn along(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        from: [usize; 2],
+        out: &mut [u8],
+    ) {
+        self.lay_table(image.format(), background, from, out.len());
+        self.stretch(image, from, out);
+    }
+
+    /// The difference down a column, from pixel [x, y] on, into `out`. The table has one color for all of it.
+    pub(crate) fn down(image: &Image, background: &Background, [x, y]: [usize; 2], out: &mut [u8]) {
+        let table = background
+            .at(x, y + out.len() / 2)
+            .map(|level| (level + 0.5) as u8);
+        // U and V count double.
+        let more = if color::is_yuv(image.format()) {
+            0xFF
+        } else {
+            0
+        };
+        // A part at a time, one channel beside the other: what is done to each of many bytes is done to all at once.
+        for (part, out) in out.chunks_mut(PART).enumerate() {
+            let mut channels = [[0u8; PART]; 3];
+            color::down(image, [x, y + part * PART], out.len(), |k, pixel| {
+                for (channel, level) in channels.iter_mut().zip(pixel) {
+                    channel[k % PART] = level;
+                }
+            });
+            let mut differences = [0; PART];
+            for (k, difference) in differences.iter_mut().enumerate() {
+                let [a, b, c] = std::array::from_fn(|i| channels[i][k].abs_diff(table[i]));
+                let chroma = b.max(c);
+                *difference = a.max(chroma.saturating_add(chroma & more));
+            }
+            out.copy_from_slice(&differences[..out.len()]);
+        }
+    }
+
+    /// Lays the table's color along `width` pixels from [x, y] on.
+    fn lay_table(
+        &mut self,
+        format: PixelFormat,
+        background: &Background,
+        from: [usize; 2],
+        width: usize,
+    ) {
+        let blocks = width.div_ceil(BLOCK);
+        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
+        self.luma.resize(self.luma.len().max(3 * BLOCK * blocks), 0);
+        self.chroma.resize(self.chroma.len().max(BLOCK * blocks), 0);
+        for channel in &mut self.channels {
+            channel.resize(blocks, 0);
+        }
+        let [a, b, c] = &mut self.channels;
+        background.row(from, BLOCK, [a, b, c]);
+        self.interleave(format);
+    }
+
+    fn stretch(&self, image: &Image, [x, y]: [usize; 2], out: &mut [u8]) {
         let (row, luma, chroma) = (image.row(y), &self.luma[..], &self.chroma[..]);
         let arch = pulp::Arch::new();
         match image.format() {
-            PixelFormat::Gray8 => arch.dispatch(|| gray(row, luma, out)),
-            PixelFormat::Rgb8 | PixelFormat::Bgr8 => (self.kernels.three_channels)(row, luma, out),
-            PixelFormat::Yuyv => arch.dispatch(|| yuyv(row, luma, out)),
+            PixelFormat::Gray8 => {
+                let row = &row[x..];
+                arch.dispatch(|| gray(row, luma, out));
+            }
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
+                (self.kernels.three_channels)(&row[3 * x..], luma, out);
+            }
+            PixelFormat::Yuyv => {
+                let row = &row[2 * x..];
+                arch.dispatch(|| yuyv(row, luma, out));
+            }
             PixelFormat::Nv12 => {
-                let uv = image.chroma_row(y);
+                let (row, uv) = (&row[x..], &image.chroma_row(y)[x..]);
                 arch.dispatch(|| nv12(row, uv, luma, chroma, out));
             }
         }

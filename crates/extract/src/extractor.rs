@@ -14,6 +14,7 @@ use crate::line::{Line, Sample};
 use crate::mask::{MaskError, Masker};
 use crate::overlaps::Overlaps;
 use crate::part::part;
+use crate::pursue::Pursuer;
 use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
@@ -31,6 +32,8 @@ const MOST_PIECES: usize = 80;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
+/// Frames after which ropes that are plain to see are followed.
+const SETTLED: u32 = 3;
 /// Places along a line whose mean color is taken for the rope's.
 const COLORS_ASKED: usize = 64;
 /// The time between two images of which nothing else is known: 1/30 s.
@@ -77,6 +80,9 @@ pub struct Extractor {
     count: usize,
     crosser: Crosser,
     crossings: Vec<Crossing>,
+    pursuer: Pursuer,
+    /// Frames in a row in which all ropes were seen, and nothing else.
+    plain_frames: u32,
 }
 
 impl Extractor {
@@ -111,6 +117,8 @@ impl Extractor {
             count: 0,
             crosser: Crosser::default(),
             crossings: Vec::new(),
+            pursuer: Pursuer::default(),
+            plain_frames: 0,
         })
     }
 
@@ -130,8 +138,42 @@ impl Extractor {
     /// who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         self.turn_to(image);
+        if self.pursue(image) {
+            let steps = [Step::Mask, Step::Skeleton, Step::Graph, Step::Points];
+            steps.into_iter().for_each(after);
+            return self.scene();
+        }
         self.masker.run(image, &self.options.mask);
         self.after_mask(image, after)
+    }
+
+    /// Follows the ropes of the last image into this one, if that is all it takes.
+    fn pursue(&mut self, image: &Image) -> bool {
+        let (table, curves) = (&self.masker.background, &mut self.curves[..self.count]);
+        let found = self
+            .pursuer
+            .pursue(image, table, curves, &mut self.crossings);
+        if found {
+            self.tracker
+                .begin(self.now_ns, color::is_yuv(image.format()));
+            self.tracker.go_on(curves);
+        }
+        found
+    }
+
+    /// Lets the ropes just extracted be followed from here on, where all is plain to see.
+    fn anchor(&mut self, image: &Image, seen: usize) {
+        self.pursuer.drop();
+        let plain = seen > 0 && seen == self.count && !self.cover.any();
+        self.plain_frames = if plain { self.plain_frames + 1 } else { 0 };
+        if let Some(cut) = self.masker.cut
+            && self.plain_frames >= SETTLED
+            && self.masker.notice.is_none()
+        {
+            let (table, curves) = (&self.masker.background, &self.curves[..self.count]);
+            self.pursuer
+                .anchor(image, table, cut, curves, &self.crossings);
+        }
     }
 
     /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
@@ -157,6 +199,7 @@ impl Extractor {
     ) -> Result<Scene<'_>, MaskError> {
         self.masker.take(image, mask)?;
         self.turn_to(image);
+        self.pursuer.drop();
         Ok(self.after_mask(image, after))
     }
 
@@ -211,7 +254,13 @@ impl Extractor {
         self.count = self.tracker.update(curves, seen, looks, &self.options);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
+        self.anchor(image, seen);
         after(Step::Points);
+        self.scene()
+    }
+
+    /// What is known of the last image.
+    fn scene(&self) -> Scene<'_> {
         Scene {
             curves: &self.curves[..self.count],
             crossings: &self.crossings,
@@ -276,6 +325,8 @@ impl Extractor {
     fn new_scene(&mut self) {
         self.count = 0;
         self.crossings.clear();
+        self.pursuer.drop();
+        self.plain_frames = 0;
         self.tracker.reset();
     }
 

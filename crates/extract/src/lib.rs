@@ -88,6 +88,8 @@ mod pick;
 mod pieces;
 mod place;
 mod plane;
+mod pursue;
+mod ray;
 mod rehearse;
 mod scene;
 mod section;

@@ -119,6 +119,9 @@ impl Line {
     pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
         let at = |i: usize| self.samples[i].at;
+        if (reach..n.saturating_sub(reach)).contains(&i) {
+            return vec2::unit_or(vec2::sub(at(i + reach), at(i - reach)), [1.0, 0.0]);
+        }
         if self.closed {
             let (a, b) = ((i + n - reach % n) % n, (i + reach) % n);
             return vec2::unit_or(vec2::sub(at(b), at(a)), [1.0, 0.0]);

@@ -43,7 +43,7 @@ pub enum MaskError {
 #[derive(Debug, Default)]
 pub(crate) struct Masker {
     kernels: Kernels,
-    background: Background,
+    pub(crate) background: Background,
     differencer: Differencer,
     mender: Mender,
     smoothed: Strips,
@@ -56,6 +56,8 @@ pub(crate) struct Masker {
     pub(crate) strips: Strips,
     /// The rope's width as guessed from area and outline of the mask, in pixels.
     pub(crate) width_px: f32,
+    /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
+    pub(crate) cut: Option<u8>,
     /// What the automatic mask is unsure of.
     pub(crate) notice: Option<Notice>,
 }
@@ -94,6 +96,7 @@ impl Masker {
             }
         }
         self.clean_or_empty();
+        self.cut = chosen.map(|cut: Cut| cut.rope);
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
     }
 
@@ -134,6 +137,7 @@ impl Masker {
         threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
         self.strips.take(&self.mask);
         self.clean_or_empty();
+        self.cut = None;
         self.notice = None;
         Ok(())
     }

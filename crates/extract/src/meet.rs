@@ -136,12 +136,14 @@ impl Block {
 fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     let (a, b) = (&curves[p.curve], &curves[q.curve]);
     let same = p.curve == q.curve;
+    // Pieces that lie nearer along the curve than this do not cross, on the short way around.
+    let apart = if same { a.nearest_crossing() } else { 0 };
     for i in p.from..p.to {
-        for j in q.from..q.to {
+        for j in q.from.max(i + apart)..q.to {
             if all.len() == MOST {
                 return;
             }
-            if same && (j <= i || a.neighbors(i, j)) {
+            if same && a.neighbors(i, j) {
                 continue;
             }
             let Some((t, u)) = meet(a.piece(i), b.piece(j)) else {

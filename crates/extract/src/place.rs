@@ -36,6 +36,12 @@ impl Curve {
         apart < 1.5 || apart * self.spacing_px() < TIGHTEST * self.width_px
     }
 
+    /// How many pieces on from a piece the first lies that may cross it, counted the short way around.
+    pub(crate) fn nearest_crossing(&self) -> usize {
+        let least = TIGHTEST * self.width_px / self.spacing_px().max(1e-3);
+        (least.min(self.points.len() as f32) as usize).max(1)
+    }
+
     /// From place `from` to place `to` (points with fractions), the shorter way of a closed curve.
     pub(crate) fn step(&self, from: f32, to: f32) -> f32 {
         let (step, around) = (to - from, self.intervals() as f32);

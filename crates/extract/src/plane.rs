@@ -23,6 +23,11 @@ impl Plane {
         self.height
     }
 
+    /// All rows, one after the other.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     pub(crate) fn row(&self, y: usize) -> &[u8] {
         &self.bytes[y * self.width..][..self.width]
     }

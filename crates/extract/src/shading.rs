@@ -8,6 +8,7 @@
 
 use crate::line::{Line, Sample};
 use crate::plane::Plane;
+use crate::ray::Ray;
 use crate::section::Measure;
 use crate::vec2::{self, Vec2};
 
@@ -41,20 +42,15 @@ impl Shading {
     /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
     /// narrow to tell.
     pub(crate) fn measure(line: &Line, difference: &Plane, how: Measure) -> Self {
+        let mean = Profile::read(line, difference, how);
         let half_px = how.half_px;
-        let blur_px = blur(line, difference, how);
+        let blur_px = mean.blur();
         let most = (1.0 - CLEAR * blur_px / half_px).min(0.8);
         if most < LEAST_REACH {
             return Self::FLAT;
         }
         let position = |k: usize| most * (k as f32 - POSITIONS as f32) / POSITIONS as f32;
-        let mut profile = [0.0f32; 2 * POSITIONS + 1];
-        for_each_section(line, how, |sample, normal| {
-            for (k, sum) in profile.iter_mut().enumerate() {
-                let across = 0.5 * sample.width_px * position(k);
-                *sum += difference.sample(vec2::along(sample.at, normal, across));
-            }
-        });
+        let profile: [f32; 2 * POSITIONS + 1] = std::array::from_fn(|k| mean.at(position(k)));
         fit(&profile, position).map_or(Self::FLAT, |model| {
             Self::at_the_rim(model, half_px, blur_px)
         })
@@ -83,40 +79,84 @@ impl Shading {
     }
 }
 
-/// Calls `read` with some of the line's samples outside of crossings, evenly spread, and the normals there.
-fn for_each_section(line: &Line, how: Measure, mut read: impl FnMut(&Sample, Vec2)) {
-    let reach = ((how.half_px / how.step_px) as usize).max(2);
-    let stride = (line.samples.len() / SECTIONS).max(1);
-    for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
-        if sample.weight >= 1.0 {
-            read(sample, vec2::normal(line.tangent(i, reach)));
-        }
-    }
+/// The mean section of a rope: sums over some sections, at steps from either edge.
+struct Profile {
+    /// From the middle outward, the edge at `INSIDE`, along the −normal and the +normal side.
+    levels: [[f32; INSIDE + OUTSIDE + 1]; 2],
+    /// From where on these are known.
+    first: usize,
+    half_px: f32,
 }
 
-/// σ of the blur in pixels, from the mean fall of the difference across the rope's edges: a blurred step of height h has
-/// the slope h / (σ√(2π)) in its middle.
-fn blur(line: &Line, difference: &Plane, how: Measure) -> f32 {
-    let mut levels = [0.0f32; INSIDE + OUTSIDE + 1];
-    for_each_section(line, how, |sample, normal| {
-        for side in [-1.0, 1.0] {
-            for (k, sum) in levels.iter_mut().enumerate() {
-                let out = 0.5 * sample.width_px + HOP_PX * (k as f32 - INSIDE as f32);
-                *sum += difference.sample(vec2::along(sample.at, normal, side * out.max(0.0)));
+impl Profile {
+    /// Reads some of the line's sections outside of crossings, evenly spread.
+    fn read(line: &Line, difference: &Plane, how: Measure) -> Self {
+        let reach = ((how.half_px / how.step_px) as usize).max(2);
+        let stride = (line.samples.len() / SECTIONS).max(1);
+        let inside = ((how.half_px / HOP_PX) as usize + 1).min(INSIDE);
+        let mut mean = Self {
+            levels: [[0.0; INSIDE + OUTSIDE + 1]; 2],
+            first: INSIDE - inside,
+            half_px: 0.0,
+        };
+        let mut count = 0.0;
+        for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
+            if sample.weight >= 1.0 {
+                mean.add(sample, vec2::normal(line.tangent(i, reach)), difference);
+                count += 1.0;
             }
         }
-    });
-    let slopes = levels.windows(3).map(|l| (l[0] - l[2]) / (2.0 * HOP_PX));
-    let steepest = slopes.fold(1e-3, f32::max);
-    let mut sigma_px = *BLURS.start();
-    // The step's height is read where the blur ends, which the height itself tells.
-    for _ in 0..4 {
-        let inside = ((CLEAR * sigma_px / HOP_PX) as usize + 1).min(INSIDE);
-        let height = levels[INSIDE - inside] - levels[INSIDE + OUTSIDE];
-        sigma_px = height / ((2.0 * std::f32::consts::PI).sqrt() * steepest);
-        sigma_px = sigma_px.clamp(*BLURS.start(), *BLURS.end());
+        mean.half_px /= f32::max(count, 1.0);
+        mean
     }
-    sigma_px
+
+    fn add(&mut self, sample: &Sample, normal: Vec2, difference: &Plane) {
+        let half_px = 0.5 * sample.width_px;
+        self.half_px += half_px;
+        let ray = Ray::new(
+            difference,
+            sample.at,
+            normal,
+            half_px + HOP_PX * OUTSIDE as f32,
+        );
+        for (levels, side) in self.levels.iter_mut().zip([-1.0, 1.0]) {
+            for (k, sum) in levels.iter_mut().enumerate().skip(self.first) {
+                let out = (half_px + HOP_PX * (k as f32 - INSIDE as f32)).max(0.0);
+                *sum += match &ray {
+                    Some(ray) => ray.at(side * out),
+                    None => difference.sample(vec2::along(sample.at, normal, side * out)),
+                };
+            }
+        }
+    }
+
+    /// The sum at a position across the rope, −1 to 1.
+    fn at(&self, u: f32) -> f32 {
+        let levels = &self.levels[usize::from(u > 0.0)];
+        let hops = (1.0 - u.abs()) * self.half_px / HOP_PX;
+        let place = (INSIDE as f32 - hops).max(self.first as f32);
+        let k = (place as usize).min(INSIDE);
+        levels[k] + (place - k as f32) * (levels[k + 1] - levels[k])
+    }
+
+    /// σ of the blur in pixels, from the mean fall of the difference across the rope's edges: a blurred step of height h
+    /// has the slope h / (σ√(2π)) in its middle.
+    fn blur(&self) -> f32 {
+        let [left, right] = &self.levels;
+        let levels: [f32; INSIDE + OUTSIDE + 1] =
+            std::array::from_fn(|k| left[k.max(self.first)] + right[k.max(self.first)]);
+        let slopes = levels.windows(3).map(|l| (l[0] - l[2]) / (2.0 * HOP_PX));
+        let steepest = slopes.fold(1e-3, f32::max);
+        let mut sigma_px = *BLURS.start();
+        // The step's height is read where the blur ends, which the height itself tells.
+        for _ in 0..4 {
+            let inside = ((CLEAR * sigma_px / HOP_PX) as usize + 1).min(INSIDE);
+            let height = levels[INSIDE - inside] - levels[INSIDE + OUTSIDE];
+            sigma_px = height / ((2.0 * std::f32::consts::PI).sqrt() * steepest);
+            sigma_px = sigma_px.clamp(*BLURS.start(), *BLURS.end());
+        }
+        sigma_px
+    }
 }
 
 /// Least squares of a + b·√(1 − u²) + d·u over symmetric positions, where the last term stands by itself.

@@ -20,6 +20,7 @@ pub(crate) fn clear(image: &Image, background: &Background, faint: &mut BitPlane
     let yuv = color::is_yuv(image.format());
     let tolerance = (NOISES * background.noise).max(LEVELS);
     for y in 0..faint.height() {
+        let table = background.along(y);
         for i in 0..faint.words_per_row() {
             let mut word = faint.row(y)[i];
             while word != 0 {
@@ -27,7 +28,7 @@ pub(crate) fn clear(image: &Image, background: &Background, faint: &mut BitPlane
                 word ^= bit;
                 let x = 64 * i + bit.trailing_zeros() as usize;
                 let pixel = color::native(image, x, y).map(f32::from);
-                if is_shade(pixel, background.at(x, y), yuv, tolerance) {
+                if is_shade(pixel, table(x), yuv, tolerance) {
                     faint.row_mut(y)[i] &= !bit;
                 }
             }
@@ -37,14 +38,12 @@ pub(crate) fn clear(image: &Image, background: &Background, faint: &mut BitPlane
 
 /// Whether `pixel` is `table` in less light.
 fn is_shade(pixel: [f32; 3], table: [f32; 3], yuv: bool, tolerance: f32) -> bool {
-    let share = if yuv {
-        pixel[0] / table[0].max(1.0)
-    } else {
-        pixel.iter().sum::<f32>() / table.iter().sum::<f32>().max(1.0)
-    };
-    if !(DARKEST..1.0).contains(&share) {
+    let light = |color: [f32; 3]| if yuv { color[0] } else { color.iter().sum() };
+    let (own, all) = (light(pixel), light(table).max(1.0));
+    if own >= all || own < DARKEST * all {
         return false;
     }
+    let share = own / all;
     // U and V are measured from their middle.
     let zero = if yuv { [0.0, 128.0, 128.0] } else { [0.0; 3] };
     let shaded = std::array::from_fn(|c| zero[c] + share * (table[c] - zero[c]));

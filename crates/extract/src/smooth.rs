@@ -15,17 +15,20 @@ pub(crate) struct Smoother {
     ring: Vec<Sample>,
 }
 
-/// One row of the factor L·D·Lᵀ, and of the three right sides.
+/// One row of the factor L·D·Lᵀ, and of the right sides: x, y, width, and one that fills the register.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
-    diagonal: f64,
     first: f64,
     second: f64,
-    right: [f64; 3],
+    right: [f64; 4],
 }
 
 /// Keeps the matrix regular where hardly anything is measured.
 const LEAST_WEIGHT: f64 = 1e-5;
+
+/// Two samples that stay where they are, by this weight, hold place and direction of what is smoothed beside them.
+const HELD: usize = 2;
+const STIFF: f32 = 1e6;
 
 impl Smoother {
     /// Smooths the positions and widths of `line` with a reach of `reach` samples.
@@ -48,79 +51,86 @@ impl Smoother {
         self.ring = ring;
     }
 
+    /// Smooths only the last `count` samples of the line's either end, which go on from the others as these are.
+    pub(crate) fn smooth_ends(&mut self, line: &mut Line, reach: f32, count: usize) {
+        let n = line.samples.len();
+        // Beyond four reaches the tips no longer tell.
+        let count = count + (4.0 * reach) as usize + HELD;
+        if 2 * count >= n || line.closed {
+            return self.smooth(line, reach);
+        }
+        let lambda = f64::from(reach).powi(4);
+        for (part, held) in [(0..count, count - HELD), (n - count..n, 0)] {
+            let part = &mut line.samples[part];
+            let held = held..held + HELD;
+            let mut weights = [0.0; HELD];
+            for (weight, sample) in weights.iter_mut().zip(&mut part[held.clone()]) {
+                *weight = std::mem::replace(&mut sample.weight, STIFF);
+            }
+            self.solve(part, lambda);
+            for (weight, sample) in weights.iter().zip(&mut part[held]) {
+                sample.weight = *weight;
+            }
+        }
+    }
+
     fn solve(&mut self, samples: &mut [Sample], lambda: f64) {
         let n = samples.len();
         if n < 3 {
             return;
         }
-        self.rows.clear();
-        self.rows.extend(samples.iter().map(|s| {
-            let w = f64::from(s.weight).max(LEAST_WEIGHT);
-            let value = [s.at[0], s.at[1], s.width_px];
-            Row {
-                diagonal: w,
-                first: 0.0,
-                second: 0.0,
-                right: value.map(|v| w * f64::from(v)),
-            }
-        }));
-        for i in 0..n - 2 {
+        self.rows.resize(n, Row::default());
+        // Of the last two rows: the factors, what they were before the division, and the right sides before it.
+        let (mut last, mut before) = (Eliminated::default(), Eliminated::default());
+        for (i, (row, sample)) in self.rows.iter_mut().zip(&*samples).enumerate() {
             // Each second difference (1, −2, 1) adds its outer product.
-            self.rows[i].diagonal += lambda;
-            self.rows[i + 1].diagonal += 4.0 * lambda;
-            self.rows[i + 2].diagonal += lambda;
-            self.rows[i].first -= 2.0 * lambda;
-            self.rows[i + 1].first -= 2.0 * lambda;
-            self.rows[i].second += lambda;
-        }
-        self.eliminate();
-        for (sample, row) in samples.iter_mut().zip(&self.rows) {
-            sample.at = [row.right[0] as f32, row.right[1] as f32];
-            // Carried on from where it was seen, a width may fall through zero.
-            sample.width_px = (row.right[2] as f32).max(0.0);
-        }
-    }
-
-    fn eliminate(&mut self) {
-        let n = self.rows.len();
-        for i in 0..n {
-            let Row {
-                diagonal,
+            let [ahead, across, back] =
+                [i + 2 < n, i >= 1 && i + 1 < n, i >= 2].map(|is| f64::from(u8::from(is)));
+            let weight = f64::from(sample.weight).max(LEAST_WEIGHT);
+            let diagonal = weight + lambda * (ahead + 4.0 * across + back)
+                - last.row.first * last.first
+                - before.row.second * before.second;
+            let first = -2.0 * lambda * (ahead + across) - last.row.first * last.second;
+            let second = lambda * ahead;
+            let value = [sample.at[0], sample.at[1], sample.width_px, 0.0];
+            let right: [f64; 4] = std::array::from_fn(|c| {
+                weight * f64::from(value[c])
+                    - last.row.first * last.right[c]
+                    - before.row.second * before.right[c]
+            });
+            let inverse = 1.0 / diagonal;
+            *row = Row {
+                first: first * inverse,
+                second: second * inverse,
+                right: right.map(|r| r * inverse),
+            };
+            before = last;
+            last = Eliminated {
+                row: *row,
                 first,
                 second,
                 right,
-            } = self.rows[i];
-            let (l1, l2) = (first / diagonal, second / diagonal);
-            if i + 1 < n {
-                let next = &mut self.rows[i + 1];
-                next.diagonal -= l1 * first;
-                next.first -= l1 * second;
-                (0..3).for_each(|c| next.right[c] -= l1 * right[c]);
-            }
-            if i + 2 < n {
-                let after = &mut self.rows[i + 2];
-                after.diagonal -= l2 * second;
-                (0..3).for_each(|c| after.right[c] -= l2 * right[c]);
-            }
-            let row = &mut self.rows[i];
-            (row.first, row.second) = (l1, l2);
-            (0..3).for_each(|c| row.right[c] /= diagonal);
+            };
         }
-        for i in (0..n).rev() {
-            let next = if i + 1 < n {
-                self.rows[i + 1].right
-            } else {
-                [0.0; 3]
-            };
-            let after = if i + 2 < n {
-                self.rows[i + 2].right
-            } else {
-                [0.0; 3]
-            };
-            let row = &mut self.rows[i];
-            (0..3).for_each(|c| row.right[c] -= row.first * next[c] + row.second * after[c]);
+        let (mut next, mut after) = ([0.0; 4], [0.0; 4]);
+        for (row, sample) in self.rows.iter().zip(samples).rev() {
+            let here: [f64; 4] =
+                std::array::from_fn(|c| row.right[c] - row.first * next[c] - row.second * after[c]);
+            sample.at = [here[0] as f32, here[1] as f32];
+            // Carried on from where it was seen, a width may fall through zero.
+            sample.width_px = (here[2] as f32).max(0.0);
+            (next, after) = (here, next);
         }
     }
+}
+
+/// A row that has been eliminated, and what it was before its division by the diagonal.
+#[derive(Clone, Copy, Debug, Default)]
+struct Eliminated {
+    row: Row,
+    first: f64,
+    second: f64,
+    right: [f64; 4],
 }
 
 #[cfg(test)]

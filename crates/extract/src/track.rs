@@ -187,6 +187,21 @@ impl Tracker {
         self.report_lost(curves, count, options.ropes)
     }
 
+    /// Takes the ropes of the last image, which were followed into this one and are all that is known.
+    pub(crate) fn go_on(&mut self, curves: &[Curve]) {
+        for track in &mut self.tracks {
+            if let Some(curve) = curves.iter().find(|curve| curve.track == track.number) {
+                track.seen_ns = self.now_ns;
+                track.age = 0;
+                track.frames = track.frames.saturating_add(1);
+                track.note_length(curve, false);
+                track.points.clear();
+                track.points.extend_from_slice(&curve.points);
+                (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+            }
+        }
+    }
+
     /// Matches tracks and curves that are still free, those first that `agree` best.
     fn match_with(
         &mut self,

@@ -1,0 +1,77 @@
+//! Medians of many short measurements.
+
+use std::time::Instant;
+
+/// Measurements of one quantity.
+#[derive(Debug, Clone, Default)]
+pub struct Samples {
+    values: Vec<f64>,
+}
+
+impl Samples {
+    /// One more.
+    pub fn push(&mut self, value: f64) {
+        self.values.push(value);
+    }
+
+    /// Takes `work`'s time, in nanoseconds, as one more, and returns it.
+    pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> f64 {
+        let start = Instant::now();
+        let result = work();
+        let ns = start.elapsed().as_secs_f64() * 1e9;
+        // What the work made is let go outside of its time.
+        drop(result);
+        self.push(ns);
+        ns
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The smallest value that at least a `share` (0 to 1) of all do not exceed; 0 if there are none.
+    pub fn percentile(&self, share: f64) -> f64 {
+        let mut sorted = self.values.clone();
+        sorted.sort_by(f64::total_cmp);
+        let rank = (share * sorted.len() as f64).ceil() as usize;
+        let last = sorted.len().saturating_sub(1);
+        sorted
+            .get(rank.saturating_sub(1).min(last))
+            .copied()
+            .unwrap_or_default()
+    }
+
+    /// Half of all do not exceed it; 0 if there are none.
+    pub fn median(&self) -> f64 {
+        self.percentile(0.5)
+    }
+}
+
+impl FromIterator<f64> for Samples {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        Self {
+            values: values.into_iter().collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_values_that_were_measured() {
+        let samples: Samples = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(samples.median(), 50.0);
+        assert_eq!(samples.percentile(0.99), 99.0);
+        assert_eq!(samples.percentile(1.0), 100.0);
+        assert_eq!(samples.percentile(0.0), 1.0);
+        assert_eq!(Samples::from_iter([7.0, 3.0, 5.0]).median(), 5.0);
+    }
+
+    #[test]
+    fn nothing_measured_is_zero() {
+        assert_eq!(Samples::default().median(), 0.0);
+    }
+}

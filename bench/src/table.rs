@@ -1,0 +1,107 @@
+//! Tables of text.
+
+use std::fmt;
+
+/// Rows under a head; the first column is words, the others are figures.
+#[derive(Debug, Clone)]
+pub struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// An empty table with this head.
+    pub fn new(head: &[&str]) -> Self {
+        Self {
+            rows: vec![head.iter().map(|&word| word.into()).collect()],
+        }
+    }
+
+    /// One more row.
+    pub fn push<I: IntoIterator<Item = String>>(&mut self, row: I) {
+        self.rows.push(row.into_iter().collect());
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..columns)
+            .map(|c| {
+                let cells = self.rows.iter().filter_map(|row| row.get(c));
+                cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+            })
+            .collect();
+        for row in &self.rows {
+            for (c, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+                let is_last = c + 1 == row.len();
+                match c {
+                    0 if is_last => write!(f, "{cell}")?,
+                    0 => write!(f, "{cell:<width$}")?,
+                    _ => write!(f, "  {cell:>width$}")?,
+                }
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+/// Nanoseconds as microseconds.
+pub fn micros(ns: f64) -> String {
+    format!("{:.1}", ns / 1e3)
+}
+
+/// Nanoseconds as milliseconds.
+pub fn millis(ns: f64) -> String {
+    format!("{:.3}", ns / 1e6)
+}
+
+/// How many times `unit` goes into `value`, to three digits; a dash where there is nothing to divide by.
+pub fn times(value: f64, unit: f64) -> String {
+    if unit > 0.0 {
+        multiple(value / unit)
+    } else {
+        "-".into()
+    }
+}
+
+/// A ratio, to three digits.
+pub fn multiple(ratio: f64) -> String {
+    let decimals = match ratio {
+        r if r < 9.995 => 2,
+        r if r < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{ratio:.decimals$}×")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let mut table = Table::new(&["work", "µs", "÷ read"]);
+        table.push(["cold".into(), micros(123_456.0), times(123_456.0, 11_000.0)]);
+        table.push(["graph".into(), micros(7.0), times(7.0, 11_000.0)]);
+        let expected = "work      µs  ÷ read\n\
+                        cold   123.5   11.2×\n\
+                        graph    0.0   0.00×\n";
+        assert_eq!(table.to_string(), expected);
+    }
+
+    #[test]
+    fn a_ratio_has_three_digits() {
+        let shown = [0.126, 9.99, 9.996, 12.34, 99.96, 1234.5].map(|r| times(r, 1.0));
+        assert_eq!(shown, ["0.13×", "9.99×", "10.0×", "12.3×", "100×", "1234×"]);
+        assert_eq!(times(1.0, 0.0), "-");
+    }
+
+    #[test]
+    fn times_are_in_the_unit_that_is_named() {
+        assert_eq!(
+            [micros(1_234_567.0), millis(1_234_567.0)],
+            ["1234.6", "1.235"]
+        );
+    }
+}
