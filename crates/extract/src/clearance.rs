@@ -58,7 +58,8 @@ impl Clearance {
             }
             far += BLOCK;
         }
-        if best as usize <= far * far {
+        // At the windows' own width what is found may be their end.
+        if best as usize <= far * far && best < SEEN * SEEN {
             return (best as f32).sqrt() - 0.5;
         }
         half_width(mask, i32::from(x), y as i32)
@@ -86,5 +87,39 @@ impl Clearance {
             squares[k] = across * across + away[k] * away[k];
         }
         squares.into_iter().fold(u32::MAX, u32::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn windows_find_what_a_search_row_by_row_finds(
+            width in 1usize..160, height in 1usize..90, thick: bool,
+            holes in proptest::collection::vec((0usize..160, 0usize..90), 1..40),
+        ) {
+            // All set but for some holes, few of them in a large picture.
+            let holes = if thick { &holes[..1] } else { &holes[..] };
+            let mut rows = BitPlane::default();
+            rows.resize(width, height);
+            (0..height).for_each(|y| rows.fill(y, 0, width, true));
+            for &(x, y) in holes.iter().filter(|&&(x, y)| x < width && y < height) {
+                rows.fill(y, x, x + 1, false);
+            }
+            let mut mask = Strips::default();
+            mask.take(&rows);
+            let mut clearance = Clearance::default();
+            clearance.take(&mask);
+            for y in (0..height).step_by(2) {
+                for x in (0..width).step_by(3) {
+                    let by_rows = half_width(&rows, x as i32, y as i32);
+                    prop_assert_eq!(clearance.half_px(&rows, x as u16, y as u16), by_rows);
+                }
+            }
+        }
     }
 }

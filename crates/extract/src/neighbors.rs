@@ -1,6 +1,6 @@
 //! Kernels over the eight neighbors of each pixel, 64 pixels to a word and a block of words at a time.
 
-use crate::strips::{BLOCK, Blocks, Shape, Strips, block, block_mut};
+use crate::strips::{BLOCK, Blocks, Shape, Strips, block_mut};
 
 /// 64 pixels and their neighbors, each moved to its pixel's bit.
 #[derive(Clone, Copy)]
@@ -30,19 +30,10 @@ pub(crate) fn apply_to_block<R: Rule>(
     at: usize,
     stride: usize,
 ) -> [u64; BLOCK] {
-    // The rows above, of and below each word, in its own strip and in those to its left and right.
-    let (left, right) = (at - stride, at + stride);
-    let left = [left - 1, left, left + 1];
-    let left = [
-        block(words, left[0]),
-        block(words, left[1]),
-        block(words, left[2]),
-    ];
-    let own = [block(words, at - 1), block(words, at), block(words, at + 1)];
-    let right = [
-        block(words, right - 1),
-        block(words, right),
-        block(words, right + 1),
+    let [left, own, right] = [
+        three_rows(words, at - stride),
+        three_rows(words, at),
+        three_rows(words, at + stride),
     ];
     // A value and not a place in memory: the compiler sees then that nothing it reads is written.
     let mut new = [0; BLOCK];
@@ -62,6 +53,19 @@ pub(crate) fn apply_to_block<R: Rule>(
         });
     }
     new
+}
+
+/// The words above those of the block at `at`, the block itself and those below.
+#[inline(always)]
+fn three_rows(words: &[u64], at: usize) -> [&[u64; BLOCK]; 3] {
+    let rows: &[u64; BLOCK + 2] = words[at - 1..]
+        .first_chunk()
+        .expect("empty blocks lie all around the picture");
+    let from = |first: usize| {
+        let rows = rows[first..].first_chunk();
+        rows.expect("two rows more were taken")
+    };
+    [from(0), from(1), from(2)]
 }
 
 /// Applies `rule` to the blocks of `plane` that may hold something; `next` is memory for it, on the same ground.

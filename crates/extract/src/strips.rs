@@ -208,21 +208,47 @@ impl Strips {
     pub(crate) fn take(&mut self, plane: &BitPlane) {
         let shape = Shape::of(plane);
         self.resize(&shape);
+        pulp::Arch::new().dispatch(Take {
+            strips: self,
+            plane,
+        });
+    }
+}
+
+/// The taking of a picture, to be compiled for each kind of machine.
+struct Take<'a> {
+    strips: &'a mut Strips,
+    plane: &'a BitPlane,
+}
+
+impl pulp::NullaryFnOnce for Take<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Strips {
+            shape, words, used, ..
+        } = self.strips;
         // Most words hold nothing: eight at a time are passed over.
-        for (i, words) in plane.words().chunks(BLOCK).enumerate() {
-            if words.iter().fold(0, |all, word| all | word) == 0 {
+        let (eights, rest) = self.plane.words().as_chunks::<BLOCK>();
+        let mut put = |i: usize, word: u64| {
+            let (y, strip) = (i / shape.strips, i % shape.strips);
+            words[shape.index(strip, y)] = word;
+            used.add(shape, strip, y);
+        };
+        for (i, eight) in eights.iter().enumerate() {
+            if *eight == [0; BLOCK] {
                 continue;
             }
-            let (mut y, mut strip) = (BLOCK * i / shape.strips, BLOCK * i % shape.strips);
-            for &word in words {
+            for (k, &word) in eight.iter().enumerate() {
                 if word != 0 {
-                    self.words[shape.index(strip, y)] = word;
-                    self.used.add(&shape, strip, y);
+                    put(BLOCK * i + k, word);
                 }
-                strip += 1;
-                if strip == shape.strips {
-                    (y, strip) = (y + 1, 0);
-                }
+            }
+        }
+        for (k, &word) in rest.iter().enumerate() {
+            if word != 0 {
+                put(BLOCK * eights.len() + k, word);
             }
         }
     }
