@@ -198,7 +198,7 @@ impl Tracker {
                 track.seen_ns = self.now_ns;
                 track.age = 0;
                 track.frames = track.frames.saturating_add(1);
-                track.note_length(curve, false);
+                track.note_length(curve, false, true);
                 track.points.clear();
                 track.points.extend_from_slice(&curve.points);
                 (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
