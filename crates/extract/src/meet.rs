@@ -137,9 +137,10 @@ fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     let (a, b) = (&curves[p.curve], &curves[q.curve]);
     let same = p.curve == q.curve;
     // Pieces that lie nearer along the curve than this do not cross, on the short way around.
-    let apart = if same { a.nearest_crossing() } else { 0 };
+    let apart = a.nearest_crossing();
     for i in p.from..p.to {
-        for j in q.from.max(i + apart)..q.to {
+        let first = if same { q.from.max(i + apart) } else { q.from };
+        for j in first..q.to {
             if all.len() == MOST {
                 return;
             }
