@@ -85,7 +85,8 @@ impl Differencer {
         self.stretch(image, from, out);
     }
 
-    /// The difference down a column, from pixel [x, y] on, into `out`. The table has one color for all of it.
+    /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
+    #[inline(always)]
     pub(crate) fn down(image: &Image, background: &Background, [x, y]: [usize; 2], out: &mut [u8]) {
         let table = whole(background.at(x, y + out.len() / 2));
         // U and V count double.
@@ -99,7 +100,7 @@ impl Differencer {
             color::down(image, [x, y + part * PART], out.len(), |k, [a, b, c]| {
                 pixels[k] = [a, b, c, 0];
             });
-            pulp::Arch::new().dispatch(|| four_channels(&pixels, table, more, out));
+            four_channels(&pixels, table, more, out);
         }
     }
 

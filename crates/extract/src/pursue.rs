@@ -13,7 +13,9 @@
 
 mod chord;
 mod lay;
+mod learn;
 mod rope;
+mod station;
 mod sweep;
 
 use crate::background::Background;

@@ -48,6 +48,7 @@ pub(super) struct Reader<'a> {
 
 impl Reader<'_> {
     /// The chord at a place; nothing where the rope does not begin and end within the span.
+    #[inline(always)]
     pub(super) fn chord(&mut self, of: &Where) -> Option<Chord> {
         let mut profile = [0u8; MOST];
         let (from, line) = self.read(of, &mut profile)?;
@@ -80,6 +81,7 @@ impl Reader<'_> {
 
     /// Reads the difference about a place; returns where along the axis it begins, and the row or column. Nothing where
     /// the image ends before.
+    #[inline(always)]
     fn read(&mut self, of: &Where, profile: &mut [u8; MOST]) -> Option<(usize, usize)> {
         let profile = &mut profile[..of.span];
         let size = [self.image.width(), self.image.height()];
@@ -105,6 +107,7 @@ impl Reader<'_> {
 
 /// The run of set bits that holds bit `at` or lies nearest to it, among the first `count` bits: its first, and the one
 /// after its last. Nothing if it touches the ends.
+#[inline(always)]
 fn run(set: u128, count: usize, at: usize) -> Option<[usize; 2]> {
     let at = at.min(count - 1);
     let above = set >> at;

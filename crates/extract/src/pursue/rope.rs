@@ -1,47 +1,29 @@
 //! One rope that is followed by its chords.
 
-use super::chord::{MOST, Reader, Where};
+use super::chord::{MOST, Reader};
 use super::lay::Lay;
-use crate::color;
+use super::station::{
+    ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, axis, beyond, set_normals,
+};
 use crate::line::{Line, Sample};
-use crate::scene::{Curve, Status};
+use crate::scene::Curve;
 use crate::smooth::Smoother;
 use crate::vec2::{self, Vec2};
 
-/// Ropes of these widths, in pixels: thinner ones have no middle to tell their contrast by, and of thicker ones a chord
-/// does not fit into a span.
-const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=36.0;
-/// Fewer points than this are no shape to follow.
-const LEAST_POINTS: usize = 16;
-/// The farthest that points may lie apart, in widths: what lies between them is not looked at.
-const APART_WIDTHS: f32 = 2.0;
-/// A smooth curve through the points is as long as the rope, up to this share: or they lie too far apart for its bends.
-const LENGTH: f32 = 0.002;
-/// How far a rope may have moved aside from where it is expected, in widths and at most in pixels more.
-const ASIDE_WIDTHS: f32 = 0.6;
-/// How much a chord's width may differ from the rope's there.
-const WIDTH: std::ops::RangeInclusive<f32> = 0.78..=1.28;
-/// How much its contrast may.
-const CONTRAST: std::ops::RangeInclusive<f32> = 0.7..=1.4;
 /// The least share of the points that have a chord of their own.
-const LEAST_MEASURED: f32 = 0.6;
+pub(super) const LEAST_MEASURED: f32 = 0.6;
 /// Points beside one without a chord that may lose theirs, as a crossing moves along the rope, and the share of all
 /// points that may lose it anywhere.
 const BESIDE: usize = 2;
 const LOST: f32 = 0.02;
-/// A tip may move this far along the rope from one frame to the next, in widths.
-const TIP_WIDTHS: f32 = 0.75;
-/// Points to either side that a bias and a contrast are averaged with.
-const AROUND: usize = 4;
+/// Widths of rope that go unread at most, between parts that are read.
+const MOST_BRIDGED: f32 = 6.0;
 /// Within so many widths of a tip a chord may run out of it: the rope is read straight across there; and nearer than
 /// this not at all.
 const NEAR_TIP: f32 = 1.2;
 const AT_TIP: f32 = 0.35;
 /// Points beyond those that may lack a reading before a tip.
 const MOST_UNREAD: usize = 1;
-/// A tip may lie so far, in widths, beside the way that the rope runs on to it, and beyond where its difference falls.
-const OFF_TIP: f32 = 0.15;
-const BEYOND_TIP: f32 = 0.5;
 /// The rope runs on to its tip as it bends over twice this way, in widths, before it.
 const BEFORE_TIP: f32 = 1.0;
 /// The sharpest bend that it runs on with, in radians over that way.
@@ -49,8 +31,6 @@ const SHARPEST: f32 = 0.8;
 /// A strand that crosses blurs this far beyond its width, as a factor and in pixels more.
 const CLEAR: f32 = 1.1;
 const CLEAR_PX: f32 = 2.0;
-/// A rope is followed if that leaves each of its points where it was extracted, to so many pixels, or widths.
-const OFF: (f32, f32) = (0.4, 0.04);
 /// The reach of smoothing, in points: each chord is one row of noisy pixels. A bend of a radius of three points, as tight
 /// as ropes are, loses (0.6/3)⁴ of it.
 const SMOOTH: f32 = 0.6;
@@ -61,101 +41,28 @@ const FAR_PX: f32 = 1.0;
 /// A rope, and how its chords read where it was measured with care.
 #[derive(Debug, Default)]
 pub(super) struct Rope {
-    stations: Vec<Station>,
-    /// The same in the frame at hand, until that is taken.
-    next: Vec<Station>,
-    tips: [Tip; 2],
+    pub(super) stations: Vec<Station>,
+    /// The same in the frame at hand, until that is taken, and what was read there.
+    pub(super) next: Vec<Station>,
+    pub(super) readings: Vec<Option<Reading>>,
+    pub(super) tips: [Tip; 2],
     pub(super) width_px: f32,
     pub(super) length_px: f32,
-    lay: Lay,
+    pub(super) lay: Lay,
     line: Line,
     smoother: Smoother,
 }
 
-/// A point of the curve.
-#[derive(Clone, Copy, Debug, Default)]
-struct Station {
-    at: Vec2,
-    normal: Vec2,
-    /// The width there.
-    width_px: f32,
-    /// The difference in the middle of the rope.
-    contrast: f32,
-    /// What chords say too much: how far aside of the curve, and of the width.
-    bias_px: [f32; 2],
-    /// Whether it was read.
-    is_measured: bool,
-    /// Whether a strand that crosses here lies in its chord.
-    is_crossed: bool,
-    /// How far it moved aside in the last frame.
-    aside_px: f32,
-}
-
 /// An end of the rope, beside the way the rope runs on to it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tip {
+pub(super) struct Tip {
     /// How far beyond it the difference falls to half.
-    beyond_px: f32,
+    pub(super) beyond_px: f32,
     /// How far aside it lies.
-    aside_px: f32,
-}
-
-/// One chord, read at a station.
-#[derive(Clone, Copy, Debug)]
-struct Reading {
-    aside_px: f32,
-    width_px: f32,
-    contrast: f32,
+    pub(super) aside_px: f32,
 }
 
 impl Rope {
-    /// Takes the rope as it was extracted; false when it is none that can be followed.
-    pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
-        let n = curve.points.len();
-        let spacing_px = curve.length_px / (n.max(2) - 1) as f32;
-        let plain = curve.status == Status::Ok && !curve.closed && curve.border == [false; 2];
-        let fits = n >= LEAST_POINTS
-            && WIDTHS_PX.contains(&curve.width_px)
-            && spacing_px <= APART_WIDTHS * curve.width_px;
-        if !plain || !fits {
-            return false;
-        }
-        self.width_px = curve.width_px;
-        self.stations.clear();
-        self.stations
-            .extend(
-                (curve.points.iter().zip(&curve.widths_px)).map(|(&at, &width_px)| Station {
-                    at,
-                    width_px,
-                    ..Station::default()
-                }),
-            );
-        set_normals(&mut self.stations);
-        self.length_px = self.lay.measure(self.stations.iter().map(|s| s.at));
-        if (self.length_px - curve.length_px).abs() > LENGTH * curve.length_px {
-            return false;
-        }
-        true
-    }
-
-    /// Learns how the chords read in the image that the rope was extracted from; false when they do not tell it.
-    pub(super) fn learn(&mut self, reader: &mut Reader) -> bool {
-        self.learn_contrast(reader);
-        self.learn_biases(reader) && self.learn_tips(reader) && self.agrees(reader)
-    }
-
-    /// Whether the rope, followed into the very image that it was extracted from, stays where it is.
-    fn agrees(&mut self, reader: &mut Reader) -> bool {
-        self.next.clone_from(&self.stations);
-        if self.measure(reader).is_none() {
-            return false;
-        }
-        let most_px = OFF.0.max(OFF.1 * self.width_px);
-        let both = self.next.iter().zip(&self.stations);
-        both.into_iter()
-            .all(|(next, was)| vec2::distance(next.at, was.at) <= most_px)
-    }
-
     /// Forgets which stations are crossed.
     pub(super) fn clear_crossings(&mut self) {
         self.stations.iter_mut().for_each(|s| s.is_crossed = false);
@@ -192,73 +99,8 @@ impl Rope {
         [normal[1], -normal[0]]
     }
 
-    /// Reads the rope's contrast at its points, in the mean of those around.
-    fn learn_contrast(&mut self, reader: &mut Reader) {
-        let yuv = color::is_yuv(reader.image.format());
-        for station in &mut self.stations {
-            let color = color::between(reader.image, station.at);
-            station.bias_px[0] = color::distance(color, table(reader, station.at), yuv);
-        }
-        self.average(|s| Some(s.bias_px[0]), |s, mean| s.contrast = mean.max(2.0));
-    }
-
-    fn learn_biases(&mut self, reader: &mut Reader) -> bool {
-        let span = self.span();
-        let mut measured = 0;
-        for i in 0..self.stations.len() {
-            let near = self.nearness(i);
-            let station = &mut self.stations[i];
-            station.bias_px = [0.0; 2];
-            let reading = read(reader, station, near, span);
-            station.is_measured = reading.is_some();
-            if let Some(reading) = reading {
-                measured += 1;
-                station.bias_px = [reading.aside_px, reading.width_px - station.width_px];
-            }
-        }
-        for part in 0..2 {
-            self.average(
-                |s| s.is_measured.then_some(s.bias_px[part]),
-                |s, mean| s.aside_px = mean,
-            );
-            for station in &mut self.stations {
-                station.bias_px[part] = station.aside_px;
-            }
-        }
-        self.stations.iter_mut().for_each(|s| s.aside_px = 0.0);
-        measured as f32 >= LEAST_MEASURED * self.stations.len() as f32
-    }
-
-    fn learn_tips(&mut self, reader: &mut Reader) -> bool {
-        self.tips = [Tip::default(); 2];
-        let known: fn(&Station) -> bool = |s| s.is_measured;
-        let ends = [
-            self.stations.iter().position(known),
-            self.stations.iter().rev().position(known),
-        ];
-        self.next.clone_from(&self.stations);
-        for (end, unread) in ends.into_iter().enumerate() {
-            let Some(unread) = unread.filter(|&unread| self.can_run_on(end, unread)) else {
-                return false;
-            };
-            let (true_tip, normal) = (self.end(end, 0).at, self.end(end, 0).normal);
-            self.run_on(end, unread);
-            let run_on = self.next[self.place(end, 0)].at;
-            self.tips[end].aside_px = vec2::dot(vec2::sub(true_tip, run_on), normal);
-            let Some(beyond_px) = beyond(reader, &self.stations, end, self.width_px) else {
-                return false;
-            };
-            self.tips[end].beyond_px = beyond_px;
-            let [off, beyond] = [OFF_TIP, BEYOND_TIP].map(|widths| widths * self.width_px);
-            if self.tips[end].aside_px.abs() > off || beyond_px.abs() > beyond {
-                return false;
-            }
-        }
-        true
-    }
-
     /// The number of the `i`-th station from an end.
-    fn place(&self, end: usize, i: usize) -> usize {
+    pub(super) fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 {
             i
         } else {
@@ -266,13 +108,13 @@ impl Rope {
         }
     }
 
-    fn end(&self, end: usize, i: usize) -> &Station {
+    pub(super) fn end(&self, end: usize, i: usize) -> &Station {
         &self.stations[self.place(end, i)]
     }
 
     /// Whether so few stations before a tip of the next frame are unread, and so many after those are read, that the rope
     /// can be run on to it.
-    fn can_run_on(&self, end: usize, unread: usize) -> bool {
+    pub(super) fn can_run_on(&self, end: usize, unread: usize) -> bool {
         let most = (AT_TIP * self.width_px / self.spacing_px()) as usize + 1 + MOST_UNREAD;
         let mut needed = unread..=(unread + 2 * self.before_tip()).min(self.next.len() - 1);
         unread <= most && needed.all(|i| self.next[self.place(end, i)].is_measured)
@@ -288,18 +130,24 @@ impl Rope {
         (self.length_px / (self.stations.len() - 1) as f32).max(0.1)
     }
 
-    /// How station `i` is to be read.
-    fn nearness(&self, i: usize) -> Near {
-        let far = i.min(self.stations.len() - 1 - i) as f32 * self.spacing_px() / self.width_px;
-        match far {
-            _ if far < AT_TIP || i == 0 || i + 1 == self.stations.len() => Near::Tip,
-            _ if far < NEAR_TIP => Near::BeforeTip,
-            _ => Near::Rope,
-        }
+    /// Reads the stations of the next frame.
+    pub(super) fn read(&mut self, reader: &mut Reader) {
+        let before = |widths: f32| (widths * self.width_px / self.spacing_px()).ceil() as usize;
+        let near_tip = [before(AT_TIP).max(1), before(NEAR_TIP).max(1)];
+        let span = self.span();
+        self.readings.clear();
+        self.readings.resize(self.next.len(), None);
+        pulp::Arch::new().dispatch(ReadAll {
+            reader,
+            stations: &self.next,
+            readings: &mut self.readings,
+            near_tip,
+            span,
+        });
     }
 
     /// Lays the first `unread` stations of the next frame from an end on along the arc that those after them lie on.
-    fn run_on(&mut self, end: usize, unread: usize) {
+    pub(super) fn run_on(&mut self, end: usize, unread: usize) {
         let n = self.next.len();
         let back = self.before_tip();
         let at = |i: usize| self.next[self.place(end, i.min(n - 1))].at;
@@ -318,22 +166,6 @@ impl Rope {
             let share = far_px / (unread as f32 * self.spacing_px());
             let place = self.place(end, i);
             self.next[place].at = vec2::along(vec2::along(here, ahead, far_px), aside, share);
-        }
-    }
-
-    /// Gives each station the mean of what the stations around it say.
-    fn average(
-        &mut self,
-        of: impl Fn(&Station) -> Option<f32>,
-        mut put: impl FnMut(&mut Station, f32),
-    ) {
-        let n = self.stations.len();
-        self.next.clone_from(&self.stations);
-        for (i, station) in self.stations.iter_mut().enumerate() {
-            let around = &self.next[i.saturating_sub(AROUND)..(i + AROUND + 1).min(n)];
-            let (sum, count) = (around.iter().filter_map(&of))
-                .fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-            put(station, if count > 0 { sum / count as f32 } else { 0.0 });
         }
     }
 
@@ -397,14 +229,12 @@ impl Rope {
 
     /// Moves the stations to where their chords say that the rope is; returns how far that was in the mean, nothing
     /// when too many have none.
-    fn measure(&mut self, reader: &mut Reader) -> Option<f32> {
-        let span = self.span();
+    pub(super) fn measure(&mut self, reader: &mut Reader) -> Option<f32> {
+        self.read(reader);
         let n = self.next.len();
         let (mut lost, mut measured) = (0usize, 0usize);
-        for i in 0..n {
-            let near = self.nearness(i);
+        for (i, reading) in self.readings.iter().enumerate() {
             let station = &mut self.next[i];
-            let reading = read(reader, station, near, span);
             station.is_measured = reading.is_some();
             if let Some(reading) = reading {
                 measured += 1;
@@ -425,7 +255,7 @@ impl Rope {
         if !self.can_run_on(0, first) || !self.can_run_on(1, n - 1 - last) {
             return None;
         }
-        let sum = self.settle(first, last);
+        let sum = self.settle(first, last)?;
         self.run_on(0, first);
         self.run_on(1, n - 1 - last);
         for (station, was) in self.next.iter_mut().zip(&self.stations) {
@@ -436,8 +266,9 @@ impl Rope {
     }
 
     /// Moves the stations from `first` to `last` to where they were read, and those in between that were not to where
-    /// the rope bends least; returns how far they moved, in all.
-    fn settle(&mut self, first: usize, last: usize) -> f32 {
+    /// the rope bends least; returns how far they moved, in all, nothing where too many were not.
+    fn settle(&mut self, first: usize, last: usize) -> Option<f32> {
+        let most = (MOST_BRIDGED * self.width_px / self.spacing_px()) as usize;
         let samples = &mut self.line.samples;
         samples.clear();
         let stations = &mut self.next[first..=last];
@@ -453,6 +284,9 @@ impl Rope {
             match (begins, stations[i].is_measured) {
                 (None, false) => begins = Some(i),
                 (Some(from), true) => {
+                    if i - from > most {
+                        return None;
+                    }
                     if i - from > 1 {
                         samples[from - 1].weight = 0.0;
                         samples[i].weight = 0.0;
@@ -468,7 +302,7 @@ impl Rope {
             sum += vec2::distance(station.at, sample.at);
             station.at = sample.at;
         }
-        sum
+        Some(sum)
     }
 
     /// Takes what [`follow`](Self::follow) found, into `curve` as well.
@@ -487,116 +321,5 @@ impl Rope {
         curve
             .widths_px
             .extend(self.stations.iter().map(|s| s.width_px));
-    }
-}
-
-/// How a station is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Near {
-    /// Not at all.
-    Tip,
-    /// Straight across.
-    BeforeTip,
-    /// By the chord.
-    Rope,
-}
-
-/// The rope at a station, if it can be the rope.
-fn read(reader: &mut Reader, station: &Station, near: Near, span: usize) -> Option<Reading> {
-    if station.is_crossed {
-        return None;
-    }
-    let level = 0.5 * station.contrast;
-    let (aside_px, width_px, contrast) = match near {
-        Near::Tip => return None,
-        Near::BeforeTip => {
-            let limit_px = 0.5 * span as f32;
-            let out = [station.normal, vec2::scale(station.normal, -1.0)];
-            let [right, left] = out.map(|out| fall(reader, station.at, out, level, limit_px));
-            let (right, left) = (right?, left?);
-            (0.5 * (right - left), right + left, station.contrast)
-        }
-        Near::Rope => {
-            let axis = axis(station.normal);
-            let chord = reader.chord(&Where {
-                at: station.at,
-                axis,
-                span: if axis == 0 {
-                    span.next_multiple_of(64)
-                } else {
-                    span
-                },
-                level,
-            })?;
-            let aside_px = vec2::dot(vec2::sub(chord.at, station.at), station.normal);
-            let width_px = chord.length_px * station.normal[axis].abs();
-            (aside_px, width_px, chord.contrast)
-        }
-    };
-    let fits = WIDTH.contains(&((width_px - station.bias_px[1]) / station.width_px.max(0.1)))
-        && CONTRAST.contains(&(contrast / station.contrast))
-        && aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0;
-    fits.then_some(Reading {
-        aside_px,
-        width_px,
-        contrast,
-    })
-}
-
-/// How far beyond the last station at an end the rope goes on; nothing where it does not end nearby.
-fn beyond(reader: &Reader, stations: &[Station], end: usize, width_px: f32) -> Option<f32> {
-    let n = stations.len();
-    let at = |i: usize| &stations[if end == 0 { i } else { n - 1 - i }];
-    let spacing_px = vec2::distance(at(0).at, at(1).at).max(0.1);
-    let back = ((0.5 * width_px / spacing_px) as usize).clamp(1, n / 4);
-    let out = vec2::unit_or(vec2::sub(at(0).at, at(back).at), [1.0, 0.0]);
-    let within_px = TIP_WIDTHS * width_px;
-    let from = vec2::along(at(0).at, out, -within_px);
-    let level = 0.5 * at(back + 1).contrast;
-    let far_px = fall(reader, from, out, level, 2.0 * within_px + 3.0)?;
-    Some(far_px - within_px)
-}
-
-/// How far from a place, in a direction, the difference falls below a level; nothing where it lies below it from the
-/// start, up to a limit or to the image's border.
-fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Option<f32> {
-    let limits = [reader.image.width(), reader.image.height()];
-    let table = table(reader, from);
-    let yuv = color::is_yuv(reader.image.format());
-    let (mut far_px, mut before) = (0.0, f32::INFINITY);
-    while far_px <= limit_px {
-        let place = vec2::along(from, out, far_px);
-        let holds = (0..2).all(|c| place[c] >= 0.0 && place[c] <= (limits[c] - 1) as f32);
-        if !holds {
-            return None;
-        }
-        let value = color::distance(color::between(reader.image, place), table, yuv);
-        if value < level {
-            let part = (before - level) / (before - value).max(1e-3);
-            return before.is_finite().then_some(far_px - 1.0 + part);
-        }
-        before = value;
-        far_px += 1.0;
-    }
-    None
-}
-
-/// The table's color at a place.
-fn table(reader: &Reader, at: Vec2) -> [f32; 3] {
-    let [x, y] = at.map(|v| v.max(0.0) as usize);
-    reader.background.at(x, y)
-}
-
-/// Along which the rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.
-fn axis([x, y]: Vec2) -> usize {
-    usize::from(y.abs() > x.abs())
-}
-
-fn set_normals(stations: &mut [Station]) {
-    let n = stations.len();
-    for i in 0..n {
-        let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
-        let tangent = vec2::sub(stations[b].at, stations[a].at);
-        stations[i].normal = vec2::normal(vec2::unit_or(tangent, [1.0, 0.0]));
     }
 }
