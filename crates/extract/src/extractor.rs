@@ -142,7 +142,7 @@ impl Extractor {
         if self.pursue(image) {
             let steps = [Step::Mask, Step::Skeleton, Step::Graph, Step::Points];
             steps.into_iter().for_each(after);
-            return self.scene();
+            return self.scene(true);
         }
         self.masker.run(image, &self.options.mask);
         self.after_mask(image, after)
@@ -259,15 +259,16 @@ impl Extractor {
             .find(image, &self.curves[..seen], &mut self.crossings);
         self.anchor(image, seen);
         after(Step::Points);
-        self.scene()
+        self.scene(false)
     }
 
     /// What is known of the last image.
-    fn scene(&self) -> Scene<'_> {
+    fn scene(&self, followed: bool) -> Scene<'_> {
         Scene {
             curves: &self.curves[..self.count],
             crossings: &self.crossings,
             notice: self.masker.notice,
+            followed,
         }
     }
 

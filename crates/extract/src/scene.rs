@@ -91,4 +91,7 @@ pub struct Scene<'a> {
     pub crossings: &'a [Crossing],
     /// What the automatic mask is unsure of in this image, if anything; nothing with any other mask.
     pub notice: Option<Notice>,
+    /// Whether the ropes were followed from the last image, by reading this one only around them; otherwise it was
+    /// looked at whole.
+    pub followed: bool,
 }

@@ -74,6 +74,7 @@ fn sequence_of((curves, crossings): &(Vec<Curve>, Vec<Crossing>)) -> CrossingSeq
         curves,
         crossings,
         notice: None,
+        followed: false,
     };
     CrossingSequence::of(&scene, 0)
 }
@@ -283,6 +284,7 @@ fn crossings_with_other_ropes_are_no_part_of_the_sequence() {
         curves: &curves,
         crossings: &crossings,
         notice: None,
+        followed: false,
     };
     assert_eq!(CrossingSequence::of(&scene, 0).passes().len(), 6);
     assert_eq!(CrossingSequence::of(&scene, 1).passes().len(), 0);

@@ -176,14 +176,16 @@ impl Rope {
         (2 * reach_px.ceil() as usize).next_multiple_of(8).min(MOST)
     }
 
-    /// How far from the curve something is the rope itself, or was or will be.
+    /// How far from the [places](Self::places) something is the rope itself, or was or will be.
     pub(super) fn reach_px(&self) -> f32 {
-        (0.5 + 2.0 * ASIDE_WIDTHS) * self.width_px + 0.5 * self.spacing_px() + 4.0
+        (0.5 + 2.0 * ASIDE_WIDTHS) * self.width_px + self.spacing_px() + 4.0
     }
 
-    /// The points where it was last seen.
+    /// Where it was last seen, at every other point and the last.
     pub(super) fn places(&self) -> impl Iterator<Item = Vec2> {
-        self.stations.iter().map(|station| station.at)
+        let last = self.stations.last();
+        let all = self.stations.iter().step_by(2).chain(last);
+        all.map(|station| station.at)
     }
 
     /// Finds the rope in the next image; false when that takes a closer look. [`take`](Self::take) makes it so.

@@ -4,7 +4,7 @@ use super::chord::Reader;
 use crate::vec2::Vec2;
 
 /// Rows from one that is read to the next: what is as high is seen at once, anything else within as many frames.
-const APART: usize = 48;
+const APART: usize = 64;
 /// Rows by which they move from frame to frame; it has no divisor in common with their distance.
 const MOVE: usize = 13;
 /// Side of the squares that the ropes' neighborhood is made of, in pixels.

@@ -1,6 +1,7 @@
 //! Ropes drawn with a known truth: anti-aliased strips along a curve over a lit, noisy table.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub(crate) mod formats;
 pub(crate) mod shaded;
 
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene};
