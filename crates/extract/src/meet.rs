@@ -136,18 +136,22 @@ impl Block {
 fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     let (a, b) = (&curves[p.curve], &curves[q.curve]);
     let same = p.curve == q.curve;
+    // Pieces near to each other along the curve need not be asked.
+    let apart = if same { a.nearest_other() } else { 0 };
     for i in p.from..p.to {
-        for j in q.from..q.to {
+        let piece = a.piece(i);
+        let from = if same { i + apart } else { 0 };
+        for j in q.from.max(from)..q.to {
             if all.len() == MOST {
                 return;
             }
-            if same && (j <= i || a.neighbors(i, j)) {
+            if same && a.closed && a.neighbors(i, j) {
                 continue;
             }
-            let Some((t, u)) = meet(a.piece(i), b.piece(j)) else {
+            let Some((t, u)) = meet(piece, b.piece(j)) else {
                 continue;
             };
-            let [from, to] = a.piece(i);
+            let [from, to] = piece;
             let place = |curve, at| Place { curve, at };
             all.push(Meeting {
                 at: vec2::along(from, vec2::sub(to, from), t),

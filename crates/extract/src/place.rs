@@ -27,13 +27,20 @@ impl Curve {
 
     /// The two points that piece `i` joins.
     pub(crate) fn piece(&self, i: usize) -> [Vec2; 2] {
-        [self.points[i], self.points[(i + 1) % self.points.len()]]
+        let next = if i + 1 < self.points.len() { i + 1 } else { 0 };
+        [self.points[i], self.points[next]]
     }
 
     /// Whether pieces `i` and `j` are too near along the curve to cross each other.
     pub(crate) fn neighbors(&self, i: usize, j: usize) -> bool {
         let apart = self.step(i as f32, j as f32).abs();
         apart < 1.5 || apart * self.spacing_px() < TIGHTEST * self.width_px
+    }
+
+    /// From a piece to the first after it that [`neighbors`](Self::neighbors) does not hold for.
+    pub(crate) fn nearest_other(&self) -> usize {
+        let tightest = TIGHTEST * self.width_px / self.spacing_px();
+        (tightest.max(1.5).ceil() as usize).min(self.points.len())
     }
 
     /// From place `from` to place `to` (points with fractions), the shorter way of a closed curve.
