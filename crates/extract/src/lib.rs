@@ -61,6 +61,7 @@ mod cover;
 mod crossings;
 mod difference;
 mod doubt;
+mod edge;
 mod ends;
 mod extractor;
 mod faint;
