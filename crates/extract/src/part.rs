@@ -105,7 +105,8 @@ fn joint(line: &Line, past: &Past) -> Option<usize> {
         if apart(&i) > past.reach_px(width_px) {
             return None;
         }
-        let beside = ((BESIDE_WIDTHS * width_px / step_px) as usize).max(2);
+        // A line much shorter than its rope is wide has no room for it.
+        let beside = ((BESIDE_WIDTHS * width_px / step_px) as usize).clamp(2, n / 4);
         let own = ((OWN_WIDTHS * width_px / step_px) as usize).max(beside + 1);
         if !line.closed && (i < own || i + own >= n) {
             return None;
