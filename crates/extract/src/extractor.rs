@@ -287,6 +287,7 @@ impl Extractor {
                 self.extract(&image);
             }
             self.options.mask = wanted;
+            self.masker.prepare(&self.options.mask, width * height);
             self.reserve(width, height);
         }
         self.reset();
