@@ -308,7 +308,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    #[ignore = "every color of every example: seconds when optimized, a minute when not"]
+    #[ignore = "every color of every example: half a minute when optimized"]
     fn the_cube_holds_exactly_what_the_ranges_contain() {
         for ranges in examples() {
             check(&ranges, false, 1);
