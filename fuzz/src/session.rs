@@ -11,6 +11,9 @@ use lariat_extract::{
 /// More frames show little that these do not, and cost the fuzzer its runs.
 const MOST_FRAMES: usize = 5;
 
+/// Frames after which ropes that lie still are followed.
+const UNTIL_FOLLOWED: usize = 4;
+
 /// What a fuzzer's bytes stand for.
 #[derive(Arbitrary, Debug)]
 pub struct Session {
@@ -43,6 +46,8 @@ enum Frame {
     Image(Picture),
     /// The last image again: a rope that lies still.
     Again,
+    /// The last image, until ropes that are plain to see are followed, and then moved by so many bytes and rows.
+    Moved([i8; 2]),
     /// An image with a mask that was made elsewhere, of its size or of its own.
     Masked {
         picture: Picture,
@@ -84,6 +89,18 @@ impl Session {
                     if let Some(pixels) = &last {
                         self.check(&extractor.extract(&image(pixels)), pixels);
                     }
+                }
+                Frame::Moved([bytes, rows]) => {
+                    let Some(pixels) = &mut last else { continue };
+                    for _ in 0..UNTIL_FOLLOWED {
+                        self.check(&extractor.extract(&image(pixels)), pixels);
+                    }
+                    let by = i32::from(*bytes) + i32::from(*rows) * pixels.stride as i32;
+                    let count = pixels.bytes.len();
+                    pixels
+                        .bytes
+                        .rotate_left(by.unsigned_abs() as usize % count.max(1));
+                    self.check(&extractor.extract(&image(pixels)), pixels);
                 }
                 Frame::Image(picture) => {
                     let pixels = last.insert(picture.pixels());

@@ -67,16 +67,18 @@ impl Background {
         }
         let chroma = color::chroma_weight(image.format());
         // Every few rows show what is table; all of them how it is lit.
-        let scale = self.refine(GLANCE, ROUNDS, f32::INFINITY, chroma);
-        self.noise = self.refine(1, ROUNDS, scale, chroma).max(0.5);
+        let arch = Arch::new();
+        let glance = self.measure(arch, GLANCE, chroma);
+        let scale = self.refine(GLANCE, glance, chroma);
+        self.take_residuals(arch, 1, chroma);
+        self.noise = self.refine(1, scale, chroma).max(0.5);
     }
 
     /// Fits the surface, over and over, to the samples of every `stride`-th row of the grid that lie near it, at first
-    /// within a few times the `scale` known (the median residual, if there is none). Returns the new one.
-    fn refine(&mut self, stride: usize, rounds: usize, known: f32, chroma: f32) -> f32 {
+    /// within a few times `scale`, the median residual. Returns the new one.
+    fn refine(&mut self, stride: usize, mut scale: f32, chroma: f32) -> f32 {
         let arch = Arch::new();
-        let mut scale = self.measure(arch, stride, chroma).min(known);
-        for _ in 0..rounds {
+        for _ in 0..ROUNDS {
             if !self.fit(arch, stride, OUTLIER * scale.max(0.7)) {
                 break;
             }
@@ -167,7 +169,20 @@ impl Background {
 
     /// Finds how far the samples are off the surface; returns the median.
     fn measure(&mut self, arch: Arch, stride: usize, chroma: f32) -> f32 {
+        self.take_residuals(arch, stride, chroma);
         let groups = self.u.len();
+        let columns = self.x.len();
+        let mut counts = Counts::<BINS>::default();
+        for row in self.steps.chunks_exact(groups).step_by(stride) {
+            for (i, &step) in row.as_flattened()[..columns].iter().enumerate() {
+                counts.add(i, step as usize);
+            }
+        }
+        (counts.middle() as f32 + 0.5) / STEPS
+    }
+
+    /// Finds how far the samples are off the surface.
+    fn take_residuals(&mut self, arch: Arch, stride: usize, chroma: f32) {
         arch.dispatch(Measure {
             stride,
             u: &self.u,
@@ -178,14 +193,6 @@ impl Background {
             residuals: &mut self.residuals,
             steps: &mut self.steps,
         });
-        let columns = self.x.len();
-        let mut counts = Counts::<BINS>::default();
-        for row in self.steps.chunks_exact(groups).step_by(stride) {
-            for (i, &step) in row.as_flattened()[..columns].iter().enumerate() {
-                counts.add(i, step as usize);
-            }
-        }
-        (counts.middle() as f32 + 0.5) / STEPS
     }
 
     /// Least squares over the samples within `limit` of the surface. False when they do not

@@ -40,6 +40,10 @@ const HELD: f32 = 0.05;
 const COARSE: f32 = 1.6;
 const FINE: f32 = 1.25;
 
+/// Distance between samples, in half-widths, and its limits in pixels: at twice the distance, noise shows.
+const STEP_HALVES: f32 = 0.25;
+const STEPS_PX: [f32; 2] = [0.75, 4.0];
+
 /// What was measured is smoothed over so many half-widths, and at least so many pixels.
 const SMOOTH_HALVES: f32 = 0.35;
 const SMOOTH_PX: f32 = 2.5;
@@ -71,7 +75,8 @@ impl Centerliner {
     pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
         let legs = &source.legs[strand.from as usize..strand.to as usize];
         let mut half_px = mean_half(source, legs);
-        let step_px = (half_px / 4.0).clamp(0.75, 4.0).max(source.least_step_px);
+        let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
+        let step_px = step_px.max(source.least_step_px);
         path::lay(source, legs, strand.closed, half_px, line);
         let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
         self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];

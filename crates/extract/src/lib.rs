@@ -33,6 +33,9 @@
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
 //!
+//! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
+//! at each of its points (`pursue`), as long as nothing else happens; [`Scene::followed`] says so.
+//!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
 //! it is knotted (`knot`).
 //!
@@ -62,6 +65,7 @@ mod cover;
 mod crossings;
 mod difference;
 mod doubt;
+mod edge;
 mod ends;
 mod extractor;
 mod faint;

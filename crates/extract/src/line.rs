@@ -45,10 +45,12 @@ impl Line {
     }
 
     pub(crate) fn length_px(&self) -> f32 {
-        let n = self.samples.len();
-        (0..self.segments())
-            .map(|i| vec2::distance(self.samples[i].at, self.samples[(i + 1) % n].at))
-            .sum()
+        let pairs = self.samples.windows(2);
+        let open_px: f32 = pairs.map(|p| vec2::distance(p[0].at, p[1].at)).sum();
+        match &self.samples[..] {
+            [first, .., last] if self.closed => open_px + vec2::distance(last.at, first.at),
+            _ => open_px,
+        }
     }
 
     /// Cuts off what lies outside of the image at either end.
@@ -87,11 +89,14 @@ impl Line {
         let intervals = if self.closed { count } else { count - 1 };
         let step = f64::from(length) / intervals.max(1) as f64;
         let (mut segment, mut passed) = (0, 0.0f64);
+        // The samples at either end of a segment; only that of a closed line leads back to the first.
+        let ends = |i: usize| {
+            let next = if i + 1 < n { i + 1 } else { 0 };
+            (&self.samples[i], &self.samples[next])
+        };
         let span = |i: usize| {
-            f64::from(vec2::distance(
-                self.samples[i].at,
-                self.samples[(i + 1) % n].at,
-            ))
+            let (from, to) = ends(i);
+            f64::from(vec2::distance(from.at, to.at))
         };
         let mut here = span(0);
         for k in 0..count {
@@ -106,16 +111,14 @@ impl Line {
             } else {
                 0.0
             };
-            out.push(between(
-                &self.samples[segment],
-                &self.samples[(segment + 1) % n],
-                t as f32,
-            ));
+            let (from, to) = ends(segment);
+            out.push(between(from, to, t as f32));
         }
     }
 
     /// The unit tangent at sample `i`: that of the parabola through three samples `reach` apart, `i` in the middle or,
     /// near an end, where it lies.
+    #[inline(always)]
     pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
         let at = |i: usize| self.samples[i].at;

@@ -71,4 +71,14 @@ impl Plane {
         let bottom = at(x0, y1) + fx * (at(x1, y1) - at(x0, y1));
         top + fy * (bottom - top)
     }
+
+    /// The values at some distances along a line.
+    pub(crate) fn sample_each<const N: usize>(
+        &self,
+        from: [f32; 2],
+        along: [f32; 2],
+        far_px: [f32; N],
+    ) -> [f32; N] {
+        far_px.map(|far| self.sample([from[0] + far * along[0], from[1] + far * along[1]]))
+    }
 }

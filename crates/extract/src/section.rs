@@ -7,6 +7,9 @@
 
 use std::ops::Range;
 
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::edge::{self, Seek};
 use crate::line::{Line, Sample};
 use crate::plane::Plane;
 use crate::ray::Ray;
@@ -17,13 +20,12 @@ use crate::vec2::{self, Vec2};
 const REACH: f32 = 1.6;
 /// The same in an overlap, where the other strand may lie in between.
 const BESIDE: f32 = 3.4;
-/// The part of a half-width around the center where no edge is looked for: shine lies there.
-const CORE: f32 = 0.35;
+/// Places in half-widths across the rope whose mean is its contrast.
+const MIDDLE: [f32; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
+/// Half-widths from an end within which a section may run through the corners of a tip.
+const TIP: f32 = 1.5;
 /// How much a section's width may differ from the median one that moves a line, as a factor.
 const ALIKE: f32 = 1.25;
-/// The least distance between places that are read: over a whole pixel a sharp edge is no straight line, and 0.01 px would
-/// be lost.
-const STEP_PX: f32 = 0.5;
 
 /// Memory of the measuring.
 #[derive(Debug, Default)]
@@ -55,6 +57,45 @@ pub(crate) struct Measure {
     pub(crate) shading: Shading,
 }
 
+/// Which sections of a line are taken.
+#[derive(Clone, Debug)]
+struct Part {
+    range: Range<usize>,
+    /// Of so many samples one.
+    every: usize,
+    /// So many samples at either end of the line may lie beside the corners of a tip.
+    tip: usize,
+}
+
+impl Part {
+    fn all(range: Range<usize>, tip: usize) -> Self {
+        Self {
+            range,
+            every: 1,
+            tip,
+        }
+    }
+}
+
+/// What finds sections, for the widest registers.
+struct Finding<'a> {
+    sections: &'a mut Sections,
+    line: &'a Line,
+    difference: &'a Plane,
+    how: Measure,
+    part: Part,
+}
+
+impl WithSimd for Finding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.sections
+            .find_in(self.line, self.difference, self.how, self.part);
+    }
+}
+
 impl Measure {
     /// Samples to either side that a tangent is taken over.
     fn tangent_reach(&self) -> usize {
@@ -78,7 +119,9 @@ impl Sections {
     /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
     /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
     pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
-        self.measure_part(line, difference, how, 0..line.samples.len());
+        let tip = (TIP * how.half_px / how.step_px) as usize + 1;
+        let all = Part::all(0..line.samples.len(), if line.closed { 0 } else { tip });
+        self.measure_part(line, difference, how, all);
     }
 
     /// As [`measure`](Self::measure), only for the `count` samples at either end.
@@ -90,21 +133,17 @@ impl Sections {
         count: usize,
     ) {
         let n = line.samples.len();
-        if 2 * count >= n {
-            return self.measure(line, difference, how);
+        let count = count.min(n);
+        for end in [0..count, (n - count).max(count)..n] {
+            self.measure_part(line, difference, how, Part::all(end, n));
         }
-        self.measure_part(line, difference, how, 0..count);
-        self.measure_part(line, difference, how, n - count..n);
     }
 
-    fn measure_part(
-        &mut self,
-        line: &mut Line,
-        difference: &Plane,
-        how: Measure,
-        part: Range<usize>,
-    ) {
-        self.find(line, difference, how, part, 1);
+    fn measure_part(&mut self, line: &mut Line, difference: &Plane, how: Measure, part: Part) {
+        if part.range.is_empty() {
+            return;
+        }
+        self.find(line, difference, how, part);
         for &(i, found) in &self.found {
             let sample = &mut line.samples[i];
             match found {
@@ -123,7 +162,8 @@ impl Sections {
         how: Measure,
     ) -> Option<f32> {
         let (_, every) = how.contrast_reach();
-        self.find(line, difference, how, 0..line.samples.len(), every);
+        let all = Part::all(0..line.samples.len(), 0);
+        self.find(line, difference, how, Part { every, ..all });
         self.window.clear();
         let sure = self
             .found
@@ -165,39 +205,51 @@ impl Sections {
         Some(median_px)
     }
 
-    /// Fills `found` with the plausible sections of every `every`-th sample of a part of the line.
-    fn find(
-        &mut self,
-        line: &Line,
-        difference: &Plane,
-        how: Measure,
-        part: Range<usize>,
-        every: usize,
-    ) {
-        self.measure_contrast(line, difference, how, &part);
-        let (_, stride) = how.contrast_reach();
+    /// Fills `found` with the plausible sections of a part of the line.
+    fn find(&mut self, line: &Line, difference: &Plane, how: Measure, part: Part) {
+        Arch::new().dispatch(Finding {
+            sections: self,
+            line,
+            difference,
+            how,
+            part,
+        });
+    }
+
+    #[inline(always)]
+    fn find_in(&mut self, line: &Line, difference: &Plane, how: Measure, part: Part) {
+        self.measure_contrast(line, difference, how, &part.range);
+        let (around, stride) = how.contrast_reach();
         let reach = how.tangent_reach();
+        let last = self.contrast.len().saturating_sub(1);
+        let nearest = |i: usize| ((i + stride / 2) / stride).min(last);
+        let first = nearest(part.range.start).saturating_sub(around / stride);
+        let mut known = first..first;
         let (mut block, mut contrast) = (usize::MAX, 0.0);
+        self.window.clear();
         self.found.clear();
-        for i in part.step_by(every) {
+        for i in part.range.step_by(part.every) {
             let sample = &line.samples[i];
             if sample.weight <= 0.0 {
                 self.found.push((i, None));
                 continue;
             }
-            let nearest = ((i + stride / 2) / stride).min(self.contrast.len() - 1);
-            if nearest != block {
-                (block, contrast) = (nearest, self.contrast_near(nearest, line, how));
+            if nearest(i) != block {
+                block = nearest(i);
+                contrast = self.contrast_near(block, line, how, &mut known);
             }
+            let is_tip = i < part.tip || i + part.tip >= line.samples.len();
+            let seek = if is_tip { Seek::Inside } else { Seek::Near };
             let levels = how.shading.shares.map(|share| share * contrast);
             let normal = vec2::normal(line.tangent(i, reach));
-            let found = section(difference, sample, normal, levels, how.half_px);
+            let found = section(difference, sample, normal, levels, seek, how.half_px);
             self.found
                 .push((i, found.filter(|found| how.is_plausible(found.width_px))));
         }
     }
 
     /// The rope's own difference from the table at every so-many-th sample that counts for `part`.
+    #[inline(always)]
     fn measure_contrast(
         &mut self,
         line: &Line,
@@ -209,36 +261,52 @@ impl Sections {
         let tangent_reach = how.tangent_reach();
         let counts = part.start.saturating_sub(reach + stride)..part.end + reach + stride;
         self.contrast.clear();
-        for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
+        for i in (0..line.samples.len()).step_by(stride) {
+            let sample = &line.samples[i];
             if !counts.contains(&i) {
                 self.contrast.push(0.0);
                 continue;
             }
             let normal = vec2::normal(line.tangent(i, tangent_reach));
-            let places = [-0.5, -0.25, 0.0, 0.25, 0.5].map(|k| k * how.half_px);
+            let places = MIDDLE.map(|k| k * how.half_px);
             let values = match Ray::new(difference, sample.at, normal, how.half_px) {
-                Some(ray) => places.map(|far| ray.at(far)),
-                None => places.map(|far| difference.sample(vec2::along(sample.at, normal, far))),
+                Some(ray) => ray.at_each(places),
+                None => difference.sample_each(sample.at, normal, places),
             };
-            self.contrast.push(values.iter().sum::<f32>() / 5.0);
+            self.contrast
+                .push(values.iter().sum::<f32>() / MIDDLE.len() as f32);
         }
     }
 
-    /// The median contrast of the visible samples within three widths of the one whose contrast stands at `k`.
-    fn contrast_near(&mut self, k: usize, line: &Line, how: Measure) -> f32 {
+    /// The median contrast of the visible samples within three widths of the one whose contrast stands at `k`; `k` grows
+    /// from call to call, from that of `known`, the range that `window` holds in order.
+    #[inline(always)]
+    fn contrast_near(
+        &mut self,
+        k: usize,
+        line: &Line,
+        how: Measure,
+        known: &mut Range<usize>,
+    ) -> f32 {
         let (reach, stride) = how.contrast_reach();
         let around = reach / stride;
-        let last = (k + around + 1).min(self.contrast.len());
-        self.window.clear();
-        for j in k.saturating_sub(around)..last {
+        let wanted = k.saturating_sub(around)..(k + around + 1).min(self.contrast.len());
+        let place = |window: &[f32], value: f32| window.partition_point(|&other| other < value);
+        for j in known.start..wanted.start.min(known.end) {
             if line.samples[j * stride].weight > 0.0 {
-                self.window.push(self.contrast[j]);
+                let place = place(&self.window, self.contrast[j]);
+                self.window.remove(place);
             }
         }
-        if self.window.is_empty() {
-            return self.contrast[k].max(2.0);
+        for j in known.end.max(wanted.start)..wanted.end {
+            if line.samples[j * stride].weight > 0.0 {
+                let place = place(&self.window, self.contrast[j]);
+                self.window.insert(place, self.contrast[j]);
+            }
         }
-        crate::background::median(&mut self.window).max(2.0)
+        *known = wanted;
+        let median = self.window.get(self.window.len() / 2);
+        median.unwrap_or(&self.contrast[k]).max(2.0)
     }
 }
 
@@ -249,11 +317,14 @@ fn section(
     sample: &Sample,
     normal: Vec2,
     levels: [f32; 2],
+    seek: Seek,
     half_px: f32,
 ) -> Option<Found> {
     let overlap = sample.weight < 1.0;
     let reach_px = if overlap { BESIDE } else { REACH } * half_px + 3.0;
-    let [left, right] = edges(difference, sample.at, normal, levels, half_px, reach_px)?;
+    let [left, right] = edge::edges(
+        difference, sample.at, normal, levels, seek, half_px, reach_px,
+    )?;
     // Of two strands side by side, this one lies half the rest of the width aside.
     let rest = (left + right - 2.0 * half_px).max(0.0);
     let (aside, width_px) = if overlap {
@@ -266,92 +337,6 @@ fn section(
         center: vec2::along(sample.at, normal, 0.5 * (right - left) + aside),
         width_px: if overlap && far { 0.0 } else { width_px },
     })
-}
-
-/// The distances along −`normal` and +`normal` at which the difference falls below each level. Where the image ends
-/// before one edge, the other and the rope's width tell.
-#[inline(always)]
-fn edges(
-    difference: &Plane,
-    center: Vec2,
-    normal: Vec2,
-    levels: [f32; 2],
-    half_px: f32,
-    reach_px: f32,
-) -> Option<[f32; 2]> {
-    let found = match Ray::new(difference, center, normal, reach_px + step_px(half_px)) {
-        Some(ray) => [-1.0, 1.0].map(|side| {
-            let level = levels[usize::from(side > 0.0)];
-            edge(|far| Some(ray.at(side * far)), level, half_px, reach_px)
-        }),
-        None => [-1.0, 1.0].map(|side| {
-            let level = levels[usize::from(side > 0.0)];
-            let read = |far| {
-                let place = vec2::along(center, normal, side * far);
-                difference.holds(place).then(|| difference.sample(place))
-            };
-            edge(read, level, half_px, reach_px)
-        }),
-    };
-    match found {
-        [Edge::At(left), Edge::At(right)] => Some([left, right]),
-        [Edge::At(left), Edge::OutOfImage] => Some([left, 2.0 * half_px - left]),
-        [Edge::OutOfImage, Edge::At(right)] => Some([2.0 * half_px - right, right]),
-        _ => None,
-    }
-}
-
-/// One edge of a section, at a distance from its center.
-#[derive(Clone, Copy, Debug)]
-enum Edge {
-    At(f32),
-    OutOfImage,
-    OutOfReach,
-}
-
-/// Distance between the places of a section that are read.
-fn step_px(half_px: f32) -> f32 {
-    (half_px / 12.0).max(STEP_PX)
-}
-
-/// Where the difference, which `read` tells for a distance as long as it lies in the image, falls below `level`: sought
-/// from where the rope's width says that it does, inward or outward, whichever way it lies.
-#[inline(always)]
-fn edge(read: impl Fn(f32) -> Option<f32>, level: f32, half_px: f32, reach_px: f32) -> Edge {
-    let (core, step) = (CORE * half_px, step_px(half_px));
-    let between = |(inner, high): (f32, f32), (outer, low): (f32, f32)| {
-        inner + (outer - inner) * (high - level) / (high - low)
-    };
-    let start = (half_px - 0.5 * step).max(core);
-    let (mut at, mut value) = (start, read(start));
-    match value {
-        Some(mut inside) if inside >= level => {
-            while at < reach_px {
-                let next = at + step;
-                match read(next) {
-                    None => return Edge::OutOfImage,
-                    Some(low) if low < level => {
-                        return Edge::At(between((at, inside), (next, low)));
-                    }
-                    Some(value) => (at, inside) = (next, value),
-                }
-            }
-            Edge::OutOfReach
-        }
-        _ => {
-            while at > core {
-                let inner = (at - step).max(core);
-                let found = read(inner);
-                if let Some(high) = found.filter(|&high| high >= level) {
-                    return value.map_or(Edge::OutOfImage, |low| {
-                        Edge::At(between((inner, high), (at, low)))
-                    });
-                }
-                (at, value) = (inner, found);
-            }
-            value.map_or(Edge::OutOfImage, |_| Edge::At(core))
-        }
-    }
 }
 
 /// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:

@@ -6,6 +6,8 @@
 //! level is the rope's true edge. Half of the contrast in the middle would draw a round rope too narrow by a third of
 //! a pixel, and beside a lamp aside as well.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::line::{Line, Sample};
 use crate::plane::Plane;
 use crate::ray::Ray;
@@ -22,10 +24,13 @@ const LEAST_REACH: f32 = 0.4;
 const HOP_PX: f32 = 0.5;
 const INSIDE: usize = 24;
 const OUTSIDE: usize = 8;
+/// Samples that are read at once, and how many that makes across an edge.
+const BATCH: usize = 8;
+const PLACES: usize = (INSIDE + OUTSIDE + 1).next_multiple_of(BATCH);
 /// Positions across half of the rope, those of the fit.
 const POSITIONS: usize = 6;
 /// Sections that are read along one rope.
-const SECTIONS: usize = 96;
+const SECTIONS: usize = 64;
 /// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
 const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 
@@ -42,7 +47,13 @@ impl Shading {
     /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
     /// narrow to tell.
     pub(crate) fn measure(line: &Line, difference: &Plane, how: Measure) -> Self {
-        let mean = Profile::read(line, difference, how);
+        let mut mean = Profile::new(how);
+        Arch::new().dispatch(Reading {
+            mean: &mut mean,
+            line,
+            difference,
+            how,
+        });
         let half_px = how.half_px;
         let blur_px = mean.blur();
         let most = (1.0 - CLEAR * blur_px / half_px).min(0.8);
@@ -82,50 +93,76 @@ impl Shading {
 /// The mean section of a rope: sums over some sections, at steps from either edge.
 struct Profile {
     /// From the middle outward, the edge at `INSIDE`, along the −normal and the +normal side.
-    levels: [[f32; INSIDE + OUTSIDE + 1]; 2],
+    levels: [[f32; PLACES]; 2],
     /// From where on these are known.
     first: usize,
     half_px: f32,
 }
 
+/// What fills a profile, for the widest registers.
+struct Reading<'a> {
+    mean: &'a mut Profile,
+    line: &'a Line,
+    difference: &'a Plane,
+    how: Measure,
+}
+
+impl WithSimd for Reading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.mean.read(self.line, self.difference, self.how);
+    }
+}
+
 impl Profile {
+    fn new(how: Measure) -> Self {
+        let inside = ((how.half_px / HOP_PX) as usize + 1).min(INSIDE);
+        Self {
+            levels: [[0.0; PLACES]; 2],
+            // Whole batches are read.
+            first: (INSIDE - inside) / BATCH * BATCH,
+            half_px: 0.0,
+        }
+    }
+
     /// Reads some of the line's sections outside of crossings, evenly spread.
-    fn read(line: &Line, difference: &Plane, how: Measure) -> Self {
+    #[inline(always)]
+    fn read(&mut self, line: &Line, difference: &Plane, how: Measure) {
         let reach = ((how.half_px / how.step_px) as usize).max(2);
         let stride = (line.samples.len() / SECTIONS).max(1);
-        let inside = ((how.half_px / HOP_PX) as usize + 1).min(INSIDE);
-        let mut mean = Self {
-            levels: [[0.0; INSIDE + OUTSIDE + 1]; 2],
-            first: INSIDE - inside,
-            half_px: 0.0,
-        };
         let mut count = 0.0;
-        for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
+        for i in (0..line.samples.len()).step_by(stride) {
+            let sample = &line.samples[i];
             if sample.weight >= 1.0 {
-                mean.add(sample, vec2::normal(line.tangent(i, reach)), difference);
+                self.add(sample, vec2::normal(line.tangent(i, reach)), difference);
                 count += 1.0;
             }
         }
-        mean.half_px /= f32::max(count, 1.0);
-        mean
+        self.half_px /= f32::max(count, 1.0);
     }
 
+    #[inline(always)]
     fn add(&mut self, sample: &Sample, normal: Vec2, difference: &Plane) {
         let half_px = 0.5 * sample.width_px;
         self.half_px += half_px;
-        let ray = Ray::new(
-            difference,
-            sample.at,
-            normal,
-            half_px + HOP_PX * OUTSIDE as f32,
-        );
+        let reach_px = half_px + HOP_PX * (PLACES - INSIDE) as f32;
+        let ray = Ray::new(difference, sample.at, normal, reach_px);
         for (levels, side) in self.levels.iter_mut().zip([-1.0, 1.0]) {
-            for (k, sum) in levels.iter_mut().enumerate().skip(self.first) {
-                let out = (half_px + HOP_PX * (k as f32 - INSIDE as f32)).max(0.0);
-                *sum += match &ray {
-                    Some(ray) => ray.at(side * out),
-                    None => difference.sample(vec2::along(sample.at, normal, side * out)),
+            for first in (self.first..PLACES).step_by(BATCH) {
+                let mut far = [0.0; BATCH];
+                for (k, far) in far.iter_mut().enumerate() {
+                    let out = half_px + HOP_PX * ((first + k) as f32 - INSIDE as f32);
+                    *far = side * out.max(0.0);
+                }
+                let read = match &ray {
+                    Some(ray) => ray.at_each(far),
+                    None => difference.sample_each(sample.at, normal, far),
                 };
+                for (sum, level) in levels[first..first + BATCH].iter_mut().zip(read) {
+                    *sum += level;
+                }
             }
         }
     }

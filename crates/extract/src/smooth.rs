@@ -6,6 +6,8 @@
 //! R·(ℓ/R)⁴, where ℓ = λ^¼ is the reach; a moving average of the same reach loses ℓ²/R. Where
 //! nothing is measured (w = 0) the solution goes on as a cubic: that is how a crossing is bridged.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::line::{Line, Sample};
 
 /// Memory of the solver: the matrix is symmetric with two bands beside its diagonal.
@@ -80,9 +82,35 @@ impl Smoother {
             return;
         }
         self.rows.resize(n, Row::default());
+        Arch::new().dispatch(System {
+            rows: &mut self.rows,
+            samples,
+            lambda,
+        });
+    }
+}
+
+/// The equations of some samples, of as many rows, for the widest registers.
+struct System<'a> {
+    rows: &'a mut [Row],
+    samples: &'a mut [Sample],
+    lambda: f64,
+}
+
+impl WithSimd for System<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            rows,
+            samples,
+            lambda,
+        } = self;
+        let n = rows.len();
         // Of the last two rows: the factors, what they were before the division, and the right sides before it.
         let (mut last, mut before) = (Eliminated::default(), Eliminated::default());
-        for (i, (row, sample)) in self.rows.iter_mut().zip(&*samples).enumerate() {
+        for (i, (row, sample)) in rows.iter_mut().zip(&*samples).enumerate() {
             // Each second difference (1, −2, 1) adds its outer product.
             let [ahead, across, back] =
                 [i + 2 < n, i >= 1 && i + 1 < n, i >= 2].map(|is| f64::from(u8::from(is)));
@@ -113,7 +141,7 @@ impl Smoother {
             };
         }
         let (mut next, mut after) = ([0.0; 4], [0.0; 4]);
-        for (row, sample) in self.rows.iter().zip(samples).rev() {
+        for (row, sample) in rows.iter().zip(samples).rev() {
             let here: [f64; 4] =
                 std::array::from_fn(|c| row.right[c] - row.first * next[c] - row.second * after[c]);
             sample.at = [here[0] as f32, here[1] as f32];

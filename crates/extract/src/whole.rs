@@ -27,6 +27,8 @@ const USUAL: f32 = 0.3;
 const THIN: f32 = 0.86;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
+/// A fringe up to this wide, in pixels, is that of a sharp edge, and no shadow's.
+const SHARP_PX: usize = 2;
 /// Ropes wider than this are not mended, in pixels: the widest that thinning brings to rest.
 const WIDEST_PX: f32 = 128.0;
 
@@ -57,17 +59,17 @@ impl Mender {
         difference: &mut Plane,
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
+        // Shadows beside a rope only make it wider: where it is nowhere thin even so, they need not be told from it.
+        let (width_px, fringe_px) = self.rope_width((mask, rows));
+        if fringe_px <= SHARP_PX && !self.find_thin(mask, width_px, fringe_px) {
+            return;
+        }
         self.clear_shadows(image, background, mask);
-        self.weak.take(&self.faint);
-        self.widths.take((mask, rows), (&self.weak, &self.faint));
-        let (width_px, fringe_px) = self.rope_width();
-        let across = (THIN * width_px).round() as usize;
-        if across < 3 || width_px > WIDEST_PX {
+        let (width_px, fringe_px) = self.rope_width((mask, rows));
+        if !self.find_thin(mask, width_px, fringe_px) {
             return;
         }
-        if !self.find_thin(mask, across, width_px, fringe_px) {
-            return;
-        }
+        let across = thin_across(width_px);
         let slit = ((SLIT * width_px) as usize).max(1);
         self.wider.copy_from(mask);
         self.wider.zip(&self.weak, &self.thin, |m, w, t| m | w & t);
@@ -103,23 +105,30 @@ impl Mender {
     ///
     /// Faint pixels stand beside a blurred edge, too: what the faint ones add where they add least is that, and the
     /// rope's width is what they reach elsewhere, less it.
-    fn rope_width(&mut self) -> (f32, usize) {
+    fn rope_width(&mut self, (mask, rows): (&Strips, &BitPlane)) -> (f32, usize) {
+        let faint = &mut self.faint;
+        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] |= word);
+        self.weak.take(faint);
+        self.widths.take((mask, rows), (&self.weak, faint));
         let edges_px = self.widths.edge(LEAST);
         let width_px = self.widths.width(MIDDLE) - edges_px;
         let fringe_px = (0.5 * self.widths.edge(USUAL)).ceil().max(1.0);
         (width_px, fringe_px as usize)
     }
 
-    /// Leaves the faint pixels that are no shadow, and all that are sure.
+    /// Leaves the faint pixels that are no shadow, and none that is sure.
     fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &Strips) {
         let faint = &mut self.faint;
         mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] &= !word);
         shadow::clear(image, background, faint);
-        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] |= word);
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.
-    fn find_thin(&mut self, mask: &Strips, across: usize, width_px: f32, fringe_px: usize) -> bool {
+    fn find_thin(&mut self, mask: &Strips, width_px: f32, fringe_px: usize) -> bool {
+        let across = thin_across(width_px);
+        if across < 3 || width_px > WIDEST_PX {
+            return false;
+        }
         self.fits.copy_from(mask);
         self.morphology.open(&mut self.fits, across);
         if fringe_px == 1 {
@@ -138,6 +147,11 @@ impl Mender {
             .dilate(&mut self.thin, (0.7 * width_px).ceil() as usize);
         true
     }
+}
+
+/// Where a disc so many pixels across does not fit in, a rope of this width is thin.
+fn thin_across(width_px: f32) -> usize {
+    (THIN * width_px).round() as usize
 }
 
 /// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.

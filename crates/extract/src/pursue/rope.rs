@@ -226,7 +226,9 @@ impl Rope {
         }
         self.length_px = length_px;
         set_normals(&mut self.next);
-        true
+        let limits = [reader.image.width(), reader.image.height()].map(|side| (side - 1) as f32);
+        let inside = |at: Vec2| (0..2).all(|c| at[c] >= 0.0 && at[c] <= limits[c]);
+        self.next.iter().all(|station| inside(station.at))
     }
 
     /// Moves the stations to where their chords say that the rope is; returns how far that was in the mean, nothing
