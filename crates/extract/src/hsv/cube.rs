@@ -52,6 +52,12 @@ impl Cube {
         }
     }
 
+    /// The bits, unless there are none yet.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn words(&self) -> Option<&[u64; 256 * 256 * ROW]> {
+        self.words.as_slice().try_into().ok()
+    }
+
     /// Whether a color lies in the ranges.
     #[inline(always)]
     pub(super) fn holds(&self, [a, b, c]: [u8; 3]) -> bool {
