@@ -35,17 +35,14 @@ impl Body {
     /// ends freely.
     pub(crate) fn at(leg: &Leg, end: u8, graph: &Graph, zones: &Zones) -> Option<Self> {
         let end = end ^ u8::from(leg.reversed);
-        let own = zones
-            .arms
-            .iter()
-            .position(|arm| arm.edge == leg.edge && arm.end == end)?;
+        let own = zones.arm_at(2 * leg.edge as usize + usize::from(end))?;
         let node = graph.edges[leg.edge as usize].nodes[usize::from(end)];
         if graph.nodes[node as usize].degree < 3 {
             return None;
         }
-        let zone = zones.arms[own].zone;
-        let from = zones.arms.partition_point(|arm| arm.zone < zone);
-        let arms = &zones.arms[from..zones.zone_end(from)];
+        let in_zone = zones.arms_of(zones.arms[own].zone);
+        let from = in_zone.start;
+        let arms = &zones.arms[in_zone];
         // Of the others, the two that lie most nearly in one line are the strand.
         let mut best: Option<(f32, Self)> = None;
         for (i, a) in arms.iter().enumerate() {

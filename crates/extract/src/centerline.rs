@@ -66,6 +66,8 @@ pub(crate) struct Source<'a> {
     pub(crate) graph: &'a Graph,
     pub(crate) zones: &'a Zones,
     pub(crate) legs: &'a [Leg],
+    /// Samples along a line lie at least so far apart.
+    pub(crate) least_step_px: f32,
 }
 
 impl Centerliner {
@@ -74,6 +76,7 @@ impl Centerliner {
         let legs = &source.legs[strand.from as usize..strand.to as usize];
         let mut half_px = mean_half(source, legs);
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
+        let step_px = step_px.max(source.least_step_px);
         path::lay(source, legs, strand.closed, half_px, line);
         let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
         self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];

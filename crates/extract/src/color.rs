@@ -101,9 +101,11 @@ pub(crate) fn is_yuv(format: PixelFormat) -> bool {
 }
 
 /// BT.601, full range.
-fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
+#[inline(always)]
+pub(crate) fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
     let (y, u, v) = (f32::from(y), f32::from(u) - 128.0, f32::from(v) - 128.0);
-    let to_byte = |c: f32| (c + 0.5).clamp(0.0, 255.0) as u8;
+    // By way of an integer of a float's size, or many at a time would be converted one by one.
+    let to_byte = |c: f32| (c + 0.5).clamp(0.0, 255.0) as i32 as u8;
     [
         to_byte(y + 1.402 * v),
         to_byte(y - 0.344_136 * u - 0.714_136 * v),

@@ -99,6 +99,10 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
         return None;
     }
     let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
+    // Most ends do not face each other, and that is known at once.
+    if bend > COVERED.1.max(FLAW.1) {
+        return None;
+    }
     let covered = shown(a.at, b.at, scenery) >= SHOWN;
     let (widest, most_bent) = if covered { COVERED } else { FLAW };
     // Later than all that the past knows, and the straighter and nearer the earlier.

@@ -30,6 +30,9 @@ const SHORTEST: f32 = 4.0;
 const PIECE: f32 = 4.0;
 /// The most pieces that are looked at.
 const MOST_PIECES: usize = 80;
+/// About how many samples all lines together are laid with. Eight ropes from side to side of 640×480 pixels, or one that
+/// crosses itself ten times, take half as many; longer ones get theirs farther apart, and no more pieces are looked at.
+const MOST_SAMPLES: usize = 6144;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
@@ -287,6 +290,7 @@ impl Extractor {
                 self.extract(&image);
             }
             self.options.mask = wanted;
+            self.masker.prepare(&self.options.mask, width * height);
             self.reserve(width, height);
         }
         self.reset();
@@ -351,9 +355,13 @@ impl Extractor {
     /// how many there are.
     fn lay_lines(&mut self, image: &Image) -> usize {
         self.colors.clear();
-        let mut count = 0;
+        let (mut count, mut samples) = (0, 0);
+        let ropes = self.strands.strands.iter().take(self.options.ropes);
+        let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
         for strand in &self.strands.strands {
-            if count == MOST_PIECES || strand.length_px < PIECE * self.zones.half_px {
+            let enough = count >= self.options.ropes && samples >= MOST_SAMPLES;
+            let piece = strand.length_px >= PIECE * self.zones.half_px;
+            if count == MOST_PIECES || enough || !piece {
                 break;
             }
             if self.lines.len() <= count {
@@ -366,10 +374,12 @@ impl Extractor {
                 graph: &self.graph,
                 zones: &self.zones,
                 legs: &self.strands.legs,
+                least_step_px: ropes_px / MOST_SAMPLES as f32,
             };
             if self.centerliner.build(&source, strand, line) {
                 count += 1;
             }
+            samples += line.samples.len();
         }
         let mut l = 0;
         while l < count {

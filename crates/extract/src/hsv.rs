@@ -1,29 +1,15 @@
 //! The mask by color ranges in hue, saturation and value, as users know them.
+//!
+//! [`contains`] says what the ranges hold; [`selector`] has its answers ready for every color and looks them up.
 
-use crate::bits::BitPlane;
-use crate::color;
-use crate::plane::Plane;
-use crate::{HsvRange, Image};
+mod channels;
+mod cube;
+mod kernels;
+mod selector;
 
-/// Fills `mask`, and `inside` with 255 and 0 alike, by whether a pixel lies in any range.
-pub(crate) fn apply(image: &Image, ranges: &[HsvRange], inside: &mut Plane, mask: &mut BitPlane) {
-    let (width, height) = (image.width(), image.height());
-    inside.resize(width, height);
-    mask.resize(width, height);
-    for y in 0..height {
-        let (bytes, words) = (inside.row_mut(y), mask.row_mut(y));
-        // Neighbors on a table are mostly equal: the last answer is often the next.
-        let (mut last, mut answer) = ([0; 3], contains(ranges, [0; 3]));
-        for (x, byte) in bytes.iter_mut().enumerate() {
-            let rgb = color::rgb(image, x, y);
-            if rgb != last {
-                (last, answer) = (rgb, contains(ranges, rgb));
-            }
-            *byte = if answer { 255 } else { 0 };
-            words[x / 64] |= u64::from(answer) << (x % 64);
-        }
-    }
-}
+pub(crate) use selector::Selector;
+
+use crate::HsvRange;
 
 /// Whether a color lies in any of the ranges.
 pub(crate) fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {

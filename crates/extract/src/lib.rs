@@ -45,8 +45,12 @@
 //! number of times; a mask that covers more than 60% of the image, or that breaks into more than one
 //! run for each 16 pixels, is no picture of ropes and gives none; thinning makes at most 128 passes,
 //! over the rows that still change; a skeleton of more than 131,072 pixels or 4096 strands is noise
-//! and gives none; crossings of more than ten arms are resolved pair by pair; at most
-//! [`Options::ropes`] curves and 32 crossings are reported.
+//! and gives none; crossings of more than ten arms are resolved pair by pair; 64 rings are opened; all lines
+//! together are laid with some 6,000 samples; at most [`Options::ropes`] curves and 32 crossings are reported.
+//!
+//! What strands and crossings cost is by their number, not by that of their pairs. The slowest pictures found, of nets
+//! from border to border of 640×480 pixels with hundreds of crossings, take some 25 times as long as one rope; stripes 8
+//! times; eight real ropes, or one that crosses itself ten times, 4 to 5 times.
 
 mod abut;
 mod background;

@@ -4,13 +4,14 @@ use crate::background::Background;
 use crate::bits::BitPlane;
 use crate::difference::Differencer;
 use crate::doubt::{Doubter, Evidence};
+use crate::hsv::Selector;
 use crate::kernels::Kernels;
 use crate::neighbors::{self, Around, Rule};
 use crate::plane::Plane;
 use crate::strips::{Shape, Strips};
 use crate::threshold::Cut;
 use crate::whole::Mender;
-use crate::{Image, Mask, Notice, PixelFormat, hsv, threshold};
+use crate::{Image, Mask, Notice, PixelFormat, threshold};
 use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
@@ -45,6 +46,7 @@ pub(crate) struct Masker {
     kernels: Kernels,
     pub(crate) background: Background,
     differencer: Differencer,
+    selector: Selector,
     mender: Mender,
     smoothed: Strips,
     doubter: Doubter,
@@ -86,7 +88,8 @@ impl Masker {
                 chosen = Some(cut);
             }
             Mask::Hsv(ranges) => {
-                hsv::apply(image, ranges, &mut self.difference, &mut self.mask);
+                let (inside, mask) = (&mut self.difference, &mut self.mask);
+                self.selector.run(image, ranges, inside, mask);
                 self.strips.take(&self.mask);
             }
             Mask::External => {
@@ -98,6 +101,13 @@ impl Masker {
         self.clean_or_empty();
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
+    }
+
+    /// Makes beforehand what images of this many pixels need.
+    pub(crate) fn prepare(&mut self, how: &Mask, pixels: usize) {
+        if let Mask::Hsv(ranges) = how {
+            self.selector.prepare(ranges, pixels, false);
+        }
     }
 
     /// What to say about an automatic mask.

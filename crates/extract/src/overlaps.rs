@@ -31,6 +31,8 @@ pub(crate) struct Overlaps {
     pairing: Pairing,
     arms: Vec<Arm>,
     candidates: Vec<Candidate>,
+    /// For each zone whether a better candidate is of it.
+    asked: Vec<bool>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -73,16 +75,14 @@ impl Overlaps {
         }
         self.candidates
             .sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain));
-        for i in 0..self.candidates.len() {
-            let Candidate {
-                edge,
-                zones: [a, b],
-                ..
-            } = self.candidates[i];
-            let taken = |c: &Candidate| c.zones.contains(&a) || c.zones.contains(&b);
-            if !self.candidates[..i].iter().any(taken) {
-                zones.join(edge, graph);
+        self.asked.clear();
+        self.asked.resize(graph.nodes.len(), false);
+        for candidate in &self.candidates {
+            let ends = candidate.zones.map(|zone| zone as usize);
+            if !ends.iter().any(|&zone| self.asked[zone]) {
+                zones.join(candidate.edge, graph);
             }
+            ends.into_iter().for_each(|zone| self.asked[zone] = true);
         }
         if !self.candidates.is_empty() {
             zones.collect_arms(image, graph, skeleton);
@@ -99,20 +99,11 @@ impl Overlaps {
         yuv: bool,
         zones: &Zones,
     ) -> Option<Candidate> {
-        let arm_of = |end: u8| {
-            zones
-                .arms
-                .iter()
-                .position(|arm| arm.edge as usize == e && arm.end == end)
-        };
-        let ends = [arm_of(0)?, arm_of(1)?].map(|i| zones.arms[i].zone);
+        let ends = [zones.arm_at(2 * e)?, zones.arm_at(2 * e + 1)?].map(|i| zones.arms[i].zone);
         if ends[0] == ends[1] {
             return None;
         }
-        let arms = ends.map(|zone| {
-            let from = zones.arms.partition_point(|arm| arm.zone < zone);
-            &zones.arms[from..zones.zone_end(from)]
-        });
+        let arms = ends.map(|zone| &zones.arms[zones.arms_of(zone)]);
         if arms.iter().any(|arms| arms.len() != 3) {
             return None;
         }

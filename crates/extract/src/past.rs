@@ -115,6 +115,8 @@ pub(crate) struct Rope {
     pub(crate) usual_px: f32,
     /// At equal steps.
     points: Vec<Vec2>,
+    /// The least and the largest of their coordinates.
+    span: [Vec2; 2],
 }
 
 impl Rope {
@@ -141,6 +143,14 @@ impl Rope {
         };
         let (a, b) = (self.points[i], self.points[next]);
         vec2::along(a, vec2::sub(b, a), place - i as f32)
+    }
+
+    /// Whether a position is so far off that nothing of the rope is near enough to be traced to.
+    fn is_far_from(&self, at: Vec2) -> bool {
+        let [low, high] = self.span;
+        // And a pixel, for the rounding of distances.
+        let reach_px = FARTHEST_WIDTHS * self.width_px + 1.0;
+        (0..2).any(|c| at[c] < low[c] - reach_px || at[c] > high[c] + reach_px)
     }
 
     /// How far it is along the rope from one trace to another, the way `ahead` says.
@@ -193,6 +203,11 @@ impl Past {
         [rope.length_px, rope.width_px, rope.usual_px] = sizes_px.map(|size| size.max(1.0));
         rope.points.clear();
         rope.points.extend_from_slice(points);
+        let outermost = |least: fn(f32, f32) -> f32| {
+            let among = |a: Vec2, b: &Vec2| [0, 1].map(|c| least(a[c], b[c]));
+            points.iter().fold(points[0], among)
+        };
+        rope.span = [outermost(f32::min), outermost(f32::max)];
         self.count += 1;
         self.trusted = true;
     }
@@ -280,6 +295,9 @@ impl Past {
         for (r, rope) in self.ropes().iter().enumerate() {
             // Each stretch of the rope that comes near counts once, by its nearest place.
             let mut best = Trace::NONE;
+            if rope.is_far_from(at) {
+                continue;
+            }
             let n = rope.points.len();
             for i in 0..n - usize::from(!rope.closed) {
                 let (a, b) = (rope.points[i], rope.points[(i + 1) % n]);

@@ -14,6 +14,9 @@ const RING: f32 = 0.35;
 /// straight there; one that touches it and must bend to close is more likely the loop of a rope.
 const RING_BEND: f32 = 1.25;
 
+/// Rings that are opened: no picture of ropes has as many.
+const MOST_RINGS: usize = 64;
+
 /// One edge on the way along a rope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg {
@@ -43,6 +46,8 @@ pub(crate) struct Strands {
     /// The arm there, as an index into `Zones::arms`, or `NONE`.
     arm: Vec<u32>,
     used: Vec<bool>,
+    /// For each edge its strand, by where that begins in `legs`.
+    strand_of: Vec<u32>,
     pub(crate) legs: Vec<Leg>,
     /// The ropes, the longest first.
     pub(crate) strands: Vec<Strand>,
@@ -63,8 +68,8 @@ impl Strands {
         }
         lens::untangle(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
         self.walk(graph, zones);
-        // Each round opens one ring, so there are no more rounds than arms.
-        for _ in 0..zones.arms.len() {
+        // Each round opens one ring.
+        for _ in 0..MOST_RINGS {
             if !self.open_a_ring(yuv, zones) {
                 break;
             }
@@ -95,14 +100,14 @@ impl Strands {
         let mut best = (RING, [0; 4]);
         for ring in self.strands.iter().filter(|s| s.closed) {
             let legs = &self.legs[ring.from as usize..ring.to as usize];
-            let in_ring = |slot: usize| legs.iter().any(|leg| leg.edge as usize == slot / 2);
+            let in_ring = |slot: usize| self.strand_of[slot / 2] == ring.from;
             for leg in legs {
                 let a = 2 * leg.edge as usize + usize::from(!leg.reversed);
                 let Some(arm) = zones.arms.get(self.arm[a] as usize) else {
                     continue;
                 };
                 let b = self.link[a] as usize;
-                for other in zones.arms.iter().filter(|other| other.zone == arm.zone) {
+                for other in &zones.arms[zones.arms_of(arm.zone)] {
                     let c = other.slot();
                     let d = self.link[c];
                     if in_ring(c) || d == NONE {
@@ -139,6 +144,8 @@ impl Strands {
         self.strands.clear();
         self.used.clear();
         self.used.extend_from_slice(&zones.inside);
+        self.strand_of.clear();
+        self.strand_of.resize(graph.edges.len(), NONE);
         for slot in 0..self.link.len() {
             if self.link[slot] == NONE && graph.edges[slot / 2].nodes[0] != NONE {
                 self.follow(slot, graph, zones);
@@ -161,6 +168,7 @@ impl Strands {
                 break true;
             }
             self.used[edge] = true;
+            self.strand_of[edge] = from;
             let far = slot ^ 1;
             self.legs.push(Leg {
                 edge: edge as u32,

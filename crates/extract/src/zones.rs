@@ -57,6 +57,10 @@ pub(crate) struct Zones {
     pub(crate) inside: Vec<bool>,
     /// Arms sorted by zone.
     pub(crate) arms: Vec<Arm>,
+    /// For each end of each edge (2·edge + end) its arm, as an index into `arms`, or `NONE`.
+    arm_of: Vec<u32>,
+    /// For each node the two widest strands that come to it: edge and half-width.
+    widest: Vec<[(u32, f32); 2]>,
     /// Half the width of most strands in the image.
     pub(crate) half_px: f32,
     /// What the last image knows of the strands, if anything.
@@ -90,6 +94,7 @@ impl Zones {
     /// Finds the arms of all zones.
     pub(crate) fn collect_arms(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
         self.arms.clear();
+        self.list_widest(graph);
         for e in 0..graph.edges.len() {
             let edge = &graph.edges[e];
             if self.inside[e] || edge.nodes[0] == NONE {
@@ -106,9 +111,44 @@ impl Zones {
                 }
             }
         }
-        self.unroll_arms(graph, skeleton);
         self.arms
             .sort_unstable_by_key(|arm| (arm.zone, arm.edge, arm.end));
+        self.arm_of.clear();
+        self.arm_of.resize(2 * graph.edges.len(), NONE);
+        for (i, arm) in self.arms.iter().enumerate() {
+            self.arm_of[arm.slot()] = i as u32;
+        }
+        self.unroll_arms(graph, skeleton);
+    }
+
+    /// The arm that end `slot` (2·edge + end) is.
+    pub(crate) fn arm_at(&self, slot: usize) -> Option<usize> {
+        let arm = *self.arm_of.get(slot)?;
+        (arm != NONE).then_some(arm as usize)
+    }
+
+    /// Where the arms of a zone lie in the list.
+    pub(crate) fn arms_of(&self, zone: u32) -> std::ops::Range<usize> {
+        let from = self.arms.partition_point(|arm| arm.zone < zone);
+        from..from + self.arms[from..].partition_point(|arm| arm.zone == zone)
+    }
+
+    fn list_widest(&mut self, graph: &Graph) {
+        self.widest.clear();
+        self.widest.resize(graph.nodes.len(), [(NONE, 0.0); 2]);
+        let free = |e: &usize| !self.inside[*e] && graph.edges[*e].nodes[0] != NONE;
+        for e in (0..graph.edges.len()).filter(free) {
+            let new = (e as u32, self.edge_half_px[e]);
+            let [a, b] = graph.edges[e].nodes;
+            for node in [a].into_iter().chain((b != a).then_some(b)) {
+                let [first, second] = &mut self.widest[node as usize];
+                if new.1 > first.1 {
+                    (*first, *second) = (new, *first);
+                } else if new.1 > second.1 {
+                    *second = new;
+                }
+            }
+        }
     }
 
     /// Moves the arms at the far end of each long overlap to where they would be were it straight.
@@ -122,7 +162,9 @@ impl Zones {
                 continue;
             };
             let [near, far] = graph.edges[e].nodes;
-            for arm in &mut self.arms {
+            let zone = self.root(near);
+            let arms = self.arms_of(zone);
+            for arm in &mut self.arms[arms] {
                 let node = graph.edges[arm.edge as usize].nodes[usize::from(arm.end)];
                 if node == far {
                     unroll.apply(arm);
@@ -150,11 +192,11 @@ impl Zones {
 
     /// Half the width of the widest strand that comes to edge `e`.
     pub(crate) fn widest_half_px(&self, e: usize, graph: &Graph) -> f32 {
-        let ends = graph.edges[e].nodes;
-        let meets = |other: usize| graph.edges[other].nodes.iter().any(|n| ends.contains(n));
-        (0..graph.edges.len())
-            .filter(|&other| other != e && !self.inside[other] && meets(other))
-            .map(|other| self.edge_half_px[other])
+        let nodes = graph.edges[e].nodes.into_iter();
+        let strands = nodes.flat_map(|node| self.widest.get(node as usize).into_iter().flatten());
+        strands
+            .filter(|&&(edge, _)| edge != NONE && edge as usize != e)
+            .map(|&(_, half_px)| half_px)
             .reduce(f32::max)
             .unwrap_or(self.half_px)
     }
