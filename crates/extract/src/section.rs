@@ -27,6 +27,9 @@ const TIP: f32 = 1.5;
 /// How much a section's width may differ from the median one that moves a line, as a factor.
 const ALIKE: f32 = 1.25;
 
+/// Half-widths from a tip within which a crossing parts it from the rope.
+const TIP_HALVES: f32 = 4.0;
+
 /// Memory of the measuring.
 #[derive(Debug, Default)]
 pub(crate) struct Sections {
@@ -181,9 +184,11 @@ impl Sections {
             tolerance: ALIKE,
             ..how
         };
+        let own = beyond_tips(line, (TIP_HALVES * how.half_px / how.step_px) as usize);
         let mut before: Option<(usize, Vec2, f32)> = None;
         for &(i, found) in &self.found {
-            let Some(found) = found.filter(|found| alike.is_plausible(found.width_px)) else {
+            let found = found.filter(|found| alike.is_plausible(found.width_px));
+            let Some(found) = found.filter(|_| own.contains(&i)) else {
                 continue;
             };
             let (shift, width_px) = (vec2::sub(found.center, line.samples[i].at), found.width_px);
@@ -368,4 +373,18 @@ pub(crate) fn tip(
         (far, before) = (far + STEP, value);
     }
     (far, false)
+}
+
+/// The samples between the tips: a tip that a crossing parts from the rope may lie upon another strand, and its sections
+/// are that one's as much as its own. It goes where the rope before it goes.
+fn beyond_tips(line: &Line, within: usize) -> std::ops::Range<usize> {
+    let n = line.samples.len();
+    if line.closed {
+        return 0..n;
+    }
+    let is_crossed = |sample: &Sample| sample.weight == 0.0;
+    let within = within.min(n / 2);
+    let first = line.samples[..within].iter().rposition(is_crossed);
+    let last = line.samples[n - within..].iter().position(is_crossed);
+    first.map_or(0, |i| i + 1)..last.map_or(n, |i| n - within + i)
 }
