@@ -397,16 +397,19 @@ impl Extractor {
         count
     }
 
-    /// Lengthens those of the first `count` lines of which a tip lies upon another strand, or under a cover.
+    /// Gives those of the first `count` lines of which a tip lies upon another strand, or under a cover, their rope's length.
     fn lengthen(&mut self, count: usize) {
         let cover = &self.cover.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
             let planes = [&self.masker.mask, cover];
             let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
+            let gaps = &mut self.bridger.gaps;
             if before_px + after_px == 0.0 {
+                if gaps.iter().all(|gap| gap.line != l) {
+                    tips::shorten(line, &self.zones.past, planes);
+                }
                 continue;
             }
-            let gaps = &mut self.bridger.gaps;
             for gap in gaps.iter_mut().filter(|gap| gap.line == l) {
                 gap.from_px += before_px;
                 gap.to_px += before_px;

@@ -222,7 +222,7 @@ fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
     })
 }
 
-/// Shortens the line, a followed one, at the end that lies upon something, if it is longer than its rope and the other
+/// Shortens the line at the end that lies upon something, if it is longer than its rope and the other
 /// end lies freely: a rope that slides along itself shows that only at its free end.
 pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) {
     let n = line.samples.len();
