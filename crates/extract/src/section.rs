@@ -28,7 +28,7 @@ const TIP: f32 = 1.5;
 const ALIKE: f32 = 1.25;
 
 /// Half-widths from a tip within which a crossing parts it from the rope.
-const TIP_HALVES: f32 = 4.0;
+const TIP_HALVES: f32 = 2.0;
 
 /// Memory of the measuring.
 #[derive(Debug, Default)]
