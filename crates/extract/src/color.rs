@@ -55,6 +55,13 @@ pub(crate) fn down(
                 }
             }
         }
+        PixelFormat::Bgr8 => {
+            for (k, row) in image.rows_from(3 * x, y).take(count).enumerate() {
+                if let Some(&[b, g, r]) = row.first_chunk::<3>() {
+                    put(k, [r, g, b]);
+                }
+            }
+        }
         PixelFormat::Gray8 => {
             (image.rows_from(x, y).take(count).enumerate()).for_each(|(k, row)| put(k, [row[0]; 3]))
         }

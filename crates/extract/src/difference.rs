@@ -4,6 +4,8 @@
 //! scales with the share of rope in a pixel (see `color::distance`), half the rope's own difference
 //! is the rope's edge, whatever its color. All that is asked of every pixel is asked here, while a row is in reach.
 
+mod planes;
+
 use crate::background::Background;
 use crate::bits::BitPlane;
 use crate::color;
@@ -131,22 +133,15 @@ impl Differencer {
 
     fn stretch(&self, image: &Image, [x, y]: [usize; 2], out: &mut [u8]) {
         let (row, luma, chroma) = (image.row(y), &self.luma[..], &self.chroma[..]);
-        let arch = pulp::Arch::new();
         match image.format() {
-            PixelFormat::Gray8 => {
-                let row = &row[x..];
-                arch.dispatch(|| gray(row, luma, out));
-            }
+            PixelFormat::Gray8 => planes::gray(&row[x..], luma, out),
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
                 (self.kernels.three_channels)(&row[3 * x..], luma, out);
             }
-            PixelFormat::Yuyv => {
-                let row = &row[2 * x..];
-                arch.dispatch(|| yuyv(row, luma, out));
-            }
+            PixelFormat::Yuyv => planes::yuyv(&row[2 * x..], luma, out),
             PixelFormat::Nv12 => {
-                let (row, uv) = (&row[x..], &image.chroma_row(y)[x..]);
-                arch.dispatch(|| nv12(row, uv, luma, chroma, out));
+                let uv = &image.chroma_row(y)[x..];
+                planes::nv12([&row[x..], uv], [luma, chroma], out);
             }
         }
     }
@@ -225,44 +220,4 @@ fn four_channels(pixels: &[[u8; 4]; PART], [a, b, c]: [u8; 3], more: u8, out: &m
         *difference = pixel[0].abs_diff(a).max(chroma);
     }
     out.copy_from_slice(&differences[..out.len()]);
-}
-
-#[inline(always)]
-fn gray(row: &[u8], table: &[u8], out: &mut [u8]) {
-    for ((d, &p), &t) in out.iter_mut().zip(row).zip(table) {
-        *d = p.abs_diff(t);
-    }
-}
-
-#[inline(always)]
-fn twice(p: u8, t: u8) -> u8 {
-    p.abs_diff(t).saturating_mul(2)
-}
-
-#[inline(always)]
-fn yuyv(row: &[u8], table: &[u8], out: &mut [u8]) {
-    for ((d, p), t) in out
-        .chunks_mut(2)
-        .zip(row.chunks_exact(4))
-        .zip(table.chunks_exact(4))
-    {
-        let color = twice(p[1], t[1]).max(twice(p[3], t[3]));
-        d[0] = p[0].abs_diff(t[0]).max(color);
-        if let Some(second) = d.get_mut(1) {
-            *second = p[2].abs_diff(t[2]).max(color);
-        }
-    }
-}
-
-#[inline(always)]
-fn nv12(row: &[u8], uv: &[u8], luma: &[u8], chroma: &[u8], out: &mut [u8]) {
-    let colors = uv.chunks_exact(2).zip(chroma.chunks_exact(2));
-    let lights = row.chunks_exact(2).zip(luma.chunks_exact(2));
-    for ((d, (p, t)), (c, k)) in out.chunks_mut(2).zip(lights).zip(colors) {
-        let color = twice(c[0], k[0]).max(twice(c[1], k[1]));
-        d[0] = p[0].abs_diff(t[0]).max(color);
-        if let Some(second) = d.get_mut(1) {
-            *second = p[1].abs_diff(t[1]).max(color);
-        }
-    }
 }
