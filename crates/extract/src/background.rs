@@ -4,13 +4,15 @@
 //! agrees on: a quadratic surface per channel (light falls off smoothly over a table, and lenses
 //! vignette), fitted by least squares again and again to the pixels that lie within a few times the
 //! median residual. Up to about 40% of the samples may be rope.
-//!
-//! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
-//! [`LANES`] samples side by side, and those are spread over the powers of the other.
+
+mod counts;
+mod sums;
 
 use crate::Image;
 use crate::color;
+use counts::Counts;
 use pulp::{Arch, Simd, WithSimd};
+use sums::{Sum, cholesky, solve};
 
 /// Samples along each side of the grid: enough for six coefficients and a sharp median, few enough
 /// to cost less than one pass over a 640×480 image.
@@ -18,8 +20,7 @@ const GRID: usize = 64;
 const ROUNDS: usize = 8;
 /// Samples farther than this many median residuals from the surface are taken for rope.
 const OUTLIER: f32 = 3.0;
-/// The terms of the surface are 1, u, v, u², uv, v²: of each the powers of u and v.
-const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
+/// The terms of the surface: 1, u, v, u², uv, v².
 const TERMS: usize = 6;
 /// Samples that are worked on side by side.
 const LANES: usize = 16;
@@ -27,8 +28,6 @@ const LANES: usize = 16;
 /// rope would stand out.
 const STEPS: f32 = 16.0;
 const BINS: usize = 64 * STEPS as usize;
-/// Counts are kept this many times, so that equal neighbors do not wait for each other's.
-const PARTS: usize = 4;
 /// Rows of the grid from one to the next of which the table's first guess is made.
 const GLANCE: usize = 4;
 
@@ -298,180 +297,11 @@ impl WithSimd for Measure<'_> {
     }
 }
 
-/// Sums over the samples within `limit` of the surface.
-struct Sum<'a> {
-    /// Rows of the grid from one that counts to the next.
-    stride: usize,
-    u: &'a [Lanes],
-    v: &'a [f32],
-    colors: &'a [Vec<Lanes>; 3],
-    residuals: &'a [Lanes],
-    limit: f32,
-}
-
-impl WithSimd for Sum<'_> {
-    type Output = Moments;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Moments {
-        let mut moments = Moments::default();
-        for (j, &v) in self.v.iter().enumerate().step_by(self.stride) {
-            moments.add(simd, &Row::sum(simd, &self, j), v);
-        }
-        moments
-    }
-}
-
-/// Sums along a row of the grid over what is taken for table, in lanes: of uᵏ, k = 0…4, and of each channel's level
-/// times uᵏ, k = 0…2.
-struct Row {
-    powers: [Lanes; 5],
-    levels: [[Lanes; 3]; 3],
-}
-
-impl Row {
-    #[inline(always)]
-    fn sum<S: Simd>(simd: S, sum: &Sum, j: usize) -> Self {
-        let mut row = Self {
-            powers: [[0.0; LANES]; 5],
-            levels: [[[0.0; LANES]; 3]; 3],
-        };
-        let groups = sum.u.len();
-        for (group, u) in sum.u.iter().enumerate() {
-            let at = j * groups + group;
-            let mut power = [0.0; LANES];
-            each(simd, &mut power, &sum.residuals[at], u, |_, residual, _| {
-                let is_table = simd.less_than_or_equal_f32s(residual, simd.splat_f32s(sum.limit));
-                simd.select_f32s(is_table, simd.splat_f32s(1.0), simd.splat_f32s(0.0))
-            });
-            for k in 0..5 {
-                each(simd, &mut row.powers[k], &power, u, |sum, power, _| {
-                    simd.add_f32s(sum, power)
-                });
-                if k < 3 {
-                    for (levels, samples) in row.levels.iter_mut().zip(sum.colors) {
-                        each(simd, &mut levels[k], &power, &samples[at], |sum, a, b| {
-                            simd.add_f32s(sum, simd.mul_f32s(a, b))
-                        });
-                    }
-                }
-                each(simd, &mut power, u, u, |power, u, _| {
-                    simd.mul_f32s(power, u)
-                });
-            }
-        }
-        row
-    }
-}
-
-/// Makes `out` what `rule` says of it, `a` and `b`, as many lanes at a time as the machine has.
-#[inline(always)]
-fn each<S: Simd>(
-    _: S,
-    out: &mut Lanes,
-    a: &Lanes,
-    b: &Lanes,
-    rule: impl Fn(S::f32s, S::f32s, S::f32s) -> S::f32s,
-) {
-    let (a, b) = (S::as_simd_f32s(a).0, S::as_simd_f32s(b).0);
-    for ((out, &a), &b) in S::as_mut_simd_f32s(out).0.iter_mut().zip(a).zip(b) {
-        *out = rule(*out, a, b);
-    }
-}
-
-/// Sums over the whole grid, in lanes: of uᵃvᵇ at `[a][b]`, and of each channel's level times each term.
-struct Moments {
-    powers: [[Lanes; 5]; 5],
-    levels: [[Lanes; TERMS]; 3],
-}
-
-impl Default for Moments {
-    fn default() -> Self {
-        Self {
-            powers: [[[0.0; LANES]; 5]; 5],
-            levels: [[[0.0; LANES]; TERMS]; 3],
-        }
-    }
-}
-
-impl Moments {
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, row: &Row, v: f32) {
-        let v = [1.0, v, v * v, v * v * v, v * v * v * v];
-        let add = |sum: &mut Lanes, of: &Lanes, b: usize| {
-            let weight = simd.splat_f32s(v[b]);
-            each(simd, sum, of, of, |sum, of, _| {
-                simd.add_f32s(sum, simd.mul_f32s(weight, of))
-            });
-        };
-        for a in 0..5 {
-            for b in 0..5 - a {
-                add(&mut self.powers[a][b], &row.powers[a], b);
-            }
-        }
-        for (sums, levels) in self.levels.iter_mut().zip(&row.levels) {
-            for (sum, [a, b]) in sums.iter_mut().zip(POWERS) {
-                add(sum, &levels[a], b);
-            }
-        }
-    }
-
-    fn gram(&self) -> [[f64; TERMS]; TERMS] {
-        let term = |i: usize, j: usize| {
-            let ([a, b], [c, d]) = (POWERS[i], POWERS[j]);
-            total(&self.powers[a + c][b + d])
-        };
-        std::array::from_fn(|i| std::array::from_fn(|j| term(i, j)))
-    }
-
-    fn right(&self, channel: usize) -> [f64; TERMS] {
-        self.levels[channel].each_ref().map(total)
-    }
-}
-
-fn total(lanes: &Lanes) -> f64 {
-    lanes.iter().map(|&lane| f64::from(lane)).sum()
-}
-
 /// The nearest whole number from 0 to `most`, which is below 2²³: where a float's last bit stands for 1.
 #[inline(always)]
 fn rounded(value: f32, most: f32) -> u32 {
     const ONES: f32 = 8_388_608.0;
     ((if value > 0.0 { value } else { 0.0 }).min(most) + ONES).to_bits() - ONES.to_bits()
-}
-
-/// How often each of `N` values occurs.
-struct Counts<const N: usize>([[u16; N]; PARTS]);
-
-impl<const N: usize> Default for Counts<N> {
-    fn default() -> Self {
-        Self([[0; N]; PARTS])
-    }
-}
-
-impl<const N: usize> Counts<N> {
-    /// Counts the `i`-th value.
-    #[inline(always)]
-    fn add(&mut self, i: usize, value: usize) {
-        self.0[i % PARTS][value % N] += 1;
-    }
-
-    /// The middle value (of an even number the upper one).
-    fn middle(&self) -> usize {
-        let count = |value: usize| {
-            self.0
-                .iter()
-                .map(|part| u32::from(part[value]))
-                .sum::<u32>()
-        };
-        let all: u32 = self.0.as_flattened().iter().map(|&n| u32::from(n)).sum();
-        let mut below = 0;
-        let passes = |&value: &usize| {
-            below += count(value);
-            below > all / 2
-        };
-        (0..N).find(passes).unwrap_or(0)
-    }
 }
 
 /// A pixel's position on a scale from −1 to 1 across the image.
@@ -486,36 +316,4 @@ pub(crate) fn median(values: &mut [f32]) -> f32 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
-/// The lower Cholesky factor, or nothing when the matrix is not clearly positive definite.
-fn cholesky(mut a: [[f64; TERMS]; TERMS]) -> Option<[[f64; TERMS]; TERMS]> {
-    let floor = 1e-6 * a[0][0];
-    for i in 0..TERMS {
-        for j in 0..=i {
-            let dot: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
-            let rest = a[i][j] - dot;
-            if i == j {
-                if rest <= floor {
-                    return None;
-                }
-                a[i][i] = rest.sqrt();
-            } else {
-                a[i][j] = rest / a[j][j];
-            }
-        }
-    }
-    Some(a)
-}
-
-fn solve(factor: &[[f64; TERMS]; TERMS], mut b: [f64; TERMS]) -> [f64; TERMS] {
-    for i in 0..TERMS {
-        let dot: f64 = (0..i).map(|k| factor[i][k] * b[k]).sum();
-        b[i] = (b[i] - dot) / factor[i][i];
-    }
-    for i in (0..TERMS).rev() {
-        let dot: f64 = (i + 1..TERMS).map(|k| factor[k][i] * b[k]).sum();
-        b[i] = (b[i] - dot) / factor[i][i];
-    }
-    b
 }

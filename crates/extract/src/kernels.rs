@@ -3,6 +3,8 @@
 
 #[cfg(target_arch = "x86_64")]
 mod x86;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::orders;
 
 /// The kernels for this machine.
 #[derive(Clone, Copy, Debug)]

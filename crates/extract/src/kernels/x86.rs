@@ -124,7 +124,7 @@ fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
 }
 
 /// Of each channel the lane where pixel p is found: (3p + channel) mod the number of lanes.
-const fn orders<const N: usize>() -> [[u8; N]; 3] {
+pub(crate) const fn orders<const N: usize>() -> [[u8; N]; 3] {
     let mut orders = [[0; N]; 3];
     let mut channel = 0;
     while channel < 3 {

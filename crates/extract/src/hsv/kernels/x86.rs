@@ -13,6 +13,7 @@
 
 use super::{Kernels, PLAIN, among};
 use crate::hsv::cube::Cube;
+use crate::kernels::orders;
 use std::arch::x86_64::*;
 
 /// Pixels of 64 that are looked up one by one, faster than a gather of sixteen is set up.
@@ -231,19 +232,4 @@ fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
         rest,
         words.get_mut(blocks..).unwrap_or(&mut []),
     );
-}
-
-/// Of each channel the lane where pixel p is found: (3p + channel) mod the number of lanes.
-const fn orders<const N: usize>() -> [[u8; N]; 3] {
-    let mut orders = [[0; N]; 3];
-    let mut channel = 0;
-    while channel < 3 {
-        let mut p = 0;
-        while p < N {
-            orders[channel][p] = ((3 * p + channel) % N) as u8;
-            p += 1;
-        }
-        channel += 1;
-    }
-    orders
 }

@@ -1,0 +1,210 @@
+//! From strands to curves: the lines that are laid along them, what the last image knows better, and their points.
+
+use super::{Extractor, MOST_PIECES};
+use crate::background::median;
+use crate::bridge::Gap;
+use crate::centerline::Source;
+use crate::follow::{self, Follower};
+use crate::line::{Line, Sample};
+use crate::part::part;
+use crate::track::Look;
+use crate::{Curve, Image, color, tips};
+
+/// A rope is at least this many times as long as wide.
+const SHORTEST: f32 = 4.0;
+/// Half-widths of skeleton that a piece of a rope has, or there is nothing to tell it by.
+const PIECE: f32 = 4.0;
+/// About how many samples all lines together are laid with. Eight ropes from side to side of 640×480 pixels, or one that
+/// crosses itself ten times, take half as many; longer ones get theirs farther apart, and no more pieces are looked at.
+const MOST_SAMPLES: usize = 6144;
+/// Places along a line whose mean color is taken for the rope's.
+const COLORS_ASKED: usize = 64;
+
+impl Extractor {
+    /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns
+    /// how many there are.
+    pub(super) fn lay_lines(&mut self, image: &Image) -> usize {
+        self.colors.clear();
+        let (mut count, mut samples) = (0, 0);
+        let ropes = self.strands.strands.iter().take(self.options.ropes);
+        let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
+        for strand in &self.strands.strands {
+            let enough = count >= self.options.ropes && samples >= MOST_SAMPLES;
+            let piece = strand.length_px >= PIECE * self.zones.half_px;
+            if count == MOST_PIECES || enough || !piece {
+                break;
+            }
+            if self.lines.len() <= count {
+                self.lines.push(Line::default());
+            }
+            let line = &mut self.lines[count];
+            let source = Source {
+                difference: &self.masker.difference,
+                skeleton: &self.skeleton,
+                graph: &self.graph,
+                zones: &self.zones,
+                legs: &self.strands.legs,
+                least_step_px: ropes_px / MOST_SAMPLES as f32,
+            };
+            if self.centerliner.build(&source, strand, line) {
+                count += 1;
+            }
+            samples += line.samples.len();
+        }
+        let mut l = 0;
+        while l < count {
+            if self.lines.len() <= count {
+                self.lines.push(Line::default());
+            }
+            let (known, free) = self.lines.split_at_mut(count);
+            if count < MOST_PIECES && part(&mut known[l], &self.zones.past, &mut free[0]) {
+                count += 1;
+            } else {
+                self.colors.push(mean_color(image, &known[l]));
+                l += 1;
+            }
+        }
+        count
+    }
+
+    /// Gives those of the first `count` lines of which a tip lies upon another strand, or under a cover, their rope's length.
+    pub(super) fn lengthen(&mut self, count: usize) {
+        let cover = &self.cover.plane;
+        for (l, line) in self.lines[..count].iter_mut().enumerate() {
+            let planes = [&self.masker.mask, cover];
+            let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
+            let gaps = &mut self.bridger.gaps;
+            if before_px + after_px == 0.0 {
+                if gaps.iter().all(|gap| gap.line != l) {
+                    tips::shorten(line, &self.zones.past, planes);
+                }
+                continue;
+            }
+            for gap in gaps.iter_mut().filter(|gap| gap.line == l) {
+                gap.from_px += before_px;
+                gap.to_px += before_px;
+            }
+            let length_px = line.length_px();
+            Follower::covered(line, cover, |from_px, to_px| {
+                if from_px < before_px || to_px > length_px - after_px {
+                    gaps.push(Gap {
+                        line: l,
+                        from_px,
+                        to_px,
+                    });
+                }
+            });
+        }
+    }
+
+    /// Takes the ropes of the last image, followed into this one, where the first `count` lines
+    /// contradict them; returns how many lines there are then.
+    pub(super) fn follow(&mut self, image: &Image, count: usize) -> usize {
+        let scene = follow::Scene {
+            past: &self.zones.past,
+            difference: &self.masker.difference,
+            mask: &self.masker.mask,
+            cover: &self.cover.plane,
+            skeleton: &self.skeleton,
+        };
+        // Where no strands meet and nothing lies over them, one image leaves nothing open.
+        let ring = self.strands.strands.iter().any(|strand| strand.closed);
+        let open = self.zones.has_meeting() || self.cover.any() || ring;
+        if !open || !self.follower.follow(&self.lines[..count], &scene) {
+            return count;
+        }
+        let count = self.follower.take(&mut self.lines, count);
+        self.colors.clear();
+        self.bridger.gaps.clear();
+        for (l, line) in self.lines[..count].iter().enumerate() {
+            self.colors.push(mean_color(image, line));
+            Follower::covered(line, &self.cover.plane, |from_px, to_px| {
+                self.bridger.gaps.push(Gap {
+                    line: l,
+                    from_px,
+                    to_px,
+                });
+            });
+        }
+        count
+    }
+
+    /// A curve for each of the first `count` lines that is long enough to be a rope.
+    pub(super) fn points(&mut self, count: usize) {
+        self.count = 0;
+        self.looks.clear();
+        for l in 0..count {
+            if self.count == self.options.ropes {
+                break;
+            }
+            self.fill_curve(l);
+            let curve = &self.curves[self.count];
+            if curve.length_px < SHORTEST * curve.width_px {
+                continue;
+            }
+            let reach_px = 0.7 * curve.width_px + 3.0;
+            let is_covered = |end: usize, at: Option<&[f32; 2]>| {
+                let free = !curve.closed && !curve.border[end];
+                free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
+            };
+            let covered = [
+                is_covered(0, curve.points.first()),
+                is_covered(1, curve.points.last()),
+            ];
+            self.looks.push(Look {
+                color: self.colors[l],
+                covered,
+                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
+            });
+            // Lines and curves go by the same number from here on.
+            self.lines.swap(self.count, l);
+            self.count += 1;
+        }
+    }
+
+    /// Fills the next curve with the points of line `l`.
+    fn fill_curve(&mut self, l: usize) {
+        let line = &self.lines[l];
+        line.resample(self.options.points, &mut self.spaced);
+        // Smoothing may carry a tip at the image's border a little over it.
+        let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
+        for Sample { at: [x, y], .. } in &mut self.spaced {
+            (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
+        }
+        if self.curves.len() <= self.count {
+            self.curves.push(Curve::empty());
+        }
+        let curve = &mut self.curves[self.count];
+        curve.closed = line.closed;
+        curve.border = line.border;
+        curve.length_px = line.length_px();
+        let widths = || self.spaced.iter().map(|s| s.width_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.width_px = median(&mut curve.widths_px);
+        curve.widths_px.clear();
+        curve.widths_px.extend(widths());
+        curve.points.clear();
+        curve.points.extend(self.spaced.iter().map(|s| s.at));
+        let intervals = self.spaced.len() - usize::from(!curve.closed);
+        let step_px = curve.length_px / intervals.max(1) as f32;
+        let gaps = || self.bridger.gaps.iter().filter(|gap| gap.line == l);
+        curve.hidden.clear();
+        curve.hidden.extend((0..self.spaced.len()).map(|i| {
+            let along_px = i as f32 * step_px;
+            gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
+        }));
+    }
+}
+
+/// The mean native color along a line.
+fn mean_color(image: &Image, line: &Line) -> [f32; 3] {
+    let stride = (line.samples.len() / COLORS_ASKED).max(1);
+    let (mut sum, mut count) = ([0.0; 3], 0.0f32);
+    for sample in line.samples.iter().step_by(stride) {
+        let color = color::between(image, sample.at);
+        sum = std::array::from_fn(|i| sum[i] + color[i]);
+        count += 1.0;
+    }
+    sum.map(|s| s / count.max(1.0))
+}
