@@ -2,7 +2,7 @@
 //!
 //! A piece's topmost row begins with a run of pixels that has nothing of it above: a cap. Caps are few, and found 64
 //! pixels at a time; from each the piece is followed, run by run, until it turns out too large or is all known. What
-//! comes out is what labeling every piece ([`Components`](crate::components::Components)) says, which is what is done
+//! comes out is what labeling every piece ([`Components`]) says, which is what is done
 //! when there are too many caps.
 
 use crate::bits::BitPlane;

@@ -1,7 +1,7 @@
 //! The sums of the least squares, over a grid of samples row by row, and the equations that they make.
 //!
 //! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
-//! [`LANES`](super::LANES) samples side by side, and those are spread over the powers of the other.
+//! [`LANES`] samples side by side, and those are spread over the powers of the other.
 
 use super::{LANES, Lanes, TERMS};
 use pulp::{Simd, WithSimd};
