@@ -71,6 +71,11 @@ pub(crate) struct Source<'a> {
 }
 
 impl Centerliner {
+    /// Makes room for lines of so many samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.spaced.reserve(samples);
+    }
+
     /// Fills `line` with the centerline of `strand`; false when too little of it is left.
     pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
         let legs = &source.legs[strand.from as usize..strand.to as usize];

@@ -28,6 +28,8 @@ pub(crate) struct Differencer {
     channels: [Vec<u8>; 3],
     luma: Vec<u8>,
     chroma: Vec<u8>,
+    /// What was laid last, if it is one color: that, the format and for how many pixels.
+    plain: Option<([u8; 3], PixelFormat, usize)>,
 }
 
 impl Differencer {
@@ -67,11 +69,15 @@ impl Differencer {
         out: &mut [u8],
     ) {
         let levels = whole(background.at(from[0] + out.len() / 2, from[1]));
-        self.reserve(out.len());
-        for (channel, level) in self.channels.iter_mut().zip(levels) {
-            channel.fill(level);
+        let plain = (levels, image.format(), out.len());
+        if self.plain != Some(plain) {
+            self.reserve(out.len());
+            for (channel, level) in self.channels.iter_mut().zip(levels) {
+                channel.fill(level);
+            }
+            self.interleave(image.format());
+            self.plain = Some(plain);
         }
-        self.interleave(image.format());
         self.stretch(image, from, out);
     }
 
@@ -114,6 +120,7 @@ impl Differencer {
         from: [usize; 2],
         width: usize,
     ) {
+        self.plain = None;
         self.reserve(width);
         let [a, b, c] = &mut self.channels;
         background.row(from, BLOCK, [a, b, c]);

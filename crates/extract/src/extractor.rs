@@ -36,7 +36,8 @@ const FRAME_NS: u64 = 1_000_000_000 / 30;
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// Pixels to one bit each: rope or not.
+    /// Pixels to one bit each: rope or not. Of a frame whose ropes are followed, all that is done, as the others have
+    /// nothing left to do.
     Mask,
     /// The mask thinned to lines of one pixel.
     Skeleton,
@@ -297,6 +298,9 @@ impl Extractor {
             line.samples.reserve(samples);
         }
         self.spaced.reserve(samples);
+        self.centerliner.reserve(samples);
+        self.graph.reserve();
+        self.overlaps.reserve();
         self.colors.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);

@@ -48,6 +48,11 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
+    /// Makes room for the spurs of a rough skeleton.
+    pub(crate) fn reserve(&mut self) {
+        self.spurs.reserve(256);
+    }
+
     /// Traces `skeleton`. An image that is noise gets no edges.
     pub(crate) fn trace(&mut self, skeleton: &Skeleton) {
         let pixels = &skeleton.pixels;

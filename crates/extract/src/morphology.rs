@@ -35,6 +35,14 @@ impl Default for Morphology {
 }
 
 impl Morphology {
+    /// Makes the memory for planes of this one's shape.
+    pub(crate) fn reserve(&mut self, plane: &Strips) {
+        for own in [&mut self.next, &mut self.bare, &mut self.next_bare] {
+            own.resize(&plane.shape);
+        }
+        self.wider.resize(&plane.shape);
+    }
+
     /// Sets all that lies within `radius` of a set pixel.
     pub(crate) fn dilate(&mut self, plane: &mut Strips, radius: usize) {
         for _ in 0..radius.div_ceil(BLOCK) {

@@ -43,6 +43,15 @@ struct Candidate {
 }
 
 impl Overlaps {
+    /// Makes room for the overlaps of ropes.
+    pub(crate) fn reserve(&mut self) {
+        const MOST: usize = 256;
+        self.pairing.reserve();
+        self.arms.reserve(MOST);
+        self.candidates.reserve(MOST);
+        self.asked.reserve(MOST);
+    }
+
     /// Joins zones of three arms whose common edge is cheaper read as an overlap.
     pub(crate) fn join(
         &mut self,

@@ -40,6 +40,15 @@ pub(crate) struct Pairing {
 }
 
 impl Pairing {
+    /// Makes room for zones of as many arms as crossings of ropes have.
+    pub(crate) fn reserve(&mut self) {
+        const ARMS: usize = 16;
+        self.costs.reserve(ARMS * ARMS);
+        self.order.reserve(ARMS * ARMS);
+        self.partner.reserve(ARMS);
+        self.best.reserve(ARMS);
+    }
+
     /// For each of `arms`, all of one zone, the index of its partner, or its own when it ends here.
     pub(crate) fn resolve(&mut self, arms: &[Arm], past: &Past, yuv: bool) -> &[usize] {
         let n = arms.len();

@@ -57,6 +57,7 @@ impl Mender {
         difference: &mut Plane,
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
+        self.reserve(mask, rows);
         self.clear_shadows(image, background, mask);
         self.weak.take(&self.faint);
         self.widths.take((mask, rows), (&self.weak, &self.faint));
@@ -85,6 +86,18 @@ impl Mender {
         lift(difference, &self.added, cut.level);
         let added = &self.wider;
         mask.zip(added, added, |m, a, _| m | a);
+    }
+
+    /// Makes all memory for images of another size at once, lest a rope that is first thin in a later one cost some.
+    fn reserve(&mut self, mask: &Strips, rows: &BitPlane) {
+        if self.fits.shape == mask.shape {
+            return;
+        }
+        for plane in [&mut self.thin, &mut self.wider, &mut self.fits] {
+            plane.resize(&mask.shape);
+        }
+        self.added.resize(rows.width(), rows.height());
+        self.morphology.reserve(mask);
     }
 
     /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
