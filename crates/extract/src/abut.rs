@@ -129,12 +129,6 @@ impl Body {
                 break;
             }
         }
-        // Between the places, the parabola through the steps has its top.
-        let [before, after] = [-STEP_PX, STEP_PX].map(|hop| step_at(best.1 + hop));
-        let bend = 2.0 * best.0 - before - after;
-        if best.0 > 0.0 && bend > 0.0 {
-            best.1 += STEP_PX * (0.5 * (after - before) / bend).clamp(-0.5, 0.5);
-        }
         best.1.max(0.0)
     }
 }

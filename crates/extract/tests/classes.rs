@@ -51,7 +51,7 @@ const DASHES: Bounds = Bounds {
 };
 const TIP: Bounds = Bounds {
     // One tip in twelve.
-    end_px: 1.4,
+    end_px: 1.25,
     ..WHOLE
 };
 
