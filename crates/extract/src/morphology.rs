@@ -78,9 +78,10 @@ impl Morphology {
         self.dilate_within(plane, radius);
     }
 
-    /// Sets what a disc of this radius cannot reach without touching a set pixel.
-    pub(crate) fn close(&mut self, plane: &mut Strips, radius: usize) {
-        self.dilate(plane, radius);
+    /// Sets what a disc of this radius cannot reach without touching a set pixel, looking only at the blocks in which
+    /// something is said to be: right as far as twice the radius from where these end.
+    pub(crate) fn close_within(&mut self, plane: &mut Strips, radius: usize) {
+        self.dilate_within(plane, radius);
         self.erode(plane, radius);
     }
 }

@@ -131,6 +131,26 @@ impl Strips {
         }
     }
 
+    /// Takes the pixels that `other`, a picture on nothing as this one, has in these blocks.
+    pub(crate) fn take_within(&mut self, other: &Strips, blocks: &Blocks) {
+        self.resize(&other.shape);
+        self.used.copy_from(blocks);
+        for (at, count) in blocks.runs(&other.shape) {
+            self.words[at..][..count].copy_from_slice(&other.words[at..][..count]);
+        }
+    }
+
+    /// Takes the pixels of `other` besides its own; both stand on nothing.
+    pub(crate) fn add(&mut self, other: &Strips) {
+        self.used.add_all(&other.used);
+        for (at, count) in other.used.runs(&other.shape) {
+            let words = self.words[at..][..count].iter_mut();
+            words
+                .zip(&other.words[at..][..count])
+                .for_each(|(word, other)| *word |= other);
+        }
+    }
+
     /// Takes the pixels that `other`, a picture on the other ground, has not.
     pub(crate) fn complement(&mut self, other: &Strips) {
         self.resize(&other.shape);
@@ -151,6 +171,16 @@ impl Strips {
     pub(crate) fn zip(&mut self, a: &Strips, b: &Strips, rule: impl Fn(u64, u64, u64) -> u64) {
         self.used.add_all(&a.used);
         self.used.add_all(&b.used);
+        self.zip_within(a, b, rule);
+    }
+
+    /// The same, looking only at the blocks in which this picture may hold something.
+    pub(crate) fn zip_within(
+        &mut self,
+        a: &Strips,
+        b: &Strips,
+        rule: impl Fn(u64, u64, u64) -> u64,
+    ) {
         for (at, count) in self.used.runs(&self.shape) {
             let words = self.words[at..][..count].iter_mut();
             let others = a.words[at..][..count].iter().zip(&b.words[at..][..count]);
@@ -387,6 +417,34 @@ impl Blocks {
             for group in 0..shape.groups {
                 let i = strip * shape.groups + group;
                 self.bits[i] = near(shape, strip, group, |i| a.bits[i] | b.bits[i]) & used.bits[i];
+            }
+        }
+    }
+
+    /// Makes this the blocks with a pixel that lies within `reach` of a set one of `of`, a picture on nothing, along the
+    /// row and along the column.
+    pub(crate) fn near(&mut self, of: &Strips, reach: usize) {
+        let shape = &of.shape;
+        self.resize(shape);
+        let last = [shape.width - 1, shape.height - 1];
+        let span = |from: usize, to: usize, last: usize, side: usize| {
+            from.saturating_sub(reach) / side..=(to + reach).min(last) / side
+        };
+        for (at, count) in of.used.runs(shape) {
+            for at in (at..at + count).step_by(BLOCK) {
+                let words = block(&of.words, at);
+                let any = words.iter().fold(0, |any, word| any | word);
+                if any == 0 {
+                    continue;
+                }
+                let (strip, y) = shape.place(at);
+                let (left, right) = (any.trailing_zeros(), 63 - any.leading_zeros());
+                let [left, right] = [left, right].map(|bit| 64 * strip + bit as usize);
+                for strip in span(left, right, last[0], 64) {
+                    for block in span(y, y + BLOCK - 1, last[1], BLOCK) {
+                        self.add(shape, strip, BLOCK * block);
+                    }
+                }
             }
         }
     }
