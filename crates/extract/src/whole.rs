@@ -58,7 +58,7 @@ impl Mender {
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
         self.reserve(mask);
-        self.clear_shadows(image, background, mask);
+        shadow::clear(image, background, &mut self.faint, rows);
         self.weak.take(&self.faint);
         self.widths.take((mask, rows), (&self.weak, &self.faint));
         let (width_px, fringe_px) = self.rope_width();
@@ -125,14 +125,6 @@ impl Mender {
         let width_px = self.widths.width(MIDDLE) - edges_px;
         let fringe_px = (0.5 * self.widths.edge(USUAL)).ceil().max(1.0);
         (width_px, fringe_px as usize)
-    }
-
-    /// Leaves the faint pixels that are no shadow, and all that are sure.
-    fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &Strips) {
-        let faint = &mut self.faint;
-        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] &= !word);
-        shadow::clear(image, background, faint);
-        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] |= word);
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.
