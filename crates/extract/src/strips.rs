@@ -314,6 +314,28 @@ impl Strips {
         )
     }
 
+    /// How many set pixels follow each other above pixel (x, y) and below it, as far as 64 rows show, and whether that is
+    /// all of them.
+    #[inline(always)]
+    pub(crate) fn column(&self, [x, y]: [usize; 2]) -> (usize, usize, bool) {
+        const ABOVE: usize = 32;
+        let at = self.shape.index(x / 64, y);
+        // Between strips lie rows of nothing: no run goes on from the one to the next.
+        let rows = at
+            .checked_sub(ABOVE)
+            .and_then(|from| self.words.get(from..));
+        let Some(rows) = rows.and_then(|rows| rows.first_chunk::<64>()) else {
+            return (0, 0, false);
+        };
+        let mut column = 0;
+        for (k, word) in rows.iter().enumerate() {
+            column |= (word >> (x % 64) & 1) << k;
+        }
+        let up = (!(column as u32)).leading_zeros() as usize;
+        let down = (!(column >> (ABOVE + 1))).trailing_zeros() as usize;
+        (up, down, up < ABOVE && down < 63 - ABOVE)
+    }
+
     /// How many set pixels follow each other below pixel (x, y), up to `most`.
     #[inline(always)]
     pub(crate) fn reach_down(&self, [x, y]: [usize; 2], most: usize) -> usize {
