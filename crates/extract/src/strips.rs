@@ -259,26 +259,33 @@ impl pulp::NullaryFnOnce for Take<'_> {
         let Strips {
             shape, words, used, ..
         } = self.strips;
-        // Most words hold nothing: eight at a time are passed over.
-        let (eights, rest) = self.plane.words().as_chunks::<BLOCK>();
-        let mut put = |i: usize, word: u64| {
-            let (y, strip) = (i / shape.strips, i % shape.strips);
-            words[shape.index(strip, y)] = word;
-            used.add(shape, strip, y);
-        };
-        for (i, eight) in eights.iter().enumerate() {
-            if *eight == [0; BLOCK] {
-                continue;
-            }
-            for (k, &word) in eight.iter().enumerate() {
-                if word != 0 {
-                    put(BLOCK * i + k, word);
+        let (strips, rows) = (shape.strips, self.plane.words());
+        for (top, rows) in rows.chunks(BLOCK * strips).enumerate() {
+            for from in (0..strips).step_by(BLOCK) {
+                // Most blocks hold nothing: eight at a time are passed over.
+                let count = BLOCK.min(strips - from);
+                let mut any = [0; BLOCK];
+                for row in rows.chunks_exact(strips) {
+                    let row = &row[from..from + count];
+                    if let Some(row) = row.first_chunk::<BLOCK>() {
+                        for k in 0..BLOCK {
+                            any[k] |= row[k];
+                        }
+                    } else {
+                        any.iter_mut().zip(row).for_each(|(any, word)| *any |= word);
+                    }
                 }
-            }
-        }
-        for (k, &word) in rest.iter().enumerate() {
-            if word != 0 {
-                put(BLOCK * eights.len() + k, word);
+                if any == [0; BLOCK] {
+                    continue;
+                }
+                for strip in (from..from + count).filter(|strip| any[strip - from] != 0) {
+                    let at = shape.index(strip, BLOCK * top);
+                    let words = words[at..].iter_mut();
+                    for (word, row) in words.zip(rows.chunks_exact(strips)) {
+                        *word = row[strip];
+                    }
+                    used.add(shape, strip, BLOCK * top);
+                }
             }
         }
     }
@@ -443,6 +450,40 @@ impl Blocks {
         }
     }
 
+    /// Makes this the blocks of `of`, a picture on nothing, that hold something, and those that lie in a corner between two
+    /// of them: above or below the one, beside the other.
+    #[inline(always)]
+    pub(crate) fn holding(&mut self, of: &Strips) {
+        let shape = &of.shape;
+        self.resize(shape);
+        for (at, count) in of.used.runs(shape) {
+            let (strip, y) = shape.place(at);
+            let (mut bits, mut bit) = (0, 1 << (y / BLOCK % GROUP));
+            for at in (at..at + count).step_by(BLOCK) {
+                let any = block(&of.words, at).iter().fold(0, |any, word| any | word);
+                bits |= if any == 0 { 0 } else { bit };
+                bit <<= 1;
+            }
+            self.bits[strip * shape.groups + y / BLOCK / GROUP] |= bits;
+        }
+        // A corner of what is added here may be added, too, and does no harm.
+        for strip in 0..shape.strips {
+            for group in 0..shape.groups {
+                let i = strip * shape.groups + group;
+                let of = |strip: usize| of_group(&self.bits, shape, strip, group);
+                let (own, sides) = (self.bits[i], of(strip.wrapping_sub(1)) | of(strip + 1));
+                let mut ends = own << 1 | own >> 1;
+                if group > 0 {
+                    ends |= self.bits[i - 1] >> (GROUP - 1);
+                }
+                if group + 1 < shape.groups {
+                    ends |= self.bits[i + 1] << (GROUP - 1);
+                }
+                self.bits[i] |= ends & sides;
+            }
+        }
+    }
+
     /// Makes this the blocks with a pixel that lies within `reach` of a set one of `of`, a picture on nothing, along the
     /// row and along the column.
     pub(crate) fn near(&mut self, of: &Strips, reach: usize) {
@@ -483,6 +524,16 @@ impl Blocks {
             }
         }
     }
+}
+
+/// A group of a strip's blocks; outside of the picture there are none.
+#[inline(always)]
+fn of_group(bits: &[u64], shape: &Shape, strip: usize, group: usize) -> u64 {
+    let groups = bits.get(strip.wrapping_mul(shape.groups)..);
+    groups
+        .and_then(|groups| groups.get(group))
+        .copied()
+        .unwrap_or(0)
 }
 
 /// The blocks of a word of `Blocks` in or beside those that `bits` says of each word.
