@@ -229,11 +229,11 @@ impl Gathered {
     #[inline(always)]
     fn shade<const YUV: bool>(&self, background: &Background, tolerance: f32) -> [u32; LANES] {
         let mut shade = [0; LANES];
-        for i in 0..LANES {
+        for (i, shade) in shade.iter_mut().enumerate() {
             let table = background.at_place([self.x[i] as f32, self.y[i] as f32]);
             let level = |c: u32| (self.colors[i] >> (8 * c) & 0xFF) as f32;
             let is_shade = is_shade::<YUV>([level(0), level(1), level(2)], table, tolerance);
-            shade[i] = u32::from(is_shade);
+            *shade = u32::from(is_shade);
         }
         shade
     }

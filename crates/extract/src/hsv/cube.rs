@@ -105,7 +105,7 @@ impl Banding {
     fn of(&self, from: f32, to: f32) -> u8 {
         let part = |value: f32| ((value - self.low) * self.per_level) as usize;
         let [from, to] = [part(from).min(self.count - 1), part(to).min(self.count - 1)];
-        ((2u32 << to) - (1 << from) << self.first) as u8
+        (((2u32 << to) - (1 << from)) << self.first) as u8
     }
 }
 
@@ -354,7 +354,7 @@ impl Row {
         let ([from, to], saturations, values) = (range.hue_deg, range.saturation, range.value);
         let wraps = from > to;
         let mut all = [0; LANES];
-        for k in 0..LANES {
+        for (k, bit) in all.iter_mut().enumerate() {
             let (red, green, blue) = (self.red[k], self.green[k], self.blue[k]);
             let (r, g, b) = (red / 255.0, green / 255.0, blue / 255.0);
             let value = larger(larger(r, g), b);
@@ -370,7 +370,7 @@ impl Row {
             let fits = (above & below) | (wraps & (above | below));
             let within = |[low, high]: [f32; 2], v: f32| (low <= v) & (v <= high);
             let is_in = fits & within(saturations, saturation) & within(values, value);
-            all[k] = u32::from(is_in) << k;
+            *bit = u32::from(is_in) << k;
         }
         all.iter().fold(0, |all, bit| all | bit)
     }
