@@ -95,12 +95,14 @@ impl Background {
         self.coefficients.map(|c| surface(&along_row(&c, v), u))
     }
 
-    /// The table's color along row `y`, at each pixel asked for.
-    pub(crate) fn along(&self, y: usize) -> impl Fn(usize) -> [f32; 3] + use<> {
-        let v = unit(y as f32, self.height);
-        let rows = self.coefficients.map(|c| along_row(&c, v));
-        let step = 2.0 / self.width;
-        move |x| rows.map(|c| surface(&c, (x as f32 + 0.5) * step - 1.0))
+    /// The same for kernels, that have numbers of the same kind for everything.
+    #[inline(always)]
+    pub(crate) fn at_place(&self, [x, y]: [f32; 2]) -> [f32; 3] {
+        let (u, v) = (unit(x, self.width), unit(y, self.height));
+        let level = |c: &[f32; TERMS]| surface(&along_row(c, v), u);
+        let [a, b, c] = &self.coefficients;
+        // No `map`: it would not be compiled for the kernel's machine.
+        [level(a), level(b), level(c)]
     }
 
     /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
@@ -305,6 +307,7 @@ fn rounded(value: f32, most: f32) -> u32 {
 }
 
 /// A pixel's position on a scale from −1 to 1 across the image.
+#[inline(always)]
 fn unit(position: f32, side: f32) -> f32 {
     (position + 0.5) * (2.0 / side) - 1.0
 }

@@ -45,6 +45,10 @@ impl BitPlane {
         &self.words
     }
 
+    pub(crate) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
+    }
+
     pub(crate) fn row(&self, y: usize) -> &[u64] {
         &self.words[y * self.words_per_row..][..self.words_per_row]
     }

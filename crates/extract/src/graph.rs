@@ -102,7 +102,13 @@ impl Graph {
         let (mut before, mut here, mut length_px) = (start, next, 0.0);
         loop {
             self.chain.push(here);
-            length_px += vec2::distance(pixels[before as usize].at(), pixels[here as usize].at());
+            let (a, b) = (&pixels[before as usize], &pixels[here as usize]);
+            // Neighbors by a corner or by a side.
+            length_px += if (a.x != b.x) & (a.y != b.y) {
+                std::f32::consts::SQRT_2
+            } else {
+                1.0
+            };
             if self.node_of[here as usize] != NONE || here == start {
                 break;
             }

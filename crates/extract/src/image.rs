@@ -181,6 +181,12 @@ impl<'a> Image<'a> {
         &self.bytes[start..start + self.format.row_bytes(self.width)]
     }
 
+    /// The bytes of the first plane from byte `from` of row `y` on.
+    #[inline(always)]
+    pub(crate) fn bytes_from(&self, from: usize, y: usize) -> &'a [u8] {
+        &self.bytes[y * self.stride + from..]
+    }
+
     /// The bytes of the first plane from byte `from` of row `y` on, and of each row after it, up to the next one's.
     pub(crate) fn rows_from(&self, from: usize, y: usize) -> impl Iterator<Item = &'a [u8]> {
         self.bytes[y * self.stride + from..].chunks(self.stride)

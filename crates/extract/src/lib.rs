@@ -109,6 +109,7 @@ mod strands;
 mod strips;
 mod thin;
 mod threshold;
+mod tiles;
 mod tips;
 mod track;
 mod turn;

@@ -7,6 +7,7 @@
 
 use crate::neighbors::{Around, Rule, step};
 use crate::strips::{BLOCK, Blocks, Strips};
+use crate::tiles::Tiles;
 
 /// Squares among the steps of an octagon whose diagonals are as long as its axes: s of r steps with
 /// s·√2 + (r − s)·√2/2 = r.
@@ -21,6 +22,7 @@ pub(crate) struct Morphology {
     bare: Strips,
     next_bare: Strips,
     wider: Blocks,
+    tiles: Tiles,
 }
 
 impl Default for Morphology {
@@ -30,6 +32,7 @@ impl Default for Morphology {
             bare: Strips::of_ground(),
             next_bare: Strips::of_ground(),
             wider: Blocks::default(),
+            tiles: Tiles::default(),
         }
     }
 }
@@ -41,6 +44,7 @@ impl Morphology {
             own.resize(&plane.shape);
         }
         self.wider.resize(&plane.shape);
+        self.tiles.reserve(plane);
     }
 
     /// Sets all that lies within `radius` of a set pixel.
@@ -66,6 +70,12 @@ impl Morphology {
 
     /// Leaves what a disc `across` pixels wide reaches without leaving the set pixels.
     pub(crate) fn open(&mut self, plane: &mut Strips, across: usize) {
+        self.tiles.open(plane, across);
+    }
+
+    /// The same step by step, the definition.
+    #[cfg(test)]
+    pub(crate) fn open_in_place(&mut self, plane: &mut Strips, across: usize) {
         let radius = across.saturating_sub(1) / 2;
         self.erode(plane, radius);
         if across > 0 && across.is_multiple_of(2) {
@@ -78,9 +88,10 @@ impl Morphology {
         self.dilate_within(plane, radius);
     }
 
-    /// Sets what a disc of this radius cannot reach without touching a set pixel.
-    pub(crate) fn close(&mut self, plane: &mut Strips, radius: usize) {
-        self.dilate(plane, radius);
+    /// Sets what a disc of this radius cannot reach without touching a set pixel, looking only at the blocks in which
+    /// something is said to be: right as far as twice the radius from where these end.
+    pub(crate) fn close_within(&mut self, plane: &mut Strips, radius: usize) {
+        self.dilate_within(plane, radius);
         self.erode(plane, radius);
     }
 }
@@ -97,13 +108,13 @@ fn steps(plane: &mut Strips, next: &mut Strips, radius: usize) {
 }
 
 /// Whether step `step` of an octagon is a square.
-fn is_square(step: usize) -> bool {
+pub(crate) fn is_square(step: usize) -> bool {
     let squares = |steps: usize| (SQUARES * steps as f32).round();
     squares(step + 1) > squares(step)
 }
 
 /// Dilation by a pixel and its neighbors by a side.
-struct Cross;
+pub(crate) struct Cross;
 
 impl Rule for Cross {
     #[inline(always)]
@@ -116,7 +127,7 @@ impl Rule for Cross {
 }
 
 /// Dilation by a square of 3×3.
-struct Square;
+pub(crate) struct Square;
 
 impl Rule for Square {
     #[inline(always)]
@@ -127,7 +138,7 @@ impl Rule for Square {
 }
 
 /// Dilation by a square of 2×2, half a pixel to the right and below.
-struct ToBottomRight;
+pub(crate) struct ToBottomRight;
 
 impl Rule for ToBottomRight {
     #[inline(always)]
@@ -138,8 +149,10 @@ impl Rule for ToBottomRight {
 }
 
 /// The same by that square turned around: eroding by it undoes the other's shift.
+#[cfg(test)]
 struct ToTopLeft;
 
+#[cfg(test)]
 impl Rule for ToTopLeft {
     #[inline(always)]
     fn word(&self, around: &Around) -> u64 {

@@ -30,10 +30,20 @@ pub(crate) fn apply_to_block<R: Rule>(
     at: usize,
     stride: usize,
 ) -> [u64; BLOCK] {
+    apply_to_tile(rule, words, [at - stride, at, at + stride])
+}
+
+/// The same where the words to the left of the block, its own and those to the right lie somewhere.
+#[inline(always)]
+pub(crate) fn apply_to_tile<R: Rule>(
+    rule: &R,
+    words: &[u64],
+    [left, own, right]: [usize; 3],
+) -> [u64; BLOCK] {
     let [left, own, right] = [
-        three_rows(words, at - stride),
-        three_rows(words, at),
-        three_rows(words, at + stride),
+        three_rows(words, left),
+        three_rows(words, own),
+        three_rows(words, right),
     ];
     // A value and not a place in memory: the compiler sees then that nothing it reads is written.
     let mut new = [0; BLOCK];

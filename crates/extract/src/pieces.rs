@@ -7,23 +7,34 @@
 
 use crate::bits::BitPlane;
 use crate::components::{Components, TooManyRuns, budget};
-use crate::strips::{Blocks, Strips};
+use crate::strips::{BLOCK, Blocks, Strips, block};
 
 /// Large pieces that are followed in vain before all are labeled instead.
 const MOST_LARGE: usize = 128;
 /// Runs of one piece that are followed before all are labeled instead.
 const MOST_RUNS: usize = 4096;
+/// Caps from which a walk down tells most of the large pieces: more are no picture of ropes.
+const MOST_WALKS: usize = 1024;
 /// Pixels from which on a hole may lie in a block without a set pixel: a run of them fills a word.
 const WORD: u32 = 64;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Pieces {
+    /// The caps that are not surely of a large piece.
+    caps: Vec<Cap>,
     /// The runs of the piece that is followed.
     runs: Vec<Run>,
     beside: Blocks,
     pub(crate) components: Components,
     plane: BitPlane,
+}
+
+/// A pixel of a cap.
+#[derive(Clone, Copy, Debug)]
+struct Cap {
+    x: u16,
+    y: u16,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,10 +59,11 @@ impl Pieces {
         least: u32,
     ) -> Result<(), TooManyRuns> {
         self.reserve(plane);
-        if self.count_runs(plane) > budget(plane.shape.width(), plane.shape.height()) {
+        let most = least.saturating_sub(1);
+        if self.find_caps(plane, Kind::Specks, most) > budget_of(plane) {
             return Err(TooManyRuns);
         }
-        if least > 1 && !self.change_small(plane, Kind::Specks, least - 1) {
+        if !self.change_small(plane, Kind::Specks, most) {
             return self.label(plane, |components, rows| {
                 components.drop_specks(rows, least)
             });
@@ -63,11 +75,13 @@ impl Pieces {
     /// do not lie at the edge of the image.
     pub(crate) fn fill_holes(&mut self, plane: &mut Strips, most: u32) -> Result<(), TooManyRuns> {
         self.reserve(plane);
-        let (width, height) = (plane.shape.width(), plane.shape.height());
+        if most >= WORD {
+            self.beside.beside(&plane.shape, &plane.used);
+            plane.used.copy_from(&self.beside);
+        }
         // Between two runs of a row lies one of unset pixels, and beside them two at most.
-        let runs = self.count_runs(plane) + height;
-        if runs > budget(width, height) || most > 0 && !self.change_small(plane, Kind::Holes, most)
-        {
+        let runs = self.find_caps(plane, Kind::Holes, most) + plane.shape.height();
+        if runs > budget_of(plane) || !self.change_small(plane, Kind::Holes, most) {
             return self.label(plane, |components, rows| components.fill_holes(rows, most));
         }
         Ok(())
@@ -79,6 +93,9 @@ impl Pieces {
         if size != [self.plane.width(), self.plane.height()] {
             self.runs.clear();
             self.runs.reserve(MOST_RUNS);
+            self.caps.clear();
+            // The block that goes beyond the budget is looked at.
+            self.caps.reserve(budget_of(plane) + BLOCK * 64);
             self.plane.resize(size[0], size[1]);
             self.components.reserve(size[0], size[1]);
         }
@@ -100,48 +117,34 @@ impl Pieces {
         Ok(())
     }
 
-    fn count_runs(&self, plane: &Strips) -> usize {
-        let (words, stride) = (&plane.words, plane.shape.stride);
-        let mut count = 0;
-        for (at, length) in plane.used.runs(&plane.shape) {
-            for at in at..at + length {
-                let before = words[at] << 1 | words[at - stride] >> 63;
-                count += (words[at] & !before).count_ones() as usize;
-            }
-        }
-        count
+    /// Lists the caps of pieces that may have `most` pixels or fewer. Returns how many runs are set; beyond the budget
+    /// neither is whole.
+    fn find_caps(&mut self, plane: &Strips, kind: Kind, most: u32) -> usize {
+        self.caps.clear();
+        let caps = &mut self.caps;
+        pulp::Arch::new().dispatch(FindCaps {
+            plane,
+            kind,
+            most,
+            caps,
+        })
     }
 
     /// Changes the pixels of pieces of at most `most` pixels; false when there are too many large ones.
     fn change_small(&mut self, plane: &mut Strips, kind: Kind, most: u32) -> bool {
-        let shape = plane.shape;
-        if kind == Kind::Holes && most >= WORD {
-            self.beside.beside(&shape, &plane.used);
-            plane.used.copy_from(&self.beside);
-        } else {
-            self.beside.copy_from(&plane.used);
-        }
-        let mut large = 0;
-        let blocks = std::mem::take(&mut self.beside);
-        'all: for (at, count) in blocks.runs(&shape) {
-            let (strip, y) = shape.place(at);
-            for k in 0..count.min(shape.height() - y) {
-                let mut ends = caps(plane, at + k, kind, shape.inside(strip));
-                while ends != 0 {
-                    let x = 64 * strip + ends.trailing_zeros() as usize;
-                    ends &= ends - 1;
-                    large += match self.follow(plane, kind, [x, y + k], most) {
-                        Piece::Small => 0,
-                        Piece::Large => 1,
-                        Piece::Intricate => MOST_LARGE + 1,
-                    };
-                    if large > MOST_LARGE {
-                        break 'all;
-                    }
-                }
+        let (caps, mut large) = (std::mem::take(&mut self.caps), 0);
+        for cap in &caps {
+            let at = [cap.x, cap.y].map(usize::from);
+            large += match self.follow(plane, kind, at, most) {
+                Piece::Small => 0,
+                Piece::Large => 1,
+                Piece::Intricate => MOST_LARGE + 1,
+            };
+            if large > MOST_LARGE {
+                break;
             }
         }
-        self.beside = blocks;
+        self.caps = caps;
         large <= MOST_LARGE
     }
 
@@ -209,40 +212,142 @@ enum Piece {
     Intricate,
 }
 
-/// A pixel of each cap that may end in the word at `at`.
-#[inline(always)]
-fn caps(plane: &Strips, at: usize, kind: Kind, inside: u64) -> u64 {
-    let (words, stride) = (&plane.words, plane.shape.stride);
-    let west = |at: usize| words[at] << 1 | words[at - stride] >> 63;
-    let east = |at: usize| words[at] >> 1 | words[at + stride] << 63;
-    let here = words[at];
-    // The pixels of the pieces; where a run of them begins; those without any of them above.
-    let (own, begins, free) = match kind {
-        Kind::Specks => (
-            here,
-            here & !west(at),
-            here & !(words[at - 1] | west(at - 1) | east(at - 1)),
-        ),
-        Kind::Holes => {
-            let own = !here & inside;
-            (own, own & west(at), own & words[at - 1])
+/// Runs that a plane of this shape may have.
+fn budget_of(plane: &Strips) -> usize {
+    budget(plane.shape.width(), plane.shape.height())
+}
+
+/// The search for caps, to be compiled for each kind of machine.
+struct FindCaps<'a> {
+    plane: &'a Strips,
+    kind: Kind,
+    most: u32,
+    caps: &'a mut Vec<Cap>,
+}
+
+impl pulp::NullaryFnOnce for FindCaps<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        if self.kind == Kind::Specks {
+            self.find::<true>()
+        } else {
+            self.find::<false>()
         }
-    };
-    let first = begins & free;
-    if first == 0 {
-        return 0;
     }
-    // Adding where they begin to the free runs carries through each of them, to the bit behind: if the piece is not there,
-    // too, all of its run was free.
-    let (sum, carried) = free.overflowing_add(first);
-    let behind = sum & !free & !own;
-    let ends = behind >> 1;
-    if carried {
-        // It goes on in the next word: it is looked at without knowing more.
-        ends | 1 << 63
-    } else {
-        ends
+}
+
+impl FindCaps<'_> {
+    #[inline(always)]
+    fn find<const SPECKS: bool>(self) -> usize {
+        let (shape, words) = (&self.plane.shape, &self.plane.words[..]);
+        let budget = budget_of(self.plane);
+        let (mut runs, mut walks) = (0, 0);
+        for (at, count) in self.plane.used.runs(shape) {
+            let (strip, y) = shape.place(at);
+            let inside = shape.inside(strip);
+            for from in (0..count).step_by(BLOCK) {
+                let (ends, begun) = caps::<SPECKS>(words, at + from, shape.stride, inside);
+                runs += begun as usize;
+                if ends == [0; BLOCK] || self.most == 0 {
+                    continue;
+                }
+                if runs > budget {
+                    return runs;
+                }
+                // The last block reaches below the picture.
+                let rows = BLOCK.min(shape.height() - y - from);
+                for (k, mut ends) in ends.into_iter().enumerate().take(rows) {
+                    let at = at + from + k;
+                    while ends != 0 {
+                        let bit = ends & ends.wrapping_neg();
+                        ends ^= bit;
+                        walks += 1;
+                        if walks <= MOST_WALKS
+                            && is_surely_larger::<SPECKS>(words, at, bit, inside, self.most)
+                        {
+                            continue;
+                        }
+                        self.caps.push(Cap {
+                            x: (64 * strip) as u16 + bit.trailing_zeros() as u16,
+                            y: (y + from + k) as u16,
+                        });
+                    }
+                }
+            }
+        }
+        runs
     }
+}
+
+/// A pixel of each cap that may end in a word of the block at `at`, and how many runs of set pixels begin in them all.
+#[inline(always)]
+fn caps<const SPECKS: bool>(
+    words: &[u64],
+    at: usize,
+    stride: usize,
+    inside: u64,
+) -> ([u64; BLOCK], u32) {
+    let [own, left] = [at, at - stride].map(|at| block(words, at));
+    let [up, up_left, up_right] =
+        [at - 1, at - 1 - stride, at - 1 + stride].map(|at| block(words, at));
+    let (mut ends, mut runs) = ([0; BLOCK], [0; BLOCK]);
+    for k in 0..BLOCK {
+        let (here, west) = (own[k], own[k] << 1 | left[k] >> 63);
+        runs[k] = (here & !west).count_ones();
+        // The pixels of the pieces; where a run of them begins; those without any of them above.
+        let (own, begins, free) = if SPECKS {
+            let above = up[k] | up[k] << 1 | up_left[k] >> 63 | up[k] >> 1 | up_right[k] << 63;
+            (here, here & !west, here & !above)
+        } else {
+            let own = !here & inside;
+            (own, own & west, own & up[k])
+        };
+        let first = begins & free;
+        // Adding where they begin to the free runs carries through each of them, to the bit behind: if the piece is not
+        // there, too, all of its run was free.
+        let sum = free.wrapping_add(first);
+        let behind = sum & !free & !own;
+        // Carried out of it, it goes on in the next word: it is looked at without knowing more.
+        let carried = u64::from(sum < free) << 63;
+        ends[k] = if first == 0 { 0 } else { behind >> 1 | carried };
+    }
+    (ends, runs.iter().sum())
+}
+
+/// Whether what hangs on the pixel `bit` of the word at `at`, its piece's topmost, has more than `most` pixels without
+/// leaving the words below: a part of the piece that is found faster than all of it.
+#[inline(always)]
+fn is_surely_larger<const SPECKS: bool>(
+    words: &[u64],
+    at: usize,
+    bit: u64,
+    inside: u64,
+    most: u32,
+) -> bool {
+    let (mut part, mut area) = (bit, 0);
+    // Below the picture nothing is set: there a speck ends; a hole would lie at the image's edge.
+    for &word in &words[at..] {
+        let (own, reached) = if SPECKS {
+            (word, part | part << 1 | part >> 1)
+        } else {
+            (!word & inside, part)
+        };
+        let seeds = own & reached;
+        if seeds == 0 {
+            return false;
+        }
+        // Carries run through the rest of each run, to the left and to the right.
+        let rest = |own: u64, seeds: u64| own & !own.wrapping_add(seeds & !(seeds << 1));
+        let back = rest(own.reverse_bits(), seeds.reverse_bits()).reverse_bits();
+        part = seeds | rest(own, seeds) | back;
+        area += part.count_ones();
+        if area > most {
+            return true;
+        }
+    }
+    false
 }
 
 /// The first pixel of row `y` from `x` on, before `end`, that has this value.

@@ -131,6 +131,26 @@ impl Strips {
         }
     }
 
+    /// Takes the pixels that `other`, a picture on nothing as this one, has in these blocks.
+    pub(crate) fn take_within(&mut self, other: &Strips, blocks: &Blocks) {
+        self.resize(&other.shape);
+        self.used.copy_from(blocks);
+        for (at, count) in blocks.runs(&other.shape) {
+            self.words[at..][..count].copy_from_slice(&other.words[at..][..count]);
+        }
+    }
+
+    /// Takes the pixels of `other` besides its own; both stand on nothing.
+    pub(crate) fn add(&mut self, other: &Strips) {
+        self.used.add_all(&other.used);
+        for (at, count) in other.used.runs(&other.shape) {
+            let words = self.words[at..][..count].iter_mut();
+            words
+                .zip(&other.words[at..][..count])
+                .for_each(|(word, other)| *word |= other);
+        }
+    }
+
     /// Takes the pixels that `other`, a picture on the other ground, has not.
     pub(crate) fn complement(&mut self, other: &Strips) {
         self.resize(&other.shape);
@@ -151,6 +171,16 @@ impl Strips {
     pub(crate) fn zip(&mut self, a: &Strips, b: &Strips, rule: impl Fn(u64, u64, u64) -> u64) {
         self.used.add_all(&a.used);
         self.used.add_all(&b.used);
+        self.zip_within(a, b, rule);
+    }
+
+    /// The same, looking only at the blocks in which this picture may hold something.
+    pub(crate) fn zip_within(
+        &mut self,
+        a: &Strips,
+        b: &Strips,
+        rule: impl Fn(u64, u64, u64) -> u64,
+    ) {
         for (at, count) in self.used.runs(&self.shape) {
             let words = self.words[at..][..count].iter_mut();
             let others = a.words[at..][..count].iter().zip(&b.words[at..][..count]);
@@ -229,26 +259,33 @@ impl pulp::NullaryFnOnce for Take<'_> {
         let Strips {
             shape, words, used, ..
         } = self.strips;
-        // Most words hold nothing: eight at a time are passed over.
-        let (eights, rest) = self.plane.words().as_chunks::<BLOCK>();
-        let mut put = |i: usize, word: u64| {
-            let (y, strip) = (i / shape.strips, i % shape.strips);
-            words[shape.index(strip, y)] = word;
-            used.add(shape, strip, y);
-        };
-        for (i, eight) in eights.iter().enumerate() {
-            if *eight == [0; BLOCK] {
-                continue;
-            }
-            for (k, &word) in eight.iter().enumerate() {
-                if word != 0 {
-                    put(BLOCK * i + k, word);
+        let (strips, rows) = (shape.strips, self.plane.words());
+        for (top, rows) in rows.chunks(BLOCK * strips).enumerate() {
+            for from in (0..strips).step_by(BLOCK) {
+                // Most blocks hold nothing: eight at a time are passed over.
+                let count = BLOCK.min(strips - from);
+                let mut any = [0; BLOCK];
+                for row in rows.chunks_exact(strips) {
+                    let row = &row[from..from + count];
+                    if let Some(row) = row.first_chunk::<BLOCK>() {
+                        for k in 0..BLOCK {
+                            any[k] |= row[k];
+                        }
+                    } else {
+                        any.iter_mut().zip(row).for_each(|(any, word)| *any |= word);
+                    }
                 }
-            }
-        }
-        for (k, &word) in rest.iter().enumerate() {
-            if word != 0 {
-                put(BLOCK * eights.len() + k, word);
+                if any == [0; BLOCK] {
+                    continue;
+                }
+                for strip in (from..from + count).filter(|strip| any[strip - from] != 0) {
+                    let at = shape.index(strip, BLOCK * top);
+                    let words = words[at..].iter_mut();
+                    for (word, row) in words.zip(rows.chunks_exact(strips)) {
+                        *word = row[strip];
+                    }
+                    used.add(shape, strip, BLOCK * top);
+                }
             }
         }
     }
@@ -282,6 +319,28 @@ impl Strips {
             left.saturating_sub(1).min(most),
             right.saturating_sub(1).min(most),
         )
+    }
+
+    /// How many set pixels follow each other above pixel (x, y) and below it, as far as 64 rows show, and whether that is
+    /// all of them.
+    #[inline(always)]
+    pub(crate) fn column(&self, [x, y]: [usize; 2]) -> (usize, usize, bool) {
+        const ABOVE: usize = 32;
+        let at = self.shape.index(x / 64, y);
+        // Between strips lie rows of nothing: no run goes on from the one to the next.
+        let rows = at
+            .checked_sub(ABOVE)
+            .and_then(|from| self.words.get(from..));
+        let Some(rows) = rows.and_then(|rows| rows.first_chunk::<64>()) else {
+            return (0, 0, false);
+        };
+        let mut column = 0;
+        for (k, word) in rows.iter().enumerate() {
+            column |= (word >> (x % 64) & 1) << k;
+        }
+        let up = (!(column as u32)).leading_zeros() as usize;
+        let down = (!(column >> (ABOVE + 1))).trailing_zeros() as usize;
+        (up, down, up < ABOVE && down < 63 - ABOVE)
     }
 
     /// How many set pixels follow each other below pixel (x, y), up to `most`.
@@ -391,6 +450,68 @@ impl Blocks {
         }
     }
 
+    /// Makes this the blocks of `of`, a picture on nothing, that hold something, and those that lie in a corner between two
+    /// of them: above or below the one, beside the other.
+    #[inline(always)]
+    pub(crate) fn holding(&mut self, of: &Strips) {
+        let shape = &of.shape;
+        self.resize(shape);
+        for (at, count) in of.used.runs(shape) {
+            let (strip, y) = shape.place(at);
+            let (mut bits, mut bit) = (0, 1 << (y / BLOCK % GROUP));
+            for at in (at..at + count).step_by(BLOCK) {
+                let any = block(&of.words, at).iter().fold(0, |any, word| any | word);
+                bits |= if any == 0 { 0 } else { bit };
+                bit <<= 1;
+            }
+            self.bits[strip * shape.groups + y / BLOCK / GROUP] |= bits;
+        }
+        // A corner of what is added here may be added, too, and does no harm.
+        for strip in 0..shape.strips {
+            for group in 0..shape.groups {
+                let i = strip * shape.groups + group;
+                let of = |strip: usize| of_group(&self.bits, shape, strip, group);
+                let (own, sides) = (self.bits[i], of(strip.wrapping_sub(1)) | of(strip + 1));
+                let mut ends = own << 1 | own >> 1;
+                if group > 0 {
+                    ends |= self.bits[i - 1] >> (GROUP - 1);
+                }
+                if group + 1 < shape.groups {
+                    ends |= self.bits[i + 1] << (GROUP - 1);
+                }
+                self.bits[i] |= ends & sides;
+            }
+        }
+    }
+
+    /// Makes this the blocks with a pixel that lies within `reach` of a set one of `of`, a picture on nothing, along the
+    /// row and along the column.
+    pub(crate) fn near(&mut self, of: &Strips, reach: usize) {
+        let shape = &of.shape;
+        self.resize(shape);
+        let last = [shape.width - 1, shape.height - 1];
+        let span = |from: usize, to: usize, last: usize, side: usize| {
+            from.saturating_sub(reach) / side..=(to + reach).min(last) / side
+        };
+        for (at, count) in of.used.runs(shape) {
+            for at in (at..at + count).step_by(BLOCK) {
+                let words = block(&of.words, at);
+                let any = words.iter().fold(0, |any, word| any | word);
+                if any == 0 {
+                    continue;
+                }
+                let (strip, y) = shape.place(at);
+                let (left, right) = (any.trailing_zeros(), 63 - any.leading_zeros());
+                let [left, right] = [left, right].map(|bit| 64 * strip + bit as usize);
+                for strip in span(left, right, last[0], 64) {
+                    for block in span(y, y + BLOCK - 1, last[1], BLOCK) {
+                        self.add(shape, strip, BLOCK * block);
+                    }
+                }
+            }
+        }
+    }
+
     /// Makes this the blocks in and beside those of `of`.
     pub(crate) fn beside(&mut self, shape: &Shape, of: &Blocks) {
         self.resize(shape);
@@ -403,6 +524,16 @@ impl Blocks {
             }
         }
     }
+}
+
+/// A group of a strip's blocks; outside of the picture there are none.
+#[inline(always)]
+fn of_group(bits: &[u64], shape: &Shape, strip: usize, group: usize) -> u64 {
+    let groups = bits.get(strip.wrapping_mul(shape.groups)..);
+    groups
+        .and_then(|groups| groups.get(group))
+        .copied()
+        .unwrap_or(0)
 }
 
 /// The blocks of a word of `Blocks` in or beside those that `bits` says of each word.

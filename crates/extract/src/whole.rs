@@ -9,11 +9,10 @@
 
 use crate::background::Background;
 use crate::bits::BitPlane;
-use crate::components::for_each_run;
 use crate::morphology::Morphology;
 use crate::pieces::Pieces;
 use crate::plane::Plane;
-use crate::strips::Strips;
+use crate::strips::{Blocks, Strips};
 use crate::threshold::Cut;
 use crate::widths::Widths;
 use crate::{Image, shadow};
@@ -43,7 +42,8 @@ pub(crate) struct Mender {
     thin: Strips,
     wider: Strips,
     fits: Strips,
-    added: BitPlane,
+    /// The blocks that are near enough to a thin place to be looked at.
+    window: Blocks,
 }
 
 impl Mender {
@@ -57,8 +57,8 @@ impl Mender {
         difference: &mut Plane,
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
-        self.reserve(mask, rows);
-        self.clear_shadows(image, background, mask);
+        self.reserve(mask);
+        shadow::clear(image, background, &mut self.faint, rows);
         self.weak.take(&self.faint);
         self.widths.take((mask, rows), (&self.weak, &self.faint));
         let (width_px, fringe_px) = self.rope_width();
@@ -70,46 +70,50 @@ impl Mender {
             return;
         }
         let slit = ((SLIT * width_px) as usize).max(1);
-        self.wider.copy_from(mask);
-        self.wider.zip(&self.weak, &self.thin, |m, w, t| m | w & t);
-        self.fits.copy_from(&self.wider);
-        self.morphology.close(&mut self.fits, slit);
-        self.wider.zip(&self.fits, &self.thin, |m, c, t| m | c & t);
+        // No step from here on looks farther from a place where something may be added.
+        let reach = (2 * slit).max(across + fringe_px) + 1;
+        self.window.near(&self.thin, reach);
+        self.wider.take_within(mask, &self.window);
+        self.wider
+            .zip_within(&self.weak, &self.thin, |m, w, t| m | w & t);
+        self.fits.take_within(&self.wider, &self.window);
+        self.morphology.close_within(&mut self.fits, slit);
+        self.wider
+            .zip_within(&self.fits, &self.thin, |m, c, t| m | c & t);
         // What has the rope's width now, with the corners that a disc does not reach.
-        self.fits.copy_from(&self.wider);
+        self.fits.take_within(&self.wider, &self.window);
         self.morphology.open(&mut self.fits, across);
-        self.morphology.dilate(&mut self.fits, fringe_px);
-        self.wider.zip(&self.fits, mask, |w, f, m| w & f & !m);
+        self.morphology.dilate_within(&mut self.fits, fringe_px);
+        self.wider
+            .zip_within(&self.fits, mask, |w, f, m| w & f & !m);
         self.drop_fringe(mask, slit, fringe_px);
-        self.added.resize(rows.width(), rows.height());
-        self.wider.put(&mut self.added);
-        lift(difference, &self.added, cut.level);
-        let added = &self.wider;
-        mask.zip(added, added, |m, a, _| m | a);
+        self.wider.tighten();
+        lift(difference, &self.wider, cut.level);
+        mask.add(&self.wider);
     }
 
     /// Makes all memory for images of another size at once, lest a rope that is first thin in a later one cost some.
-    fn reserve(&mut self, mask: &Strips, rows: &BitPlane) {
+    fn reserve(&mut self, mask: &Strips) {
         if self.fits.shape == mask.shape {
             return;
         }
         for plane in [&mut self.thin, &mut self.wider, &mut self.fits] {
             plane.resize(&mask.shape);
         }
-        self.added.resize(rows.width(), rows.height());
+        self.window.resize(&mask.shape);
         self.morphology.reserve(mask);
     }
 
     /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
     /// at the corners of a tip a disc finds thin places, too.
     fn drop_fringe(&mut self, mask: &Strips, slit: usize, fringe_px: usize) {
-        self.thin.copy_from(mask);
-        self.morphology.close(&mut self.thin, slit);
-        self.fits.copy_from(&self.wider);
+        self.thin.take_within(mask, &self.window);
+        self.morphology.close_within(&mut self.thin, slit);
+        self.fits.take_within(&self.wider, &self.window);
         self.morphology.open(&mut self.fits, 2 * fringe_px);
-        self.morphology.dilate(&mut self.fits, 1);
+        self.morphology.dilate_within(&mut self.fits, 1);
         self.wider
-            .zip(&self.fits, &self.thin, |w, f, c| w & (f | c));
+            .zip_within(&self.fits, &self.thin, |w, f, c| w & (f | c));
     }
 
     /// The width of the ropes in pixels, 0 when there is none, and how wide the faint fringe of their edges is.
@@ -121,14 +125,6 @@ impl Mender {
         let width_px = self.widths.width(MIDDLE) - edges_px;
         let fringe_px = (0.5 * self.widths.edge(USUAL)).ceil().max(1.0);
         (width_px, fringe_px as usize)
-    }
-
-    /// Leaves the faint pixels that are no shadow, and all that are sure.
-    fn clear_shadows(&mut self, image: &Image, background: &Background, mask: &Strips) {
-        let faint = &mut self.faint;
-        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] &= !word);
-        shadow::clear(image, background, faint);
-        mask.for_each_word(|y, strip, word| faint.row_mut(y)[strip] |= word);
     }
 
     /// Finds where the rope is thin, and all around it that could be rope.
@@ -147,21 +143,24 @@ impl Mender {
         if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
             return false;
         }
-        self.morphology
-            .dilate(&mut self.thin, (0.7 * width_px).ceil() as usize);
+        let beside = (0.7 * width_px).ceil() as usize;
+        self.window.near(&self.thin, beside);
+        self.thin.used.copy_from(&self.window);
+        self.morphology.dilate_within(&mut self.thin, beside);
         true
     }
 }
 
 /// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
-fn lift(difference: &mut Plane, added: &BitPlane, level: u8) {
-    for y in 0..added.height() {
-        for_each_run(added, y, true, |from, to| {
-            for value in &mut difference.row_mut(y)[from..to] {
-                *value = level.max(*value);
-            }
-        });
-    }
+fn lift(difference: &mut Plane, added: &Strips, level: u8) {
+    added.for_each_word(|y, strip, mut word| {
+        let row = difference.row_mut(y);
+        while word != 0 {
+            let value = &mut row[64 * strip + word.trailing_zeros() as usize];
+            *value = level.max(*value);
+            word &= word - 1;
+        }
+    });
 }
 
 #[cfg(test)]

@@ -114,6 +114,13 @@ fn width_at(clearance: &Clearance, rows: &BitPlane, [x, y]: [usize; 2]) -> f32 {
 fn middle(mask: &Strips, [x, y]: [usize; 2]) -> [usize; 2] {
     let (left, right) = mask.reach_along_row([x, y], WIDEST_PX);
     let across = left + right;
+    // Most ropes are thin enough to be seen at once.
+    let (up, down, is_all) = mask.column([x, y]);
+    if across < up + down {
+        return [towards(x, left, right), y];
+    } else if is_all {
+        return [x, towards(y, up, down)];
+    }
     // The column is followed only until it is longer.
     let down = mask.reach_down([x, y], WIDEST_PX.min(across + 1));
     let up = mask.reach_up([x, y], WIDEST_PX.min(across + 1 - down));
