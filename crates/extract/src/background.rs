@@ -95,6 +95,17 @@ impl Background {
         self.coefficients.map(|c| surface(&along_row(&c, v), u))
     }
 
+    /// The table's color at each of some pixels in whole levels, a byte each in a word.
+    #[inline(always)]
+    pub(crate) fn at_all<const N: usize>(&self, x: &[f32; N], y: &[f32; N], out: &mut [u32; N]) {
+        for i in 0..N {
+            let (u, v) = (unit(x[i], self.width), unit(y[i], self.height));
+            let [a, b, c] = &self.coefficients;
+            let level = |c: &[f32; TERMS]| rounded(surface(&along_row(c, v), u), 255.0);
+            out[i] = level(a) | level(b) << 8 | level(c) << 16;
+        }
+    }
+
     /// The table's color along row `y`, at each pixel asked for.
     pub(crate) fn along(&self, y: usize) -> impl Fn(usize) -> [f32; 3] + use<> {
         let v = unit(y as f32, self.height);
@@ -305,6 +316,7 @@ fn rounded(value: f32, most: f32) -> u32 {
 }
 
 /// A pixel's position on a scale from −1 to 1 across the image.
+#[inline(always)]
 fn unit(position: f32, side: f32) -> f32 {
     (position + 0.5) * (2.0 / side) - 1.0
 }

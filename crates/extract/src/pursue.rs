@@ -14,6 +14,8 @@
 mod chord;
 mod lay;
 mod learn;
+mod narrow;
+mod profile;
 mod rope;
 mod station;
 mod sweep;

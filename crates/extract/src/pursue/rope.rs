@@ -2,6 +2,7 @@
 
 use super::chord::{MOST, Reader};
 use super::lay::Lay;
+use super::profile::{self, BLOCK};
 use super::station::{
     ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, axis, beyond, set_normals,
 };
@@ -137,7 +138,7 @@ impl Rope {
         let span = self.span();
         self.readings.clear();
         self.readings.resize(self.next.len(), None);
-        pulp::Arch::new().dispatch(ReadAll {
+        profile::dispatch(ReadAll {
             reader,
             stations: &self.next,
             readings: &mut self.readings,
@@ -173,7 +174,9 @@ impl Rope {
     fn span(&self) -> usize {
         // A chord is at most √2 widths long, twice the half of it moved aside.
         let reach_px = (std::f32::consts::FRAC_1_SQRT_2 + 1.5 * ASIDE_WIDTHS) * self.width_px + 3.0;
-        (2 * reach_px.ceil() as usize).next_multiple_of(8).min(MOST)
+        (2 * reach_px.ceil() as usize)
+            .next_multiple_of(BLOCK)
+            .min(MOST)
     }
 
     /// How far from the [places](Self::places) something is the rope itself, or was or will be.

@@ -1,6 +1,8 @@
 //! A point of a rope that is followed, and how the rope is read there.
 
 use super::chord::{Reader, Where};
+use super::narrow::{self, SIDE};
+use super::profile::{Lanes, Work};
 use crate::color;
 use crate::vec2::{self, Vec2};
 
@@ -32,17 +34,6 @@ pub(super) struct Station {
     pub(super) aside_px: f32,
 }
 
-/// How a station is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Near {
-    /// Not at all.
-    Tip,
-    /// Straight across.
-    BeforeTip,
-    /// By the chord.
-    Rope,
-}
-
 /// One chord, read at a station.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
@@ -53,7 +44,7 @@ pub(super) struct Reading {
 
 /// Reads the rope at each station. As one piece of work, so that all of it is compiled for the widest registers.
 pub(super) struct ReadAll<'a, 'b> {
-    pub(super) reader: &'a mut Reader<'b>,
+    pub(super) reader: &'a Reader<'b>,
     pub(super) stations: &'a [Station],
     pub(super) readings: &'a mut [Option<Reading>],
     /// Stations from either end that are not read, and those from there on that are read straight across.
@@ -61,64 +52,86 @@ pub(super) struct ReadAll<'a, 'b> {
     pub(super) span: usize,
 }
 
-impl pulp::WithSimd for ReadAll<'_, '_> {
-    type Output = ();
-
+impl Work for ReadAll<'_, '_> {
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
+    fn run<L: Lanes>(self, lanes: L) {
         let n = self.stations.len();
-        for (i, (station, reading)) in self.stations.iter().zip(self.readings).enumerate() {
-            let near = match i.min(n - 1 - i) {
-                i if i < self.near_tip[0] => Near::Tip,
-                i if i < self.near_tip[1] => Near::BeforeTip,
-                _ => Near::Rope,
-            };
-            *reading = read(self.reader, station, near, self.span);
+        let both = self
+            .stations
+            .chunks(SIDE)
+            .zip(self.readings.chunks_mut(SIDE));
+        for (k, (stations, readings)) in both.enumerate() {
+            let mut wanted = [false; SIDE];
+            for (i, (wanted, station)) in wanted.iter_mut().zip(stations).enumerate() {
+                let i = SIDE * k + i;
+                *wanted = i.min(n - 1 - i) >= self.near_tip[1] && !station.is_crossed;
+            }
+            let found = narrow::chords(self.reader, lanes, stations, &wanted);
+            for (i, (station, reading)) in stations.iter().zip(readings).enumerate() {
+                *reading = if found.found[i] {
+                    Some(Reading {
+                        aside_px: found.aside_px[i],
+                        width_px: found.width_px[i],
+                        contrast: found.contrast[i],
+                    })
+                } else if found.farther[i] {
+                    farther(self.reader, lanes, station, self.span)
+                } else {
+                    None
+                };
+                *reading = reading.filter(|reading| fits(station, reading));
+            }
+        }
+        let ends = n.min(self.near_tip[1]);
+        for i in (self.near_tip[0]..ends).flat_map(|i| [i, n - 1 - i]) {
+            let station = &self.stations[i];
+            let reading = (!station.is_crossed).then(|| straight(self.reader, station, self.span));
+            self.readings[i] = reading.flatten().filter(|reading| fits(station, reading));
         }
     }
 }
 
-/// The rope at a station, if it can be the rope.
+/// The chord at a station, looked for in as many pixels as a rope may have moved.
 #[inline(always)]
-fn read(reader: &mut Reader, station: &Station, near: Near, span: usize) -> Option<Reading> {
-    if station.is_crossed {
-        return None;
-    }
-    let level = 0.5 * station.contrast;
-    let (aside_px, width_px, contrast) = match near {
-        Near::Tip => return None,
-        Near::BeforeTip => {
-            let limit_px = 0.5 * span as f32;
-            let out = [station.normal, vec2::scale(station.normal, -1.0)];
-            let [right, left] = out.map(|out| fall(reader, station.at, out, level, limit_px));
-            let (right, left) = (right?, left?);
-            (0.5 * (right - left), right + left, station.contrast)
-        }
-        Near::Rope => {
-            let axis = axis(station.normal);
-            let chord = reader.chord(&Where {
-                at: station.at,
-                axis,
-                span: if axis == 0 {
-                    span.next_multiple_of(64)
-                } else {
-                    span
-                },
-                level,
-            })?;
-            let aside_px = vec2::dot(vec2::sub(chord.at, station.at), station.normal);
-            let width_px = chord.length_px * station.normal[axis].abs();
-            (aside_px, width_px, chord.contrast)
-        }
-    };
-    let fits = WIDTH.contains(&((width_px - station.bias_px[1]) / station.width_px.max(0.1)))
-        && CONTRAST.contains(&(contrast / station.contrast))
-        && aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0;
-    fits.then_some(Reading {
-        aside_px,
-        width_px,
-        contrast,
+fn farther(reader: &Reader, lanes: impl Lanes, station: &Station, span: usize) -> Option<Reading> {
+    let axis = axis(station.normal);
+    let chord = reader.chord(
+        lanes,
+        &Where {
+            at: station.at,
+            axis,
+            span,
+            level: 0.5 * station.contrast,
+        },
+    )?;
+    Some(Reading {
+        aside_px: vec2::dot(vec2::sub(chord.at, station.at), station.normal),
+        width_px: chord.length_px * station.normal[axis].abs(),
+        contrast: chord.contrast,
     })
+}
+
+/// The rope at a station near a tip, straight across.
+#[inline(always)]
+fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> {
+    let (level, limit_px) = (0.5 * station.contrast, 0.5 * span as f32);
+    let out = [station.normal, vec2::scale(station.normal, -1.0)];
+    let [right, left] = out.map(|out| fall(reader, station.at, out, level, limit_px));
+    let (right, left) = (right?, left?);
+    Some(Reading {
+        aside_px: 0.5 * (right - left),
+        width_px: right + left,
+        contrast: station.contrast,
+    })
+}
+
+/// Whether what was read at a station can be the rope.
+#[inline(always)]
+fn fits(station: &Station, reading: &Reading) -> bool {
+    let width_px = reading.width_px - station.bias_px[1];
+    WIDTH.contains(&(width_px / station.width_px.max(0.1)))
+        && CONTRAST.contains(&(reading.contrast / station.contrast))
+        && reading.aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0
 }
 
 /// How far beyond the last station at an end the rope goes on; nothing where it does not end nearby.
