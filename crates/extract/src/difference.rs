@@ -58,18 +58,6 @@ impl Differencer {
         levels
     }
 
-    /// The difference along a row, from pixel [x, y] on, x even, into `out`.
-    pub(crate) fn along(
-        &mut self,
-        image: &Image,
-        background: &Background,
-        from: [usize; 2],
-        out: &mut [u8],
-    ) {
-        self.lay_table(image.format(), background, from, out.len());
-        self.stretch(image, from, out);
-    }
-
     /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
     #[inline(always)]
     pub(crate) fn down(image: &Image, table: [u8; 3], [x, y]: [usize; 2], out: &mut [u8]) {

@@ -21,8 +21,6 @@ mod station;
 mod sweep;
 
 use crate::background::Background;
-use crate::difference::Differencer;
-use crate::kernels::Kernels;
 use crate::meet;
 use crate::place::Place;
 use crate::scene::{Crossing, Curve};
@@ -39,8 +37,6 @@ const CROSSING: usize = 4;
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
 pub(crate) struct Pursuer {
-    kernels: Kernels,
-    differencer: Differencer,
     sweep: Sweep,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
@@ -75,17 +71,12 @@ impl Pursuer {
         if self.ropes.len() < curves.len() {
             self.ropes.resize_with(curves.len(), Rope::default);
         }
-        let mut reader = Reader {
-            image,
-            background,
-            differencer: &mut self.differencer,
-            kernels: self.kernels,
-        };
+        let reader = Reader { image, background };
         let ropes = &mut self.ropes[..curves.len()];
         let anchored = (ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve));
         if anchored {
             note(ropes, crossings);
-            if ropes.iter_mut().all(|rope| rope.learn(&mut reader)) {
+            if ropes.iter_mut().all(|rope| rope.learn(&reader)) {
                 self.count = curves.len();
             }
         }
@@ -107,12 +98,7 @@ impl Pursuer {
             return false;
         }
         self.frames += 1;
-        let mut reader = Reader {
-            image,
-            background,
-            differencer: &mut self.differencer,
-            kernels: self.kernels,
-        };
+        let reader = Reader { image, background };
         let ropes = &mut self.ropes[..self.count];
         note(ropes, crossings);
         self.sweep.begin(image.width(), image.height());
@@ -121,8 +107,8 @@ impl Pursuer {
                 self.sweep.note(at, rope.reach_px());
             }
         }
-        let found = !self.sweep.finds(&mut reader, self.cut)
-            && ropes.iter_mut().all(|rope| rope.follow(&mut reader));
+        let found = !self.sweep.finds(&reader, self.cut)
+            && ropes.iter_mut().all(|rope| rope.follow(&reader));
         if !found {
             self.count = 0;
             return false;

@@ -6,8 +6,6 @@
 use super::profile::{Lanes, Stretch, WORD};
 use crate::Image;
 use crate::background::Background;
-use crate::difference::Differencer;
-use crate::kernels::Kernels;
 use crate::vec2::Vec2;
 
 /// The most pixels that are read across a rope.
@@ -43,8 +41,6 @@ pub(super) struct Chord {
 pub(super) struct Reader<'a> {
     pub(super) image: &'a Image<'a>,
     pub(super) background: &'a Background,
-    pub(super) differencer: &'a mut Differencer,
-    pub(super) kernels: Kernels,
 }
 
 impl Reader<'_> {
@@ -56,13 +52,15 @@ impl Reader<'_> {
         first[of.axis] = from;
         let mut middle = first;
         middle[of.axis] += of.span / 2;
-        let table = self.background.at(middle[0], middle[1]);
+        let [x, y] = middle.map(|at| [at as f32]);
+        let mut table = [0];
+        self.background.at_all(&x, &y, &mut table);
         let mut stretch = Stretch {
             image: self.image,
             from: first,
             axis: of.axis,
             count: of.span.min(WORD),
-            table: table.map(|level| (level + 0.5) as u8),
+            tables: [table[0]; _],
             cut: of.level.ceil().clamp(1.0, 255.0) as u8,
         };
         let mut profile = [[0u8; WORD]; 2];
@@ -105,7 +103,7 @@ impl Reader<'_> {
         let last = size[of.axis] as f32 - of.span as f32;
         let holds = line >= 0.0 && line < size[1 - of.axis] as f32 && from >= 0.0 && from <= last;
         // Two pixels share their color in some formats.
-        holds.then(|| (from as usize & !1, line as usize))
+        holds.then_some((from as usize & !1, line as usize))
     }
 }
 

@@ -160,13 +160,12 @@ pub(super) fn chords(
         let axis = usize::from(places.axis[i] & 1);
         let mut from = [spans.line[i] as usize; 2];
         from[axis] = spans.from[i] as usize;
-        let [a, b, c, _] = table[i].to_le_bytes();
         let stretch = Stretch {
             image,
             from,
             axis,
             count: BLOCK * spans.blocks[i] as usize,
-            table: [a, b, c],
+            tables: [table[i]; _],
             cut: spans.cut[i] as u8,
         };
         let set = lanes.read(&stretch, &mut profiles[i]);

@@ -26,8 +26,8 @@ pub(super) struct Stretch<'a> {
     pub(super) axis: usize,
     /// How many, a multiple of [`BLOCK`] and at most [`WORD`].
     pub(super) count: usize,
-    /// The table's color there, in whole levels.
-    pub(super) table: [u8; 3],
+    /// The table's color in whole levels, the bytes of a word, along each block of a row; down a column there is one.
+    pub(super) tables: [u32; WORD / BLOCK],
     /// Differences from here on are rope.
     pub(super) cut: u8,
 }
@@ -74,7 +74,7 @@ impl Lanes for Plain {
         if stretch.axis == 0 {
             across(stretch, out);
         } else {
-            Differencer::down(stretch.image, stretch.table, stretch.from, out);
+            Differencer::down(stretch.image, levels(stretch.tables[0]), stretch.from, out);
         }
         let mut set = 0;
         for (k, block) in out.as_chunks::<BLOCK>().0.iter().enumerate() {
@@ -93,17 +93,22 @@ impl Lanes for Plain {
     }
 }
 
+/// The three bytes of a color.
+#[inline(always)]
+fn levels(word: u32) -> [u8; 3] {
+    let [a, b, c, _] = word.to_le_bytes();
+    [a, b, c]
+}
+
 /// The differences along a row.
 #[inline(always)]
 fn across(stretch: &Stretch, out: &mut [u8]) {
-    let ([x, y], table) = (stretch.from, stretch.table);
-    let chroma = if color::is_yuv(stretch.image.format()) {
-        2
-    } else {
-        1
-    };
+    let [x, y] = stretch.from;
+    let yuv = color::is_yuv(stretch.image.format());
+    let chroma = if yuv { 2 } else { 1 };
     for (k, difference) in out.iter_mut().enumerate() {
         let pixel = color::native(stretch.image, x + k, y);
+        let table = levels(stretch.tables[k / BLOCK]);
         let off = |c: usize| pixel[c].abs_diff(table[c]);
         *difference = off(0).max(off(1).max(off(2)).saturating_mul(chroma));
     }
@@ -148,7 +153,7 @@ mod tests {
             format in prop::sample::select(&FORMATS[..]),
             size in (17..80usize, 17..80usize), padding in 0..9usize,
             axis in 0..2usize, blocks in 1..=4usize, place in (any::<u16>(), any::<u16>()),
-            table: [u8; 3], cut in 1..=255u8, part in (0..=16u32, 0..=16u32),
+            tables: [[u8; 3]; 4], cut in 1..=255u8, part in (0..=16u32, 0..=16u32),
         ) {
             let (width, height) = size;
             let bytes_a_row = match format {
@@ -165,12 +170,14 @@ mod tests {
             let side = [width, height][axis];
             let count = (BLOCK * blocks).min(side / BLOCK * BLOCK);
             let mut from = [usize::from(place.0) % width, usize::from(place.1) % height];
-            from[axis] = from[axis] % (side - count + 1) & !1;
-            let stretch = Stretch { image: &image, from, axis, count, table, cut };
-            let (mut expected, mut found) = (Found::default(), Found::default());
+            from[axis] = (from[axis] % (side - count + 1)) & !1;
             // Gray is three times the same.
-            let table = if format == PixelFormat::Gray8 { [table[0]; 3] } else { table };
-            let stretch = Stretch { table, ..stretch };
+            let gray = format == PixelFormat::Gray8;
+            let tables = tables.map(|[a, b, c]| if gray { [a; 3] } else { [a, b, c] });
+            let tables = tables.map(|[a, b, c]| u32::from_le_bytes([a, b, c, 0]));
+            let tables = if axis == 0 { tables } else { [tables[0]; 4] };
+            let stretch = Stretch { image: &image, from, axis, count, tables, cut };
+            let (mut expected, mut found) = (Found::default(), Found::default());
             let part = [part.0.min(part.1), part.0.max(part.1)];
             Reading { stretch, part, found: &mut expected }.run(Plain);
             dispatch(Reading { stretch, part, found: &mut found });

@@ -122,27 +122,27 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
         image,
         from: [x, y],
         count,
-        table: [a, b, c],
+        tables,
         cut,
         ..
     } = *stretch;
     let blocks = count / BLOCK;
     let start = y * image.stride();
     let mut set = 0;
-    let word = |a, b, c, d| u32::from_le_bytes([a, b, c, d]);
     // SAFETY: as the caller promises; each load is from a slice of its length, or longer.
     unsafe {
         let all = |word: u32| _mm512_set1_epi32(word.cast_signed());
+        let table = |k: usize| all(laid(image.format(), tables[k]));
         let (cut, nothing) = (_mm_set1_epi8(cut.cast_signed()), _mm512_setzero_si512());
         match image.format() {
             PixelFormat::Gray8 => {
                 let bytes = image.bytes().get(start + x..)?.get(..count)?;
-                let (table, keep) = (all(word(a, 0, 0, 0)), all(0xFF));
+                let keep = all(0xFF);
                 for (k, block) in bytes.as_chunks::<BLOCK>().0.iter().enumerate() {
                     let bytes = _mm512_cvtepu8_epi32(_mm_loadu_si128(block.as_ptr().cast()));
                     let pixels = Pixels {
                         bytes,
-                        table,
+                        table: table(k),
                         keep,
                         double: nothing,
                     };
@@ -153,7 +153,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                 // Twelve bytes are four pixels, the last of 64 bytes are not needed.
                 let reach = 3 * BLOCK * (blocks - 1) + 64;
                 let bytes = image.bytes().get(start + 3 * x..)?.get(..reach)?;
-                let (table, keep) = (all(triple(image.format(), [a, b, c])), all(COLORS));
+                let keep = all(COLORS);
                 let fours = _mm512_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 8, 8, 9, 10, 11, 11);
                 let triples = _mm512_broadcast_i32x4(_mm_setr_epi8(
                     0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10, 11, -1,
@@ -165,7 +165,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     let bytes = _mm512_shuffle_epi8(fours, triples);
                     let pixels = Pixels {
                         bytes,
-                        table,
+                        table: table(k),
                         keep,
                         double: nothing,
                     };
@@ -181,14 +181,14 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     0xFF00_FFFFu32.cast_signed(),
                     -256,
                 );
-                let (table, double) = (all(word(a, b, a, c)), all(0xFF00_FF00));
+                let double = all(0xFF00_FF00);
                 for (k, block) in bytes.as_chunks::<{ 2 * BLOCK }>().0.iter().enumerate() {
                     let pairs = _mm512_cvtepu32_epi64(_mm256_loadu_si256(block.as_ptr().cast()));
                     let bytes = _mm512_shuffle_epi32::<0b10_10_00_00>(pairs);
                     set |= put(
                         Pixels {
                             bytes,
-                            table,
+                            table: table(k),
                             keep,
                             double,
                         },
@@ -202,7 +202,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                 let chroma = (image.height() + y / 2) * image.stride();
                 let light = image.bytes().get(start + x..)?.get(..count)?;
                 let color = image.bytes().get(chroma + x..)?.get(..count)?;
-                let (table, keep, double) = (all(word(a, b, c, 0)), all(COLORS), all(CHROMA));
+                let (keep, double) = (all(COLORS), all(CHROMA));
                 let color = color.as_chunks::<BLOCK>().0;
                 let both = light.as_chunks::<BLOCK>().0.iter().zip(color);
                 for (k, (light, color)) in both.enumerate() {
@@ -213,7 +213,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     set |= put(
                         Pixels {
                             bytes,
-                            table,
+                            table: table(k),
                             keep,
                             double,
                         },
@@ -238,30 +238,30 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
         image,
         from: [x, y],
         count,
-        table: [a, b, c],
+        tables,
         cut,
         ..
     } = *stretch;
     let stride = image.stride();
     let mut set = 0;
-    let word = |a, b, c, d| u32::from_le_bytes([a, b, c, d]);
     let format = image.format();
     // Where in its row the pixel's four bytes begin, what of them counts, and what double.
-    let (place, keep, double, table) = match format {
-        PixelFormat::Gray8 => (x, 0xFF, 0, word(a, 0, 0, 0)),
-        PixelFormat::Rgb8 | PixelFormat::Bgr8 => (3 * x, COLORS, 0, triple(format, [a, b, c])),
+    let (place, keep, double) = match format {
+        PixelFormat::Gray8 => (x, 0xFF, 0),
+        PixelFormat::Rgb8 | PixelFormat::Bgr8 => (3 * x, COLORS, 0),
         PixelFormat::Yuyv => {
             // The other pixel's Y stands beside this one's.
             let keep = if x % 2 == 0 { 0xFF00_FFFF } else { 0xFFFF_FF00 };
-            (4 * (x / 2), keep, 0xFF00_FF00, word(a, b, a, c))
+            (4 * (x / 2), keep, 0xFF00_FF00)
         }
-        PixelFormat::Nv12 => (x, COLORS, CHROMA, word(a, b, c, 0)),
+        PixelFormat::Nv12 => (x, COLORS, CHROMA),
     };
     let column = Column::new(image.bytes(), y * stride + place, stride, count)?;
     // SAFETY: as the caller promises; the columns hold as many pixels as are gathered.
     unsafe {
         let all = |word: u32| _mm512_set1_epi32(word.cast_signed());
-        let (table, keep, double) = (all(table), all(keep), all(double));
+        let table = all(laid(format, tables[0]));
+        let (keep, double) = (all(keep), all(double));
         let rows = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
         let steps = _mm512_mullo_epi32(rows, all(stride as u32));
         let cut = _mm_set1_epi8(cut.cast_signed());
@@ -336,11 +336,13 @@ impl<'a> Column<'a> {
     }
 }
 
-/// A color as the three bytes of a pixel.
+/// A color as the four bytes of a pixel.
 #[inline(always)]
-fn triple(format: PixelFormat, [r, g, b]: [u8; 3]) -> u32 {
+fn laid(format: PixelFormat, color: u32) -> u32 {
     match format {
-        PixelFormat::Bgr8 => u32::from_le_bytes([b, g, r, 0]),
-        _ => u32::from_le_bytes([r, g, b, 0]),
+        PixelFormat::Bgr8 => color.swap_bytes() >> 8,
+        // Y U Y V.
+        PixelFormat::Yuyv => color & 0xFFFF | (color & 0xFF) << 16 | (color & 0xFF_0000) << 8,
+        _ => color,
     }
 }
