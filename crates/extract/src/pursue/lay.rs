@@ -1,5 +1,6 @@
 //! Points at equal arc lengths along the smooth curve through others: the Catmull-Rom spline, in four chords a piece.
 
+use super::narrow::whole;
 use crate::vec2::{self, Vec2};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -14,10 +15,12 @@ pub(super) struct Lay {
     knots: Vec<Vec2>,
     /// The knots' coordinates, with one before and one after, run on straight.
     along: [Vec<f32>; 2],
-    /// How long each piece is up to the end of each of its chords.
-    parts: Vec<[[f32; SIDE]; CHORDS]>,
+    /// How long each piece is up to where each of its chords begins, and to where the last one ends.
+    parts: Vec<[[f32; SIDE]; CHORDS + 1]>,
     /// The way to the beginning of each piece.
     ways: Vec<f32>,
+    /// The first point that lies beyond that.
+    firsts: Vec<i32>,
     /// For each point the last piece that begins before it, where one begins after the point before.
     begins: Vec<u32>,
     points: Vec<Vec2>,
@@ -94,7 +97,7 @@ impl Lay {
         let mut way = 0.0;
         for i in 0..pieces {
             self.ways.push(way);
-            way += self.parts[i / SIDE][CHORDS - 1][i % SIDE];
+            way += self.parts[i / SIDE][CHORDS][i % SIDE];
         }
         way
     }
@@ -123,7 +126,7 @@ impl Cubic {
 /// Measures the pieces, a group at a time.
 struct Measure<'a> {
     along: [&'a [f32]; 2],
-    parts: &'a mut [[[f32; SIDE]; CHORDS]],
+    parts: &'a mut [[[f32; SIDE]; CHORDS + 1]],
 }
 
 impl WithSimd for Measure<'_> {
@@ -138,8 +141,8 @@ impl WithSimd for Measure<'_> {
                 let x = Cubic::new(x[i], x[i + 1], x[i + 2], x[i + 3]);
                 let y = Cubic::new(y[i], y[i + 1], y[i + 2], y[i + 3]);
                 let (mut way, mut before) = (0.0, [x.at(0.0), y.at(0.0)]);
-                for (j, part) in parts.iter_mut().enumerate() {
-                    let t = (j + 1) as f32 / CHORDS as f32;
+                for (j, part) in parts.iter_mut().enumerate().skip(1) {
+                    let t = j as f32 / CHORDS as f32;
                     let here = [x.at(t), y.at(t)];
                     let (dx, dy) = (here[0] - before[0], here[1] - before[1]);
                     way += (dx * dx + dy * dy).sqrt();
@@ -165,39 +168,25 @@ impl WithSimd for Space<'_> {
         let Self { lay, step_px } = self;
         let last = lay.begins.len() - 1;
         let steps = 1.0 / step_px.max(1e-6);
-        for (i, way) in lay.ways.iter().enumerate() {
-            let point = (way * steps).ceil() as usize;
-            lay.begins[point.min(last)] = i as u32;
+        lay.firsts.clear();
+        lay.firsts
+            .extend(lay.ways.iter().map(|way| whole((way * steps).ceil())));
+        for (i, &first) in lay.firsts.iter().enumerate() {
+            lay.begins[(first as usize).min(last)] = i as u32;
         }
         let [x, y] = &lay.along;
         let mut piece = 0;
         for (k, point) in lay.points.iter_mut().enumerate() {
             piece = (lay.begins[k] as usize).max(piece);
             let rest = step_px * k as f32 - lay.ways[piece];
-            let part = |j: usize| lay.parts[piece / SIDE][j][piece % SIDE];
-            let [a, b, c, d] = [part(0), part(1), part(2), part(3)];
-            // The chord in which the point lies, and where it begins and ends.
-            let after = [rest > a, rest > b, rest > c];
-            let chord = f32::from(u8::from(after[0]) + u8::from(after[1]) + u8::from(after[2]));
-            let from = if after[2] {
-                c
-            } else if after[1] {
-                b
-            } else if after[0] {
-                a
-            } else {
-                0.0
-            };
-            let to = if after[2] {
-                d
-            } else if after[1] {
-                c
-            } else if after[0] {
-                b
-            } else {
-                a
-            };
+            let parts = &lay.parts[piece / SIDE];
+            let i = piece % SIDE;
+            // The chord in which the point lies.
+            let after = |j: usize| usize::from(rest > parts[j][i]);
+            let chord = (after(1) + after(2) + after(3)) & (CHORDS - 1);
+            let (from, to) = (parts[chord][i], parts[chord + 1][i]);
             let share = ((rest - from) / (to - from).max(1e-6)).clamp(0.0, 1.0);
+            let chord = chord as i32 as f32;
             let t = (chord + share) * (1.0 / CHORDS as f32);
             let on = |v: &[f32]| {
                 let v = &v[piece..][..4];

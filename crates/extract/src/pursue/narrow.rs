@@ -100,14 +100,14 @@ impl Spans {
                 & (from >= 0.0)
                 & (from <= places.size[0][i] - span);
             // Two pixels share their color in some formats.
-            let (from, line) = (from as i32 & !1, line as i32);
-            spans.middle[i] = (places.along[i] - from as f32 + 0.5) as i32;
+            let (from, line) = (whole(from) & !1, whole(line));
+            spans.middle[i] = whole(places.along[i] - from as f32 + 0.5);
             let middle = from as f32 + 0.5 * span;
             let down = places.axis[i] == 1;
             spans.x[i] = if down { line as f32 } else { middle };
             spans.y[i] = if down { middle } else { line as f32 };
-            (spans.blocks[i], spans.from[i], spans.line[i]) = (blocks as i32, from, line);
-            spans.cut[i] = places.level[i].ceil().clamp(1.0, 255.0) as i32;
+            (spans.blocks[i], spans.from[i], spans.line[i]) = (whole(blocks), from, line);
+            spans.cut[i] = whole(places.level[i].ceil().clamp(1.0, 255.0));
         }
         spans
     }
@@ -214,7 +214,7 @@ fn measure(
             (middle - places.along[i]) * along + (spans.line[i] as f32 - places.across[i]) * across;
         found.width_px[i] = length_px * along.abs();
         let (first, end) = (runs.first[i], runs.end[i]);
-        let rim = (0.5 * (1.0 - CORE) * length_px) as i32;
+        let rim = whole(0.5 * (1.0 - CORE) * length_px);
         core_from[i] = (first + rim).min(end - 1);
         core_to[i] = (end - rim).max(first + rim + 1).min(end);
         found.farther[i] = wanted[i] & spans.holds[i] & !runs.found[i];
@@ -230,6 +230,16 @@ fn measure(
         found.contrast[i] = sums[i] as i32 as f32 / count as f32;
     }
     found
+}
+
+/// The largest whole number up to `value`, from 0 on. What a float's last bit stands for is 1 from 2²³ on: so it is
+/// converted without a question about each.
+#[inline(always)]
+pub(super) fn whole(value: f32) -> i32 {
+    const ONES: f32 = 8_388_608.0;
+    let value = if value > 0.0 { value.floor() } else { 0.0 };
+    let value = if value < ONES { value } else { 0.0 };
+    (value + ONES).to_bits().cast_signed() - ONES.to_bits().cast_signed()
 }
 
 /// The run of set bits that holds bit `at` or lies nearest to it, among the first `count` bits: its first, the one after
