@@ -50,6 +50,11 @@ pub(crate) struct Pursuer {
 }
 
 impl Pursuer {
+    /// Whether there are ropes that may be followed into the next image.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.count > 0 && self.frames < MOST_FRAMES
+    }
+
     /// Forgets the ropes: the next image is extracted whole.
     pub(crate) fn drop(&mut self) {
         self.count = 0;
@@ -92,7 +97,7 @@ impl Pursuer {
         crossings: &mut [Crossing],
     ) -> bool {
         let same = self.size == [image.width(), image.height()];
-        let ready = self.count > 0 && self.count == curves.len() && self.frames < MOST_FRAMES;
+        let ready = self.is_ready() && self.count == curves.len();
         if !ready || !same || self.format != Some(image.format()) {
             self.count = 0;
             return false;
