@@ -7,9 +7,8 @@
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::Image;
-use crate::color;
 use crate::difference::Differencer;
+use crate::{Image, PixelFormat};
 
 /// The most pixels that are read at once: a word of bits.
 pub(super) const WORD: usize = 64;
@@ -103,21 +102,57 @@ fn levels(word: u32) -> [u8; 3] {
 /// The differences along a row.
 #[inline(always)]
 fn across(stretch: &Stretch, out: &mut [u8]) {
-    let [x, y] = stretch.from;
-    let yuv = color::is_yuv(stretch.image.format());
-    let chroma = if yuv { 2 } else { 1 };
-    for (k, difference) in out.iter_mut().enumerate() {
-        let pixel = color::native(stretch.image, x + k, y);
-        let table = levels(stretch.tables[k / BLOCK]);
-        let off = |c: usize| pixel[c].abs_diff(table[c]);
-        *difference = off(0).max(off(1).max(off(2)).saturating_mul(chroma));
+    let (image, [x, y]) = (stretch.image, stretch.from);
+    let row = image.row(y);
+    for (k, out) in out.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+        let ([a, b, c], x) = (levels(stretch.tables[k]), x + BLOCK * k);
+        let pairs = out.as_chunks_mut::<2>().0.iter_mut();
+        match image.format() {
+            PixelFormat::Gray8 => {
+                for (d, &p) in out.iter_mut().zip(&row[x..]) {
+                    *d = p.abs_diff(a);
+                }
+            }
+            PixelFormat::Rgb8 => triples(&row[3 * x..], [a, b, c], out),
+            PixelFormat::Bgr8 => triples(&row[3 * x..], [c, b, a], out),
+            PixelFormat::Yuyv => {
+                for (d, &[first, u, second, v]) in pairs.zip(row[2 * x..].as_chunks().0) {
+                    *d = pair([first, second], [u, v], [a, b, c]);
+                }
+            }
+            PixelFormat::Nv12 => {
+                let light = row[x..].as_chunks().0;
+                let color = image.chroma_row(y)[x..].as_chunks().0;
+                for (d, (&light, &color)) in pairs.zip(light.iter().zip(color)) {
+                    *d = pair(light, color, [a, b, c]);
+                }
+            }
+        }
     }
+}
+
+/// The differences of pixels of three bytes.
+#[inline(always)]
+fn triples(row: &[u8], [a, b, c]: [u8; 3], out: &mut [u8; BLOCK]) {
+    for (d, &[p, q, r]) in out.iter_mut().zip(row.as_chunks().0) {
+        *d = p.abs_diff(a).max(q.abs_diff(b)).max(r.abs_diff(c));
+    }
+}
+
+/// The differences of two pixels that share their U and V, which count double.
+#[inline(always)]
+fn pair(light: [u8; 2], [u, v]: [u8; 2], [a, b, c]: [u8; 3]) -> [u8; 2] {
+    let color = u.abs_diff(b).max(v.abs_diff(c)).saturating_mul(2);
+    [
+        light[0].abs_diff(a).max(color),
+        light[1].abs_diff(a).max(color),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PixelFormat;
+    use crate::color;
     use proptest::prelude::*;
 
     const FORMATS: [PixelFormat; 5] = [
@@ -181,7 +216,16 @@ mod tests {
             let part = [part.0.min(part.1), part.0.max(part.1)];
             Reading { stretch, part, found: &mut expected }.run(Plain);
             dispatch(Reading { stretch, part, found: &mut found });
-            prop_assert_eq!(found, expected);
+            prop_assert_eq!(&found, &expected);
+            for (k, &difference) in found.0.iter().enumerate() {
+                let mut at = from;
+                at[axis] += k;
+                let (pixel, table) = (color::native(&image, at[0], at[1]), levels(tables[k / BLOCK]));
+                let [pixel, table] = [pixel, table].map(|color| color.map(f32::from));
+                let yuv = color::is_yuv(format);
+                let exact = color::distance(pixel, table, yuv).min(255.0);
+                prop_assert_eq!(f32::from(difference), exact);
+            }
         }
     }
 }
