@@ -20,7 +20,7 @@ pub(super) struct Where {
     pub(super) at: Vec2,
     /// 0: along the row, 1: down the column.
     pub(super) axis: usize,
-    /// Pixels that are read, a multiple of [`BLOCK`].
+    /// Pixels that are read, a multiple of [`super::profile::BLOCK`].
     pub(super) span: usize,
     /// The difference at the rope's edges.
     pub(super) level: f32,
