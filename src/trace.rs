@@ -143,6 +143,7 @@ impl Tracer {
         let mut last = Instant::now();
         let mut watch = |step| {
             let spent = match step {
+                Step::Follow => &mut timing.follow,
                 Step::Mask => &mut timing.mask,
                 Step::Skeleton => &mut timing.skeleton,
                 Step::Graph => &mut timing.graph,

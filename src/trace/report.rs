@@ -83,6 +83,7 @@ pub(super) struct StrandReport {
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Timing {
     pub(super) decode: f64,
+    pub(super) follow: f64,
     pub(super) mask: f64,
     pub(super) skeleton: f64,
     pub(super) graph: f64,
@@ -96,6 +97,7 @@ impl Timing {
     pub(super) fn rounded(self) -> Self {
         Self {
             decode: thousandths(self.decode),
+            follow: thousandths(self.follow),
             mask: thousandths(self.mask),
             skeleton: thousandths(self.skeleton),
             graph: thousandths(self.graph),

@@ -114,7 +114,7 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             &report["timing_us"],
-            "decode fit graph mask points skeleton total",
+            "decode fit follow graph mask points skeleton total",
         ),
         (
             curve,

@@ -50,7 +50,9 @@ fn print_steps(case: &Case, frames: usize, turns: usize) {
         micros(read),
         case.bytes() / read
     );
-    let mut table = Table::new(&["", "mask", "skeleton", "graph", "points", "whole", "p99"]);
+    let mut table = Table::new(&[
+        "", "follow", "mask", "skeleton", "graph", "points", "whole", "p99",
+    ]);
     for (name, taken) in [("cold", &case.cold), ("tracked", &case.tracked)] {
         let rows = [
             (

@@ -131,9 +131,10 @@ impl Bench {
     }
 }
 
+/// The extractor forgets before each image, so that nothing is followed.
 fn index(step: Step) -> usize {
     match step {
-        Step::Mask => 0,
+        Step::Follow | Step::Mask => 0,
         Step::Skeleton => 1,
         Step::Graph => 2,
         Step::Points => 3,

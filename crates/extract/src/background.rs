@@ -105,6 +105,17 @@ impl Background {
         [level(a), level(b), level(c)]
     }
 
+    /// The table's color at each of some pixels in whole levels, a byte each in a word.
+    #[inline(always)]
+    pub(crate) fn at_all<const N: usize>(&self, x: &[f32; N], y: &[f32; N], out: &mut [u32; N]) {
+        for i in 0..N {
+            let (u, v) = (unit(x[i], self.width), unit(y[i], self.height));
+            let [a, b, c] = &self.coefficients;
+            let level = |c: &[f32; TERMS]| rounded(surface(&along_row(c, v), u), 255.0);
+            out[i] = level(a) | level(b) << 8 | level(c) << 16;
+        }
+    }
+
     /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
     pub(crate) fn row(&self, [x, y]: [usize; 2], block: usize, out: [&mut [u8]; 3]) {
         let v = unit(y as f32, self.height);

@@ -67,7 +67,15 @@ pub(crate) fn down(
         }
         PixelFormat::Yuyv => (image.rows_from(4 * (x / 2), y).take(count).enumerate())
             .for_each(|(k, row)| put(k, [row[2 * (x % 2)], row[1], row[3]])),
-        _ => (0..count).for_each(|k| put(k, native(image, x, y + k))),
+        PixelFormat::Nv12 => {
+            // Two rows share their U and V.
+            let chroma = image.rows_from(x & !1, image.height() + y / 2);
+            let chroma = chroma.flat_map(|row| [row, row]).skip(y % 2);
+            let rows = image.rows_from(x, y).zip(chroma);
+            for (k, (light, chroma)) in rows.take(count).enumerate() {
+                put(k, [light[0], chroma[0], chroma[1]]);
+            }
+        }
     }
 }
 
@@ -78,14 +86,22 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (x0, y0) = (x as usize, y as usize);
     let (x1, y1) = ((x0 + 1).min(right), (y0 + 1).min(bottom));
     let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    let [a, b] = [native(image, x0, y0), native(image, x1, y0)];
-    let [d, e] = [native(image, x0, y1), native(image, x1, y1)];
-    let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
-    let channel = |c: usize| {
-        let [a, b, d, e] = [a[c], b[c], d[c], e[c]].map(f32::from);
-        mix(mix(a, b, fx), mix(d, e, fx), fy)
+    let ((a, b), (d, e)) = if image.format() == PixelFormat::Rgb8 {
+        let (top, bottom) = (image.row(y0), image.row(y1));
+        let at = |row: &[u8], x: usize| [row[3 * x], row[3 * x + 1], row[3 * x + 2]];
+        ((at(top, x0), at(top, x1)), (at(bottom, x0), at(bottom, x1)))
+    } else {
+        let at = |x: usize, y: usize| native(image, x, y);
+        ((at(x0, y0), at(x1, y0)), (at(x0, y1), at(x1, y1)))
     };
-    [channel(0), channel(1), channel(2)]
+    let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
+    let mut color = [0.0; 3];
+    for c in 0..3 {
+        let (a, b) = (f32::from(a[c]), f32::from(b[c]));
+        let (d, e) = (f32::from(d[c]), f32::from(e[c]));
+        color[c] = mix(mix(a, b, fx), mix(d, e, fx), fy);
+    }
+    color
 }
 
 /// The pixel as red, green and blue.

@@ -28,8 +28,6 @@ pub(crate) struct Differencer {
     channels: [Vec<u8>; 3],
     luma: Vec<u8>,
     chroma: Vec<u8>,
-    /// What was laid last, if it is one color: that, the format and for how many pixels.
-    plain: Option<([u8; 3], PixelFormat, usize)>,
 }
 
 impl Differencer {
@@ -60,43 +58,9 @@ impl Differencer {
         levels
     }
 
-    /// The difference along a row, from pixel [x, y] on, x even, into `out`. The table has one color for all of it.
-    pub(crate) fn across(
-        &mut self,
-        image: &Image,
-        background: &Background,
-        from: [usize; 2],
-        out: &mut [u8],
-    ) {
-        let levels = whole(background.at(from[0] + out.len() / 2, from[1]));
-        let plain = (levels, image.format(), out.len());
-        if self.plain != Some(plain) {
-            self.reserve(out.len());
-            for (channel, level) in self.channels.iter_mut().zip(levels) {
-                channel.fill(level);
-            }
-            self.interleave(image.format());
-            self.plain = Some(plain);
-        }
-        self.stretch(image, from, out);
-    }
-
-    /// The difference along a row, from pixel [x, y] on, x even, into `out`.
-    pub(crate) fn along(
-        &mut self,
-        image: &Image,
-        background: &Background,
-        from: [usize; 2],
-        out: &mut [u8],
-    ) {
-        self.lay_table(image.format(), background, from, out.len());
-        self.stretch(image, from, out);
-    }
-
     /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
     #[inline(always)]
-    pub(crate) fn down(image: &Image, background: &Background, [x, y]: [usize; 2], out: &mut [u8]) {
-        let table = whole(background.at(x, y + out.len() / 2));
+    pub(crate) fn down(image: &Image, table: [u8; 3], [x, y]: [usize; 2], out: &mut [u8]) {
         // U and V count double.
         let more = if color::is_yuv(image.format()) {
             0xFF
@@ -120,7 +84,6 @@ impl Differencer {
         from: [usize; 2],
         width: usize,
     ) {
-        self.plain = None;
         self.reserve(width);
         let [a, b, c] = &mut self.channels;
         background.row(from, BLOCK, [a, b, c]);
@@ -171,11 +134,6 @@ impl Differencer {
             }
         }
     }
-}
-
-/// A color in whole levels.
-fn whole(color: [f32; 3]) -> [u8; 3] {
-    color.map(|level| (level + 0.5) as u8)
 }
 
 /// Fills `out` with the bytes of each block.

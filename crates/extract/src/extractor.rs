@@ -24,7 +24,7 @@ use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
 
 /// The most pieces that are looked at.
-const MOST_PIECES: usize = 80;
+pub(crate) const MOST_PIECES: usize = 80;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
@@ -36,8 +36,10 @@ const FRAME_NS: u64 = 1_000_000_000 / 30;
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// Pixels to one bit each: rope or not. Of a frame whose ropes are followed, all that is done, as the others have
-    /// nothing left to do.
+    /// The ropes of the last image are followed into this one. Taken when they are plain to see; it is the only step of
+    /// an image into which they could be followed ([`Scene::followed`]).
+    Follow,
+    /// Pixels to one bit each: rope or not.
     Mask,
     /// The mask thinned to lines of one pixel.
     Skeleton,
@@ -129,14 +131,16 @@ impl Extractor {
         self
     }
 
-    /// As [`extract`](Self::extract), calling `after` when each step is finished, so that a caller
-    /// who has a clock can time them.
+    /// As [`extract`](Self::extract), calling `after` when each step that is taken is finished, so that a
+    /// caller who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         self.turn_to(image);
-        if self.pursue(image) {
-            let steps = [Step::Mask, Step::Skeleton, Step::Graph, Step::Points];
-            steps.into_iter().for_each(after);
-            return self.scene(true);
+        if self.pursuer.is_ready() {
+            let found = self.pursue(image);
+            after(Step::Follow);
+            if found {
+                return self.scene(true);
+            }
         }
         self.masker.run(image, &self.options.mask);
         self.after_mask(image, after)

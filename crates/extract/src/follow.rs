@@ -7,7 +7,10 @@
 //! carried along. What comes out counts only if the image bears it out: every sample on rope or under
 //! a cover, and hardly any rope left that is not accounted for.
 
+mod reach;
+
 use crate::bits::BitPlane;
+use crate::extractor::MOST_PIECES;
 use crate::line::{Line, Sample};
 use crate::past::{Past, Rope};
 use crate::plane::Plane;
@@ -18,6 +21,7 @@ use crate::smooth::Smoother;
 use crate::tips;
 use crate::vec2::{self, Vec2};
 use crate::zones::quantile;
+use reach::Reach;
 
 /// Looks across, and how much a section's width may differ from the rope's, in each.
 const LOOKS: [f32; 3] = [1.45, 1.35, 1.3];
@@ -30,8 +34,8 @@ const AGREES: (f32, f32) = (1.5, 0.95);
 const BARE: f32 = 0.04;
 /// Widths of it that may lie there at one place: over more, the rope is not there any more.
 const BARE_WIDTHS: f32 = 0.75;
-/// The least share of the skeleton that followed ropes must account for, each within so many widths.
-const EXPLAINED: (f32, f32) = (0.95, 1.0);
+/// The least share of the skeleton that followed ropes must account for.
+const EXPLAINED: f32 = 0.95;
 /// Widths of the skeleton that may be left over at most: more is a tip that has come out.
 const LEFT_WIDTHS: f32 = 1.0;
 /// How much a rope's length may seem to change from one image to the next.
@@ -52,7 +56,11 @@ pub(crate) struct Follower {
     levels: Vec<f32>,
     /// The followed ropes; the first `count` are of this image.
     lines: Vec<Line>,
+    /// What is near to each.
+    reaches: Vec<Reach>,
     count: usize,
+    /// The same of those of the image's lines that are none of them.
+    new: Vec<Option<Reach>>,
 }
 
 /// What ropes are followed through.
@@ -77,6 +85,8 @@ impl Follower {
         self.moves.samples.reserve(samples);
         self.before.reserve(samples);
         self.levels.reserve(samples);
+        self.reaches.reserve(ropes);
+        self.new.reserve(MOST_PIECES);
         let mut line = std::mem::take(&mut self.lines[0]);
         for rope in scene.past.ropes() {
             self.lay(rope, scene, &mut line);
@@ -118,6 +128,9 @@ impl Follower {
             }
             self.count += 1;
         }
+        self.reaches.clear();
+        self.reaches
+            .extend(self.lines[..self.count].iter().map(Reach::of));
         self.explained(lines, scene)
     }
 
@@ -281,25 +294,27 @@ impl Follower {
     }
 
     /// Whether hardly any of the skeleton is left over, but what belongs to a rope that is new.
-    fn explained(&self, lines: &[Line], scene: &Scene) -> bool {
+    fn explained(&mut self, lines: &[Line], scene: &Scene) -> bool {
+        let mut new = std::mem::take(&mut self.new);
+        new.clear();
+        new.extend(
+            lines
+                .iter()
+                .map(|line| (!self.lies_along(line)).then(|| Reach::of(line))),
+        );
+        self.new = new;
         let pixels = &scene.skeleton.pixels;
         let stride = (pixels.len() / ASKED).max(1);
         let (mut asked, mut known) = (0.0f32, 0.0);
         for pixel in pixels.iter().step_by(stride).filter(|p| p.degree > 0) {
-            let ropes = self.lines[..self.count].iter();
-            let on_new = lines
-                .iter()
-                .filter(|line| !self.lies_along(line))
-                .any(|line| near(line, pixel.at(), EXPLAINED.1));
+            let mut new = lines.iter().zip(&self.new);
+            let on_new =
+                new.any(|(line, reach)| reach.is_some_and(|reach| reach.holds(line, pixel.at())));
             if on_new {
                 continue;
             }
             asked += 1.0;
-            known += f32::from(
-                ropes
-                    .into_iter()
-                    .any(|line| near(line, pixel.at(), EXPLAINED.1)),
-            );
+            known += f32::from(self.is_followed(pixel.at()));
         }
         let width_px = |line: &Line| line.samples.first().map_or(1.0, |s| s.width_px);
         let widest_px = self.lines[..self.count]
@@ -307,7 +322,7 @@ impl Follower {
             .map(width_px)
             .fold(1.0, f32::max);
         let left_px = (asked - known) * stride as f32;
-        known >= EXPLAINED.0 * asked && left_px <= LEFT_WIDTHS * widest_px
+        known >= EXPLAINED * asked && left_px <= LEFT_WIDTHS * widest_px
     }
 
     /// Whether a line is accounted for by the followed ropes, for more than half of it.
@@ -316,14 +331,15 @@ impl Follower {
         let (mut asked, mut known) = (0, 0);
         for sample in line.samples.iter().step_by(stride) {
             asked += 1;
-            let ropes = self.lines[..self.count].iter();
-            known += usize::from(
-                ropes
-                    .into_iter()
-                    .any(|rope| near(rope, sample.at, EXPLAINED.1)),
-            );
+            known += usize::from(self.is_followed(sample.at));
         }
         2 * known >= asked
+    }
+
+    /// Whether a place is accounted for by one of the followed ropes.
+    fn is_followed(&self, at: Vec2) -> bool {
+        let mut ropes = self.lines[..self.count].iter().zip(&self.reaches);
+        ropes.any(|(rope, reach)| reach.holds(rope, at))
     }
 
     /// Takes the followed ropes and those of the first `count` lines that are none of them to the front
@@ -376,11 +392,4 @@ const CARRIED: f32 = 0.05;
 fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
     let (x, y) = ((x + 0.5) as i32, (y + 0.5) as i32);
     !scene.mask.get(x, y) && !scene.cover.get(x, y)
-}
-
-/// Whether a place is within so many widths of a line.
-fn near(line: &Line, at: Vec2, widths: f32) -> bool {
-    line.samples
-        .iter()
-        .any(|s| vec2::distance(s.at, at) < widths * s.width_px.max(1.0))
 }

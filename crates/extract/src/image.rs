@@ -175,6 +175,13 @@ impl<'a> Image<'a> {
         self.format
     }
 
+    /// All bytes, those between the rows as well.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub(crate) fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
     /// The bytes of row `y` of the first plane, exactly as long as the row.
     pub(crate) fn row(&self, y: usize) -> &'a [u8] {
         let start = y * self.stride;

@@ -14,13 +14,13 @@
 mod chord;
 mod lay;
 mod learn;
+mod narrow;
+mod profile;
 mod rope;
 mod station;
 mod sweep;
 
 use crate::background::Background;
-use crate::difference::Differencer;
-use crate::kernels::Kernels;
 use crate::meet;
 use crate::place::Place;
 use crate::scene::{Crossing, Curve};
@@ -37,8 +37,6 @@ const CROSSING: usize = 4;
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
 pub(crate) struct Pursuer {
-    kernels: Kernels,
-    differencer: Differencer,
     sweep: Sweep,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
@@ -52,6 +50,11 @@ pub(crate) struct Pursuer {
 }
 
 impl Pursuer {
+    /// Whether there are ropes that may be followed into the next image.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.count > 0 && self.frames < MOST_FRAMES
+    }
+
     /// Forgets the ropes: the next image is extracted whole.
     pub(crate) fn drop(&mut self) {
         self.count = 0;
@@ -73,17 +76,12 @@ impl Pursuer {
         if self.ropes.len() < curves.len() {
             self.ropes.resize_with(curves.len(), Rope::default);
         }
-        let mut reader = Reader {
-            image,
-            background,
-            differencer: &mut self.differencer,
-            kernels: self.kernels,
-        };
+        let reader = Reader { image, background };
         let ropes = &mut self.ropes[..curves.len()];
         let anchored = (ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve));
         if anchored {
             note(ropes, crossings);
-            if ropes.iter_mut().all(|rope| rope.learn(&mut reader)) {
+            if ropes.iter_mut().all(|rope| rope.learn(&reader)) {
                 self.count = curves.len();
             }
         }
@@ -99,18 +97,13 @@ impl Pursuer {
         crossings: &mut [Crossing],
     ) -> bool {
         let same = self.size == [image.width(), image.height()];
-        let ready = self.count > 0 && self.count == curves.len() && self.frames < MOST_FRAMES;
+        let ready = self.is_ready() && self.count == curves.len();
         if !ready || !same || self.format != Some(image.format()) {
             self.count = 0;
             return false;
         }
         self.frames += 1;
-        let mut reader = Reader {
-            image,
-            background,
-            differencer: &mut self.differencer,
-            kernels: self.kernels,
-        };
+        let reader = Reader { image, background };
         let ropes = &mut self.ropes[..self.count];
         note(ropes, crossings);
         self.sweep.begin(image.width(), image.height());
@@ -119,8 +112,8 @@ impl Pursuer {
                 self.sweep.note(at, rope.reach_px());
             }
         }
-        let found = !self.sweep.finds(&mut reader, self.cut)
-            && ropes.iter_mut().all(|rope| rope.follow(&mut reader));
+        let found = !self.sweep.finds(&reader, self.cut)
+            && ropes.iter_mut().all(|rope| rope.follow(&reader));
         if !found {
             self.count = 0;
             return false;

@@ -3,16 +3,15 @@
 //! Across a straight rope the middle of any chord lies on its centerline, whatever the angle, so that pixels need not be
 //! interpolated but along the row or column itself.
 
+use super::profile::{Lanes, Stretch, WORD};
 use crate::Image;
 use crate::background::Background;
-use crate::difference::Differencer;
-use crate::kernels::Kernels;
 use crate::vec2::Vec2;
 
-/// The most pixels that are read across a rope: two words of bits.
-pub(super) const MOST: usize = 128;
+/// The most pixels that are read across a rope.
+pub(super) const MOST: usize = 2 * WORD;
 /// The part of a chord, about its middle, that the rope's contrast is read from.
-const CORE: f32 = 0.4;
+pub(super) const CORE: f32 = 0.4;
 
 /// Where a chord is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +20,7 @@ pub(super) struct Where {
     pub(super) at: Vec2,
     /// 0: along the row, 1: down the column.
     pub(super) axis: usize,
-    /// Pixels that are read, a multiple of 8 down a column, of 64 along a row.
+    /// Pixels that are read, a multiple of [`super::profile::BLOCK`].
     pub(super) span: usize,
     /// The difference at the rope's edges.
     pub(super) level: f32,
@@ -42,21 +41,36 @@ pub(super) struct Chord {
 pub(super) struct Reader<'a> {
     pub(super) image: &'a Image<'a>,
     pub(super) background: &'a Background,
-    pub(super) differencer: &'a mut Differencer,
-    pub(super) kernels: Kernels,
 }
 
 impl Reader<'_> {
     /// The chord at a place; nothing where the rope does not begin and end within the span.
     #[inline(always)]
-    pub(super) fn chord(&mut self, of: &Where) -> Option<Chord> {
-        let mut profile = [0u8; MOST];
-        let (from, line) = self.read(of, &mut profile)?;
-        let mut words = [0; MOST / 64];
-        let cut = of.level.ceil().clamp(1.0, 255.0) as u8;
-        let count = of.span.div_ceil(64);
-        (self.kernels.at_least)(&profile[..64 * count], cut, &mut words[..count]);
-        let set = u128::from(words[0]) | u128::from(words[1]) << 64;
+    pub(super) fn chord(&self, lanes: impl Lanes, of: &Where) -> Option<Chord> {
+        let (from, line) = self.place(of)?;
+        let mut first = [line; 2];
+        first[of.axis] = from;
+        let mut middle = first;
+        middle[of.axis] += of.span / 2;
+        let [x, y] = middle.map(|at| [at as f32]);
+        let mut table = [0];
+        self.background.at_all(&x, &y, &mut table);
+        let mut stretch = Stretch {
+            image: self.image,
+            from: first,
+            axis: of.axis,
+            count: of.span.min(WORD),
+            tables: [table[0]; _],
+            cut: of.level.ceil().clamp(1.0, 255.0) as u8,
+        };
+        let mut profile = [[0u8; WORD]; 2];
+        let mut set = u128::from(lanes.read(&stretch, &mut profile[0]));
+        if of.span > WORD {
+            stretch.from[of.axis] += WORD;
+            stretch.count = of.span - WORD;
+            set |= u128::from(lanes.read(&stretch, &mut profile[1])) << WORD;
+        }
+        let profile = profile.as_flattened();
         let middle = of.at[of.axis] - from as f32;
         let [first, end] = run(set, of.span, (middle + 0.5) as usize)?;
         // Between the last pixel without and the first within; both exist.
@@ -79,29 +93,17 @@ impl Reader<'_> {
         })
     }
 
-    /// Reads the difference about a place; returns where along the axis it begins, and the row or column. Nothing where
-    /// the image ends before.
+    /// Where along the axis the pixels about a place begin, and their row or column. Nothing where the image ends before.
     #[inline(always)]
-    fn read(&mut self, of: &Where, profile: &mut [u8; MOST]) -> Option<(usize, usize)> {
-        let profile = &mut profile[..of.span];
+    fn place(&self, of: &Where) -> Option<(usize, usize)> {
         let size = [self.image.width(), self.image.height()];
         // Rounded where they are not negative.
         let line = of.at[1 - of.axis] + 0.5;
         let from = of.at[of.axis] + 0.5 - (of.span / 2) as f32;
         let last = size[of.axis] as f32 - of.span as f32;
         let holds = line >= 0.0 && line < size[1 - of.axis] as f32 && from >= 0.0 && from <= last;
-        if !holds {
-            return None;
-        }
         // Two pixels share their color in some formats.
-        let (line, from) = (line as usize, from as usize & !1);
-        if of.axis == 0 {
-            self.differencer
-                .across(self.image, self.background, [from, line], profile);
-        } else {
-            Differencer::down(self.image, self.background, [line, from], profile);
-        }
-        Some((from, line))
+        holds.then_some((from as usize & !1, line as usize))
     }
 }
 

@@ -52,13 +52,13 @@ impl Rope {
     }
 
     /// Learns how the chords read in the image that the rope was extracted from; false when they do not tell it.
-    pub(super) fn learn(&mut self, reader: &mut Reader) -> bool {
+    pub(super) fn learn(&mut self, reader: &Reader) -> bool {
         self.learn_contrast(reader);
         self.learn_biases(reader) && self.learn_tips(reader) && self.agrees(reader)
     }
 
     /// Whether the rope, followed into the very image that it was extracted from, stays where it is.
-    fn agrees(&mut self, reader: &mut Reader) -> bool {
+    fn agrees(&mut self, reader: &Reader) -> bool {
         self.next.clone_from(&self.stations);
         if self.measure(reader).is_none() {
             return false;
@@ -70,7 +70,7 @@ impl Rope {
     }
 
     /// Reads the rope's contrast at its points, in the mean of those around.
-    fn learn_contrast(&mut self, reader: &mut Reader) {
+    fn learn_contrast(&mut self, reader: &Reader) {
         let yuv = color::is_yuv(reader.image.format());
         for station in &mut self.stations {
             let color = color::between(reader.image, station.at);
@@ -79,7 +79,7 @@ impl Rope {
         self.average(|s| Some(s.contrast), |s, mean| s.contrast = mean.max(2.0));
     }
 
-    fn learn_biases(&mut self, reader: &mut Reader) -> bool {
+    fn learn_biases(&mut self, reader: &Reader) -> bool {
         self.stations.iter_mut().for_each(|s| s.bias_px = [0.0; 2]);
         self.next.clone_from(&self.stations);
         self.read(reader);
@@ -100,7 +100,7 @@ impl Rope {
         measured as f32 >= LEAST_MEASURED * self.stations.len() as f32
     }
 
-    fn learn_tips(&mut self, reader: &mut Reader) -> bool {
+    fn learn_tips(&mut self, reader: &Reader) -> bool {
         self.tips = [Tip::default(); 2];
         let known: fn(&Station) -> bool = |s| s.is_measured;
         let ends = [

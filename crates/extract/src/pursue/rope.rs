@@ -2,6 +2,7 @@
 
 use super::chord::{MOST, Reader};
 use super::lay::Lay;
+use super::profile::{self, BLOCK};
 use super::station::{
     ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, axis, beyond, set_normals,
 };
@@ -18,10 +19,9 @@ const BESIDE: usize = 2;
 const LOST: f32 = 0.02;
 /// Widths of rope that go unread at most, between parts that are read.
 const MOST_BRIDGED: f32 = 6.0;
-/// Within so many widths of a tip a chord may run out of it: the rope is read straight across there; and nearer than
-/// this not at all.
-const NEAR_TIP: f32 = 1.2;
-const AT_TIP: f32 = 0.35;
+/// Nearer to a tip than so many widths the rope is not read, and a chord that would come so near, or run out of it, is
+/// read straight across.
+pub(super) const AT_TIP: f32 = 0.35;
 /// Points beyond those that may lack a reading before a tip.
 const MOST_UNREAD: usize = 1;
 /// The rope runs on to its tip as it bends over twice this way, in widths, before it.
@@ -131,17 +131,16 @@ impl Rope {
     }
 
     /// Reads the stations of the next frame.
-    pub(super) fn read(&mut self, reader: &mut Reader) {
-        let before = |widths: f32| (widths * self.width_px / self.spacing_px()).ceil() as usize;
-        let near_tip = [before(AT_TIP).max(1), before(NEAR_TIP).max(1)];
-        let span = self.span();
+    pub(super) fn read(&mut self, reader: &Reader) {
+        let (span, spacing_px) = (self.span(), self.spacing_px());
         self.readings.clear();
         self.readings.resize(self.next.len(), None);
-        pulp::Arch::new().dispatch(ReadAll {
+        profile::dispatch(ReadAll {
             reader,
             stations: &self.next,
             readings: &mut self.readings,
-            near_tip,
+            spacing_px,
+            width_px: self.width_px,
             span,
         });
     }
@@ -173,7 +172,9 @@ impl Rope {
     fn span(&self) -> usize {
         // A chord is at most √2 widths long, twice the half of it moved aside.
         let reach_px = (std::f32::consts::FRAC_1_SQRT_2 + 1.5 * ASIDE_WIDTHS) * self.width_px + 3.0;
-        (2 * reach_px.ceil() as usize).next_multiple_of(8).min(MOST)
+        (2 * reach_px.ceil() as usize)
+            .next_multiple_of(BLOCK)
+            .min(MOST)
     }
 
     /// How far from the [places](Self::places) something is the rope itself, or was or will be.
@@ -189,7 +190,7 @@ impl Rope {
     }
 
     /// Finds the rope in the next image; false when that takes a closer look. [`take`](Self::take) makes it so.
-    pub(super) fn follow(&mut self, reader: &mut Reader) -> bool {
+    pub(super) fn follow(&mut self, reader: &Reader) -> bool {
         self.next.clone_from(&self.stations);
         for station in &mut self.next {
             station.at = vec2::along(station.at, station.normal, station.aside_px);
@@ -198,6 +199,7 @@ impl Rope {
             return false;
         };
         if aside_px > FAR_PX {
+            set_normals(&mut self.next);
             let Some(again_px) = self.measure(reader) else {
                 return false;
             };
@@ -221,7 +223,7 @@ impl Rope {
         let Some(length_px) = self.lay.lay(places, ends) else {
             return false;
         };
-        for (station, at) in self.next.iter_mut().zip(self.lay.points()) {
+        for (station, &at) in self.next.iter_mut().zip(self.lay.points()) {
             station.at = at;
         }
         self.length_px = length_px;
@@ -233,7 +235,7 @@ impl Rope {
 
     /// Moves the stations to where their chords say that the rope is; returns how far that was in the mean, nothing
     /// when too many have none.
-    pub(super) fn measure(&mut self, reader: &mut Reader) -> Option<f32> {
+    pub(super) fn measure(&mut self, reader: &Reader) -> Option<f32> {
         self.read(reader);
         let n = self.next.len();
         let (mut lost, mut measured) = (0usize, 0usize);
@@ -265,7 +267,6 @@ impl Rope {
         for (station, was) in self.next.iter_mut().zip(&self.stations) {
             station.aside_px = vec2::dot(vec2::sub(station.at, was.at), was.normal);
         }
-        set_normals(&mut self.next);
         Some(sum / n as f32)
     }
 

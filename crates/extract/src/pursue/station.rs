@@ -1,6 +1,9 @@
 //! A point of a rope that is followed, and how the rope is read there.
 
 use super::chord::{Reader, Where};
+use super::narrow::{self, SIDE};
+use super::profile::{Lanes, Work};
+use super::rope::AT_TIP;
 use crate::color;
 use crate::vec2::{self, Vec2};
 
@@ -12,6 +15,13 @@ const WIDTH: std::ops::RangeInclusive<f32> = 0.78..=1.28;
 const CONTRAST: std::ops::RangeInclusive<f32> = 0.7..=1.4;
 /// A tip may move this far along the rope from one frame to the next, in widths.
 pub(super) const TIP_WIDTHS: f32 = 0.75;
+
+/// How far a chord at the flattest angle runs along the rope to either side, in widths.
+const ALONG: f32 = 0.5;
+/// How far, in pixels, the tip's blur reaches.
+const CLEAR_PX: f32 = 1.0;
+/// Pixels before an edge's expected place from which on it is looked for.
+const BEFORE_EDGE_PX: f32 = 3.0;
 
 /// A point of the curve.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,17 +42,6 @@ pub(super) struct Station {
     pub(super) aside_px: f32,
 }
 
-/// How a station is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Near {
-    /// Not at all.
-    Tip,
-    /// Straight across.
-    BeforeTip,
-    /// By the chord.
-    Rope,
-}
-
 /// One chord, read at a station.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
@@ -53,72 +52,117 @@ pub(super) struct Reading {
 
 /// Reads the rope at each station. As one piece of work, so that all of it is compiled for the widest registers.
 pub(super) struct ReadAll<'a, 'b> {
-    pub(super) reader: &'a mut Reader<'b>,
+    pub(super) reader: &'a Reader<'b>,
     pub(super) stations: &'a [Station],
     pub(super) readings: &'a mut [Option<Reading>],
-    /// Stations from either end that are not read, and those from there on that are read straight across.
-    pub(super) near_tip: [usize; 2],
+    /// From one to the next.
+    pub(super) spacing_px: f32,
+    pub(super) width_px: f32,
     pub(super) span: usize,
 }
 
-impl pulp::WithSimd for ReadAll<'_, '_> {
-    type Output = ();
-
+impl Work for ReadAll<'_, '_> {
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
+    fn run<L: Lanes>(self, lanes: L) {
         let n = self.stations.len();
-        for (i, (station, reading)) in self.stations.iter().zip(self.readings).enumerate() {
-            let near = match i.min(n - 1 - i) {
-                i if i < self.near_tip[0] => Near::Tip,
-                i if i < self.near_tip[1] => Near::BeforeTip,
-                _ => Near::Rope,
-            };
-            *reading = read(self.reader, station, near, self.span);
+        let beside_px = (AT_TIP + ALONG) * self.width_px + CLEAR_PX;
+        // From here on any chord keeps away from the tip.
+        let clear = ((beside_px / self.spacing_px).ceil() as usize).min(n / 2);
+        for k in 0..n.div_ceil(SIDE) {
+            let group = SIDE * k..(SIDE * (k + 1)).min(n);
+            let stations = &self.stations[group.clone()];
+            let mut wanted = [false; SIDE];
+            for (i, (wanted, station)) in wanted.iter_mut().zip(stations).enumerate() {
+                let i = SIDE * k + i;
+                let from_end = i.min(n - 1 - i);
+                let has_chord = from_end >= clear || self.has_chord(from_end, station);
+                *wanted = has_chord && !station.is_crossed;
+            }
+            let found = narrow::chords(self.reader, lanes, stations, &wanted);
+            let readings = &mut self.readings[group];
+            for (i, (station, reading)) in stations.iter().zip(readings).enumerate() {
+                *reading = if found.found[i] {
+                    Some(Reading {
+                        aside_px: found.aside_px[i],
+                        width_px: found.width_px[i],
+                        contrast: found.contrast[i],
+                    })
+                } else if found.farther[i] {
+                    farther(self.reader, lanes, station, self.span)
+                } else {
+                    None
+                };
+                *reading = reading.filter(|reading| fits(station, reading));
+            }
+        }
+        let at_tip = (AT_TIP * self.width_px / self.spacing_px).ceil() as usize;
+        for from_end in at_tip.max(1)..clear {
+            for i in [from_end, n - 1 - from_end] {
+                let station = &self.stations[i];
+                if !station.is_crossed && !self.has_chord(from_end, station) {
+                    let reading = straight(self.reader, station, self.span);
+                    self.readings[i] = reading.filter(|reading| fits(station, reading));
+                }
+            }
         }
     }
 }
 
-/// The rope at a station, if it can be the rope.
-#[inline(always)]
-fn read(reader: &mut Reader, station: &Station, near: Near, span: usize) -> Option<Reading> {
-    if station.is_crossed {
-        return None;
+impl ReadAll<'_, '_> {
+    /// Whether the chord at a station, so many from an end, keeps away from the tip.
+    #[inline(always)]
+    fn has_chord(&self, from_end: usize, station: &Station) -> bool {
+        let axis = axis(station.normal);
+        let slant = station.normal[1 - axis] / station.normal[axis];
+        let along_px = (ALONG * self.width_px * slant).abs();
+        from_end as f32 * self.spacing_px >= AT_TIP * self.width_px + along_px + CLEAR_PX
     }
-    let level = 0.5 * station.contrast;
-    let (aside_px, width_px, contrast) = match near {
-        Near::Tip => return None,
-        Near::BeforeTip => {
-            let limit_px = 0.5 * span as f32;
-            let out = [station.normal, vec2::scale(station.normal, -1.0)];
-            let [right, left] = out.map(|out| fall(reader, station.at, out, level, limit_px));
-            let (right, left) = (right?, left?);
-            (0.5 * (right - left), right + left, station.contrast)
-        }
-        Near::Rope => {
-            let axis = axis(station.normal);
-            let chord = reader.chord(&Where {
-                at: station.at,
-                axis,
-                span: if axis == 0 {
-                    span.next_multiple_of(64)
-                } else {
-                    span
-                },
-                level,
-            })?;
-            let aside_px = vec2::dot(vec2::sub(chord.at, station.at), station.normal);
-            let width_px = chord.length_px * station.normal[axis].abs();
-            (aside_px, width_px, chord.contrast)
-        }
-    };
-    let fits = WIDTH.contains(&((width_px - station.bias_px[1]) / station.width_px.max(0.1)))
-        && CONTRAST.contains(&(contrast / station.contrast))
-        && aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0;
-    fits.then_some(Reading {
-        aside_px,
-        width_px,
-        contrast,
+}
+
+/// The chord at a station, looked for in as many pixels as a rope may have moved.
+#[inline(always)]
+fn farther(reader: &Reader, lanes: impl Lanes, station: &Station, span: usize) -> Option<Reading> {
+    let axis = axis(station.normal);
+    let chord = reader.chord(
+        lanes,
+        &Where {
+            at: station.at,
+            axis,
+            span,
+            level: 0.5 * station.contrast,
+        },
+    )?;
+    Some(Reading {
+        aside_px: vec2::dot(vec2::sub(chord.at, station.at), station.normal),
+        width_px: chord.length_px * station.normal[axis].abs(),
+        contrast: chord.contrast,
     })
+}
+
+/// The rope at a station near a tip, straight across.
+#[inline(always)]
+fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> {
+    let (level, ways_px) = (
+        0.5 * station.contrast,
+        [0.5 * station.width_px, 0.5 * span as f32],
+    );
+    let right = fall(reader, station.at, station.normal, level, ways_px)?;
+    let left = vec2::scale(station.normal, -1.0);
+    let left = fall(reader, station.at, left, level, ways_px)?;
+    Some(Reading {
+        aside_px: 0.5 * (right - left),
+        width_px: right + left,
+        contrast: station.contrast,
+    })
+}
+
+/// Whether what was read at a station can be the rope.
+#[inline(always)]
+fn fits(station: &Station, reading: &Reading) -> bool {
+    let width_px = reading.width_px - station.bias_px[1];
+    WIDTH.contains(&(width_px / station.width_px.max(0.1)))
+        && CONTRAST.contains(&(reading.contrast / station.contrast))
+        && reading.aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0
 }
 
 /// How far beyond the last station at an end the rope goes on; nothing where it does not end nearby.
@@ -136,18 +180,25 @@ pub(super) fn beyond(
     let within_px = TIP_WIDTHS * width_px;
     let from = vec2::along(at(0).at, out, -within_px);
     let level = 0.5 * at(back + 1).contrast;
-    let far_px = fall(reader, from, out, level, 2.0 * within_px + 3.0)?;
+    let far_px = fall(reader, from, out, level, [within_px, 2.0 * within_px + 3.0])?;
     Some(far_px - within_px)
 }
 
 /// How far from a place, in a direction, the difference falls below a level; nothing where it lies below it from the
-/// start, up to a limit or to the image's border.
+/// start, up to a limit or to the image's border. It is looked for from shortly before `near_px` on.
 #[inline(always)]
-fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Option<f32> {
+fn fall(
+    reader: &Reader,
+    from: Vec2,
+    out: Vec2,
+    level: f32,
+    [near_px, limit_px]: [f32; 2],
+) -> Option<f32> {
     let limits = [reader.image.width(), reader.image.height()];
     let table = table(reader, from);
     let yuv = color::is_yuv(reader.image.format());
-    let (mut far_px, mut before) = (0.0, f32::INFINITY);
+    let start_px = (near_px - BEFORE_EDGE_PX).floor().max(0.0);
+    let (mut far_px, mut before) = (start_px, f32::INFINITY);
     while far_px <= limit_px {
         let place = vec2::along(from, out, far_px);
         let holds = (0..2).all(|c| place[c] >= 0.0 && place[c] <= (limits[c] - 1) as f32);
@@ -155,12 +206,17 @@ fn fall(reader: &Reader, from: Vec2, out: Vec2, level: f32, limit_px: f32) -> Op
             return None;
         }
         let value = color::distance(color::between(reader.image, place), table, yuv);
-        if value < level {
+        if value >= level {
+            (before, far_px) = (value, far_px + 1.0);
+        } else if before.is_finite() {
             let part = (before - level) / (before - value).max(1e-3);
-            return before.is_finite().then_some(far_px - 1.0 + part);
+            return Some(far_px - 1.0 + part);
+        } else if far_px > 0.0 {
+            // It falls sooner.
+            far_px = 0.0;
+        } else {
+            return None;
         }
-        before = value;
-        far_px += 1.0;
     }
     None
 }

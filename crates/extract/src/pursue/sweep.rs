@@ -1,53 +1,56 @@
 //! A look at the rest of the image: a few rows of it in each frame, others in the next, so that something new is found.
 
 use super::chord::Reader;
+use super::profile::{self, BLOCK, Lanes, Stretch, WORD, Work};
 use crate::vec2::Vec2;
 
 /// Rows from one that is read to the next: what is as high is seen at once, anything else within as many frames.
 const APART: usize = 64;
 /// Rows by which they move from frame to frame; it has no divisor in common with their distance.
 const MOVE: usize = 13;
-/// Side of the squares that the ropes' neighborhood is made of, in pixels.
-const SQUARE: usize = 16;
+/// Side of the squares that the ropes' neighborhood is made of, in pixels: what is read together lies in one.
+const SQUARE: usize = BLOCK;
 /// Pixels side by side that are something.
 const LEAST: u32 = 4;
+/// Squares whose table is worked out side by side, a divisor of the squares of a word of bits.
+const SIDE: usize = 16;
 
 /// Memory of the looking.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
     phase: usize,
-    /// One bit a square, whether a rope is near.
+    /// One bit a square along each of the rows that are read, whether a rope is near.
     near: Vec<u64>,
+    /// Words of bits a row.
     words: usize,
-    row: Vec<u8>,
-    bits: Vec<u64>,
 }
 
 impl Sweep {
     /// Begins a frame of this size, with no rope anywhere.
     pub(super) fn begin(&mut self, width: usize, height: usize) {
+        self.phase = (self.phase + MOVE) % APART;
         self.words = width.div_ceil(64 * SQUARE);
+        let rows = height.saturating_sub(self.phase).div_ceil(APART);
         self.near.clear();
-        self.near.resize(self.words * height.div_ceil(SQUARE), 0);
-        self.row.resize(width, 0);
-        self.bits.resize(width.div_ceil(64), 0);
+        self.near.resize(self.words * rows, 0);
     }
 
     /// Notes that a rope lies within `reach_px` of a place.
     pub(super) fn note(&mut self, at: Vec2, reach_px: f32) {
-        let square = |v: f32, most: usize| ((v.max(0.0) as usize) / SQUARE).min(most);
-        let rows = self.near.len() / self.words;
-        let [left, right] =
-            [at[0] - reach_px, at[0] + reach_px].map(|x| square(x, 64 * self.words - 1));
-        let [top, bottom] = [at[1] - reach_px, at[1] + reach_px].map(|y| square(y, rows - 1));
-        let from = u64::MAX << (left % 64);
-        let to = u64::MAX >> (63 - right % 64);
-        for row in self
+        let square = |v: f32| v.max(0.0) as u32 as usize / SQUARE;
+        let (left, right) = (square(at[0] - reach_px), square(at[0] + reach_px));
+        let (top, bottom) = (square(at[1] - reach_px), square(at[1] + reach_px));
+        let right = right.min(64 * self.words - 1);
+        let (from, to) = (u64::MAX << (left % 64), u64::MAX >> (63 - right % 64));
+        // The rows that run through these squares.
+        let first = (SQUARE * top + APART - 1 - self.phase) / APART;
+        let count = (SQUARE * (bottom + 1) + APART - 1 - self.phase) / APART - first;
+        let rows = self
             .near
             .chunks_exact_mut(self.words)
-            .take(bottom + 1)
-            .skip(top)
-        {
+            .skip(first)
+            .take(count);
+        for row in rows {
             if left / 64 == right / 64 {
                 row[left / 64] |= from & to;
             } else {
@@ -59,30 +62,107 @@ impl Sweep {
     }
 
     /// Whether something stands out of the table by `level` in the rows of this frame, away from the ropes.
-    pub(super) fn finds(&mut self, reader: &mut Reader, level: u8) -> bool {
-        self.phase = (self.phase + MOVE) % APART;
-        for y in (self.phase..reader.image.height()).step_by(APART) {
-            reader
-                .differencer
-                .along(reader.image, reader.background, [0, y], &mut self.row);
-            (reader.kernels.at_least)(&self.row, level, &mut self.bits);
-            let near = &self.near[y / SQUARE * self.words..][..self.words];
-            for (i, &word) in self.bits.iter().enumerate() {
-                if word == 0 {
-                    continue;
-                }
-                let mut away = word;
-                for k in 0..64 / SQUARE {
-                    let square = i * 64 / SQUARE + k;
-                    if near[square / 64] >> (square % 64) & 1 == 1 {
-                        away &= !(0xFFFF << (SQUARE * k));
-                    }
-                }
-                if (1..LEAST).fold(away, |run, k| run & away >> k) != 0 {
-                    return true;
+    pub(super) fn finds(&mut self, reader: &Reader, level: u8) -> bool {
+        let mut found = false;
+        profile::dispatch(Look {
+            reader,
+            sweep: self,
+            level,
+            found: &mut found,
+        });
+        found
+    }
+}
+
+/// The look at all of the rows.
+struct Look<'a, 'b> {
+    reader: &'a Reader<'b>,
+    sweep: &'a Sweep,
+    level: u8,
+    found: &'a mut bool,
+}
+
+impl Work for Look<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self {
+            reader,
+            sweep,
+            level,
+            found,
+        } = self;
+        let width = reader.image.width();
+        for (k, near) in sweep.near.chunks_exact(sweep.words).enumerate() {
+            let y = sweep.phase + APART * k;
+            for x in (0..width).step_by(SIDE * SQUARE) {
+                let square = x / SQUARE;
+                let near = near[square / 64] >> (square % 64);
+                *found |= part(reader, lanes, [x, y], near, level);
+            }
+            if *found {
+                return;
+            }
+        }
+    }
+}
+
+/// Whether something stands out in [`SIDE`] squares from a pixel on, in those whose bit in `near` is not set.
+#[inline(always)]
+fn part(reader: &Reader, lanes: impl Lanes, [x, y]: [usize; 2], near: u64, level: u8) -> bool {
+    let middles = std::array::from_fn(|i| (x + SQUARE * i + SQUARE / 2) as f32);
+    let mut tables = [0u32; SIDE];
+    (reader.background).at_all(&middles, &[y as f32; SIDE], &mut tables);
+    let mut out = [0; WORD];
+    let mut found = 0;
+    let (tables, _) = tables.as_chunks::<{ WORD / SQUARE }>();
+    for (i, &tables) in tables.iter().enumerate() {
+        let from = x + WORD * i;
+        // What is left at the end of a row is less than a square.
+        let count = reader.image.width().saturating_sub(from).min(WORD) / SQUARE * SQUARE;
+        let near = near >> (WORD / SQUARE * i) & 0xF;
+        if count == 0 || near == 0xF {
+            continue;
+        }
+        let set = lanes.read(
+            &Stretch {
+                image: reader.image,
+                from: [from, y],
+                axis: 0,
+                count,
+                tables,
+                cut: level,
+            },
+            &mut out,
+        );
+        // Each bit becomes the sixteen of its square.
+        let squares = near & 1 | (near & 2) << 15 | (near & 4) << 30 | (near & 8) << 45;
+        let away = set & !(squares * 0xFFFF);
+        found |= (1..LEAST).fold(away, |run, k| run & away >> k);
+    }
+    found != 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rope_is_near_in_the_rows_that_run_by_it() {
+        let mut sweep = Sweep::default();
+        for _ in 0..APART {
+            sweep.begin(1100, 500);
+            let (at, reach_px) = ([1050.0, 200.0], 40.0);
+            sweep.note(at, reach_px);
+            for (k, near) in sweep.near.chunks_exact(sweep.words).enumerate() {
+                let y = sweep.phase + APART * k;
+                let square = |x: f32, y: f32| [x, y].map(|v| v as usize / SQUARE);
+                let ([left, top], [right, bottom]) = (square(1010.0, 160.0), square(1090.0, 240.0));
+                let rows = top..=bottom;
+                for x in 0..1100 / SQUARE {
+                    let expected = rows.contains(&(y / SQUARE)) && (left..=right).contains(&x);
+                    assert_eq!(near[x / 64] >> (x % 64) & 1 == 1, expected, "{x} {y}");
                 }
             }
         }
-        false
     }
 }
