@@ -7,8 +7,9 @@
 //! has no rope.
 
 use crate::bits::BitPlane;
-use crate::kernels::Kernels;
+use crate::kernels::{Kernels, Patch};
 use crate::plane::Plane;
+use crate::strips::{BLOCK, Shape, Strips};
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
@@ -42,54 +43,105 @@ pub(crate) fn faint(noise: f32) -> u8 {
     whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
 }
 
+/// At most so many pixels that are not the table's are counted, and half as many if there are: their mean is then known to
+/// a thirtieth of their spread.
+const COUNTED: usize = 1 << 20;
+/// Rows from one whose other pixels are summed to the next.
+const TABLE_STEP: usize = 32;
+
 /// How often each level of difference occurs, those of the mere table taken together.
 #[derive(Debug)]
 pub(crate) struct Levels {
-    /// The sum of all levels.
-    pub(crate) total: u64,
     pixels: usize,
-    /// Of the levels that are not the table's. Four counts, so that equal neighbors do not wait for each other's.
-    counts: [[u32; 256]; 4],
+    /// The mean level of the table, and how many pixels it has.
+    table: f32,
+    table_pixels: usize,
+    /// What each pixel counts of those that are not the table's.
+    weight: usize,
+    /// How many of those have each level or a higher one, and the sum of their levels.
+    above: [[u32; 2]; 257],
 }
 
 impl Levels {
-    /// Those of so many pixels, none of which is counted yet.
-    pub(crate) fn new(pixels: usize) -> Self {
-        Self {
-            total: 0,
-            pixels,
-            counts: [[0; 256]; 4],
-        }
-    }
-
-    /// Counts the pixels of a row that are set in `faint`.
-    pub(crate) fn count(&mut self, row: &[u8], faint: &[u64]) {
-        for (&word, pixels) in faint.iter().zip(row.chunks(64)) {
-            let mut rest = word;
-            while rest != 0 {
-                let x = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                self.counts[x % 4][usize::from(pixels[x])] += 1;
-            }
-        }
+    /// The levels of `difference`, in which those that are not the table's are the ones in `faint`, from `least` on. Where these are many,
+    /// every so-many-th word of them is counted, in each row others, so that a rope is counted however it lies.
+    pub(crate) fn count(difference: &Plane, faint: &BitPlane, least: u8) -> Self {
+        pulp::Arch::new().dispatch(Count {
+            difference,
+            faint,
+            least,
+        })
     }
 
     /// The share of the pixels from a level on.
-    fn share(&self, histogram: &[u32; 256], from: u8) -> f32 {
-        let above: u32 = histogram[usize::from(from)..].iter().sum();
+    fn share(&self, from: u8) -> f32 {
+        let above = self.weight * self.above[usize::from(from)][0] as usize;
         above as f32 / self.pixels.max(1) as f32
     }
+}
 
-    /// How often each level that is not the table's occurs.
-    fn histogram(&self) -> [u32; 256] {
-        std::array::from_fn(|level| self.counts.iter().map(|part| part[level]).sum())
+/// The counting, to be compiled for each kind of machine.
+struct Count<'a> {
+    difference: &'a Plane,
+    faint: &'a BitPlane,
+    least: u8,
+}
+
+impl pulp::NullaryFnOnce for Count<'_> {
+    type Output = Levels;
+
+    #[inline(always)]
+    fn call(self) -> Levels {
+        let pixels = self.difference.width() * self.difference.height();
+        let words = self.faint.words().iter();
+        let faint = words.map(|word| u64::from(word.count_ones())).sum::<u64>() as usize;
+        let weight = faint.div_ceil(COUNTED).max(1).next_power_of_two();
+        // Four counts, so that equal neighbors do not wait for each other's.
+        let mut counts = [[0u32; 256]; 4];
+        let (mut sum, mut count) = (0, 0);
+        for y in 0..self.difference.height() {
+            let (row, words) = (self.difference.row(y), self.faint.row(y));
+            for i in every(weight, y, words.len()) {
+                let pixels = &row[64 * i..];
+                let mut rest = words[i];
+                while rest != 0 {
+                    let x = rest.trailing_zeros() as usize;
+                    rest &= rest - 1;
+                    counts[x % 4][usize::from(pixels[x])] += 1;
+                }
+            }
+        }
+        for y in (0..self.difference.height()).step_by(TABLE_STEP) {
+            let table = |&p: &u8| u32::from(if p < self.least { p } else { 0 });
+            sum += self.difference.row(y).iter().map(table).sum::<u32>();
+            let others = self.faint.row(y).iter().map(|word| word.count_ones());
+            count += self.difference.width() - others.sum::<u32>() as usize;
+        }
+        let mut above = [[0; 2]; 257];
+        for level in (0..256).rev() {
+            let n: u32 = counts.iter().map(|part| part[level]).sum();
+            let [count, sum] = above[level + 1];
+            above[level] = [count + n, sum + n * level as u32];
+        }
+        Levels {
+            pixels,
+            table: sum as f32 / count.max(1) as f32,
+            table_pixels: pixels - faint,
+            weight,
+            above,
+        }
     }
+}
+
+/// Every `step`-th of the `count` words of row `y`, in each row others; `step` is a power of two.
+#[inline(always)]
+fn every(step: usize, y: usize, count: usize) -> impl Iterator<Item = usize> {
+    (y.wrapping_neg() & (step - 1)..count).step_by(step)
 }
 
 /// Finds the cut, given the levels of an image (those from [`faint`] on counted) and the table's noise.
 pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
-    let histogram = levels.histogram();
-    let means = |cut| means(levels, &histogram, cut);
+    let means = |cut| means(levels, cut);
     let floor = floor(noise);
     let mut cut = floor;
     for _ in 0..32 {
@@ -113,7 +165,7 @@ pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     Cut {
         rope: whole(rope),
         level: whole(above),
-        covered: levels.share(&histogram, whole(rope)),
+        covered: levels.share(whole(rope)),
     }
 }
 
@@ -123,16 +175,14 @@ fn whole(value: f32) -> u8 {
 }
 
 /// The mean level below `cut` and, if there is any, from `cut` on.
-fn means(levels: &Levels, histogram: &[u32; 256], cut: f32) -> (f32, Option<f32>) {
+fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
     let from = (cut.ceil() as usize).min(256);
-    let (mut count, mut sum) = (0u64, 0u64);
-    for (level, &n) in histogram.iter().enumerate().skip(from) {
-        count += u64::from(n);
-        sum += u64::from(n) * level as u64;
-    }
-    let mean = |sum: u64, count: u64| (count > 0).then(|| sum as f32 / count as f32);
-    let below = mean(levels.total - sum, levels.pixels as u64 - count);
-    (below.unwrap_or(0.0), mean(sum, count))
+    let ([count, sum], [all, total]) = (levels.above[from], levels.above[0]);
+    let above = (count > 0).then(|| sum as f32 / count as f32);
+    let (weight, table_pixels) = (levels.weight as f32, levels.table_pixels as f32);
+    let pixels = table_pixels + weight * (all - count) as f32;
+    let below = table_pixels * levels.table + weight * (total - sum) as f32;
+    (below / pixels.max(1.0), above)
 }
 
 /// One bit a pixel: difference ≥ cut.
@@ -149,12 +199,32 @@ pub(crate) fn apply_within(
     difference: &Plane,
     cut: u8,
     faint: &BitPlane,
-    mask: &mut BitPlane,
+    mask: &mut Strips,
 ) {
-    mask.resize(difference.width(), difference.height());
-    for y in 0..difference.height() {
-        if faint.row(y).iter().any(|&word| word != 0) {
-            (kernels.at_least)(difference.row(y), cut, mask.row_mut(y));
+    let width = difference.width();
+    let shape = Shape::of(faint);
+    mask.resize(&shape);
+    let words = shape.strips();
+    let bands = faint.words().chunks(BLOCK * words).enumerate();
+    for (block, band) in bands {
+        let (top, rows) = (BLOCK * block, band.len() / words);
+        // Most blocks hold nothing: a row of them at a time is asked whether they do.
+        if band.iter().fold(0, |all, word| all | word) == 0 {
+            continue;
+        }
+        for strip in 0..words {
+            let column = band[strip..].iter().step_by(words);
+            if column.fold(0, |all, word| all | word) == 0 {
+                continue;
+            }
+            let patch = Patch {
+                bytes: &difference.bytes()[top * width + 64 * strip..],
+                stride: width,
+                width: (width - 64 * strip).min(64),
+            };
+            let at = shape.index(strip, top);
+            (kernels.patch_at_least)(patch, cut, &mut mask.words[at..at + rows]);
+            mask.used.add(&shape, strip, top);
         }
     }
 }

@@ -8,7 +8,8 @@
 //! one register, and one permutation puts them in order.
 #![allow(unsafe_code)]
 
-use super::Kernels;
+use super::{Band, Kernels, Patch};
+use crate::PixelFormat;
 use std::arch::x86_64::*;
 
 /// The fastest of this machine.
@@ -24,11 +25,22 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: the machine has AVX-512BW and VBMI.
         three_channels: |row, table, out| unsafe { three_channels_512(row, table, out) },
         // SAFETY: as above.
+        spread: |format, levels, luma, chroma| unsafe { spread_512(format, levels, luma, chroma) },
+        // SAFETY: as above.
+        three_channel_band: |band| unsafe { three_channel_band_512(band) },
+        // SAFETY: as above.
+        patch_at_least: |patch, cut, words| unsafe { patch_at_least_512(patch, cut, words) },
+        // SAFETY: as above.
         at_least: |row, cut, words| unsafe { at_least_512(row, cut, words) },
     });
     let medium = medium.then_some(Kernels {
         // SAFETY: the machine has AVX2.
         three_channels: |row, table, out| unsafe { three_channels_256(row, table, out) },
+        spread: super::spread::spread,
+        // SAFETY: as above.
+        three_channel_band: |band| unsafe { three_channel_band_256(band) },
+        // SAFETY: as above.
+        patch_at_least: |patch, cut, words| unsafe { patch_at_least_256(patch, cut, words) },
         // SAFETY: as above.
         at_least: |row, cut, words| unsafe { at_least_256(row, cut, words) },
     });
@@ -49,38 +61,216 @@ fn in_blocks(pixels: usize, size: usize, mut block: impl FnMut(usize)) -> bool {
     true
 }
 
+/// The pixels in the order of three registers, channel by channel, and the lanes that a register after the first gives
+/// to a channel.
+struct Sorting {
+    orders: [__m512i; 3],
+    lanes: [u64; 3],
+}
+
+impl Sorting {
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+    fn new() -> Self {
+        const ORDERS: [[u8; 64]; 3] = orders();
+        const LANES: u64 = 0x9249_2492_4924_9249;
+        let [first, second, third] = &ORDERS;
+        Self {
+            orders: [load_512(first), load_512(second), load_512(third)],
+            lanes: [LANES, LANES << 1, LANES << 2],
+        }
+    }
+
+    /// The largest difference of the three channels of 64 pixels.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+    fn most(&self, pixels: [__m512i; 3], table: [__m512i; 3]) -> __m512i {
+        let [p, q, r] = pixels;
+        let [t, u, v] = table;
+        let (a, b, c) = (apart_512(p, t), apart_512(q, u), apart_512(r, v));
+        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
+        let [zero, one, two] = self.lanes;
+        let first = _mm512_mask_blend_epi8(one, _mm512_mask_blend_epi8(two, a, b), c);
+        let second = _mm512_mask_blend_epi8(two, _mm512_mask_blend_epi8(zero, a, b), c);
+        let third = _mm512_mask_blend_epi8(zero, _mm512_mask_blend_epi8(one, a, b), c);
+        let first = _mm512_permutexvar_epi8(self.orders[0], first);
+        let second = _mm512_permutexvar_epi8(self.orders[1], second);
+        let third = _mm512_permutexvar_epi8(self.orders[2], third);
+        _mm512_max_epu8(first, _mm512_max_epu8(second, third))
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn apart_512(p: __m512i, t: __m512i) -> __m512i {
+    _mm512_or_si512(_mm512_subs_epu8(p, t), _mm512_subs_epu8(t, p))
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn load_512(bytes: &[u8; 64]) -> __m512i {
+    // SAFETY: the array is 64 bytes long.
+    unsafe { _mm512_loadu_si512(bytes.as_ptr().cast()) }
+}
+
+/// The first `count` bytes, no more than 64, and zeros.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn load_some_512(bytes: &[u8], count: usize) -> __m512i {
+    let bytes = &bytes[..count];
+    // SAFETY: no more is loaded than the slice holds.
+    unsafe { _mm512_maskz_loadu_epi8(first_lanes(count), bytes.as_ptr().cast()) }
+}
+
+/// The first `count` lanes, no more than 64.
+#[inline]
+fn first_lanes(count: usize) -> u64 {
+    u64::MAX.checked_shr(64 - count as u32).unwrap_or(0)
+}
+
+/// The 192 bytes of 64 pixels.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn pixels_512(bytes: &[u8; 192]) -> [__m512i; 3] {
+    // SAFETY: each load is of 64 of 192 bytes.
+    unsafe {
+        let at = bytes.as_ptr();
+        [
+            _mm512_loadu_si512(at.cast()),
+            _mm512_loadu_si512(at.add(64).cast()),
+            _mm512_loadu_si512(at.add(128).cast()),
+        ]
+    }
+}
+
+/// The bytes of the fewer than 64 pixels of `bytes`, and zeros.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn some_pixels_512(bytes: &[u8], pixels: usize) -> [__m512i; 3] {
+    let (low, rest) = bytes[..3 * pixels].split_at((3 * pixels).min(64));
+    let (middle, high) = rest.split_at(rest.len().min(64));
+    [
+        load_some_512(low, low.len()),
+        load_some_512(middle, middle.len()),
+        load_some_512(high, high.len()),
+    ]
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn store_512(bytes: &mut [u8; 64], of: __m512i) {
+    // SAFETY: the array is 64 bytes long.
+    unsafe { _mm512_storeu_si512(bytes.as_mut_ptr().cast(), of) };
+}
+
+/// As many bytes as there are, fewer than 64.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn store_some_512(bytes: &mut [u8], of: __m512i) {
+    // SAFETY: no more is stored than the slice holds.
+    unsafe { _mm512_mask_storeu_epi8(bytes.as_mut_ptr().cast(), first_lanes(bytes.len()), of) };
+}
+
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn three_channels_512(row: &[u8], table: &[u8], out: &mut [u8]) {
-    const ORDERS: [[u8; 64]; 3] = orders();
-    // Lanes that a register after the first gives to a channel.
-    const LANES: u64 = 0x9249_2492_4924_9249;
+    let sorting = Sorting::new();
     let pixels = out.len().min(row.len() / 3).min(table.len() / 3);
-    // SAFETY: the arrays are 64 bytes long.
-    let orders = ORDERS.map(|order| unsafe { _mm512_loadu_si512(order.as_ptr().cast()) });
-    let done = in_blocks(pixels, 64, |x| {
-        let (row, table) = (&row[3 * x..][..192], &table[3 * x..][..192]);
-        // SAFETY: both slices are 192 bytes long.
-        let [a, b, c] = [0, 64, 128].map(|at| unsafe {
-            let p = _mm512_loadu_si512(row[at..].as_ptr().cast());
-            let t = _mm512_loadu_si512(table[at..].as_ptr().cast());
-            _mm512_sub_epi8(_mm512_max_epu8(p, t), _mm512_min_epu8(p, t))
-        });
-        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
-        let [zero, one, two] = [LANES, LANES << 1, LANES << 2];
-        let blend = |from_b, from_c| {
-            let ab = _mm512_mask_blend_epi8(from_b, a, b);
-            _mm512_mask_blend_epi8(from_c, ab, c)
-        };
-        let first = _mm512_permutexvar_epi8(orders[0], blend(two, one));
-        let second = _mm512_permutexvar_epi8(orders[1], blend(zero, two));
-        let third = _mm512_permutexvar_epi8(orders[2], blend(one, zero));
-        let most = _mm512_max_epu8(first, _mm512_max_epu8(second, third));
-        let out = &mut out[x..][..64];
-        // SAFETY: `out` is 64 bytes long.
-        unsafe { _mm512_storeu_si512(out.as_mut_ptr().cast(), most) };
-    });
-    if !done {
-        super::three_channels(row, table, out);
+    let (blocks, rest) = out[..pixels].as_chunks_mut::<64>();
+    let done = 192 * blocks.len();
+    let rows = row.as_chunks::<192>().0.iter();
+    let rows = rows.zip(table.as_chunks::<192>().0);
+    for (out, (row, table)) in blocks.iter_mut().zip(rows) {
+        store_512(out, sorting.most(pixels_512(row), pixels_512(table)));
+    }
+    if !rest.is_empty() {
+        let row = some_pixels_512(&row[done..], rest.len());
+        let table = some_pixels_512(&table[done..], rest.len());
+        store_some_512(rest, sorting.most(row, table));
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn three_channel_band_512(band: Band) {
+    let sorting = Sorting::new();
+    let least = _mm512_set1_epi8(band.least.cast_signed());
+    let words = band.width.div_ceil(64);
+    let out = band.out.chunks_exact_mut(band.width);
+    let faint = band.faint.chunks_exact_mut(words);
+    let tables = band.table.as_chunks::<192>().0;
+    for (i, (out, faint)) in out.zip(faint).enumerate() {
+        let row = &band.rows[i * band.stride..][..3 * band.width];
+        let (blocks, rest) = out.as_chunks_mut::<64>();
+        let done = blocks.len();
+        let rows = row.as_chunks::<192>().0.iter().zip(tables);
+        for ((out, faint), (row, table)) in blocks.iter_mut().zip(&mut *faint).zip(rows) {
+            let most = sorting.most(pixels_512(row), pixels_512(table));
+            store_512(out, most);
+            *faint = _mm512_cmpge_epu8_mask(most, least);
+        }
+        if !rest.is_empty() {
+            let row = some_pixels_512(&row[192 * done..], rest.len());
+            let table = some_pixels_512(&band.table[192 * done..], rest.len());
+            let most = sorting.most(row, table);
+            store_some_512(rest, most);
+            faint[done] = _mm512_cmpge_epu8_mask(most, least) & first_lanes(rest.len());
+        }
+    }
+}
+
+/// Where the bytes of 8 blocks come from: byte k of what a block's bytes are, over and over in the order `channels`,
+/// `N` times 64 in all, lies in the register that holds 8 levels of each channel, one channel after the other.
+const fn sources<const N: usize>(channels: &[u8]) -> [[u8; 64]; N] {
+    let mut order = [[0; 64]; N];
+    let mut k = 0;
+    while k < 64 * N {
+        // N times 8 bytes to a block.
+        order[k / 64][k % 64] = 8 * channels[k % channels.len()] + (k / (8 * N)) as u8;
+        k += 1;
+    }
+    order
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn spread_512(format: PixelFormat, levels: [&[u8]; 3], luma: &mut [u8], chroma: &mut [u8]) {
+    match format {
+        PixelFormat::Gray8 => spread_one_512(&const { sources::<1>(&[0]) }, levels, luma),
+        PixelFormat::Rgb8 => spread_one_512(&const { sources::<3>(&[0, 1, 2]) }, levels, luma),
+        PixelFormat::Bgr8 => spread_one_512(&const { sources::<3>(&[2, 1, 0]) }, levels, luma),
+        PixelFormat::Yuyv => spread_one_512(&const { sources::<2>(&[0, 1, 0, 2]) }, levels, luma),
+        PixelFormat::Nv12 => {
+            spread_one_512(&const { sources::<1>(&[0]) }, levels, luma);
+            spread_one_512(&const { sources::<1>(&[1, 2]) }, levels, chroma);
+        }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn spread_one_512<const N: usize>(orders: &[[u8; 64]; N], [a, b, c]: [&[u8]; 3], out: &mut [u8]) {
+    let levels = a.as_chunks::<8>().0.iter().zip(b.as_chunks::<8>().0);
+    let levels = levels.zip(c.as_chunks::<8>().0);
+    let (out, _) = out.as_chunks_mut::<64>();
+    for (out, ((a, b), c)) in out.chunks_exact_mut(N).zip(levels) {
+        let [a, b, c] = [
+            i64::from_le_bytes(*a),
+            i64::from_le_bytes(*b),
+            i64::from_le_bytes(*c),
+        ];
+        let levels = _mm512_set_epi64(0, 0, 0, 0, 0, c, b, a);
+        for (out, order) in out.iter_mut().zip(orders) {
+            store_512(out, _mm512_permutexvar_epi8(load_512(order), levels));
+        }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw")]
+fn patch_at_least_512(patch: Patch, cut: u8, words: &mut [u64]) {
+    let level = _mm512_set1_epi8(cut.cast_signed());
+    let rows = patch.bytes.chunks(patch.stride);
+    let lanes = first_lanes(patch.width);
+    for (word, row) in words.iter_mut().zip(rows) {
+        let bytes = load_some_512(row, patch.width);
+        *word = _mm512_mask_cmpge_epu8_mask(lanes, bytes, level);
     }
 }
 
@@ -120,6 +310,23 @@ fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
     });
     if !done {
         super::three_channels(row, table, out);
+    }
+}
+
+#[target_feature(enable = "avx2")]
+fn three_channel_band_256(band: Band) {
+    let least = band.least;
+    band.for_each_row(|row, table, out, faint| {
+        three_channels_256(row, table, out);
+        at_least_256(out, least, faint);
+    });
+}
+
+#[target_feature(enable = "avx2")]
+fn patch_at_least_256(patch: Patch, cut: u8, words: &mut [u64]) {
+    let rows = patch.bytes.chunks(patch.stride);
+    for (word, row) in words.iter_mut().zip(rows) {
+        at_least_256(&row[..patch.width], cut, std::slice::from_mut(word));
     }
 }
 
