@@ -11,7 +11,9 @@ use crate::bits::BitPlane;
 use crate::color;
 use crate::kernels::{self, Band, Kernels};
 use crate::plane::Plane;
+use crate::threshold::Levels;
 use crate::{Image, PixelFormat};
+use std::ops::Range;
 
 /// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
 const BLOCK: usize = kernels::BLOCK;
@@ -32,8 +34,8 @@ pub(crate) struct Differencer {
 }
 
 impl Differencer {
-    /// Fills `out` with the difference of each pixel of `image` from `background`, and `faint` with those from the level
-    /// `least` on.
+    /// Fills `out` with the difference of each pixel of `image` from `background`, `faint` with those from the level
+    /// `least` on, and takes the levels.
     pub(crate) fn run(
         &mut self,
         image: &Image,
@@ -41,30 +43,57 @@ impl Differencer {
         least: u8,
         out: &mut Plane,
         faint: &mut BitPlane,
+        levels: &mut Levels,
     ) {
         let (width, height) = (image.width(), image.height());
         out.resize(width, height);
         faint.reshape(width, height);
+        levels.clear(width, height);
         for top in (0..height).step_by(BLOCK) {
             let middle = (top + BLOCK / 2).min(height - 1);
             self.lay_table(image.format(), background, [0, middle], width);
             let rows = top..(top + BLOCK).min(height);
-            if let PixelFormat::Rgb8 | PixelFormat::Bgr8 = image.format() {
-                (self.kernels.three_channel_band)(Band {
-                    rows: image.rows(rows.clone()),
-                    stride: image.stride(),
-                    table: &self.luma,
-                    width,
-                    out: out.rows_mut(rows.clone()),
-                    faint: faint.rows_mut(rows),
-                    least,
-                });
-                continue;
+            let (out, faint) = (out.rows_mut(rows.clone()), faint.rows_mut(rows.clone()));
+            self.band(image, rows.clone(), least, out, faint);
+            let faint = faint.chunks_exact(width.div_ceil(64));
+            for (y, (row, bits)) in rows.zip(out.chunks_exact(width).zip(faint)) {
+                levels.add(&self.kernels, y, row, bits, least);
             }
-            for y in rows {
-                self.stretch(image, [0, y], out.row_mut(y));
-                (self.kernels.at_least)(out.row(y), least, faint.row_mut(y));
-            }
+        }
+        levels.close();
+    }
+
+    /// The same of some rows that share the table, already laid.
+    fn band(
+        &self,
+        image: &Image,
+        rows: Range<usize>,
+        least: u8,
+        out: &mut [u8],
+        faint: &mut [u64],
+    ) {
+        let width = image.width();
+        let kernel = match image.format() {
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
+            PixelFormat::Yuyv => self.kernels.yuyv_band,
+            PixelFormat::Gray8 | PixelFormat::Nv12 => None,
+        };
+        if let Some(kernel) = kernel {
+            return kernel(Band {
+                rows: image.rows(rows),
+                stride: image.stride(),
+                table: &self.luma,
+                width,
+                out,
+                faint,
+                least,
+            });
+        }
+        let out = out.chunks_exact_mut(width);
+        let faint = faint.chunks_exact_mut(width.div_ceil(64));
+        for (y, (out, faint)) in rows.zip(out.zip(faint)) {
+            self.stretch(image, [0, y], out);
+            (self.kernels.at_least)(out, least, faint);
         }
     }
 

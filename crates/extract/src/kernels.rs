@@ -12,7 +12,7 @@ pub(crate) use x86::orders;
 /// Pixels along a row that share one level of the table.
 pub(crate) const BLOCK: usize = 8;
 
-/// Some rows of a picture of three interleaved channels, the table along them, and what is made of them.
+/// Some rows of a picture whose channels are interleaved, the table along them, and what is made of them.
 pub(crate) struct Band<'a> {
     /// From the first row's first byte to the last one's last.
     pub(crate) rows: &'a [u8],
@@ -66,6 +66,10 @@ pub(crate) struct Kernels {
     pub(crate) spread: Spread,
     /// As `three_channels` for some rows, and which of its bytes reach a level.
     pub(crate) three_channel_band: fn(Band),
+    /// The same for pixels of Y₀ U Y₁ V, U and V counting double, if the machine has registers that make it worth while.
+    pub(crate) yuyv_band: Option<fn(Band)>,
+    /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
+    pub(crate) collect: fn(&[u8], &[u64], &mut [u8]) -> usize,
     /// One bit a byte, whether it is `≥ cut`: a word for each row of a patch.
     pub(crate) patch_at_least: fn(Patch, u8, &mut [u64]),
     /// One bit a byte, whether it is `≥ cut`, 64 to a word; returns the sum of the bytes.
@@ -85,6 +89,8 @@ impl Kernels {
             },
             spread: spread::spread,
             three_channel_band: |band| pulp::Arch::new().dispatch(|| three_channel_band(band)),
+            yuyv_band: None,
+            collect,
             patch_at_least: |patch, cut, words| {
                 pulp::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
             },
@@ -120,6 +126,19 @@ fn three_channel_band(band: Band) {
         three_channels(row, table, out);
         at_least(out, least, faint);
     });
+}
+
+fn collect(row: &[u8], bits: &[u64], out: &mut [u8]) -> usize {
+    let mut count = 0;
+    for (pixels, &word) in row.chunks(64).zip(bits) {
+        let mut rest = word;
+        while rest != 0 {
+            out[count] = pixels[rest.trailing_zeros() as usize];
+            count += 1;
+            rest &= rest - 1;
+        }
+    }
+    count
 }
 
 #[inline(always)]
@@ -229,6 +248,61 @@ mod tests {
             };
             for kernels in all() {
                 prop_assert_eq!(make(kernels.three_channel_band), make(three_channel_band));
+            }
+        }
+
+        #[test]
+        fn a_band_of_yuyv_differs_as_its_pixels_do(
+            bytes in prop::collection::vec(any::<u8>(), 2000),
+            table in prop::collection::vec(any::<u8>(), 512),
+            width in 1usize..200, gap in 0usize..20, rows in 1usize..5, least: u8,
+        ) {
+            let (words, stride) = (width.div_ceil(64), 4 * width.div_ceil(2) + gap);
+            let difference = |x: usize, y: usize| {
+                let off = |k: usize| bytes[y * stride + k].abs_diff(table[k]);
+                let color = off(4 * (x / 2) + 1).max(off(4 * (x / 2) + 3));
+                off(2 * x).max(color.saturating_mul(2))
+            };
+            for kernel in all().into_iter().filter_map(|kernels| kernels.yuyv_band) {
+                let (mut out, mut faint) = (vec![7; rows * width], vec![9; rows * words]);
+                kernel(Band {
+                    rows: &bytes,
+                    stride,
+                    table: &table,
+                    width,
+                    out: &mut out,
+                    faint: &mut faint,
+                    least,
+                });
+                for (x, y) in (0..rows).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    prop_assert_eq!(out[y * width + x], difference(x, y));
+                    let bit = faint[y * words + x / 64] >> (x % 64) & 1 == 1;
+                    prop_assert_eq!(bit, difference(x, y) >= least);
+                }
+            }
+        }
+
+        #[test]
+        fn bytes_are_collected_as_the_plain_loop_says(
+            row in prop::collection::vec(any::<u8>(), 1..700),
+            bits in prop::collection::vec(any::<u64>(), 11),
+            sparse: bool,
+        ) {
+            let inside = |i: usize| match row.len().saturating_sub(64 * i) {
+                rest @ 0..64 => (1 << rest) - 1,
+                _ => u64::MAX,
+            };
+            let words = bits.iter().enumerate();
+            let words = words.map(|(i, bits)| if sparse && bits % 3 > 0 { 0 } else { bits & inside(i) });
+            let bits: Vec<u64> = words.collect();
+            let make = |kernel: fn(&[u8], &[u64], &mut [u8]) -> usize| {
+                let mut out = vec![0; row.len() + 64];
+                let count = kernel(&row, &bits, &mut out);
+                out.truncate(count);
+                out
+            };
+            for kernels in all() {
+                prop_assert_eq!(make(kernels.collect), make(collect));
             }
         }
 

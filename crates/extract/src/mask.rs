@@ -46,6 +46,7 @@ pub(crate) struct Masker {
     kernels: Kernels,
     pub(crate) background: Background,
     differencer: Differencer,
+    levels: Levels,
     selector: Selector,
     mender: Mender,
     smoothed: Strips,
@@ -75,8 +76,9 @@ impl Masker {
                 let noise = self.background.noise;
                 let (difference, faint) = (&mut self.difference, &mut self.mender.faint);
                 let least = threshold::faint(noise);
-                (self.differencer).run(image, &self.background, least, difference, faint);
-                let cut = threshold::choose(&Levels::count(difference, faint, least), noise);
+                let levels = &mut self.levels;
+                (self.differencer).run(image, &self.background, least, difference, faint, levels);
+                let cut = threshold::choose(levels, noise);
                 let (kernels, strips) = (&self.kernels, &mut self.strips);
                 threshold::apply_within(kernels, difference, cut.rope, faint, strips);
                 // The rows are written when it is mended.

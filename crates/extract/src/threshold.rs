@@ -10,6 +10,7 @@ use crate::bits::BitPlane;
 use crate::kernels::{Kernels, Patch};
 use crate::plane::Plane;
 use crate::strips::{BLOCK, Shape, Strips};
+use pulp::Arch;
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
@@ -43,103 +44,98 @@ pub(crate) fn faint(noise: f32) -> u8 {
     whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
 }
 
-/// At most so many pixels that are not the table's are counted, and half as many if there are: their mean is then known to
-/// a thirtieth of their spread.
-const COUNTED: usize = 1 << 20;
-/// Rows from one whose other pixels are summed to the next.
-const TABLE_STEP: usize = 32;
+/// The levels of so many rows are looked at, evenly spread: of an image of twice as many every other row. The ropes'
+/// mean changes little from row to row.
+const ROWS: usize = 240;
+/// Of those, the rows from one whose table is looked at to the next.
+const TABLE_STEP: usize = 16;
 
-/// How often each level of difference occurs, those of the mere table taken together.
-#[derive(Debug)]
+/// The levels of difference in some rows: those that are not the mere table's one by one, the others in the mean.
+#[derive(Debug, Default)]
 pub(crate) struct Levels {
+    /// Rows of the image from one that counts to the next, a power of two.
+    step: usize,
+    /// The first `count` are this image's, in no order; the rest is memory.
+    levels: Vec<u8>,
+    count: usize,
+    sum: usize,
+    /// Pixels that were looked at.
     pixels: usize,
-    /// The mean level of the table, and how many pixels it has.
-    table: f32,
-    table_pixels: usize,
-    /// What each pixel counts of those that are not the table's.
-    weight: usize,
-    /// How many of those have each level or a higher one, and the sum of their levels.
-    above: [[u32; 2]; 257],
+    /// How many of the table's were, and the sum of their levels.
+    table: (usize, usize),
 }
 
 impl Levels {
-    /// The levels of `difference`, in which those that are not the table's are the ones in `faint`, from `least` on. Where these are many,
-    /// every so-many-th word of them is counted, in each row others, so that a rope is counted however it lies.
-    pub(crate) fn count(difference: &Plane, faint: &BitPlane, least: u8) -> Self {
-        pulp::Arch::new().dispatch(Count {
-            difference,
-            faint,
-            least,
-        })
+    /// None of an image of this size, yet.
+    pub(crate) fn clear(&mut self, width: usize, height: usize) {
+        self.step = 1 << (height / ROWS).max(1).ilog2();
+        (self.pixels, self.count, self.sum, self.table) = (0, 0, 0, (0, 0));
+        // A kernel writes 64 at a time.
+        let rows = height.div_ceil(self.step);
+        self.levels.resize(width * rows + 64, 0);
     }
 
-    /// The share of the pixels from a level on.
-    fn share(&self, from: u8) -> f32 {
-        let above = self.weight * self.above[usize::from(from)][0] as usize;
-        above as f32 / self.pixels.max(1) as f32
+    /// Takes up those of row `y`, which are not just the table's where `bits` are set: from `least` on.
+    pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64], least: u8) {
+        if y & (self.step - 1) != 0 {
+            return;
+        }
+        self.pixels += row.len();
+        self.count += (kernels.collect)(row, bits, &mut self.levels[self.count..]);
+        if y & (TABLE_STEP * self.step - 1) == 0 {
+            let above = Arch::new().dispatch(Above(row, least));
+            let all = Arch::new().dispatch(Above(row, 0));
+            self.table.0 += all.0 - above.0;
+            self.table.1 += all.1 - above.1;
+        }
+    }
+
+    /// That were all.
+    pub(crate) fn close(&mut self) {
+        self.sum = self.above(0).1;
+    }
+
+    /// How many of the levels are not below `from`, which is not the table's, and their sum.
+    fn above(&self, from: u8) -> (usize, usize) {
+        Arch::new().dispatch(Above(&self.levels[..self.count], from))
     }
 }
 
-/// The counting, to be compiled for each kind of machine.
-struct Count<'a> {
-    difference: &'a Plane,
-    faint: &'a BitPlane,
-    least: u8,
-}
+/// How many bytes are not below a level, and their sum.
+struct Above<'a>(&'a [u8], u8);
 
-impl pulp::NullaryFnOnce for Count<'_> {
-    type Output = Levels;
+impl pulp::NullaryFnOnce for Above<'_> {
+    type Output = (usize, usize);
 
     #[inline(always)]
-    fn call(self) -> Levels {
-        let pixels = self.difference.width() * self.difference.height();
-        let words = self.faint.words().iter();
-        let faint = words.map(|word| u64::from(word.count_ones())).sum::<u64>() as usize;
-        let weight = faint.div_ceil(COUNTED).max(1).next_power_of_two();
-        // Four counts, so that equal neighbors do not wait for each other's.
-        let mut counts = [[0u32; 256]; 4];
-        let (mut sum, mut count) = (0, 0);
-        for y in 0..self.difference.height() {
-            let (row, words) = (self.difference.row(y), self.faint.row(y));
-            for i in every(weight, y, words.len()) {
-                let pixels = &row[64 * i..];
-                let mut rest = words[i];
-                while rest != 0 {
-                    let x = rest.trailing_zeros() as usize;
-                    rest &= rest - 1;
-                    counts[x % 4][usize::from(pixels[x])] += 1;
+    fn call(self) -> (usize, usize) {
+        let Self(bytes, from) = self;
+        let (mut count, mut sum) = (0, 0);
+        // As long as sums of two bytes at a time fit into 16 bits.
+        for bytes in bytes.chunks(64 * 128) {
+            let (mut counts, mut sums) = ([0u8; 64], [0u16; 32]);
+            let (blocks, rest) = bytes.as_chunks::<64>();
+            for block in blocks {
+                let mut above = [0u8; 64];
+                for k in 0..64 {
+                    above[k] = if block[k] >= from { block[k] } else { 0 };
+                    counts[k] += u8::from(block[k] >= from);
+                }
+                for k in 0..32 {
+                    sums[k] += u16::from(above[k]) + u16::from(above[k + 32]);
                 }
             }
+            count += counts.iter().map(|&n| usize::from(n)).sum::<usize>();
+            sum += sums.iter().map(|&n| usize::from(n)).sum::<usize>();
+            for &level in rest.iter().filter(|&&level| level >= from) {
+                (count, sum) = (count + 1, sum + usize::from(level));
+            }
         }
-        for y in (0..self.difference.height()).step_by(TABLE_STEP) {
-            let table = |&p: &u8| u32::from(if p < self.least { p } else { 0 });
-            sum += self.difference.row(y).iter().map(table).sum::<u32>();
-            let others = self.faint.row(y).iter().map(|word| word.count_ones());
-            count += self.difference.width() - others.sum::<u32>() as usize;
-        }
-        let mut above = [[0; 2]; 257];
-        for level in (0..256).rev() {
-            let n: u32 = counts.iter().map(|part| part[level]).sum();
-            let [count, sum] = above[level + 1];
-            above[level] = [count + n, sum + n * level as u32];
-        }
-        Levels {
-            pixels,
-            table: sum as f32 / count.max(1) as f32,
-            table_pixels: pixels - faint,
-            weight,
-            above,
-        }
+        (count, sum)
     }
 }
 
-/// Every `step`-th of the `count` words of row `y`, in each row others; `step` is a power of two.
-#[inline(always)]
-fn every(step: usize, y: usize, count: usize) -> impl Iterator<Item = usize> {
-    (y.wrapping_neg() & (step - 1)..count).step_by(step)
-}
-
-/// Finds the cut, given the levels of an image (those from [`faint`] on counted) and the table's noise.
+/// Finds the cut, given the levels of an image (those from [`faint`] on one by one) and the table's noise.
 pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     let means = |cut| means(levels, cut);
     let floor = floor(noise);
@@ -165,7 +161,7 @@ pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     Cut {
         rope: whole(rope),
         level: whole(above),
-        covered: levels.share(whole(rope)),
+        covered: levels.above(whole(rope)).0 as f32 / levels.pixels.max(1) as f32,
     }
 }
 
@@ -176,13 +172,12 @@ fn whole(value: f32) -> u8 {
 
 /// The mean level below `cut` and, if there is any, from `cut` on.
 fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
-    let from = (cut.ceil() as usize).min(256);
-    let ([count, sum], [all, total]) = (levels.above[from], levels.above[0]);
+    let (count, sum) = levels.above(whole(cut));
     let above = (count > 0).then(|| sum as f32 / count as f32);
-    let (weight, table_pixels) = (levels.weight as f32, levels.table_pixels as f32);
-    let pixels = table_pixels + weight * (all - count) as f32;
-    let below = table_pixels * levels.table + weight * (total - sum) as f32;
-    (below / pixels.max(1.0), above)
+    let (pixels, total) = levels.table;
+    let table = total as f32 / pixels.max(1) as f32 * (levels.pixels - levels.count) as f32;
+    let below = (table + (levels.sum - sum) as f32) / (levels.pixels - count).max(1) as f32;
+    (below, above)
 }
 
 /// One bit a pixel: difference ≥ cut.

@@ -19,15 +19,22 @@ pub(super) fn detect() -> Option<Kernels> {
 
 /// All that this machine can run, the fastest first.
 pub(super) fn all() -> impl Iterator<Item = Kernels> {
-    let wide = is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vbmi");
+    let wide = is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512vbmi")
+        && is_x86_feature_detected!("avx512vbmi2")
+        && is_x86_feature_detected!("popcnt");
     let medium = is_x86_feature_detected!("avx2");
     let wide = wide.then_some(Kernels {
-        // SAFETY: the machine has AVX-512BW and VBMI.
+        // SAFETY: the machine has AVX-512BW, VBMI and VBMI2.
         three_channels: |row, table, out| unsafe { three_channels_512(row, table, out) },
         // SAFETY: as above.
         spread: |format, levels, luma, chroma| unsafe { spread_512(format, levels, luma, chroma) },
         // SAFETY: as above.
         three_channel_band: |band| unsafe { three_channel_band_512(band) },
+        // SAFETY: as above.
+        yuyv_band: Some(|band| unsafe { yuyv_band_512(band) }),
+        // SAFETY: as above.
+        collect: |row, bits, out| unsafe { collect_512(row, bits, out) },
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { patch_at_least_512(patch, cut, words) },
         // SAFETY: as above.
@@ -39,6 +46,8 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         spread: super::spread::spread,
         // SAFETY: as above.
         three_channel_band: |band| unsafe { three_channel_band_256(band) },
+        yuyv_band: None,
+        collect: super::collect,
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { patch_at_least_256(patch, cut, words) },
         // SAFETY: as above.
@@ -65,7 +74,7 @@ fn in_blocks(pixels: usize, size: usize, mut block: impl FnMut(usize)) -> bool {
 /// to a channel.
 struct Sorting {
     orders: [__m512i; 3],
-    lanes: [u64; 3],
+    lanes: [__m512i; 3],
 }
 
 impl Sorting {
@@ -77,7 +86,11 @@ impl Sorting {
         let [first, second, third] = &ORDERS;
         Self {
             orders: [load_512(first), load_512(second), load_512(third)],
-            lanes: [LANES, LANES << 1, LANES << 2],
+            lanes: [
+                _mm512_movm_epi8(LANES),
+                _mm512_movm_epi8(LANES << 1),
+                _mm512_movm_epi8(LANES << 2),
+            ],
         }
     }
 
@@ -90,14 +103,21 @@ impl Sorting {
         let (a, b, c) = (apart_512(p, t), apart_512(q, u), apart_512(r, v));
         // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
         let [zero, one, two] = self.lanes;
-        let first = _mm512_mask_blend_epi8(one, _mm512_mask_blend_epi8(two, a, b), c);
-        let second = _mm512_mask_blend_epi8(two, _mm512_mask_blend_epi8(zero, a, b), c);
-        let third = _mm512_mask_blend_epi8(zero, _mm512_mask_blend_epi8(one, a, b), c);
+        let first = choose_512(one, choose_512(two, a, b), c);
+        let second = choose_512(two, choose_512(zero, a, b), c);
+        let third = choose_512(zero, choose_512(one, a, b), c);
         let first = _mm512_permutexvar_epi8(self.orders[0], first);
         let second = _mm512_permutexvar_epi8(self.orders[1], second);
         let third = _mm512_permutexvar_epi8(self.orders[2], third);
         _mm512_max_epu8(first, _mm512_max_epu8(second, third))
     }
+}
+
+/// The bits of `there` where those of `lanes` are set, and of `elsewhere` where not.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn choose_512(lanes: __m512i, elsewhere: __m512i, there: __m512i) -> __m512i {
+    _mm512_ternarylogic_epi64::<0xCA>(lanes, there, elsewhere)
 }
 
 #[inline]
@@ -217,6 +237,73 @@ fn three_channel_band_512(band: Band) {
     }
 }
 
+/// The larger of the differences of Y, U and V of 64 pixels, of which 32 stand in each of two registers: Y₀ U Y₁ V.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn most_yuyv_512([p, q]: [__m512i; 2], [t, u]: [__m512i; 2], even: __m512i) -> __m512i {
+    _mm512_permutex2var_epi8(luma_512(p, t), even, luma_512(q, u))
+}
+
+/// The same in the even bytes of one of them.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn luma_512(p: __m512i, t: __m512i) -> __m512i {
+    let off = apart_512(p, t);
+    let color = _mm512_srli_epi16::<8>(off);
+    let color = _mm512_max_epu8(color, _mm512_rol_epi32::<16>(color));
+    // U and V count double.
+    _mm512_max_epu8(off, _mm512_adds_epu8(color, color))
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn yuyv_band_512(band: Band) {
+    const EVEN: [u8; 64] = {
+        let mut even = [0; 64];
+        let mut k = 0;
+        while k < 64 {
+            even[k] = 2 * k as u8;
+            k += 1;
+        }
+        even
+    };
+    let even = load_512(&EVEN);
+    let least = _mm512_set1_epi8(band.least.cast_signed());
+    let out = band.out.chunks_exact_mut(band.width);
+    let faint = band.faint.chunks_exact_mut(band.width.div_ceil(64));
+    let tables = band.table.as_chunks::<64>().0.as_chunks::<2>().0;
+    for (i, (out, faint)) in out.zip(faint).enumerate() {
+        let row = &band.rows[i * band.stride..][..4 * band.width.div_ceil(2)];
+        let (blocks, rest) = out.as_chunks_mut::<64>();
+        let done = blocks.len();
+        let rows = row
+            .as_chunks::<64>()
+            .0
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .zip(tables);
+        for ((out, faint), (row, table)) in blocks.iter_mut().zip(&mut *faint).zip(rows) {
+            let row = [load_512(&row[0]), load_512(&row[1])];
+            let most = most_yuyv_512(row, [load_512(&table[0]), load_512(&table[1])], even);
+            store_512(out, most);
+            *faint = _mm512_cmpge_epu8_mask(most, least);
+        }
+        if !rest.is_empty() {
+            let two = |bytes: &[u8]| {
+                let (low, high) = bytes.split_at(bytes.len().min(64));
+                [
+                    load_some_512(low, low.len()),
+                    load_some_512(high, high.len()),
+                ]
+            };
+            let row = &row[128 * done..];
+            let most = most_yuyv_512(two(row), two(&band.table[128 * done..][..row.len()]), even);
+            store_some_512(rest, most);
+            faint[done] = _mm512_cmpge_epu8_mask(most, least) & first_lanes(rest.len());
+        }
+    }
+}
+
 /// Where the bytes of 8 blocks come from: byte k of what a block's bytes are, over and over in the order `channels`,
 /// `N` times 64 in all, lies in the register that holds 8 levels of each channel, one channel after the other.
 const fn sources<const N: usize>(channels: &[u8]) -> [[u8; 64]; N] {
@@ -261,6 +348,29 @@ fn spread_one_512<const N: usize>(orders: &[[u8; 64]; N], [a, b, c]: [&[u8]; 3],
             store_512(out, _mm512_permutexvar_epi8(load_512(order), levels));
         }
     }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi2,popcnt")]
+fn collect_512(row: &[u8], bits: &[u64], out: &mut [u8]) -> usize {
+    let mut count = 0;
+    // Most words hold nothing: which do is asked of many at once.
+    for (bits, row) in bits.chunks(64).zip(row.chunks(64 * 64)) {
+        let mut rest = 0;
+        for (i, &word) in bits.iter().enumerate() {
+            rest |= u64::from(word != 0) << i;
+        }
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let pixels = &row[64 * i..];
+            let bytes = load_some_512(pixels, pixels.len().min(64));
+            if let Some(out) = out[count..].first_chunk_mut() {
+                store_512(out, _mm512_maskz_compress_epi8(bits[i], bytes));
+            }
+            count += bits[i].count_ones() as usize;
+        }
+    }
+    count
 }
 
 #[target_feature(enable = "avx512f,avx512bw")]
