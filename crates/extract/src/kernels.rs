@@ -3,6 +3,8 @@
 
 mod spread;
 #[cfg(target_arch = "x86_64")]
+mod wide;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 use crate::PixelFormat;

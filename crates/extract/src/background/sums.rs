@@ -1,7 +1,7 @@
 //! The sums of the least squares, over a grid of samples row by row, and the equations that they make.
 //!
 //! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
-//! [`LANES`] samples side by side, and those are spread over the powers of the other.
+//! in lanes, and those are spread over the powers of the other.
 
 use super::samples::{Row, Samples};
 use super::{GRID, TERMS};
