@@ -12,7 +12,7 @@ use std::arch::x86_64::*;
 /// to a channel.
 struct Sorting {
     orders: [__m512i; 3],
-    lanes: [__m512i; 3],
+    lanes: [u64; 3],
 }
 
 impl Sorting {
@@ -24,11 +24,7 @@ impl Sorting {
         let [first, second, third] = &ORDERS;
         Self {
             orders: [load(first), load(second), load(third)],
-            lanes: [
-                _mm512_movm_epi8(LANES),
-                _mm512_movm_epi8(LANES << 1),
-                _mm512_movm_epi8(LANES << 2),
-            ],
+            lanes: [LANES, LANES << 1, LANES << 2],
         }
     }
 
@@ -51,11 +47,11 @@ impl Sorting {
     }
 }
 
-/// The bits of `there` where those of `lanes` are set, and of `elsewhere` where not.
+/// The bytes of `there` in the set `lanes`, and of `elsewhere` in the others.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
-fn choose(lanes: __m512i, elsewhere: __m512i, there: __m512i) -> __m512i {
-    _mm512_ternarylogic_epi64::<0xCA>(lanes, there, elsewhere)
+fn choose(lanes: u64, elsewhere: __m512i, there: __m512i) -> __m512i {
+    _mm512_mask_blend_epi8(lanes, elsewhere, there)
 }
 
 #[inline]
