@@ -5,18 +5,20 @@
 //! vignette), fitted by least squares again and again to the pixels that lie within a few times the
 //! median residual. Up to about 40% of the samples may be rope.
 
-mod counts;
+mod middle;
+mod samples;
 mod sums;
 
-use crate::Image;
 use crate::color;
-use counts::Counts;
+use crate::{Image, PixelFormat};
+use middle::Middle;
 use pulp::{Arch, Simd, WithSimd};
+use samples::{Levels, MOST_STEPS, Measure, STEPS, Samples};
 use sums::{Sum, cholesky, solve};
 
 /// Samples along each side of the grid: enough for six coefficients and a sharp median, few enough
 /// to cost less than one pass over a 640×480 image.
-const GRID: usize = 64;
+const GRID: usize = 48;
 const ROUNDS: usize = 8;
 /// Samples farther than this many median residuals from the surface are taken for rope.
 const OUTLIER: f32 = 3.0;
@@ -24,12 +26,8 @@ const OUTLIER: f32 = 3.0;
 const TERMS: usize = 6;
 /// Samples that are worked on side by side.
 const LANES: usize = 16;
-/// Residuals are counted in sixteenths of a level, finer than anything made of their median, up to one beyond which no
-/// rope would stand out.
-const STEPS: f32 = 16.0;
-const BINS: usize = 64 * STEPS as usize;
 /// Rows of the grid from one to the next of which the table's first guess is made.
-const GLANCE: usize = 4;
+const GLANCE: usize = 3;
 
 type Lanes = [f32; LANES];
 
@@ -42,12 +40,10 @@ pub(crate) struct Background {
     /// The same of its rows.
     y: Vec<usize>,
     v: Vec<f32>,
-    /// The samples of each channel, row by row.
-    colors: [Vec<Lanes>; 3],
-    /// How far each is off the surface; those that fill up a row are infinitely far.
-    residuals: Vec<Lanes>,
-    /// The same in steps.
-    steps: Vec<[u32; LANES]>,
+    /// The samples row by row, filled up to whole lanes.
+    pixels: Vec<[u32; LANES]>,
+    /// What the middle one of is sought.
+    steps: Vec<u16>,
     coefficients: [[f32; TERMS]; 3],
     width: f32,
     height: f32,
@@ -60,28 +56,42 @@ impl Background {
     pub(crate) fn estimate(&mut self, image: &Image) {
         self.lay_grid(image.width(), image.height());
         self.take_samples(image);
-        self.coefficients = [[0.0; TERMS]; 3];
-        for channel in 0..3 {
-            self.coefficients[channel][0] = self.median_level(channel);
+        // The three channels of a gray picture are one.
+        if image.format() == PixelFormat::Gray8 {
+            self.fit::<1>(1.0);
+            self.coefficients = [self.coefficients[0]; 3];
+        } else {
+            self.fit::<3>(color::chroma_weight(image.format()));
         }
-        let chroma = color::chroma_weight(image.format());
-        // Every few rows show what is table; all of them how it is lit.
+    }
+
+    /// Fits the surface to the samples, of which there are `N` channels.
+    fn fit<const N: usize>(&mut self, chroma: f32) {
         let arch = Arch::new();
-        let glance = self.measure(arch, GLANCE, chroma);
-        let scale = self.refine(GLANCE, glance, chroma);
-        self.take_residuals(arch, 1, chroma);
-        self.noise = self.refine(1, scale, chroma).max(0.5);
+        self.coefficients = [[0.0; TERMS]; 3];
+        for channel in 0..N {
+            self.coefficients[channel][0] = self.median_level::<N>(arch, channel);
+        }
+        // Every few rows show what is table; all of them how it is lit.
+        let glance = self.measure::<N>(arch, GLANCE, chroma);
+        let scale = self.refine::<N>(arch, GLANCE, glance, chroma);
+        self.noise = self.refine::<N>(arch, 1, scale, chroma).max(0.5);
     }
 
     /// Fits the surface, over and over, to the samples of every `stride`-th row of the grid that lie near it, at first
     /// within a few times `scale`, the median residual. Returns the new one.
-    fn refine(&mut self, stride: usize, mut scale: f32, chroma: f32) -> f32 {
-        let arch = Arch::new();
+    fn refine<const N: usize>(
+        &mut self,
+        arch: Arch,
+        stride: usize,
+        mut scale: f32,
+        chroma: f32,
+    ) -> f32 {
         for _ in 0..ROUNDS {
-            if !self.fit(arch, stride, OUTLIER * scale.max(0.7)) {
+            if !self.solve::<N>(arch, stride, chroma, OUTLIER * scale.max(0.7)) {
                 break;
             }
-            let before = std::mem::replace(&mut scale, self.measure(arch, stride, chroma));
+            let before = std::mem::replace(&mut scale, self.measure::<N>(arch, stride, chroma));
             if (scale - before).abs() < 0.02 * before {
                 break;
             }
@@ -119,16 +129,12 @@ impl Background {
     /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
     pub(crate) fn row(&self, [x, y]: [usize; 2], block: usize, out: [&mut [u8]; 3]) {
         let v = unit(y as f32, self.height);
-        let middle = unit(x as f32 + 0.5 * (block - 1) as f32, self.width);
-        let step = 2.0 * block as f32 / self.width;
-        for (levels, c) in out.into_iter().zip(&self.coefficients) {
-            Arch::new().dispatch(AlongRow {
-                surface: along_row(c, v),
-                middle,
-                step,
-                levels,
-            });
-        }
+        Arch::new().dispatch(AlongRow {
+            surfaces: self.coefficients.map(|c| along_row(&c, v)),
+            middle: unit(x as f32 + 0.5 * (block - 1) as f32, self.width),
+            step: 2.0 * block as f32 / self.width,
+            levels: out,
+        });
     }
 
     fn lay_grid(&mut self, width: usize, height: usize) {
@@ -148,86 +154,71 @@ impl Background {
         self.v.clear();
         let (height, y) = (self.height, &self.y);
         self.v.extend(y.iter().map(|&y| unit(y as f32, height)));
-        for plane in self.colors.iter_mut().chain([&mut self.residuals]) {
-            plane.resize(groups * rows, [0.0; LANES]);
-        }
-        self.steps.resize(groups * rows, [0; LANES]);
+        self.pixels.resize(groups * rows, [0; LANES]);
+        self.steps.resize(columns * rows, 0);
     }
 
     fn take_samples(&mut self, image: &Image) {
         let groups = self.u.len();
-        for (j, &y) in self.y.iter().enumerate() {
-            let [a, b, c] = self
-                .colors
-                .each_mut()
-                .map(|plane| plane[j * groups..][..groups].as_flattened_mut());
-            color::at_places(image, y, &self.x, |i, pixel| {
-                (a[i], b[i], c[i]) = (pixel[0].into(), pixel[1].into(), pixel[2].into());
-            });
+        for (pixels, &y) in self.pixels.chunks_exact_mut(groups).zip(&self.y) {
+            color::at_places(image, y, &self.x, pixels.as_flattened_mut());
         }
+    }
+
+    /// The samples of every `stride`-th row, and what they are held against, beside the memory for the steps.
+    fn samples<const N: usize>(
+        &mut self,
+        stride: usize,
+        chroma: f32,
+    ) -> (Samples<'_, N>, &mut Vec<u16>) {
+        let samples = Samples {
+            stride,
+            columns: self.x.len(),
+            u: &self.u,
+            v: &self.v,
+            pixels: &self.pixels,
+            coefficients: &self.coefficients,
+            chroma,
+        };
+        (samples, &mut self.steps)
     }
 
     /// The middle level of a channel, at a glance.
-    fn median_level(&self, channel: usize) -> f32 {
-        let (columns, groups) = (self.x.len(), self.u.len());
-        let mut counts = Counts::<256>::default();
-        for row in self.colors[channel].chunks_exact(groups).step_by(GLANCE) {
-            for (i, &level) in row.as_flattened()[..columns].iter().enumerate() {
-                counts.add(i, level as usize);
-            }
-        }
-        counts.middle() as f32
-    }
-
-    /// Finds how far the samples are off the surface; returns the median.
-    fn measure(&mut self, arch: Arch, stride: usize, chroma: f32) -> f32 {
-        self.take_residuals(arch, stride, chroma);
-        let groups = self.u.len();
-        let columns = self.x.len();
-        let mut counts = Counts::<BINS>::default();
-        for row in self.steps.chunks_exact(groups).step_by(stride) {
-            for (i, &step) in row.as_flattened()[..columns].iter().enumerate() {
-                counts.add(i, step as usize);
-            }
-        }
-        (counts.middle() as f32 + 0.5) / STEPS
-    }
-
-    /// Finds how far the samples are off the surface.
-    fn take_residuals(&mut self, arch: Arch, stride: usize, chroma: f32) {
-        arch.dispatch(Measure {
-            stride,
-            u: &self.u,
-            v: &self.v,
-            colors: &self.colors,
-            coefficients: &self.coefficients,
-            chroma,
-            residuals: &mut self.residuals,
-            steps: &mut self.steps,
+    fn median_level<const N: usize>(&mut self, arch: Arch, channel: usize) -> f32 {
+        let (samples, levels) = self.samples::<N>(GLANCE, 1.0);
+        let count = arch.dispatch(Levels {
+            samples,
+            channel,
+            levels,
         });
+        let (values, most) = (&levels[..count], u16::from(u8::MAX));
+        f32::from(arch.dispatch(Middle { values, most }))
+    }
+
+    /// The median distance of the samples from the surface.
+    fn measure<const N: usize>(&mut self, arch: Arch, stride: usize, chroma: f32) -> f32 {
+        let (samples, steps) = self.samples::<N>(stride, chroma);
+        let count = arch.dispatch(Measure { samples, steps });
+        let (values, most) = (&steps[..count], MOST_STEPS);
+        (f32::from(arch.dispatch(Middle { values, most })) + 0.5) / STEPS
     }
 
     /// Least squares over the samples within `limit` of the surface. False when they do not
     /// determine it.
-    fn fit(&mut self, arch: Arch, stride: usize, limit: f32) -> bool {
-        // What fills up the rows counts for nothing.
-        let (columns, groups) = (self.x.len(), self.u.len());
-        for row in self.residuals.chunks_exact_mut(groups) {
-            row.as_flattened_mut()[columns..].fill(f32::INFINITY);
-        }
-        let moments = arch.dispatch(Sum {
-            stride,
-            u: &self.u,
-            v: &self.v,
-            colors: &self.colors,
-            residuals: &self.residuals,
-            limit,
-        });
+    fn solve<const N: usize>(
+        &mut self,
+        arch: Arch,
+        stride: usize,
+        chroma: f32,
+        limit: f32,
+    ) -> bool {
+        let (samples, _) = self.samples::<N>(stride, chroma);
+        let moments = arch.dispatch(Sum { samples, limit });
         let Some(factor) = cholesky(moments.gram()) else {
             return false;
         };
-        for (channel, c) in self.coefficients.iter_mut().enumerate() {
-            *c = solve(&factor, moments.right(channel)).map(|v| v as f32);
+        for (c, &right) in self.coefficients.iter_mut().zip(&moments.levels) {
+            *c = solve(&factor, right).map(|v| v as f32);
         }
         true
     }
@@ -244,12 +235,12 @@ fn surface(row: &[f32; 3], u: f32) -> f32 {
     row[0] + u * (row[1] + u * row[2])
 }
 
-/// The surface along a row in whole levels, from `middle` on at each `step`.
+/// The surfaces along a row in whole levels, from `middle` on at each `step`.
 struct AlongRow<'a> {
-    surface: [f32; 3],
+    surfaces: [[f32; 3]; 3],
     middle: f32,
     step: f32,
-    levels: &'a mut [u8],
+    levels: [&'a mut [u8]; 3],
 }
 
 impl WithSimd for AlongRow<'_> {
@@ -257,54 +248,10 @@ impl WithSimd for AlongRow<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (i, level) in self.levels.iter_mut().enumerate() {
-            let u = self.middle + i as u32 as f32 * self.step;
-            *level = rounded(surface(&self.surface, u), 255.0) as u8;
-        }
-    }
-}
-
-/// How far the samples are off the surface, by `color::distance`, and the same in steps.
-struct Measure<'a> {
-    /// Rows of the grid from one that counts to the next.
-    stride: usize,
-    u: &'a [Lanes],
-    v: &'a [f32],
-    colors: &'a [Vec<Lanes>; 3],
-    coefficients: &'a [[f32; TERMS]; 3],
-    chroma: f32,
-    residuals: &'a mut [Lanes],
-    steps: &'a mut [[u32; LANES]],
-}
-
-impl WithSimd for Measure<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let groups = self.u.len();
-        for (j, &v) in self.v.iter().enumerate().step_by(self.stride) {
-            let rows = self.coefficients.each_ref().map(|c| along_row(c, v));
-            let [a, b, c] = self
-                .colors
-                .each_ref()
-                .map(|plane| &plane[j * groups..][..groups]);
-            let samples = self.u.iter().zip(a).zip(b).zip(c);
-            let residuals = self.residuals[j * groups..][..groups].iter_mut();
-            let steps = self.steps[j * groups..][..groups].iter_mut();
-            for (((((u, a), b), c), residuals), steps) in samples.zip(residuals).zip(steps) {
-                for lane in 0..LANES {
-                    let off = |color: f32, row: &[f32; 3]| (color - surface(row, u[lane])).abs();
-                    let [a, b, c] = [
-                        off(a[lane], &rows[0]),
-                        self.chroma * off(b[lane], &rows[1]),
-                        self.chroma * off(c[lane], &rows[2]),
-                    ];
-                    let larger = |a: f32, b: f32| if a > b { a } else { b };
-                    let residual = larger(a, larger(b, c));
-                    residuals[lane] = residual;
-                    steps[lane] = rounded(residual * STEPS - 0.5, BINS as f32 - 1.0);
-                }
+        for (levels, row) in self.levels.into_iter().zip(&self.surfaces) {
+            for (i, level) in levels.iter_mut().enumerate() {
+                let u = self.middle + i as u32 as f32 * self.step;
+                *level = rounded(surface(row, u), 255.0) as u8;
             }
         }
     }

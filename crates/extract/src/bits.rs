@@ -1,5 +1,7 @@
 //! A picture of one bit a pixel, 64 pixels to a word: what the mask and the skeleton are made of.
 
+use std::ops::Range;
+
 /// One bit a pixel. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); bits past the width
 /// are always 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,6 +19,15 @@ impl BitPlane {
         self.height = height;
         self.words_per_row = width.div_ceil(64);
         self.words.clear();
+        self.words.resize(self.words_per_row * height, 0);
+    }
+
+    /// Takes this size, keeping the memory it has; the pixels are whatever they were, and those past the width have to be
+    /// written as 0.
+    pub(crate) fn reshape(&mut self, width: usize, height: usize) {
+        self.width = width;
+        self.height = height;
+        self.words_per_row = width.div_ceil(64);
         self.words.resize(self.words_per_row * height, 0);
     }
 
@@ -55,6 +66,12 @@ impl BitPlane {
 
     pub(crate) fn row_mut(&mut self, y: usize) -> &mut [u64] {
         &mut self.words[y * self.words_per_row..][..self.words_per_row]
+    }
+
+    /// Some rows, one after the other.
+    pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [u64] {
+        let words = self.words_per_row;
+        &mut self.words[words * rows.start..words * rows.end]
     }
 
     /// Whether pixel (x, y) is set; outside the picture nothing is.

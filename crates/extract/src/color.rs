@@ -23,19 +23,39 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
-/// Calls `put` with the number and the native color of each of the pixels `xs` of row `y`.
-pub(crate) fn at_places(
-    image: &Image,
-    y: usize,
-    xs: &[usize],
-    mut put: impl FnMut(usize, [u8; 3]),
-) {
+/// Fills `out` with the native colors of the pixels `xs` of row `y`: the channels of each are the bytes of a number, the
+/// first the lowest.
+pub(crate) fn at_places(image: &Image, y: usize, xs: &[usize], out: &mut [u32]) {
     let row = image.row(y);
+    let places = out.iter_mut().zip(xs);
+    // Four bytes at once hold a pixel, whatever the format; those of the last one end with the row.
+    let four = |from: usize| {
+        row.get(from..from + 4)
+            .and_then(|bytes| bytes.first_chunk())
+    };
+    let plain = |x: usize| {
+        let [a, b, c] = native(image, x, y);
+        [a, b, c, 0]
+    };
+    // The loop a format at a time: it is the reading of the format over and over that costs.
     match image.format() {
-        // The loop a format at a time: it is the reading of the format over and over that costs.
-        PixelFormat::Rgb8 => (xs.iter().enumerate())
-            .for_each(|(i, &x)| put(i, [row[3 * x], row[3 * x + 1], row[3 * x + 2]])),
-        _ => (xs.iter().enumerate()).for_each(|(i, &x)| put(i, native(image, x, y))),
+        PixelFormat::Rgb8 => places.for_each(|(out, &x)| {
+            *out = u32::from_le_bytes(four(3 * x).copied().unwrap_or_else(|| plain(x)));
+        }),
+        PixelFormat::Yuyv => places.for_each(|(out, &x)| {
+            let [first, u, second, v] = four(4 * (x / 2)).copied().unwrap_or([0; 4]);
+            let luma = if x % 2 == 0 { first } else { second };
+            *out = u32::from_le_bytes([luma, u, v, 0]);
+        }),
+        PixelFormat::Gray8 => places.for_each(|(out, &x)| *out = u32::from(row[x])),
+        PixelFormat::Nv12 => {
+            let chroma = image.chroma_row(y);
+            places.for_each(|(out, &x)| {
+                let pair = &chroma[x & !1..][..2];
+                *out = u32::from_le_bytes([row[x], pair[0], pair[1], 0]);
+            });
+        }
+        PixelFormat::Bgr8 => places.for_each(|(out, &x)| *out = u32::from_le_bytes(plain(x))),
     }
 }
 

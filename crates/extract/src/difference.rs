@@ -9,13 +9,14 @@ mod planes;
 use crate::background::Background;
 use crate::bits::BitPlane;
 use crate::color;
-use crate::kernels::Kernels;
+use crate::kernels::{self, Band, Kernels};
 use crate::plane::Plane;
 use crate::threshold::Levels;
 use crate::{Image, PixelFormat};
+use std::ops::Range;
 
 /// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
-const BLOCK: usize = 8;
+const BLOCK: usize = kernels::BLOCK;
 
 /// Pixels down a column that are worked on together.
 const PART: usize = 64;
@@ -32,7 +33,7 @@ pub(crate) struct Differencer {
 
 impl Differencer {
     /// Fills `out` with the difference of each pixel of `image` from `background`, `faint` with those from the level
-    /// `least` on, and counts the levels.
+    /// `least` on, and takes the levels.
     pub(crate) fn run(
         &mut self,
         image: &Image,
@@ -40,22 +41,58 @@ impl Differencer {
         least: u8,
         out: &mut Plane,
         faint: &mut BitPlane,
-    ) -> Levels {
+        levels: &mut Levels,
+    ) {
         let (width, height) = (image.width(), image.height());
         out.resize(width, height);
-        faint.resize(width, height);
-        let mut levels = Levels::new(width * height);
-        for y in 0..height {
-            if y % BLOCK == 0 {
-                let middle = (y + BLOCK / 2).min(height - 1);
-                self.lay_table(image.format(), background, [0, middle], width);
+        faint.reshape(width, height);
+        levels.clear(width, height);
+        for top in (0..height).step_by(BLOCK) {
+            let middle = (top + BLOCK / 2).min(height - 1);
+            self.lay_table(image.format(), background, [0, middle], width);
+            let rows = top..(top + BLOCK).min(height);
+            let (out, faint) = (out.rows_mut(rows.clone()), faint.rows_mut(rows.clone()));
+            self.band(image, rows.clone(), least, out, faint);
+            let faint = faint.chunks_exact(width.div_ceil(64));
+            for (y, (row, bits)) in rows.zip(out.chunks_exact(width).zip(faint)) {
+                levels.add(&self.kernels, y, row, bits, least);
             }
-            self.stretch(image, [0, y], out.row_mut(y));
-            let (row, words) = (out.row(y), faint.row_mut(y));
-            levels.total += (self.kernels.at_least)(row, least, words);
-            levels.count(row, words);
         }
-        levels
+        levels.close();
+    }
+
+    /// The same of some rows that share the table, already laid.
+    fn band(
+        &self,
+        image: &Image,
+        rows: Range<usize>,
+        least: u8,
+        out: &mut [u8],
+        faint: &mut [u64],
+    ) {
+        let width = image.width();
+        let kernel = match image.format() {
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
+            PixelFormat::Yuyv => self.kernels.yuyv_band,
+            PixelFormat::Gray8 | PixelFormat::Nv12 => None,
+        };
+        if let Some(kernel) = kernel {
+            return kernel(Band {
+                rows: image.rows(rows),
+                stride: image.stride(),
+                table: &self.luma,
+                width,
+                out,
+                faint,
+                least,
+            });
+        }
+        let out = out.chunks_exact_mut(width);
+        let faint = faint.chunks_exact_mut(width.div_ceil(64));
+        for (y, (out, faint)) in rows.zip(out.zip(faint)) {
+            self.stretch(image, [0, y], out);
+            (self.kernels.at_least)(out, least, faint);
+        }
     }
 
     /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
@@ -92,7 +129,8 @@ impl Differencer {
 
     /// Makes room for the table along `width` pixels.
     fn reserve(&mut self, width: usize) {
-        let blocks = width.div_ceil(BLOCK);
+        // As many as fill the widest registers with floats.
+        let blocks = width.div_ceil(BLOCK).next_multiple_of(16);
         // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
         self.luma.resize(self.luma.len().max(3 * BLOCK * blocks), 0);
         self.chroma.resize(self.chroma.len().max(BLOCK * blocks), 0);
@@ -118,61 +156,9 @@ impl Differencer {
 
     /// Puts the table's three channels in the order of the image's bytes, a block of pixels at a time.
     fn interleave(&mut self, format: PixelFormat) {
-        let [a, b, c] = &self.channels;
-        let colors = a.iter().zip(b).zip(c).map(|((&a, &b), &c)| [a, b, c]);
-        let (luma, chroma) = (&mut self.luma, &mut self.chroma);
-        match format {
-            PixelFormat::Gray8 => spread(colors, luma, |[a, _, _]| [a; BLOCK]),
-            PixelFormat::Rgb8 => spread(colors, luma, triples),
-            PixelFormat::Bgr8 => spread(colors, luma, |[r, g, b]| triples([b, g, r])),
-            PixelFormat::Yuyv => spread(colors, luma, |[y, u, v]| {
-                repeated::<{ 2 * BLOCK }>([y, u, y, v])
-            }),
-            PixelFormat::Nv12 => {
-                spread(colors.clone(), luma, |[y, _, _]| [y; BLOCK]);
-                spread(colors, chroma, |[_, u, v]| repeated::<BLOCK>([u, v, u, v]));
-            }
-        }
+        let channels = self.channels.each_ref().map(|channel| &channel[..]);
+        (self.kernels.spread)(format, channels, &mut self.luma, &mut self.chroma);
     }
-}
-
-/// Fills `out` with the bytes of each block.
-#[inline(always)]
-fn spread<const N: usize>(
-    colors: impl Iterator<Item = [u8; 3]>,
-    out: &mut [u8],
-    bytes: impl Fn([u8; 3]) -> [u8; N],
-) {
-    for (out, color) in out.as_chunks_mut::<N>().0.iter_mut().zip(colors) {
-        *out = bytes(color);
-    }
-}
-
-/// Eight times the same three bytes, as the three words they are.
-#[inline(always)]
-fn triples([a, b, c]: [u8; 3]) -> [u8; 3 * BLOCK] {
-    let v = u64::from_le_bytes([a, b, c, 0, 0, 0, 0, 0]);
-    let words = [
-        v | v << 24 | v << 48,
-        v >> 16 | v << 8 | v << 32 | v << 56,
-        v >> 8 | v << 16 | v << 40,
-    ];
-    let mut bytes = [0; 3 * BLOCK];
-    for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(words) {
-        *bytes = word.to_le_bytes();
-    }
-    bytes
-}
-
-/// The same four bytes over and over, as the words they are.
-#[inline(always)]
-fn repeated<const N: usize>(four: [u8; 4]) -> [u8; N] {
-    let word = u64::from(u32::from_le_bytes(four)) * 0x1_0000_0001;
-    let mut bytes = [0; N];
-    for bytes in bytes.as_chunks_mut::<8>().0 {
-        *bytes = word.to_le_bytes();
-    }
-    bytes
 }
 
 /// The difference of pixels of four bytes, the last of which is nothing.

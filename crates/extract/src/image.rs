@@ -1,5 +1,6 @@
 //! A borrowed picture in the camera's own pixel format: the only thing the extractor reads.
 
+use std::ops::Range;
 use thiserror::Error;
 
 /// Longest side accepted, so that positions and areas stay far from any overflow.
@@ -192,6 +193,12 @@ impl<'a> Image<'a> {
     #[inline(always)]
     pub(crate) fn bytes_from(&self, from: usize, y: usize) -> &'a [u8] {
         &self.bytes[y * self.stride + from..]
+    }
+
+    /// The bytes of some rows of the first plane, from the first one's start to the last one's end.
+    pub(crate) fn rows(&self, rows: Range<usize>) -> &'a [u8] {
+        let last = rows.end.saturating_sub(1) * self.stride;
+        &self.bytes[rows.start * self.stride..last + self.format.row_bytes(self.width)]
     }
 
     /// The bytes of the first plane from byte `from` of row `y` on, and of each row after it, up to the next one's.

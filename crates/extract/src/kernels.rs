@@ -1,16 +1,79 @@
 //! The loops over all pixels that a compiler does not make fast by itself: written for AVX-512 and AVX2, chosen when the
 //! program runs, and as the plain loops that define what they do.
 
+mod spread;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+use crate::PixelFormat;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::orders;
+
+/// Pixels along a row that share one level of the table.
+pub(crate) const BLOCK: usize = 8;
+
+/// Some rows of a picture whose channels are interleaved, the table along them, and what is made of them.
+pub(crate) struct Band<'a> {
+    /// From the first row's first byte to the last one's last.
+    pub(crate) rows: &'a [u8],
+    /// Bytes from one row's start to the next.
+    pub(crate) stride: usize,
+    /// As long as a row, or longer.
+    pub(crate) table: &'a [u8],
+    /// Pixels in a row.
+    pub(crate) width: usize,
+    /// The difference: a byte a pixel, row after row.
+    pub(crate) out: &'a mut [u8],
+    /// Where that is `≥ least`: a bit a pixel, each row in words of its own.
+    pub(crate) faint: &'a mut [u64],
+    pub(crate) least: u8,
+}
+
+impl Band<'_> {
+    /// Calls `row` with each row, the table, its place in `out` and that in `faint`.
+    #[inline(always)]
+    fn for_each_row(self, mut row: impl FnMut(&[u8], &[u8], &mut [u8], &mut [u64])) {
+        let bytes = 3 * self.width;
+        let out = self.out.chunks_exact_mut(self.width);
+        let faint = self.faint.chunks_exact_mut(self.width.div_ceil(64));
+        for (i, (out, faint)) in out.zip(faint).enumerate() {
+            let pixels = &self.rows[i * self.stride..][..bytes];
+            row(pixels, &self.table[..bytes], out, faint);
+        }
+    }
+}
+
+/// Some rows of a plane of bytes, no more than 64 pixels of each.
+#[derive(Clone, Copy)]
+pub(crate) struct Patch<'a> {
+    /// From the first row's first byte on.
+    pub(crate) bytes: &'a [u8],
+    /// Bytes from one row's start to the next.
+    pub(crate) stride: usize,
+    /// Pixels of each row.
+    pub(crate) width: usize,
+}
+
+type Spread = fn(PixelFormat, [&[u8]; 3], &mut [u8], &mut [u8]);
 
 /// The kernels for this machine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kernels {
     /// `difference` of three interleaved channels: a row, the table along it (as long or longer), and a byte a pixel.
     pub(crate) three_channels: fn(&[u8], &[u8], &mut [u8]),
+    /// A level of each channel for each block of pixels, some multiple of eight of them, in the order of the bytes of the
+    /// first plane of a format, and of the second if it has one.
+    pub(crate) spread: Spread,
+    /// As `three_channels` for some rows, and which of its bytes reach a level.
+    pub(crate) three_channel_band: fn(Band),
+    /// The same for pixels of Y₀ U Y₁ V, U and V counting double, if the machine has registers that make it worth while.
+    pub(crate) yuyv_band: Option<fn(Band)>,
+    /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
+    pub(crate) collect: fn(&[u8], &[u64], &mut [u8]) -> usize,
+    /// One bit a byte, whether it is `≥ cut`: a word for each row of a patch.
+    pub(crate) patch_at_least: fn(Patch, u8, &mut [u64]),
     /// One bit a byte, whether it is `≥ cut`, 64 to a word; returns the sum of the bytes.
     pub(crate) at_least: fn(&[u8], u8, &mut [u64]) -> u64,
 }
@@ -25,6 +88,13 @@ impl Kernels {
         Self {
             three_channels: |row, table, out| {
                 pulp::Arch::new().dispatch(|| three_channels(row, table, out));
+            },
+            spread: spread::spread,
+            three_channel_band: |band| pulp::Arch::new().dispatch(|| three_channel_band(band)),
+            yuyv_band: None,
+            collect,
+            patch_at_least: |patch, cut, words| {
+                pulp::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
             },
             at_least: |row, cut, words| pulp::Arch::new().dispatch(|| at_least(row, cut, words)),
         }
@@ -48,6 +118,36 @@ fn three_channels(row: &[u8], table: &[u8], out: &mut [u8]) {
             .abs_diff(t[0])
             .max(p[1].abs_diff(t[1]))
             .max(p[2].abs_diff(t[2]));
+    }
+}
+
+#[inline(always)]
+fn three_channel_band(band: Band) {
+    let least = band.least;
+    band.for_each_row(|row, table, out, faint| {
+        three_channels(row, table, out);
+        at_least(out, least, faint);
+    });
+}
+
+fn collect(row: &[u8], bits: &[u64], out: &mut [u8]) -> usize {
+    let mut count = 0;
+    for (pixels, &word) in row.chunks(64).zip(bits) {
+        let mut rest = word;
+        while rest != 0 {
+            out[count] = pixels[rest.trailing_zeros() as usize];
+            count += 1;
+            rest &= rest - 1;
+        }
+    }
+    count
+}
+
+#[inline(always)]
+fn patch_at_least(patch: Patch, cut: u8, words: &mut [u64]) {
+    let rows = patch.bytes.chunks(patch.stride);
+    for (word, row) in words.iter_mut().zip(rows) {
+        at_least(&row[..patch.width], cut, std::slice::from_mut(word));
     }
 }
 
@@ -101,6 +201,124 @@ mod tests {
             for kernels in all() {
                 let mut found = vec![0; pixels];
                 (kernels.three_channels)(&row, &table, &mut found);
+                prop_assert_eq!(&found, &expected);
+            }
+        }
+
+        #[test]
+        fn levels_are_spread_as_the_plain_loop_says(
+            levels in prop::collection::vec(any::<u8>(), 3 * 48), eights in 1usize..=6,
+        ) {
+            let channels = [0, 1, 2].map(|c| &levels[48 * c..][..8 * eights]);
+            let formats = [
+                PixelFormat::Gray8,
+                PixelFormat::Rgb8,
+                PixelFormat::Bgr8,
+                PixelFormat::Yuyv,
+                PixelFormat::Nv12,
+            ];
+            for (kernels, format) in all().into_iter().flat_map(|k| formats.map(|f| (k, f))) {
+                let planes = || (vec![7; 3 * 64 * 6 + 5], vec![9; 64 * 6]);
+                let (mut luma, mut chroma) = planes();
+                spread::spread(format, channels, &mut luma, &mut chroma);
+                let expected = (luma, chroma);
+                let (mut luma, mut chroma) = planes();
+                (kernels.spread)(format, channels, &mut luma, &mut chroma);
+                prop_assert_eq!((luma, chroma), expected);
+            }
+        }
+
+        #[test]
+        fn a_band_of_three_channels_differs_as_the_plain_loop_says(
+            bytes in prop::collection::vec(any::<u8>(), 3000),
+            table in prop::collection::vec(any::<u8>(), 600),
+            width in 1usize..200, gap in 0usize..20, rows in 1usize..5, least: u8,
+        ) {
+            let words = width.div_ceil(64);
+            let make = |kernel: fn(Band)| {
+                let (mut out, mut faint) = (vec![7; rows * width], vec![9; rows * words]);
+                kernel(Band {
+                    rows: &bytes,
+                    stride: 3 * width + gap,
+                    table: &table,
+                    width,
+                    out: &mut out,
+                    faint: &mut faint,
+                    least,
+                });
+                (out, faint)
+            };
+            for kernels in all() {
+                prop_assert_eq!(make(kernels.three_channel_band), make(three_channel_band));
+            }
+        }
+
+        #[test]
+        fn a_band_of_yuyv_differs_as_its_pixels_do(
+            bytes in prop::collection::vec(any::<u8>(), 2000),
+            table in prop::collection::vec(any::<u8>(), 512),
+            width in 1usize..200, gap in 0usize..20, rows in 1usize..5, least: u8,
+        ) {
+            let (words, stride) = (width.div_ceil(64), 4 * width.div_ceil(2) + gap);
+            let difference = |x: usize, y: usize| {
+                let off = |k: usize| bytes[y * stride + k].abs_diff(table[k]);
+                let color = off(4 * (x / 2) + 1).max(off(4 * (x / 2) + 3));
+                off(2 * x).max(color.saturating_mul(2))
+            };
+            for kernel in all().into_iter().filter_map(|kernels| kernels.yuyv_band) {
+                let (mut out, mut faint) = (vec![7; rows * width], vec![9; rows * words]);
+                kernel(Band {
+                    rows: &bytes,
+                    stride,
+                    table: &table,
+                    width,
+                    out: &mut out,
+                    faint: &mut faint,
+                    least,
+                });
+                for (x, y) in (0..rows).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    prop_assert_eq!(out[y * width + x], difference(x, y));
+                    let bit = faint[y * words + x / 64] >> (x % 64) & 1 == 1;
+                    prop_assert_eq!(bit, difference(x, y) >= least);
+                }
+            }
+        }
+
+        #[test]
+        fn bytes_are_collected_as_the_plain_loop_says(
+            row in prop::collection::vec(any::<u8>(), 1..700),
+            bits in prop::collection::vec(any::<u64>(), 11),
+            sparse: bool,
+        ) {
+            let inside = |i: usize| match row.len().saturating_sub(64 * i) {
+                rest @ 0..64 => (1 << rest) - 1,
+                _ => u64::MAX,
+            };
+            let words = bits.iter().enumerate();
+            let words = words.map(|(i, bits)| if sparse && bits % 3 > 0 { 0 } else { bits & inside(i) });
+            let bits: Vec<u64> = words.collect();
+            let make = |kernel: fn(&[u8], &[u64], &mut [u8]) -> usize| {
+                let mut out = vec![0; row.len() + 64];
+                let count = kernel(&row, &bits, &mut out);
+                out.truncate(count);
+                out
+            };
+            for kernels in all() {
+                prop_assert_eq!(make(kernels.collect), make(collect));
+            }
+        }
+
+        #[test]
+        fn a_patch_is_cut_as_the_plain_loop_says(
+            bytes in prop::collection::vec(any::<u8>(), 900),
+            width in 1usize..=64, gap in 0usize..40, rows in 1usize..=8, cut: u8,
+        ) {
+            let patch = Patch { bytes: &bytes, stride: width + gap, width };
+            let mut expected = vec![7; rows];
+            patch_at_least(patch, cut, &mut expected);
+            for kernels in all() {
+                let mut found = vec![9; rows];
+                (kernels.patch_at_least)(patch, cut, &mut found);
                 prop_assert_eq!(&found, &expected);
             }
         }

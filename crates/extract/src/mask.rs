@@ -9,7 +9,7 @@ use crate::kernels::Kernels;
 use crate::neighbors::{self, Around, Rule};
 use crate::plane::Plane;
 use crate::strips::{Shape, Strips};
-use crate::threshold::Cut;
+use crate::threshold::{Cut, Levels};
 use crate::whole::Mender;
 use crate::{Image, Mask, Notice, PixelFormat, threshold};
 use thiserror::Error;
@@ -46,6 +46,7 @@ pub(crate) struct Masker {
     kernels: Kernels,
     pub(crate) background: Background,
     differencer: Differencer,
+    levels: Levels,
     selector: Selector,
     mender: Mender,
     smoothed: Strips,
@@ -73,17 +74,15 @@ impl Masker {
             Mask::Auto => {
                 self.background.estimate(image);
                 let noise = self.background.noise;
-                let levels = self.differencer.run(
-                    image,
-                    &self.background,
-                    threshold::faint(noise),
-                    &mut self.difference,
-                    &mut self.mender.faint,
-                );
-                let cut = threshold::choose(&levels, noise);
-                let (kernels, faint) = (&self.kernels, &self.mender.faint);
-                threshold::apply_within(kernels, &self.difference, cut.rope, faint, &mut self.mask);
-                self.strips.take(&self.mask);
+                let (difference, faint) = (&mut self.difference, &mut self.mender.faint);
+                let least = threshold::faint(noise);
+                let levels = &mut self.levels;
+                (self.differencer).run(image, &self.background, least, difference, faint, levels);
+                let cut = threshold::choose(levels, noise);
+                let (kernels, strips) = (&self.kernels, &mut self.strips);
+                threshold::apply_within(kernels, difference, cut.rope, faint, strips);
+                // The rows are written when it is mended.
+                self.mask.resize(image.width(), image.height());
                 self.mend(image, cut);
                 chosen = Some(cut);
             }

@@ -1,5 +1,7 @@
 //! A picture of one byte a pixel: how unlike the table each pixel is.
 
+use std::ops::Range;
+
 /// One byte a pixel, rows one after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Plane {
@@ -34,6 +36,11 @@ impl Plane {
 
     pub(crate) fn row_mut(&mut self, y: usize) -> &mut [u8] {
         &mut self.bytes[y * self.width..][..self.width]
+    }
+
+    /// Some rows, one after the other.
+    pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [u8] {
+        &mut self.bytes[self.width * rows.start..self.width * rows.end]
     }
 
     /// Whether the position lies between the outermost pixels' centers.

@@ -7,8 +7,10 @@
 //! has no rope.
 
 use crate::bits::BitPlane;
-use crate::kernels::Kernels;
+use crate::kernels::{Kernels, Patch};
 use crate::plane::Plane;
+use crate::strips::{BLOCK, Shape, Strips};
+use pulp::Arch;
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
@@ -42,54 +44,100 @@ pub(crate) fn faint(noise: f32) -> u8 {
     whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
 }
 
-/// How often each level of difference occurs, those of the mere table taken together.
-#[derive(Debug)]
+/// The levels of so many rows are looked at, evenly spread: of an image of twice as many every other row. The ropes'
+/// mean changes little from row to row.
+const ROWS: usize = 240;
+/// Of those, the rows from one whose table is looked at to the next.
+const TABLE_STEP: usize = 16;
+
+/// The levels of difference in some rows: those that are not the mere table's one by one, the others in the mean.
+#[derive(Debug, Default)]
 pub(crate) struct Levels {
-    /// The sum of all levels.
-    pub(crate) total: u64,
+    /// Rows of the image from one that counts to the next, a power of two.
+    step: usize,
+    /// The first `count` are this image's, in no order; the rest is memory.
+    levels: Vec<u8>,
+    count: usize,
+    sum: usize,
+    /// Pixels that were looked at.
     pixels: usize,
-    /// Of the levels that are not the table's. Four counts, so that equal neighbors do not wait for each other's.
-    counts: [[u32; 256]; 4],
+    /// How many of the table's were, and the sum of their levels.
+    table: (usize, usize),
 }
 
 impl Levels {
-    /// Those of so many pixels, none of which is counted yet.
-    pub(crate) fn new(pixels: usize) -> Self {
-        Self {
-            total: 0,
-            pixels,
-            counts: [[0; 256]; 4],
+    /// None of an image of this size, yet.
+    pub(crate) fn clear(&mut self, width: usize, height: usize) {
+        self.step = 1 << (height / ROWS).max(1).ilog2();
+        (self.pixels, self.count, self.sum, self.table) = (0, 0, 0, (0, 0));
+        // A kernel writes 64 at a time.
+        let rows = height.div_ceil(self.step);
+        self.levels.resize(width * rows + 64, 0);
+    }
+
+    /// Takes up those of row `y`, which are not just the table's where `bits` are set: from `least` on.
+    pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64], least: u8) {
+        if y & (self.step - 1) != 0 {
+            return;
+        }
+        self.pixels += row.len();
+        self.count += (kernels.collect)(row, bits, &mut self.levels[self.count..]);
+        if y & (TABLE_STEP * self.step - 1) == 0 {
+            let above = Arch::new().dispatch(Above(row, least));
+            let all = Arch::new().dispatch(Above(row, 0));
+            self.table.0 += all.0 - above.0;
+            self.table.1 += all.1 - above.1;
         }
     }
 
-    /// Counts the pixels of a row that are set in `faint`.
-    pub(crate) fn count(&mut self, row: &[u8], faint: &[u64]) {
-        for (&word, pixels) in faint.iter().zip(row.chunks(64)) {
-            let mut rest = word;
-            while rest != 0 {
-                let x = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                self.counts[x % 4][usize::from(pixels[x])] += 1;
-            }
-        }
+    /// That were all.
+    pub(crate) fn close(&mut self) {
+        self.sum = self.above(0).1;
     }
 
-    /// The share of the pixels from a level on.
-    fn share(&self, histogram: &[u32; 256], from: u8) -> f32 {
-        let above: u32 = histogram[usize::from(from)..].iter().sum();
-        above as f32 / self.pixels.max(1) as f32
-    }
-
-    /// How often each level that is not the table's occurs.
-    fn histogram(&self) -> [u32; 256] {
-        std::array::from_fn(|level| self.counts.iter().map(|part| part[level]).sum())
+    /// How many of the levels are not below `from`, which is not the table's, and their sum.
+    fn above(&self, from: u8) -> (usize, usize) {
+        Arch::new().dispatch(Above(&self.levels[..self.count], from))
     }
 }
 
-/// Finds the cut, given the levels of an image (those from [`faint`] on counted) and the table's noise.
+/// How many bytes are not below a level, and their sum.
+struct Above<'a>(&'a [u8], u8);
+
+impl pulp::NullaryFnOnce for Above<'_> {
+    type Output = (usize, usize);
+
+    #[inline(always)]
+    fn call(self) -> (usize, usize) {
+        let Self(bytes, from) = self;
+        let (mut count, mut sum) = (0, 0);
+        // As long as sums of two bytes at a time fit into 16 bits.
+        for bytes in bytes.chunks(64 * 128) {
+            let (mut counts, mut sums) = ([0u8; 64], [0u16; 32]);
+            let (blocks, rest) = bytes.as_chunks::<64>();
+            for block in blocks {
+                let mut above = [0u8; 64];
+                for k in 0..64 {
+                    above[k] = if block[k] >= from { block[k] } else { 0 };
+                    counts[k] += u8::from(block[k] >= from);
+                }
+                for k in 0..32 {
+                    sums[k] += u16::from(above[k]) + u16::from(above[k + 32]);
+                }
+            }
+            count += counts.iter().map(|&n| usize::from(n)).sum::<usize>();
+            sum += sums.iter().map(|&n| usize::from(n)).sum::<usize>();
+            for &level in rest.iter().filter(|&&level| level >= from) {
+                (count, sum) = (count + 1, sum + usize::from(level));
+            }
+        }
+        (count, sum)
+    }
+}
+
+/// Finds the cut, given the levels of an image (those from [`faint`] on one by one) and the table's noise.
 pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
-    let histogram = levels.histogram();
-    let means = |cut| means(levels, &histogram, cut);
+    let means = |cut| means(levels, cut);
     let floor = floor(noise);
     let mut cut = floor;
     for _ in 0..32 {
@@ -113,7 +161,7 @@ pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     Cut {
         rope: whole(rope),
         level: whole(above),
-        covered: levels.share(&histogram, whole(rope)),
+        covered: levels.above(whole(rope)).0 as f32 / levels.pixels.max(1) as f32,
     }
 }
 
@@ -123,16 +171,13 @@ fn whole(value: f32) -> u8 {
 }
 
 /// The mean level below `cut` and, if there is any, from `cut` on.
-fn means(levels: &Levels, histogram: &[u32; 256], cut: f32) -> (f32, Option<f32>) {
-    let from = (cut.ceil() as usize).min(256);
-    let (mut count, mut sum) = (0u64, 0u64);
-    for (level, &n) in histogram.iter().enumerate().skip(from) {
-        count += u64::from(n);
-        sum += u64::from(n) * level as u64;
-    }
-    let mean = |sum: u64, count: u64| (count > 0).then(|| sum as f32 / count as f32);
-    let below = mean(levels.total - sum, levels.pixels as u64 - count);
-    (below.unwrap_or(0.0), mean(sum, count))
+fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
+    let (count, sum) = levels.above(whole(cut));
+    let above = (count > 0).then(|| sum as f32 / count as f32);
+    let (pixels, total) = levels.table;
+    let table = total as f32 / pixels.max(1) as f32 * (levels.pixels - levels.count) as f32;
+    let below = (table + (levels.sum - sum) as f32) / (levels.pixels - count).max(1) as f32;
+    (below, above)
 }
 
 /// One bit a pixel: difference ≥ cut.
@@ -149,12 +194,32 @@ pub(crate) fn apply_within(
     difference: &Plane,
     cut: u8,
     faint: &BitPlane,
-    mask: &mut BitPlane,
+    mask: &mut Strips,
 ) {
-    mask.resize(difference.width(), difference.height());
-    for y in 0..difference.height() {
-        if faint.row(y).iter().any(|&word| word != 0) {
-            (kernels.at_least)(difference.row(y), cut, mask.row_mut(y));
+    let width = difference.width();
+    let shape = Shape::of(faint);
+    mask.resize(&shape);
+    let words = shape.strips();
+    let bands = faint.words().chunks(BLOCK * words).enumerate();
+    for (block, band) in bands {
+        let (top, rows) = (BLOCK * block, band.len() / words);
+        // Most blocks hold nothing: a row of them at a time is asked whether they do.
+        if band.iter().fold(0, |all, word| all | word) == 0 {
+            continue;
+        }
+        for strip in 0..words {
+            let column = band[strip..].iter().step_by(words);
+            if column.fold(0, |all, word| all | word) == 0 {
+                continue;
+            }
+            let patch = Patch {
+                bytes: &difference.bytes()[top * width + 64 * strip..],
+                stride: width,
+                width: (width - 64 * strip).min(64),
+            };
+            let at = shape.index(strip, top);
+            (kernels.patch_at_least)(patch, cut, &mut mask.words[at..at + rows]);
+            mask.used.add(&shape, strip, top);
         }
     }
 }

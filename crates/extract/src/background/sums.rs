@@ -1,147 +1,139 @@
 //! The sums of the least squares, over a grid of samples row by row, and the equations that they make.
 //!
 //! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
-//! [`LANES`] samples side by side, and those are spread over the powers of the other.
+//! in lanes, and those are spread over the powers of the other.
 
-use super::{LANES, Lanes, TERMS};
+use super::samples::{Row, Samples};
+use super::{GRID, TERMS};
 use pulp::{Simd, WithSimd};
 
 /// The terms of the surface are 1, u, v, u², uv, v²: of each the powers of u and v.
 const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// Sums over the samples within `limit` of the surface.
-pub(super) struct Sum<'a> {
-    /// Rows of the grid from one that counts to the next.
-    pub(super) stride: usize,
-    pub(super) u: &'a [Lanes],
-    pub(super) v: &'a [f32],
-    pub(super) colors: &'a [Vec<Lanes>; 3],
-    pub(super) residuals: &'a [Lanes],
+/// Sums over the samples within `limit` of the surface, in `N` channels.
+pub(super) struct Sum<'a, const N: usize> {
+    pub(super) samples: Samples<'a, N>,
     pub(super) limit: f32,
 }
 
-impl WithSimd for Sum<'_> {
-    type Output = Moments;
+impl<const N: usize> WithSimd for Sum<'_, N> {
+    type Output = Moments<N>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Moments {
-        let mut moments = Moments::default();
-        for (j, &v) in self.v.iter().enumerate().step_by(self.stride) {
-            moments.add(simd, &Row::sum(simd, &self, j), v);
+    fn with_simd<S: Simd>(self, simd: S) -> Moments<N> {
+        let zero = simd.splat_f32s(0.0);
+        let mut sums = Sums {
+            powers: [[zero; 5]; 5],
+            levels: [[zero; TERMS]; N],
+        };
+        // What fills up the rows counts for nothing.
+        let mut limits = [-1.0; GRID];
+        limits[..self.samples.columns.min(GRID)].fill(self.limit);
+        let limits = S::as_simd_f32s(&limits).0;
+        for (j, &v) in self.samples.rows() {
+            let row = self.samples.row(simd, j, v);
+            sums.add(simd, &RowSums::of(simd, &row, limits), v);
         }
-        moments
+        sums.moments(simd)
     }
 }
 
 /// Sums along a row of the grid over what is taken for table, in lanes: of uᵏ, k = 0…4, and of each channel's level
 /// times uᵏ, k = 0…2.
-struct Row {
-    powers: [Lanes; 5],
-    levels: [[Lanes; 3]; 3],
+struct RowSums<S: Simd, const N: usize> {
+    powers: [S::f32s; 5],
+    levels: [[S::f32s; 3]; N],
 }
 
-impl Row {
+impl<S: Simd, const N: usize> RowSums<S, N> {
+    /// Those of the samples that lie within `limits` of the surface.
     #[inline(always)]
-    fn sum<S: Simd>(simd: S, sum: &Sum, j: usize) -> Self {
-        let mut row = Self {
-            powers: [[0.0; LANES]; 5],
-            levels: [[[0.0; LANES]; 3]; 3],
+    fn of(simd: S, row: &Row<S, N>, limits: &[S::f32s]) -> Self {
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+        let mut sums = Self {
+            powers: [zero; 5],
+            levels: [[zero; 3]; N],
         };
-        let groups = sum.u.len();
-        for (group, u) in sum.u.iter().enumerate() {
-            let at = j * groups + group;
-            let mut power = [0.0; LANES];
-            each(simd, &mut power, &sum.residuals[at], u, |_, residual, _| {
-                let is_table = simd.less_than_or_equal_f32s(residual, simd.splat_f32s(sum.limit));
-                simd.select_f32s(is_table, simd.splat_f32s(1.0), simd.splat_f32s(0.0))
-            });
+        for (i, (&u, &limit)) in row.u.iter().zip(limits).enumerate() {
+            let (colors, residual) = row.at(i);
+            let is_table = simd.less_than_or_equal_f32s(residual, limit);
+            let mut power = simd.select_f32s(is_table, one, zero);
             for k in 0..5 {
-                each(simd, &mut row.powers[k], &power, u, |sum, power, _| {
-                    simd.add_f32s(sum, power)
-                });
+                sums.powers[k] = simd.add_f32s(sums.powers[k], power);
                 if k < 3 {
-                    for (levels, samples) in row.levels.iter_mut().zip(sum.colors) {
-                        each(simd, &mut levels[k], &power, &samples[at], |sum, a, b| {
-                            simd.add_f32s(sum, simd.mul_f32s(a, b))
-                        });
+                    for (levels, &color) in sums.levels.iter_mut().zip(&colors) {
+                        levels[k] = simd.mul_add_e_f32s(power, color, levels[k]);
                     }
                 }
-                each(simd, &mut power, u, u, |power, u, _| {
-                    simd.mul_f32s(power, u)
-                });
+                power = simd.mul_f32s(power, u);
             }
         }
-        row
-    }
-}
-
-/// Makes `out` what `rule` says of it, `a` and `b`, as many lanes at a time as the machine has.
-#[inline(always)]
-fn each<S: Simd>(
-    _: S,
-    out: &mut Lanes,
-    a: &Lanes,
-    b: &Lanes,
-    rule: impl Fn(S::f32s, S::f32s, S::f32s) -> S::f32s,
-) {
-    let (a, b) = (S::as_simd_f32s(a).0, S::as_simd_f32s(b).0);
-    for ((out, &a), &b) in S::as_mut_simd_f32s(out).0.iter_mut().zip(a).zip(b) {
-        *out = rule(*out, a, b);
+        sums
     }
 }
 
 /// Sums over the whole grid, in lanes: of uᵃvᵇ at `[a][b]`, and of each channel's level times each term.
-pub(super) struct Moments {
-    powers: [[Lanes; 5]; 5],
-    levels: [[Lanes; TERMS]; 3],
+struct Sums<S: Simd, const N: usize> {
+    powers: [[S::f32s; 5]; 5],
+    levels: [[S::f32s; TERMS]; N],
 }
 
-impl Default for Moments {
-    fn default() -> Self {
-        Self {
-            powers: [[[0.0; LANES]; 5]; 5],
-            levels: [[[0.0; LANES]; TERMS]; 3],
-        }
-    }
-}
-
-impl Moments {
+impl<S: Simd, const N: usize> Sums<S, N> {
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, row: &Row, v: f32) {
-        let v = [1.0, v, v * v, v * v * v, v * v * v * v];
-        let add = |sum: &mut Lanes, of: &Lanes, b: usize| {
-            let weight = simd.splat_f32s(v[b]);
-            each(simd, sum, of, of, |sum, of, _| {
-                simd.add_f32s(sum, simd.mul_f32s(weight, of))
-            });
-        };
+    fn add(&mut self, simd: S, row: &RowSums<S, N>, v: f32) {
+        let powers = [1.0, v, v * v, v * v * v, v * v * v * v];
+        let mut weights = [simd.splat_f32s(0.0); 5];
+        for (weight, power) in weights.iter_mut().zip(powers) {
+            *weight = simd.splat_f32s(power);
+        }
         for a in 0..5 {
-            for b in 0..5 - a {
-                add(&mut self.powers[a][b], &row.powers[a], b);
+            let sums = self.powers[a].iter_mut().zip(weights).take(5 - a);
+            for (sum, weight) in sums {
+                *sum = simd.mul_add_e_f32s(weight, row.powers[a], *sum);
             }
         }
         for (sums, levels) in self.levels.iter_mut().zip(&row.levels) {
             for (sum, [a, b]) in sums.iter_mut().zip(POWERS) {
-                add(sum, &levels[a], b);
+                *sum = simd.mul_add_e_f32s(weights[b], levels[a], *sum);
             }
         }
     }
 
-    pub(super) fn gram(&self) -> [[f64; TERMS]; TERMS] {
-        let term = |i: usize, j: usize| {
-            let ([a, b], [c, d]) = (POWERS[i], POWERS[j]);
-            total(&self.powers[a + c][b + d])
+    /// The sums of all lanes.
+    #[inline(always)]
+    fn moments(&self, simd: S) -> Moments<N> {
+        let mut moments = Moments {
+            powers: [[0.0; 5]; 5],
+            levels: [[0.0; TERMS]; N],
         };
-        std::array::from_fn(|i| std::array::from_fn(|j| term(i, j)))
-    }
-
-    pub(super) fn right(&self, channel: usize) -> [f64; TERMS] {
-        self.levels[channel].each_ref().map(total)
+        for a in 0..5 {
+            for b in 0..5 - a {
+                moments.powers[a][b] = f64::from(simd.reduce_sum_f32s(self.powers[a][b]));
+            }
+        }
+        for (totals, sums) in moments.levels.iter_mut().zip(&self.levels) {
+            for (total, &sum) in totals.iter_mut().zip(sums) {
+                *total = f64::from(simd.reduce_sum_f32s(sum));
+            }
+        }
+        moments
     }
 }
 
-fn total(lanes: &Lanes) -> f64 {
-    lanes.iter().map(|&lane| f64::from(lane)).sum()
+/// Sums over the whole grid: of uᵃvᵇ at `[a][b]`, and of each channel's level times each term.
+pub(super) struct Moments<const N: usize> {
+    powers: [[f64; 5]; 5],
+    pub(super) levels: [[f64; TERMS]; N],
+}
+
+impl<const N: usize> Moments<N> {
+    pub(super) fn gram(&self) -> [[f64; TERMS]; TERMS] {
+        let term = |i: usize, j: usize| {
+            let ([a, b], [c, d]) = (POWERS[i], POWERS[j]);
+            self.powers[a + c][b + d]
+        };
+        std::array::from_fn(|i| std::array::from_fn(|j| term(i, j)))
+    }
 }
 
 /// The lower Cholesky factor, or nothing when the matrix is not clearly positive definite.

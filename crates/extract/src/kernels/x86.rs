@@ -1,4 +1,4 @@
-//! The kernels in the registers of x86-64: 64 bytes (AVX-512 with VBMI) or 32 (AVX2) at a time.
+//! The kernels in the registers of x86-64: 64 bytes (AVX-512 with VBMI, in `wide`) or 32 (AVX2) at a time.
 //!
 //! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
 //! has them, and to load and store through pointers, which are taken from slices of the length that is moved.
@@ -8,7 +8,7 @@
 //! one register, and one permutation puts them in order.
 #![allow(unsafe_code)]
 
-use super::Kernels;
+use super::{Band, Kernels, Patch, wide};
 use std::arch::x86_64::*;
 
 /// The fastest of this machine.
@@ -18,17 +18,39 @@ pub(super) fn detect() -> Option<Kernels> {
 
 /// All that this machine can run, the fastest first.
 pub(super) fn all() -> impl Iterator<Item = Kernels> {
-    let wide = is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vbmi");
+    let wide = is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512vbmi")
+        && is_x86_feature_detected!("avx512vbmi2")
+        && is_x86_feature_detected!("popcnt");
     let medium = is_x86_feature_detected!("avx2");
     let wide = wide.then_some(Kernels {
-        // SAFETY: the machine has AVX-512BW and VBMI.
-        three_channels: |row, table, out| unsafe { three_channels_512(row, table, out) },
+        // SAFETY: the machine has AVX-512BW, VBMI and VBMI2.
+        three_channels: |row, table, out| unsafe { wide::three_channels(row, table, out) },
         // SAFETY: as above.
-        at_least: |row, cut, words| unsafe { at_least_512(row, cut, words) },
+        spread: |format, levels, luma, chroma| unsafe {
+            wide::spread(format, levels, luma, chroma)
+        },
+        // SAFETY: as above.
+        three_channel_band: |band| unsafe { wide::three_channel_band(band) },
+        // SAFETY: as above.
+        yuyv_band: Some(|band| unsafe { wide::yuyv_band(band) }),
+        // SAFETY: as above.
+        collect: |row, bits, out| unsafe { wide::collect(row, bits, out) },
+        // SAFETY: as above.
+        patch_at_least: |patch, cut, words| unsafe { wide::patch_at_least(patch, cut, words) },
+        // SAFETY: as above.
+        at_least: |row, cut, words| unsafe { wide::at_least(row, cut, words) },
     });
     let medium = medium.then_some(Kernels {
         // SAFETY: the machine has AVX2.
         three_channels: |row, table, out| unsafe { three_channels_256(row, table, out) },
+        spread: super::spread::spread,
+        // SAFETY: as above.
+        three_channel_band: |band| unsafe { three_channel_band_256(band) },
+        yuyv_band: None,
+        collect: super::collect,
+        // SAFETY: as above.
+        patch_at_least: |patch, cut, words| unsafe { patch_at_least_256(patch, cut, words) },
         // SAFETY: as above.
         at_least: |row, cut, words| unsafe { at_least_256(row, cut, words) },
     });
@@ -47,41 +69,6 @@ fn in_blocks(pixels: usize, size: usize, mut block: impl FnMut(usize)) -> bool {
         block(pixels - size);
     }
     true
-}
-
-#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
-fn three_channels_512(row: &[u8], table: &[u8], out: &mut [u8]) {
-    const ORDERS: [[u8; 64]; 3] = orders();
-    // Lanes that a register after the first gives to a channel.
-    const LANES: u64 = 0x9249_2492_4924_9249;
-    let pixels = out.len().min(row.len() / 3).min(table.len() / 3);
-    // SAFETY: the arrays are 64 bytes long.
-    let orders = ORDERS.map(|order| unsafe { _mm512_loadu_si512(order.as_ptr().cast()) });
-    let done = in_blocks(pixels, 64, |x| {
-        let (row, table) = (&row[3 * x..][..192], &table[3 * x..][..192]);
-        // SAFETY: both slices are 192 bytes long.
-        let [a, b, c] = [0, 64, 128].map(|at| unsafe {
-            let p = _mm512_loadu_si512(row[at..].as_ptr().cast());
-            let t = _mm512_loadu_si512(table[at..].as_ptr().cast());
-            _mm512_sub_epi8(_mm512_max_epu8(p, t), _mm512_min_epu8(p, t))
-        });
-        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
-        let [zero, one, two] = [LANES, LANES << 1, LANES << 2];
-        let blend = |from_b, from_c| {
-            let ab = _mm512_mask_blend_epi8(from_b, a, b);
-            _mm512_mask_blend_epi8(from_c, ab, c)
-        };
-        let first = _mm512_permutexvar_epi8(orders[0], blend(two, one));
-        let second = _mm512_permutexvar_epi8(orders[1], blend(zero, two));
-        let third = _mm512_permutexvar_epi8(orders[2], blend(one, zero));
-        let most = _mm512_max_epu8(first, _mm512_max_epu8(second, third));
-        let out = &mut out[x..][..64];
-        // SAFETY: `out` is 64 bytes long.
-        unsafe { _mm512_storeu_si512(out.as_mut_ptr().cast(), most) };
-    });
-    if !done {
-        super::three_channels(row, table, out);
-    }
 }
 
 #[target_feature(enable = "avx2")]
@@ -123,6 +110,23 @@ fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
     }
 }
 
+#[target_feature(enable = "avx2")]
+fn three_channel_band_256(band: Band) {
+    let least = band.least;
+    band.for_each_row(|row, table, out, faint| {
+        three_channels_256(row, table, out);
+        at_least_256(out, least, faint);
+    });
+}
+
+#[target_feature(enable = "avx2")]
+fn patch_at_least_256(patch: Patch, cut: u8, words: &mut [u64]) {
+    let rows = patch.bytes.chunks(patch.stride);
+    for (word, row) in words.iter_mut().zip(rows) {
+        at_least_256(&row[..patch.width], cut, std::slice::from_mut(word));
+    }
+}
+
 /// Of each channel the lane where pixel p is found: (3p + channel) mod the number of lanes.
 pub(crate) const fn orders<const N: usize>() -> [[u8; N]; 3] {
     let mut orders = [[0; N]; 3];
@@ -136,21 +140,6 @@ pub(crate) const fn orders<const N: usize>() -> [[u8; N]; 3] {
         channel += 1;
     }
     orders
-}
-
-#[target_feature(enable = "avx512f,avx512bw")]
-fn at_least_512(row: &[u8], cut: u8, words: &mut [u64]) -> u64 {
-    let level = _mm512_set1_epi8(cut.cast_signed());
-    let mut sums = _mm512_setzero_si512();
-    let (blocks, rest) = row.as_chunks::<64>();
-    for (word, block) in words.iter_mut().zip(blocks) {
-        // SAFETY: a block is 64 bytes long.
-        let bytes = unsafe { _mm512_loadu_si512(block.as_ptr().cast()) };
-        *word = _mm512_cmpge_epu8_mask(bytes, level);
-        sums = _mm512_add_epi64(sums, _mm512_sad_epu8(bytes, _mm512_setzero_si512()));
-    }
-    let sum = _mm512_reduce_add_epi64(sums).cast_unsigned();
-    sum + super::at_least(rest, cut, words.get_mut(blocks.len()..).unwrap_or(&mut []))
 }
 
 #[target_feature(enable = "avx2")]
