@@ -116,12 +116,6 @@ impl Line {
         }
     }
 
-    /// The unit tangent at sample `i`: see [`slope`](Self::slope).
-    #[inline(always)]
-    pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
-        vec2::unit_or(self.slope(i, reach), [1.0, 0.0])
-    }
-
     /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
     /// middle or, near an end, where it lies.
     #[inline(always)]
