@@ -30,13 +30,7 @@ pub(crate) fn edges(
             continue;
         }
         found[k] = match &ray {
-            Some(ray) => edge(
-                |far| Some(ray.at(side * far)),
-                levels[k],
-                seek,
-                half_px,
-                reach_px,
-            ),
+            Some(ray) => edge_along(ray, side, levels[k], seek, [half_px, reach_px]),
             None => {
                 let read = |far| {
                     let place = vec2::along(center, normal, side * far);
@@ -126,6 +120,68 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
     found
 }
 
+/// Places that are read at once where an edge is sought.
+const SOUGHT: usize = 8;
+
+/// As [`edge`], along a line that stays within the plane a step farther than `reach_px`.
+#[inline(always)]
+fn edge_along(ray: &Ray, side: f32, level: f32, seek: Seek, [half_px, reach_px]: [f32; 2]) -> Edge {
+    let (core, step) = (CORE * half_px, step_px(half_px));
+    let mut at = match seek {
+        Seek::Near => (half_px - 0.5 * step).max(core),
+        Seek::Inside => core,
+    };
+    let mut onward = step;
+    let mut far = [0.0; SOUGHT];
+    let limits = [core, reach_px + step];
+    let mut here = read_onward(ray, side, at, onward, limits, &mut far);
+    let is_inside = here[0] >= level;
+    if !is_inside {
+        onward = -step;
+        here = read_onward(ray, side, at, onward, limits, &mut far);
+    }
+    loop {
+        for k in 1..SOUGHT {
+            let is_end = if is_inside {
+                far[k - 1] >= reach_px
+            } else {
+                far[k - 1] <= core
+            };
+            if is_end {
+                return if is_inside {
+                    Edge::OutOfReach
+                } else {
+                    Edge::At(core)
+                };
+            }
+            if (here[k] >= level) != is_inside {
+                let share = (here[k - 1] - level) / (here[k - 1] - here[k]);
+                return Edge::At(far[k - 1] + (far[k] - far[k - 1]) * share);
+            }
+        }
+        at = far[SOUGHT - 1];
+        here = read_onward(ray, side, at, onward, limits, &mut far);
+    }
+}
+
+/// Fills `far` with the next places from `from` on, within limits, and reads there.
+#[inline(always)]
+fn read_onward(
+    ray: &Ray,
+    side: f32,
+    from: f32,
+    onward: f32,
+    [least, most]: [f32; 2],
+    far: &mut [f32; SOUGHT],
+) -> [f32; SOUGHT] {
+    let mut out = [0.0; SOUGHT];
+    for k in 0..SOUGHT {
+        far[k] = (from + onward * k as f32).max(least).min(most);
+        out[k] = side * far[k];
+    }
+    ray.at_each(out)
+}
+
 /// Where the difference, which `read` tells for a distance as long as it lies in the image, falls below `level`: sought
 /// from where the rope's width says that it does, inward or outward, whichever way it lies.
 #[inline(always)]
@@ -171,6 +227,64 @@ fn edge(
                 (at, value) = (inner, found);
             }
             value.map_or(Edge::OutOfImage, |_| Edge::At(core))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ray::Rays;
+    use proptest::prelude::*;
+
+    /// A rope up and down at x = 40, of this half-width and blur, as bright as a cosine and some stripes make it.
+    fn plane(half_px: f32, blur_px: f32, stripes: f32) -> Plane {
+        let mut plane = Plane::default();
+        plane.resize(80, 60);
+        for y in 0..60 {
+            for (x, byte) in plane.row_mut(y).iter_mut().enumerate() {
+                let beyond = (x as f32 - 40.0).abs() - half_px;
+                let rope = (0.5 - beyond / blur_px).clamp(0.0, 1.0);
+                let stripe = 1.0 + stripes * (1.3 * x as f32 + 0.7 * y as f32).sin();
+                *byte = (150.0 * rope * stripe) as u8;
+            }
+        }
+        plane
+    }
+
+    proptest! {
+        /// What is read at once, in lanes or along a line, is what a step after the other finds.
+        #[test]
+        fn edges_lie_where_they_are_found_step_by_step(
+            half_px in 1.0f32..9.0, wrong in 0.75f32..1.3, blur_px in 0.3f32..4.0, stripes in 0.0f32..0.4,
+            aside in -2.0f32..2.0, turn in -0.6f32..0.6, level in 30.0f32..110.0, inside: bool,
+        ) {
+            let plane = plane(half_px, blur_px, stripes);
+            let (center, normal) = ([40.0 + aside, 30.0], [turn.cos(), turn.sin()]);
+            let seek = if inside { Seek::Inside } else { Seek::Near };
+            let half_px = wrong * half_px;
+            let reach_px = 1.6 * half_px + 3.0;
+            let ray = Ray::new(&plane, center, normal, reach_px + step_px(half_px)).expect("well inside");
+            let mut rays = Rays::default();
+            rays.lay(3, center, [normal[1], -normal[0]]);
+            rays.unify();
+            let mut values = [[0.0; LANES]; PLACES];
+            rays.read(&plane, &places(half_px).map(|far| [far; LANES]), &mut values);
+            let lanes = near(&values, &[[level; LANES]; 2], half_px);
+            for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+                let read = |far: f32| Some(ray.at_each([side * far])[0]);
+                let stepwise = edge(read, level, seek, half_px, reach_px);
+                let along = edge_along(&ray, side, level, seek, [half_px, reach_px]);
+                match (stepwise, along) {
+                    // Places are told apart by 1/256 px.
+                    (Edge::At(a), Edge::At(b)) => prop_assert!((a - b).abs() < 0.05, "{a} {b}"),
+                    (Edge::OutOfReach, Edge::OutOfReach) => {}
+                    (a, b) => prop_assert!(false, "{a:?} {b:?}"),
+                }
+                if let (Edge::At(a), Seek::Near, false) = (stepwise, seek, lanes[k][3].is_nan()) {
+                    prop_assert!((a - lanes[k][3]).abs() < 0.05, "{a} {}", lanes[k][3]);
+                }
+            }
         }
     }
 }

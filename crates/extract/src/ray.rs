@@ -63,12 +63,6 @@ impl<'a> Ray<'a> {
         }
         values
     }
-
-    /// The value at a distance from the start, bilinear.
-    #[inline(always)]
-    pub(crate) fn at(&self, far_px: f32) -> f32 {
-        self.at_each([far_px])[0]
-    }
 }
 
 /// Lines that are read at once: one in each lane of the widest registers.
@@ -208,8 +202,8 @@ mod tests {
             let ray = Ray::new(&plane, [x, y], along, 12.0).expect("well inside");
             // Two coordinates rounded to 1/512 px, over steps of at most 255 levels.
             let expected = plane.sample(vec2::along([x, y], along, far));
-            prop_assert!((ray.at(far) - expected).abs() <= 2.0 * 255.0 / 512.0 + 0.1);
-            prop_assert_eq!(ray.at_each([0.0, far, -far]), [ray.at(0.0), ray.at(far), ray.at(-far)]);
+            prop_assert!((ray.at_each([far])[0] - expected).abs() <= 2.0 * 255.0 / 512.0 + 0.1);
+            prop_assert_eq!(ray.at_each([0.0, far, -far]), [0.0, far, -far].map(|far| ray.at_each([far])[0]));
         }
     }
 
