@@ -106,14 +106,7 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (x0, y0) = (x as usize, y as usize);
     let (x1, y1) = ((x0 + 1).min(right), (y0 + 1).min(bottom));
     let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    let ((a, b), (d, e)) = if image.format() == PixelFormat::Rgb8 {
-        let (top, bottom) = (image.row(y0), image.row(y1));
-        let at = |row: &[u8], x: usize| [row[3 * x], row[3 * x + 1], row[3 * x + 2]];
-        ((at(top, x0), at(top, x1)), (at(bottom, x0), at(bottom, x1)))
-    } else {
-        let at = |x: usize, y: usize| native(image, x, y);
-        ((at(x0, y0), at(x1, y0)), (at(x0, y1), at(x1, y1)))
-    };
+    let [a, b, d, e] = corners(image, [x0, x1], [y0, y1]);
     let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
     let mut color = [0.0; 3];
     for c in 0..3 {
@@ -122,6 +115,30 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
         color[c] = mix(mix(a, b, fx), mix(d, e, fx), fy);
     }
     color
+}
+
+/// The native colors of the four pixels of two columns and rows, the upper row first.
+#[inline(always)]
+fn corners(image: &Image, [x0, x1]: [usize; 2], [y0, y1]: [usize; 2]) -> [[u8; 3]; 4] {
+    // The format asked once, and each row taken once.
+    let interleaved = |order: [usize; 3]| {
+        let [upper, lower] = [image.row(y0), image.row(y1)];
+        let pixel = |row: &[u8], x: usize| {
+            let pixel = &row[3 * x..3 * x + 3];
+            [pixel[order[0]], pixel[order[1]], pixel[order[2]]]
+        };
+        [
+            pixel(upper, x0),
+            pixel(upper, x1),
+            pixel(lower, x0),
+            pixel(lower, x1),
+        ]
+    };
+    match image.format() {
+        PixelFormat::Rgb8 => interleaved([0, 1, 2]),
+        PixelFormat::Bgr8 => interleaved([2, 1, 0]),
+        _ => [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| native(image, x, y)),
+    }
 }
 
 /// The pixel as red, green and blue.

@@ -1,9 +1,9 @@
 //! The two edges of a rope in one of its cross-sections: where, from its middle outward, the difference falls below a
-//! level. A few places about where the rope's width says that they lie are read at once, for both edges; that is enough
-//! for nearly all. The rest is sought step by step.
+//! level. A few places about where the rope's width says that they lie are read at once, for both edges of many sections;
+//! that is enough for nearly all. The rest is sought step by step.
 
 use crate::plane::Plane;
-use crate::ray::Ray;
+use crate::ray::{LANES, Lanes, Ray};
 use crate::vec2::{self, Vec2};
 
 /// The part of a half-width around the center where no edge is looked for: shine lies there.
@@ -12,52 +12,34 @@ const CORE: f32 = 0.35;
 /// be lost.
 const STEP_PX: f32 = 0.5;
 
-/// The distances along −`normal` and +`normal` at which the difference falls below each level. Where the image ends
-/// before one edge, the other and the rope's width tell.
+/// The distances along −`normal` and +`normal` at which the difference falls below each level, those that are not
+/// `known` (not a number). Where the image ends before one edge, the other and the rope's width tell.
 #[inline(always)]
 pub(crate) fn edges(
     difference: &Plane,
-    center: Vec2,
-    normal: Vec2,
+    (center, normal): (Vec2, Vec2),
     levels: [f32; 2],
+    known: [f32; 2],
     seek: Seek,
-    half_px: f32,
-    reach_px: f32,
+    [half_px, reach_px]: [f32; 2],
 ) -> Option<[f32; 2]> {
-    let found = match Ray::new(difference, center, normal, reach_px + step_px(half_px)) {
-        Some(ray) => {
-            let first = half_px - (BEFORE as f32 + 0.5) * step_px(half_px);
-            let mut far = [0.0; 2 * BATCH];
-            for k in 0..BATCH {
-                let out = first + step_px(half_px) * k as f32;
-                (far[k], far[BATCH + k]) = (-out, out);
-            }
-            let values = ray.at_each(far);
-            let sides = [(-1.0, &values[..BATCH]), (1.0, &values[BATCH..])];
-            let mut found = [Edge::OutOfReach; 2];
-            for ((found, (side, values)), level) in found.iter_mut().zip(sides).zip(levels) {
-                *found = match edge_within(values, level).filter(|_| seek == Seek::Near) {
-                    Some(steps) => Edge::At(first + step_px(half_px) * steps),
-                    None => edge(
-                        |far| Some(ray.at(side * far)),
-                        level,
-                        seek,
-                        half_px,
-                        reach_px,
-                    ),
-                };
-            }
-            found
+    let ray = Ray::new(difference, center, normal, reach_px + step_px(half_px));
+    let mut found = known.map(Edge::At);
+    for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+        if !known[k].is_nan() {
+            continue;
         }
-        None => [-1.0, 1.0].map(|side| {
-            let level = levels[usize::from(side > 0.0)];
-            let read = |far| {
-                let place = vec2::along(center, normal, side * far);
-                difference.holds(place).then(|| difference.sample(place))
-            };
-            edge(read, level, seek, half_px, reach_px)
-        }),
-    };
+        found[k] = match &ray {
+            Some(ray) => edge_along(ray, side, levels[k], seek, [half_px, reach_px]),
+            None => {
+                let read = |far| {
+                    let place = vec2::along(center, normal, side * far);
+                    difference.holds(place).then(|| difference.sample(place))
+                };
+                edge(read, levels[k], seek, half_px, reach_px)
+            }
+        };
+    }
     match found {
         [Edge::At(left), Edge::At(right)] => Some([left, right]),
         [Edge::At(left), Edge::OutOfImage] => Some([left, 2.0 * half_px - left]),
@@ -87,31 +69,117 @@ enum Edge {
 /// any edge lies farther off.
 const BATCH: usize = 4;
 const BEFORE: usize = 1;
+/// Both edges' places.
+pub(crate) const PLACES: usize = 2 * BATCH;
 
 /// Distance between the places of a section that are read.
 fn step_px(half_px: f32) -> f32 {
     (half_px / 12.0).max(STEP_PX)
 }
 
-/// Where among `values`, read from the inside outward at equal steps, the edge lies, in steps; as `edge` seeks it.
+/// The first place that is read at an edge.
+fn first_px(half_px: f32) -> f32 {
+    half_px - (BEFORE as f32 + 0.5) * step_px(half_px)
+}
+
+/// Where the values for [`near`] are read: from the inside outward, the −normal's first.
+pub(crate) fn places(half_px: f32) -> [f32; PLACES] {
+    std::array::from_fn(|k| {
+        let out = first_px(half_px) + step_px(half_px) * (k % BATCH) as f32;
+        if k < BATCH { -out } else { out }
+    })
+}
+
+/// How far that is from the middle at most.
+pub(crate) fn reach_px(half_px: f32) -> f32 {
+    first_px(half_px) + step_px(half_px) * BATCH as f32
+}
+
+/// The distances of both edges in each lane, as [`edges`] seeks them near where the rope's width says that they are; not
+/// a number where they lie farther off.
 #[inline(always)]
-fn edge_within(values: &[f32], level: f32) -> Option<f32> {
-    let mut outside = 0u32;
-    for (k, value) in values.iter().enumerate() {
-        outside |= u32::from(*value < level) << k;
+pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) -> [Lanes; 2] {
+    let mut found = [[f32::NAN; LANES]; 2];
+    let (left, right) = values.split_at(BATCH);
+    for ((found, values), levels) in found.iter_mut().zip([left, right]).zip(levels) {
+        for l in 0..LANES {
+            let level = levels[l];
+            let is_in = |k: usize| values[k][l] >= level;
+            // From the start outward, or inward, whichever way the edge lies: the first step that crosses the level.
+            let mut steps = f32::NAN;
+            for k in (0..BATCH - 1).rev() {
+                let (high, low) = (values[k][l], values[k + 1][l]);
+                let is_next = is_in(k) & !is_in(k + 1);
+                let is_sought = is_in(BEFORE) == (k >= BEFORE);
+                let here = k as f32 + (high - level) / (high - low);
+                steps = if is_next & is_sought { here } else { steps };
+            }
+            found[l] = first_px(half_px) + step_px(half_px) * steps;
+        }
     }
-    // The bits up to the start, and those beyond it.
-    let up_to = (2 << BEFORE) - 1;
-    let outer = if outside >> BEFORE & 1 == 0 {
-        (outside & !up_to).trailing_zeros()
-    } else {
-        u32::BITS - (!outside & up_to).leading_zeros()
-    } as usize;
-    if outer == 0 || outer >= values.len() {
-        return None;
+    found
+}
+
+/// Places that are read at once where an edge is sought.
+const SOUGHT: usize = 8;
+
+/// As [`edge`], along a line that stays within the plane a step farther than `reach_px`.
+#[inline(always)]
+fn edge_along(ray: &Ray, side: f32, level: f32, seek: Seek, [half_px, reach_px]: [f32; 2]) -> Edge {
+    let (core, step) = (CORE * half_px, step_px(half_px));
+    let mut at = match seek {
+        Seek::Near => (half_px - 0.5 * step).max(core),
+        Seek::Inside => core,
+    };
+    let mut onward = step;
+    let mut far = [0.0; SOUGHT];
+    let limits = [core, reach_px + step];
+    let mut here = read_onward(ray, side, at, onward, limits, &mut far);
+    let is_inside = here[0] >= level;
+    if !is_inside {
+        onward = -step;
+        here = read_onward(ray, side, at, onward, limits, &mut far);
     }
-    let (high, low) = (values[outer - 1], values[outer]);
-    Some((outer - 1) as f32 + (high - level) / (high - low))
+    loop {
+        for k in 1..SOUGHT {
+            let is_end = if is_inside {
+                far[k - 1] >= reach_px
+            } else {
+                far[k - 1] <= core
+            };
+            if is_end {
+                return if is_inside {
+                    Edge::OutOfReach
+                } else {
+                    Edge::At(core)
+                };
+            }
+            if (here[k] >= level) != is_inside {
+                let share = (here[k - 1] - level) / (here[k - 1] - here[k]);
+                return Edge::At(far[k - 1] + (far[k] - far[k - 1]) * share);
+            }
+        }
+        at = far[SOUGHT - 1];
+        here = read_onward(ray, side, at, onward, limits, &mut far);
+    }
+}
+
+/// Fills `far` with the next places from `from` on, within limits, and reads there.
+#[inline(always)]
+fn read_onward(
+    ray: &Ray,
+    side: f32,
+    from: f32,
+    onward: f32,
+    [least, most]: [f32; 2],
+    far: &mut [f32; SOUGHT],
+) -> [f32; SOUGHT] {
+    let mut out = [0.0; SOUGHT];
+    for k in 0..SOUGHT {
+        far[k] = (from + onward * k as f32).max(least).min(most);
+        out[k] = side * far[k];
+    }
+    ray.at_each(out)
 }
 
 /// Where the difference, which `read` tells for a distance as long as it lies in the image, falls below `level`: sought
@@ -159,6 +227,64 @@ fn edge(
                 (at, value) = (inner, found);
             }
             value.map_or(Edge::OutOfImage, |_| Edge::At(core))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ray::Rays;
+    use proptest::prelude::*;
+
+    /// A rope up and down at x = 40, of this half-width and blur, as bright as a cosine and some stripes make it.
+    fn plane(half_px: f32, blur_px: f32, stripes: f32) -> Plane {
+        let mut plane = Plane::default();
+        plane.resize(80, 60);
+        for y in 0..60 {
+            for (x, byte) in plane.row_mut(y).iter_mut().enumerate() {
+                let beyond = (x as f32 - 40.0).abs() - half_px;
+                let rope = (0.5 - beyond / blur_px).clamp(0.0, 1.0);
+                let stripe = 1.0 + stripes * (1.3 * x as f32 + 0.7 * y as f32).sin();
+                *byte = (150.0 * rope * stripe) as u8;
+            }
+        }
+        plane
+    }
+
+    proptest! {
+        /// What is read at once, in lanes or along a line, is what a step after the other finds.
+        #[test]
+        fn edges_lie_where_they_are_found_step_by_step(
+            half_px in 1.0f32..9.0, wrong in 0.75f32..1.3, blur_px in 0.3f32..4.0, stripes in 0.0f32..0.4,
+            aside in -2.0f32..2.0, turn in -0.6f32..0.6, level in 30.0f32..110.0, inside: bool,
+        ) {
+            let plane = plane(half_px, blur_px, stripes);
+            let (center, normal) = ([40.0 + aside, 30.0], [turn.cos(), turn.sin()]);
+            let seek = if inside { Seek::Inside } else { Seek::Near };
+            let half_px = wrong * half_px;
+            let reach_px = 1.6 * half_px + 3.0;
+            let ray = Ray::new(&plane, center, normal, reach_px + step_px(half_px)).expect("well inside");
+            let mut rays = Rays::default();
+            rays.lay(3, center, [normal[1], -normal[0]]);
+            rays.unify();
+            let mut values = [[0.0; LANES]; PLACES];
+            rays.read(&plane, &places(half_px).map(|far| [far; LANES]), &mut values);
+            let lanes = near(&values, &[[level; LANES]; 2], half_px);
+            for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+                let read = |far: f32| Some(ray.at_each([side * far])[0]);
+                let stepwise = edge(read, level, seek, half_px, reach_px);
+                let along = edge_along(&ray, side, level, seek, [half_px, reach_px]);
+                match (stepwise, along) {
+                    // Places are told apart by 1/256 px.
+                    (Edge::At(a), Edge::At(b)) => prop_assert!((a - b).abs() < 0.05, "{a} {b}"),
+                    (Edge::OutOfReach, Edge::OutOfReach) => {}
+                    (a, b) => prop_assert!(false, "{a:?} {b:?}"),
+                }
+                if let (Edge::At(a), Seek::Near, false) = (stepwise, seek, lanes[k][3].is_nan()) {
+                    prop_assert!((a - lanes[k][3]).abs() < 0.05, "{a} {}", lanes[k][3]);
+                }
+            }
         }
     }
 }

@@ -61,6 +61,7 @@ mod clearance;
 mod color;
 mod complete;
 mod components;
+mod contrast;
 mod cover;
 mod crossings;
 mod difference;

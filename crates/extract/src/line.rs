@@ -116,18 +116,18 @@ impl Line {
         }
     }
 
-    /// The unit tangent at sample `i`: that of the parabola through three samples `reach` apart, `i` in the middle or,
-    /// near an end, where it lies.
+    /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
+    /// middle or, near an end, where it lies.
     #[inline(always)]
-    pub(crate) fn tangent(&self, i: usize, reach: usize) -> Vec2 {
+    pub(crate) fn slope(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
         let at = |i: usize| self.samples[i].at;
-        if (reach..n.saturating_sub(reach)).contains(&i) {
-            return vec2::unit_or(vec2::sub(at(i + reach), at(i - reach)), [1.0, 0.0]);
+        if i >= reach && i + reach < n {
+            return vec2::sub(at(i + reach), at(i - reach));
         }
         if self.closed {
             let (a, b) = ((i + n - reach % n) % n, (i + reach) % n);
-            return vec2::unit_or(vec2::sub(at(b), at(a)), [1.0, 0.0]);
+            return vec2::sub(at(b), at(a));
         }
         let reach = reach.min((n - 1) / 2).max(1);
         let middle = i.clamp(
@@ -137,11 +137,10 @@ impl Line {
         let (a, b) = (middle.saturating_sub(reach), (middle + reach).min(n - 1));
         let (back, ahead) = (vec2::sub(at(middle), at(a)), vec2::sub(at(b), at(middle)));
         let aside = (i as f32 - middle as f32) / reach as f32;
-        let slope = vec2::add(
+        vec2::add(
             vec2::scale(back, 0.5 - aside),
             vec2::scale(ahead, 0.5 + aside),
-        );
-        vec2::unit_or(slope, [1.0, 0.0])
+        )
     }
 }
 

@@ -1,5 +1,5 @@
-//! Reading a plane along a straight line that lies well inside of it: no clamping, and positions in 1/256 px, which
-//! the sum with a power of two leaves in the lowest bits of a float.
+//! Reading a plane along straight lines that lie well inside of it: no clamping, and positions in 1/256 px, which
+//! the sum with a power of two leaves in the lowest bits of a float. One line at a time, or one in each lane of a register.
 
 use crate::plane::Plane;
 use crate::vec2::Vec2;
@@ -52,31 +52,123 @@ impl<'a> Ray<'a> {
             y[k] = (self.from[1] + far_px[k] * self.along[1] + FIX).to_bits();
             first[k] = (y[k] >> PLACES & WHOLE) * self.row + (x[k] >> PLACES & WHOLE);
         }
-        let (mut top, mut low) = ([0; N], [0; N]);
-        for k in 0..N {
-            let at = first[k] as usize;
-            top[k] = pair(self.bytes, at);
-            low[k] = pair(self.below, at);
+        let mut fours = [0; N];
+        for (four, &at) in fours.iter_mut().zip(&first) {
+            let at = at as usize;
+            *four = pair(self.bytes, at) | pair(self.below, at) << 16;
         }
         let mut values = [0.0; N];
         for k in 0..N {
-            let part = |c: u32| (c & PART) as i32 as f32 * (1.0 / (PART + 1) as f32);
-            let mix = |pair: u32| {
-                let [a, b] = [pair & 0xff, pair >> 8];
-                let [a, b] = [a as i32 as f32, b as i32 as f32];
-                a + part(x[k]) * (b - a)
-            };
-            let (top, low) = (mix(top[k]), mix(low[k]));
-            values[k] = top + part(y[k]) * (low - top);
+            values[k] = mix(fours[k], x[k], y[k]);
         }
         values
     }
+}
 
-    /// The value at a distance from the start, bilinear.
+/// Lines that are read at once: one in each lane of the widest registers.
+pub(crate) const LANES: usize = 16;
+/// A number for each of them.
+pub(crate) type Lanes = [f32; LANES];
+
+/// As many lines through a plane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Rays {
+    pub(crate) from: [Lanes; 2],
+    /// Their directions, units.
+    pub(crate) along: [Lanes; 2],
+}
+
+impl Rays {
+    /// Lays line `lane` through `from`, at right angles to `slope`, which need be no unit until [`unify`](Self::unify).
     #[inline(always)]
-    pub(crate) fn at(&self, far_px: f32) -> f32 {
-        self.at_each([far_px])[0]
+    pub(crate) fn lay(&mut self, lane: usize, from: Vec2, slope: Vec2) {
+        (self.from[0][lane], self.from[1][lane]) = (from[0], from[1]);
+        (self.along[0][lane], self.along[1][lane]) = (-slope[1], slope[0]);
     }
+
+    /// Makes units of the directions.
+    #[inline(always)]
+    pub(crate) fn unify(&mut self) {
+        let [along_x, along_y] = &mut self.along;
+        for (x, y) in along_x.iter_mut().zip(along_y) {
+            let length = (*x * *x + *y * *y).sqrt();
+            let (has, share) = (length > 1e-6, 1.0 / length);
+            // The normal of what has no direction, as if it ran to the right.
+            (*x, *y) = (
+                if has { *x * share } else { 0.0 },
+                if has { *y * share } else { 1.0 },
+            );
+        }
+    }
+
+    /// Line `lane`.
+    #[inline(always)]
+    pub(crate) fn line(&self, lane: usize) -> (Vec2, Vec2) {
+        let of = |both: &[Lanes; 2]| [both[0][lane], both[1][lane]];
+        (of(&self.from), of(&self.along))
+    }
+
+    /// Which of the lines stay within the plane to `reach_px` to either side.
+    #[inline(always)]
+    pub(crate) fn are_inside(&self, plane: &Plane, reach_px: f32) -> [bool; LANES] {
+        let right = (plane.width() as f32).min(FIX) - 2.0;
+        let bottom = (plane.height() as f32).min(FIX) - 2.0;
+        let mut inside = [false; LANES];
+        for (l, inside) in inside.iter_mut().enumerate() {
+            let (x, y) = (self.from[0][l], self.from[1][l]);
+            let left_or_top = (x >= reach_px) & (y >= reach_px);
+            *inside = left_or_top & (x + reach_px < right) & (y + reach_px < bottom);
+        }
+        inside
+    }
+
+    /// Fills `values` with those at some distances along each line, as [`Ray::at_each`] reads them; what is read along
+    /// a line that leaves the plane means nothing.
+    #[inline(always)]
+    pub(crate) fn read<const K: usize>(
+        &self,
+        plane: &Plane,
+        far_px: &[Lanes; K],
+        values: &mut [Lanes; K],
+    ) {
+        let (bytes, width) = (plane.bytes(), plane.width());
+        let row = width as u32;
+        let (Some(below), Some(last)) = (bytes.get(width..), bytes.len().checked_sub(width + 2))
+        else {
+            return;
+        };
+        // Three loops, so that only the one that fetches goes pixel by pixel.
+        let (mut first, mut fours) = ([[0; LANES]; K], [[0; LANES]; K]);
+        let (mut x, mut y) = ([[0; LANES]; K], [[0; LANES]; K]);
+        for k in 0..K {
+            for l in 0..LANES {
+                x[k][l] = (self.from[0][l] + far_px[k][l] * self.along[0][l] + FIX).to_bits();
+                y[k][l] = (self.from[1][l] + far_px[k][l] * self.along[1][l] + FIX).to_bits();
+                let at = (y[k][l] >> PLACES & WHOLE) * row + (x[k][l] >> PLACES & WHOLE);
+                first[k][l] = at.min(last as u32);
+            }
+        }
+        let flat = fours.as_flattened_mut().iter_mut();
+        for (four, &at) in flat.zip(first.as_flattened()) {
+            let at = at as usize;
+            *four = pair(bytes, at) | pair(below, at) << 16;
+        }
+        for k in 0..K {
+            for l in 0..LANES {
+                values[k][l] = mix(fours[k][l], x[k][l], y[k][l]);
+            }
+        }
+    }
+}
+
+/// Between four pixels: the two of the upper row in the lower bytes.
+#[inline(always)]
+fn mix(four: u32, x: u32, y: u32) -> f32 {
+    let part = |c: u32| (c & PART) as i32 as f32 * (1.0 / (PART + 1) as f32);
+    let byte = |k: u32| (four >> (8 * k) & 0xff) as i32 as f32;
+    let top = byte(0) + part(x) * (byte(1) - byte(0));
+    let low = byte(2) + part(x) * (byte(3) - byte(2));
+    top + part(y) * (low - top)
 }
 
 /// Two bytes side by side.
@@ -110,8 +202,29 @@ mod tests {
             let ray = Ray::new(&plane, [x, y], along, 12.0).expect("well inside");
             // Two coordinates rounded to 1/512 px, over steps of at most 255 levels.
             let expected = plane.sample(vec2::along([x, y], along, far));
-            prop_assert!((ray.at(far) - expected).abs() <= 2.0 * 255.0 / 512.0 + 0.1);
-            prop_assert_eq!(ray.at_each([0.0, far, -far]), [ray.at(0.0), ray.at(far), ray.at(-far)]);
+            prop_assert!((ray.at_each([far])[0] - expected).abs() <= 2.0 * 255.0 / 512.0 + 0.1);
+            prop_assert_eq!(ray.at_each([0.0, far, -far]), [0.0, far, -far].map(|far| ray.at_each([far])[0]));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn many_lines_read_what_each_of_them_does(places in proptest::array::uniform16((0.0f32..61.0, 0.0f32..47.0, -3.0f32..3.0, 0.0f32..12.0)), reach in 1.0f32..12.0) {
+            let (plane, mut rays, mut far) = (plane(), Rays::default(), [[0.0; LANES]; 3]);
+            for (l, (x, y, turn, away)) in places.into_iter().enumerate() {
+                (rays.from[0][l], rays.from[1][l]) = (x, y);
+                (rays.along[0][l], rays.along[1][l]) = (turn.cos(), turn.sin());
+                (far[1][l], far[2][l]) = (away.min(reach), -away.min(reach));
+            }
+            let (inside, mut values) = (rays.are_inside(&plane, reach), [[0.0; LANES]; 3]);
+            rays.read(&plane, &far, &mut values);
+            for (l, (x, y, turn, _)) in places.into_iter().enumerate() {
+                let ray = Ray::new(&plane, [x, y], [turn.cos(), turn.sin()], reach);
+                prop_assert_eq!(ray.is_some(), inside[l]);
+                if let Some(ray) = ray {
+                    prop_assert_eq!([0, 1, 2].map(|k| values[k][l]), ray.at_each([0, 1, 2].map(|k| far[k][l])));
+                }
+            }
         }
     }
 

@@ -9,10 +9,11 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::contrast::Contrast;
 use crate::edge::{self, Seek};
 use crate::line::{Line, Sample};
 use crate::plane::Plane;
-use crate::ray::Ray;
+use crate::ray::{LANES, Lanes, Rays};
 use crate::shading::Shading;
 use crate::vec2::{self, Vec2};
 
@@ -20,8 +21,6 @@ use crate::vec2::{self, Vec2};
 const REACH: f32 = 1.6;
 /// The same in an overlap, where the other strand may lie in between.
 const BESIDE: f32 = 3.4;
-/// Places in half-widths across the rope whose mean is its contrast.
-const MIDDLE: [f32; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
 /// Half-widths from an end within which a section may run through the corners of a tip.
 const TIP: f32 = 1.5;
 /// How much a section's width may differ from the median one that moves a line, as a factor.
@@ -33,9 +32,8 @@ const TIP_HALVES: f32 = 2.0;
 /// Memory of the measuring.
 #[derive(Debug, Default)]
 pub(crate) struct Sections {
-    /// The rope's own difference from the table at every so-many-th sample.
-    contrast: Vec<f32>,
-    window: Vec<f32>,
+    contrast: Contrast,
+    widths: Vec<f32>,
     /// What was found at which sample.
     found: Vec<(usize, Option<Found>)>,
 }
@@ -93,22 +91,16 @@ impl WithSimd for Finding<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         self.sections
-            .find_in(self.line, self.difference, self.how, self.part);
+            .find_in(simd, self.line, self.difference, self.how, self.part);
     }
 }
 
 impl Measure {
     /// Samples to either side that a tangent is taken over.
-    fn tangent_reach(&self) -> usize {
+    pub(crate) fn tangent_reach(&self) -> usize {
         ((self.half_px / self.step_px) as usize).max(2)
-    }
-
-    /// Samples to either side whose contrast counts at a place, and from one of these to the next.
-    fn contrast_reach(&self) -> (usize, usize) {
-        let reach = ((6.0 * self.half_px / self.step_px) as usize).max(4);
-        (reach, (reach / 6).max(1))
     }
 
     /// Whether the width is that of one rope.
@@ -164,20 +156,20 @@ impl Sections {
         difference: &Plane,
         how: Measure,
     ) -> Option<f32> {
-        let (_, every) = how.contrast_reach();
+        let (_, every) = Contrast::reach(how);
         let all = Part::all(0..line.samples.len(), 0);
         self.find(line, difference, how, Part { every, ..all });
-        self.window.clear();
+        self.widths.clear();
         let sure = self
             .found
             .iter()
             .filter(|(i, _)| line.samples[*i].weight >= 1.0);
-        self.window
+        self.widths
             .extend(sure.filter_map(|(_, found)| found.map(|f| f.width_px)));
-        if self.window.is_empty() {
+        if self.widths.is_empty() {
             return None;
         }
-        let median_px = crate::background::median(&mut self.window);
+        let median_px = crate::background::median(&mut self.widths);
         // What differs from the others is no section of the rope alone.
         let alike = Measure {
             half_px: 0.5 * median_px,
@@ -222,126 +214,129 @@ impl Sections {
     }
 
     #[inline(always)]
-    fn find_in(&mut self, line: &Line, difference: &Plane, how: Measure, part: Part) {
-        self.measure_contrast(line, difference, how, &part.range);
-        let (around, stride) = how.contrast_reach();
+    fn find_in<S: Simd>(
+        &mut self,
+        simd: S,
+        line: &Line,
+        difference: &Plane,
+        how: Measure,
+        part: Part,
+    ) {
+        self.contrast
+            .measure(simd, line, difference, how, &part.range);
         let reach = how.tangent_reach();
-        let last = self.contrast.len().saturating_sub(1);
-        let nearest = |i: usize| ((i + stride / 2) / stride).min(last);
-        let first = nearest(part.range.start).saturating_sub(around / stride);
-        let mut known = first..first;
-        let (mut block, mut contrast) = (usize::MAX, 0.0);
-        self.window.clear();
         self.found.clear();
-        for i in part.range.step_by(part.every) {
+        let mut group = Group::default();
+        for i in part.range.clone().step_by(part.every) {
+            self.found.push((i, None));
             let sample = &line.samples[i];
             if sample.weight <= 0.0 {
-                self.found.push((i, None));
                 continue;
             }
-            if nearest(i) != block {
-                block = nearest(i);
-                contrast = self.contrast_near(block, line, how, &mut known);
+            let contrast = self.contrast.at(i);
+            let l = group.count;
+            group.rays.lay(l, sample.at, line.slope(i, reach));
+            for (levels, share) in group.levels.iter_mut().zip(how.shading.shares) {
+                levels[l] = share * contrast;
             }
-            let is_tip = i < part.tip || i + part.tip >= line.samples.len();
-            let seek = if is_tip { Seek::Inside } else { Seek::Near };
-            let levels = how.shading.shares.map(|share| share * contrast);
-            let normal = vec2::normal(line.tangent(i, reach));
-            let found = section(difference, sample, normal, levels, seek, how.half_px);
-            self.found
-                .push((i, found.filter(|found| how.is_plausible(found.width_px))));
+            group.slots[l] = self.found.len() - 1;
+            group.count += 1;
+            if group.count == LANES {
+                group.measure(line, difference, how, part.tip, &mut self.found);
+            }
         }
+        group.measure(line, difference, how, part.tip, &mut self.found);
     }
+}
 
-    /// The rope's own difference from the table at every so-many-th sample that counts for `part`.
+/// Sections that are taken at once, one in each lane.
+#[derive(Debug, Default)]
+struct Group {
+    rays: Rays,
+    /// Those of the edges.
+    levels: [Lanes; 2],
+    /// Where among all sections each stands.
+    slots: [usize; LANES],
+    count: usize,
+}
+
+impl Group {
+    /// Fills in what is found of the group's sections, and empties it.
     #[inline(always)]
-    fn measure_contrast(
+    fn measure(
         &mut self,
         line: &Line,
         difference: &Plane,
         how: Measure,
-        part: &Range<usize>,
+        tip: usize,
+        found: &mut [(usize, Option<Found>)],
     ) {
-        let (reach, stride) = how.contrast_reach();
-        let tangent_reach = how.tangent_reach();
-        let counts = part.start.saturating_sub(reach + stride)..part.end + reach + stride;
-        self.contrast.clear();
-        for i in (0..line.samples.len()).step_by(stride) {
-            let sample = &line.samples[i];
-            if !counts.contains(&i) {
-                self.contrast.push(0.0);
-                continue;
-            }
-            let normal = vec2::normal(line.tangent(i, tangent_reach));
-            let places = MIDDLE.map(|k| k * how.half_px);
-            let values = match Ray::new(difference, sample.at, normal, how.half_px) {
-                Some(ray) => ray.at_each(places),
-                None => difference.sample_each(sample.at, normal, places),
+        let half_px = how.half_px;
+        let far = edge::places(half_px).map(|far| [far; LANES]);
+        let mut values = [[0.0; LANES]; edge::PLACES];
+        self.rays.unify();
+        self.rays.read(difference, &far, &mut values);
+        let edges = edge::near(&values, &self.levels, half_px);
+        let inside = self.rays.are_inside(difference, edge::reach_px(half_px));
+        for l in 0..self.count {
+            let (i, found) = &mut found[self.slots[l]];
+            let is_tip = *i < tip || *i + tip >= line.samples.len();
+            let seek = if is_tip { Seek::Inside } else { Seek::Near };
+            let is_known = inside[l] && !is_tip;
+            let known = edges.map(|edges| if is_known { edges[l] } else { f32::NAN });
+            let levels = self.levels.map(|levels| levels[l]);
+            let section = Section {
+                sample: &line.samples[*i],
+                normal: self.rays.line(l).1,
+                half_px,
             };
-            self.contrast
-                .push(values.iter().sum::<f32>() / MIDDLE.len() as f32);
+            *found = section.find(difference, levels, known, seek);
+            *found = found.filter(|found| how.is_plausible(found.width_px));
         }
-    }
-
-    /// The median contrast of the visible samples within three widths of the one whose contrast stands at `k`; `k` grows
-    /// from call to call, from that of `known`, the range that `window` holds in order.
-    #[inline(always)]
-    fn contrast_near(
-        &mut self,
-        k: usize,
-        line: &Line,
-        how: Measure,
-        known: &mut Range<usize>,
-    ) -> f32 {
-        let (reach, stride) = how.contrast_reach();
-        let around = reach / stride;
-        let wanted = k.saturating_sub(around)..(k + around + 1).min(self.contrast.len());
-        let place = |window: &[f32], value: f32| window.partition_point(|&other| other < value);
-        for j in known.start..wanted.start.min(known.end) {
-            if line.samples[j * stride].weight > 0.0 {
-                let place = place(&self.window, self.contrast[j]);
-                self.window.remove(place);
-            }
-        }
-        for j in known.end.max(wanted.start)..wanted.end {
-            if line.samples[j * stride].weight > 0.0 {
-                let place = place(&self.window, self.contrast[j]);
-                self.window.insert(place, self.contrast[j]);
-            }
-        }
-        *known = wanted;
-        let median = self.window.get(self.window.len() / 2);
-        median.unwrap_or(&self.contrast[k]).max(2.0)
+        self.count = 0;
     }
 }
 
 /// The section at a sample.
-#[inline(always)]
-fn section(
-    difference: &Plane,
-    sample: &Sample,
+struct Section<'a> {
+    sample: &'a Sample,
     normal: Vec2,
-    levels: [f32; 2],
-    seek: Seek,
     half_px: f32,
-) -> Option<Found> {
-    let overlap = sample.weight < 1.0;
-    let reach_px = if overlap { BESIDE } else { REACH } * half_px + 3.0;
-    let [left, right] = edge::edges(
-        difference, sample.at, normal, levels, seek, half_px, reach_px,
-    )?;
-    // Of two strands side by side, this one lies half the rest of the width aside.
-    let rest = (left + right - 2.0 * half_px).max(0.0);
-    let (aside, width_px) = if overlap {
-        (0.5 * sample.side * rest, (left + right - rest).max(0.1))
-    } else {
-        (0.0, left + right)
-    };
-    let far = rest > 2.4 * half_px;
-    Some(Found {
-        center: vec2::along(sample.at, normal, 0.5 * (right - left) + aside),
-        width_px: if overlap && far { 0.0 } else { width_px },
-    })
+}
+
+impl Section<'_> {
+    /// Its middle and its width, by the edges that are `known`, and those that are not.
+    #[inline(always)]
+    fn find(
+        &self,
+        difference: &Plane,
+        levels: [f32; 2],
+        known: [f32; 2],
+        seek: Seek,
+    ) -> Option<Found> {
+        let (half_px, at) = (self.half_px, self.sample.at);
+        let overlap = self.sample.weight < 1.0;
+        let [left, right] = if known[0].is_nan() || known[1].is_nan() {
+            let reach_px = if overlap { BESIDE } else { REACH } * half_px + 3.0;
+            let line = (at, self.normal);
+            edge::edges(difference, line, levels, known, seek, [half_px, reach_px])?
+        } else {
+            known
+        };
+        // Of two strands side by side, this one lies half the rest of the width aside.
+        let rest = (left + right - 2.0 * half_px).max(0.0);
+        let (aside, width_px) = if overlap {
+            let aside = 0.5 * self.sample.side * rest;
+            (aside, (left + right - rest).max(0.1))
+        } else {
+            (0.0, left + right)
+        };
+        let far = rest > 2.4 * half_px;
+        Some(Found {
+            center: vec2::along(at, self.normal, 0.5 * (right - left) + aside),
+            width_px: if overlap && far { 0.0 } else { width_px },
+        })
+    }
 }
 
 /// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:

@@ -8,11 +8,10 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::line::{Line, Sample};
+use crate::line::Line;
 use crate::plane::Plane;
-use crate::ray::Ray;
+use crate::ray::{LANES, Lanes, Rays};
 use crate::section::Measure;
-use crate::vec2::{self, Vec2};
 
 /// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
 const BLURS: std::ops::RangeInclusive<f32> = 0.5..=8.0;
@@ -24,13 +23,13 @@ const LEAST_REACH: f32 = 0.4;
 const HOP_PX: f32 = 0.5;
 const INSIDE: usize = 24;
 const OUTSIDE: usize = 8;
-/// Samples that are read at once, and how many that makes across an edge.
-const BATCH: usize = 8;
+/// Places on either side that are read at once, and how many that makes across an edge.
+const BATCH: usize = 4;
 const PLACES: usize = (INSIDE + OUTSIDE + 1).next_multiple_of(BATCH);
 /// Positions across half of the rope, those of the fit.
 const POSITIONS: usize = 6;
-/// Sections that are read along one rope.
-const SECTIONS: usize = 64;
+/// Sections that are read along one rope: so many that a camera's noise of 4 levels adds less than one to their mean.
+const SECTIONS: usize = 2 * LANES;
 /// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
 const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 
@@ -99,6 +98,14 @@ struct Profile {
     half_px: f32,
 }
 
+/// Sections that are read at once.
+#[derive(Debug, Default)]
+struct Group {
+    rays: Rays,
+    half_px: Lanes,
+    count: usize,
+}
+
 /// What fills a profile, for the widest registers.
 struct Reading<'a> {
     mean: &'a mut Profile,
@@ -130,39 +137,57 @@ impl Profile {
     /// Reads some of the line's sections outside of crossings, evenly spread.
     #[inline(always)]
     fn read(&mut self, line: &Line, difference: &Plane, how: Measure) {
-        let reach = ((how.half_px / how.step_px) as usize).max(2);
-        let stride = (line.samples.len() / SECTIONS).max(1);
-        let mut count = 0.0;
-        for i in (0..line.samples.len()).step_by(stride) {
-            let sample = &line.samples[i];
+        let reach = how.tangent_reach();
+        let stride = line.samples.len().div_ceil(SECTIONS).max(1);
+        let mut group = Group::default();
+        let mut count = 0;
+        for (i, sample) in line.samples.iter().enumerate().step_by(stride) {
             if sample.weight >= 1.0 {
-                self.add(sample, vec2::normal(line.tangent(i, reach)), difference);
-                count += 1.0;
+                let l = group.count;
+                group.rays.lay(l, sample.at, line.slope(i, reach));
+                group.half_px[l] = 0.5 * sample.width_px;
+                self.half_px += group.half_px[l];
+                (group.count, count) = (l + 1, count + 1);
+                if group.count == LANES {
+                    self.add(&mut group, difference);
+                }
             }
         }
-        self.half_px /= f32::max(count, 1.0);
+        if group.count > 0 {
+            self.add(&mut group, difference);
+        }
+        self.half_px /= count.max(1) as f32;
     }
 
+    /// Adds the sections of the group, and empties it.
     #[inline(always)]
-    fn add(&mut self, sample: &Sample, normal: Vec2, difference: &Plane) {
-        let half_px = 0.5 * sample.width_px;
-        self.half_px += half_px;
-        let reach_px = half_px + HOP_PX * (PLACES - INSIDE) as f32;
-        let ray = Ray::new(difference, sample.at, normal, reach_px);
-        for (levels, side) in self.levels.iter_mut().zip([-1.0, 1.0]) {
-            for first in (self.first..PLACES).step_by(BATCH) {
-                let mut far = [0.0; BATCH];
-                for (k, far) in far.iter_mut().enumerate() {
-                    let out = half_px + HOP_PX * ((first + k) as f32 - INSIDE as f32);
-                    *far = side * out.max(0.0);
+    fn add(&mut self, group: &mut Group, difference: &Plane) {
+        group.rays.unify();
+        let count = std::mem::take(&mut group.count);
+        let widest_px = group.half_px[..count]
+            .iter()
+            .fold(0.0, |a, &b| f32::max(a, b));
+        let reach_px = widest_px + HOP_PX * (PLACES - INSIDE) as f32;
+        let inside = group.rays.are_inside(difference, reach_px);
+        let (mut far, mut values) = ([[0.0; LANES]; 2 * BATCH], [[0.0; LANES]; 2 * BATCH]);
+        for first in (self.first..PLACES).step_by(BATCH) {
+            let (left, right) = far.split_at_mut(BATCH);
+            for (k, (left, right)) in left.iter_mut().zip(right).enumerate() {
+                let beyond_px = HOP_PX * ((first + k) as f32 - INSIDE as f32);
+                for l in 0..LANES {
+                    let out = (group.half_px[l] + beyond_px).max(0.0);
+                    (left[l], right[l]) = (-out, out);
                 }
-                let read = match &ray {
-                    Some(ray) => ray.at_each(far),
-                    None => difference.sample_each(sample.at, normal, far),
-                };
-                for (sum, level) in levels[first..first + BATCH].iter_mut().zip(read) {
-                    *sum += level;
+            }
+            group.rays.read(difference, &far, &mut values);
+            for l in (0..count).filter(|&l| !inside[l]) {
+                let (from, along) = group.rays.line(l);
+                for (values, far) in values.iter_mut().zip(&far) {
+                    [values[l]] = difference.sample_each(from, along, [far[l]]);
                 }
+            }
+            for (k, row) in values.iter().enumerate() {
+                self.levels[k / BATCH][first + k % BATCH] += row[..count].iter().sum::<f32>();
             }
         }
     }
