@@ -29,7 +29,7 @@ const PLACES: usize = (INSIDE + OUTSIDE + 1).next_multiple_of(BATCH);
 /// Positions across half of the rope, those of the fit.
 const POSITIONS: usize = 6;
 /// Sections that are read along one rope: so many that a camera's noise of 4 levels adds less than one to their mean.
-const SECTIONS: usize = 2 * LANES;
+const SECTIONS: usize = 4 * LANES;
 /// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
 const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 
