@@ -1,43 +1,58 @@
 //! A descriptor as the JSON object that `lariat trace` and `lariat fit` print.
 
-use lariat_fit::{Fit, Fitter};
+use lariat_fit::{Basis, Curve, Fit};
 use serde::Serialize;
 
 /// The keys are part of what users build on.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Descriptor {
-    pub(crate) basis: String,
+    pub(crate) basis: &'static str,
     pub(crate) order: usize,
     pub(crate) control_points: Vec<[f64; 2]>,
+    /// Of the control points: of rational curves only.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) weights: Vec<f64>,
+    /// All of them, from 0 to 1: of B-splines only.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) knots: Vec<f64>,
     pub(crate) rms_px: f64,
     pub(crate) max_px: f64,
+    /// σ²: one coordinate's.
+    pub(crate) residual_variance: f64,
+    /// The least certain control point's standard deviation, by σ.
+    pub(crate) noise_gain: f64,
     pub(crate) condition: f64,
+    #[serde(skip)]
+    family: Basis,
 }
 
 impl Descriptor {
-    /// The fitter's descriptor of these points, with every digit.
-    ///
-    /// # Errors
-    /// As [`Fitter::fit`].
-    pub(crate) fn of(
-        fitter: &mut Fitter,
-        points: &[[f64; 2]],
-    ) -> Result<Self, lariat_fit::FitError> {
-        let Fit {
-            control_points,
-            rms_px,
-            max_px,
-            ..
-        } = fitter.fit(points)?;
-        let (control_points, rms_px, max_px) = (control_points.clone(), *rms_px, *max_px);
-        Ok(Self {
-            basis: fitter.basis().to_string(),
-            order: fitter.options().order,
-            control_points,
-            rms_px,
-            max_px,
-            condition: fitter.condition(),
-        })
+    /// The fitter's descriptor, with every digit.
+    pub(crate) fn of(fit: &Fit) -> Self {
+        Self {
+            basis: fit.basis.name(),
+            order: fit.basis.order(),
+            control_points: fit.control_points.clone(),
+            weights: fit.weights.clone(),
+            knots: fit.knots.clone(),
+            rms_px: fit.rms_px,
+            max_px: fit.max_px,
+            residual_variance: fit.residual_variance,
+            noise_gain: fit.noise_gain(),
+            condition: fit.condition,
+            family: fit.basis,
+        }
+    }
+
+    /// The curve it describes, if it is one.
+    pub(crate) fn curve(&self) -> Option<Curve<'_>> {
+        Curve::new(
+            self.family,
+            &self.control_points,
+            &self.weights,
+            &self.knots,
+        )
+        .ok()
     }
 
     /// As a person wants to read it: to a thousandth of a pixel.
@@ -47,9 +62,15 @@ impl Descriptor {
             .iter()
             .map(|p| p.map(thousandths))
             .collect();
-        self.rms_px = thousandths(self.rms_px);
-        self.max_px = thousandths(self.max_px);
-        self.condition = thousandths(self.condition);
+        for number in [
+            &mut self.rms_px,
+            &mut self.max_px,
+            &mut self.residual_variance,
+            &mut self.noise_gain,
+            &mut self.condition,
+        ] {
+            *number = thousandths(*number);
+        }
         self
     }
 }

@@ -1,10 +1,10 @@
 //! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
 
 use crate::descriptor_json::Descriptor;
-use crate::settings::{ChainArgs, Settings};
+use crate::settings::{ChainArgs, Family, Settings};
 use anyhow::{Context, Result};
 use clap::Args;
-use lariat_fit::{Fitter, MAX_POINTS};
+use lariat_fit::{Fitter, MAX_POINTS, Weights};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs::{File, FileType};
@@ -16,7 +16,8 @@ use std::process::ExitCode;
 /// Descriptors of centerlines: the stage of the chain, or a filter of JSON lines
 ///
 /// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines `{"points":[[x,y],…]}` and
-/// writes one descriptor object a line. Otherwise it is the chain's third stage.
+/// writes one descriptor object a line. A line may say `"closed":true`, and give its points `"weights":[…]`.
+/// Otherwise it is the chain's third stage.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
     /// File of JSON lines, each `{"points":[[x,y],…]}`; `-` is standard input
@@ -41,6 +42,8 @@ fn brings_lines(input: FileType) -> bool {
 #[derive(Deserialize)]
 struct Centerline {
     points: Vec<[f64; 2]>,
+    closed: Option<bool>,
+    weights: Option<Vec<f64>>,
 }
 
 /// Runs the filter of JSON lines.
@@ -114,17 +117,17 @@ pub(crate) fn is_closed(written: io::Result<()>) -> Result<bool> {
     }
 }
 
-/// A fitter for every number of points that has come so far.
+/// A fitter for every number of points that has come so far: of open and of closed curves, with weights and without.
 struct Fitters {
     settings: Settings,
-    by_points: HashMap<usize, Fitter>,
+    made: HashMap<(usize, bool, bool), Fitter>,
 }
 
 impl Fitters {
     fn new(settings: Settings) -> Self {
         Self {
             settings,
-            by_points: HashMap::new(),
+            made: HashMap::new(),
         }
     }
 
@@ -142,15 +145,39 @@ impl Fitters {
                 "{count} points are too many: give at most {MAX_POINTS}, evenly spaced"
             ));
         }
-        let fitter = match self.by_points.entry(count) {
+        let closed = line
+            .closed
+            .unwrap_or(self.settings.fit.basis == Family::Fourier);
+        if let Some(first) = repeated(&line.points) {
+            let [x, y] = line.points[first];
+            return Err(format!(
+                "points {first} and {} are the same, ({x}, {y}): each stands for an arc length of its own, so \
+                 leave one out",
+                first + 1
+            ));
+        }
+        let weighted = line.weights.is_some();
+        let fitter = match self.made.entry((count, closed, weighted)) {
             std::collections::hash_map::Entry::Occupied(entry) => entry.into_mut(),
             std::collections::hash_map::Entry::Vacant(entry) => {
-                let options = self.settings.fit.options(count);
+                let mut options = self.settings.fit.options(count, closed);
+                if weighted && options.weights == Weights::Even {
+                    options.weights = Weights::Given;
+                }
                 entry.insert(Fitter::new(options).map_err(|error| error.to_string())?)
             }
         };
-        Descriptor::of(fitter, &line.points).map_err(|error| error.to_string())
+        let fit = match &line.weights {
+            Some(weights) => fitter.fit_weighted(&line.points, weights),
+            None => fitter.fit(&line.points),
+        };
+        fit.map(Descriptor::of).map_err(|error| error.to_string())
     }
+}
+
+/// The first point that is the same as the next.
+fn repeated(points: &[[f64; 2]]) -> Option<usize> {
+    points.windows(2).position(|pair| pair[0] == pair[1])
 }
 
 /// What serde_json says, with the column; its line number is of a text of one line.

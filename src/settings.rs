@@ -5,6 +5,7 @@
 //! is written. The file's check, `config init`, `config show` and the flags all go by that table.
 
 mod args;
+mod curve;
 mod duration;
 mod file;
 mod keys;
@@ -12,6 +13,7 @@ mod meaning;
 mod problem;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
+pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
 pub(crate) use meaning::mask_text;
 pub(crate) use problem::Problems;
@@ -21,7 +23,7 @@ use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{Pace, RenderOptions, Source};
 use lariat_extract::Mask;
-use lariat_fit::{Fitter, Solver};
+use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -184,33 +186,6 @@ impl Extract {
     }
 }
 
-/// `[fit]`: the curve.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Fit {
-    pub(crate) order: usize,
-    pub(crate) solver: Solver,
-}
-
-impl Default for Fit {
-    fn default() -> Self {
-        Self {
-            order: 8,
-            solver: Solver::Pinv,
-        }
-    }
-}
-
-impl Fit {
-    /// The fitter's own options for centerlines of `points` points.
-    pub(crate) fn options(&self, points: usize) -> lariat_fit::Options {
-        lariat_fit::Options {
-            order: self.order,
-            points,
-            solver: self.solver,
-        }
-    }
-}
-
 /// `[sink]`: what is shown.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sink {
@@ -299,20 +274,23 @@ impl Resolved {
         }
     }
 
-    /// Whether there is a fitter for this order, number of points and solver.
+    /// Whether there are fitters, of open and of closed curves, for these settings and number of points.
     fn check_fit(&self, problems: &mut Problems) {
-        let options = self.settings.fit.options(self.settings.extract.points);
-        let Err(error) = Fitter::new(options) else {
+        let fit = &self.settings.fit;
+        let error = [false, true].into_iter().find_map(|closed| {
+            let options = fit.options(self.settings.extract.points, closed);
+            Fitter::new(options).err().map(|error| error.to_string())
+        });
+        let Some(error) = error.or(fit.unfilterable().map(str::to_owned)) else {
             return;
         };
-        // Blamed on what the user has said last, of the three that together make it impossible.
-        let said = [("fit", "order"), ("extract", "points"), ("fit", "solver")]
-            .iter()
-            .filter_map(|(section, name)| keys::position(section, name))
+        // Blamed on what the user has said last, of all that together make it impossible.
+        let said = keys::of_section("fit")
+            .chain(keys::position("extract", "points"))
             .map(|key| &self.origins[key])
             .max()
             .unwrap_or(&Origin::Default);
-        problems.add(said, error.to_string());
+        problems.add(said, error);
     }
 
     /// All settings as the text of a `lariat.toml`, each with where it came from.

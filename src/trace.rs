@@ -101,7 +101,8 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
 /// The pipeline, made once.
 struct Tracer {
     extractor: Extractor,
-    fitter: Fitter,
+    open: Fitter,
+    closed: Fitter,
     is_video: bool,
     masks: Option<Masks>,
     points: Vec<[f64; 2]>,
@@ -114,7 +115,8 @@ impl Tracer {
         }
         Ok(Self {
             extractor: Extractor::new(settings.extract.options())?,
-            fitter: Fitter::new(settings.fit.options(settings.extract.points))?,
+            open: Fitter::new(settings.fit.options(settings.extract.points, false))?,
+            closed: Fitter::new(settings.fit.options(settings.extract.points, true))?,
             is_video: args.video,
             masks: args.mask.as_deref().map(Masks::new).transpose()?,
             points: Vec::new(),
@@ -169,7 +171,12 @@ impl Tracer {
             self.points.clear();
             self.points
                 .extend(curve.points.iter().map(|p| p.map(f64::from)));
-            descriptors.push(Descriptor::of(&mut self.fitter, &self.points)?.rounded());
+            let fitter = if curve.closed {
+                &mut self.closed
+            } else {
+                &mut self.open
+            };
+            descriptors.push(Descriptor::of(fitter.fit(&self.points)?).rounded());
         }
         timing.fit = since(last);
         timing.total = since(begin);

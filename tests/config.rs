@@ -179,7 +179,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[fit]\n\n# the curve\noder = 7\n"),
         "lariat: lariat.toml, line 4: [fit] has no key \"oder\". Did you mean \"order\"? Its keys are order, \
-         solver\n"
+         max_order, basis, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
     );
     assert_eq!(
         complaint("[run]\nduration = 7\n"),
@@ -189,7 +189,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[fit]\npoints = 7\n"),
         "lariat: lariat.toml, line 2: [fit] has no key \"points\". It belongs in [extract]. Its keys are \
-         order, solver\n"
+         order, max_order, basis, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
     );
     assert_eq!(
         complaint("\n[captur]\nfps = 7\n"),
@@ -293,6 +293,14 @@ fn values_that_cannot_be_are_refused() {
         "[fit]\norder = 32",
         "[fit]\norder = 8.5",
         "[fit]\nsolver = \"svd\"",
+        "[fit]\norder = \"best\"",
+        "[fit]\nbasis = \"spline\"",
+        "[fit]\nknots = 3",
+        "[fit]\nrho = \"odd\"",
+        "[fit]\nridge = -1",
+        "[fit]\nridge = nan",
+        "[fit]\nacceleration_px_s2 = 0",
+        "[fit]\nrobust = 1",
         "[sink]\nlive = 1",
     ] {
         let complaint = complaint(text);
@@ -308,15 +316,15 @@ fn values_that_cannot_be_are_refused() {
 fn settings_that_do_not_go_together_are_refused() {
     assert_eq!(
         complaint("[extract]\npoints = 5\n"),
-        "lariat: lariat.toml, line 2: 5 points cannot fix the 9 control points of order 8: give at least 9 \
-         points, or choose an order of at most 4\n"
+        "lariat: lariat.toml, line 2: 5 points cannot fix the 9 control points of a Bezier curve of order 8: \
+         give at least 9 points, or choose a Bezier curve of order 4\n"
     );
     let folder = TempDir::new().unwrap();
     write(&folder, "[fit]\norder = 24\n");
     outcome(&folder, &["config", "check"]).unwrap();
     let complaint = outcome(&folder, &["config", "show", "--solver", "cholesky"]).unwrap_err();
     assert!(
-        complaint.starts_with("lariat: --solver: at order 24"),
+        complaint.starts_with("lariat: --solver: for a Bezier curve of order 24"),
         "{complaint}"
     );
 }
@@ -371,6 +379,10 @@ fn a_flag_that_makes_no_sense_is_named() {
         ("--size", "640"),
         ("--rig", "A"),
         ("--solver", "svd"),
+        ("--basis", "spline"),
+        ("--order", "best"),
+        ("--ridge", "-1"),
+        ("--degree", "0"),
         ("--frames", "0"),
     ] {
         let complaint =

@@ -62,7 +62,7 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
         assert_eq!(answer["basis"], "bezier");
         assert_eq!(answer["order"], 8);
         let condition = answer["condition"].as_f64().unwrap();
-        assert_eq!(condition, fitter.condition());
+        assert_eq!(condition, fitter.last().condition);
     }
 }
 
@@ -90,9 +90,9 @@ fn a_named_file_is_read_with_the_order_and_solver_that_are_asked_for() {
         let answers = answers(&output.stdout);
         assert_eq!(answers.len(), 2);
         let options = Options {
-            order: 4,
             points: 50,
             solver,
+            ..Options::bezier(4)
         };
         let mut fitter = Fitter::new(options).unwrap();
         let expected = &fitter.fit(&rope(50)).unwrap().control_points;
@@ -112,9 +112,19 @@ fn a_bad_line_is_named_and_the_others_are_answered() {
         ("{\"points\":[[1,2,3]]}", "column"),
         ("{\"points\":[]}", "0 points"),
         ("{\"points\":[[1,2]]}", "1 points"),
-        ("{\"points\":[[1,2],[3,4],[5,6]]}", "order of at most 2"),
+        (
+            "{\"points\":[[1,2],[3,4],[5,6]]}",
+            "choose a Bezier curve of order 2",
+        ),
         (&line(&rope(300)), "300 points are too many"),
-        (&line(&[[2e9, 1.0]; 20]), "point 0 is (2000000000, 1)"),
+        (
+            &line(&[[0.0, 1.0], [2e9, 1.0]].repeat(10)),
+            "point 1 has the coordinate 2000000000",
+        ),
+        (
+            &line(&[[0.0, 1.0], [2.0, 1.0], [2.0, 1.0], [9.0, 9.0]]),
+            "points 1 and 2 are the same, (2, 1)",
+        ),
     ];
     for (text, why) in bad {
         let input = format!("{good}{}\n{good}", text.trim_end());

@@ -1,6 +1,8 @@
 //! How right lariat's centerlines are, measured on pictures, and how fast its rivals are on them.
 
 mod accuracy;
+mod families;
+mod fit_rivals;
 mod rivals;
 mod time;
 
@@ -22,6 +24,10 @@ enum Command {
     Accuracy(accuracy::Args),
     /// The same work by OpenCV and scikit-image, side by side with lariat's
     Rivals(rivals::Args),
+    /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
+    FitRivals(fit_rivals::Args),
+    /// The chain with each basis and option: its curves against the true rope
+    Families(families::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
 }
@@ -30,6 +36,8 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Rivals(args) => rivals::run(&args),
+        Command::FitRivals(args) => fit_rivals::run(&args),
+        Command::Families(args) => families::run(&args),
         Command::Time(args) => time::run(&args),
     };
     match done {

@@ -9,9 +9,30 @@ use toml::Value;
 /// The flags of every command that makes descriptors.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ShapeArgs {
-    /// Order of the curve: it has one control point more
+    /// Order of the curve, or `auto`: it has one control point more
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(crate) order: Option<i64>,
+    pub(crate) order: Option<String>,
+    /// Family of the curve: bezier, bspline, rational, fourier, points or mass
+    #[arg(long, value_name = "NAME")]
+    pub(crate) basis: Option<String>,
+    /// Degree of a B-spline's pieces
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) degree: Option<i64>,
+    /// Where a B-spline's pieces meet: uniform or averaged
+    #[arg(long, value_name = "NAME")]
+    pub(crate) knots: Option<String>,
+    /// What a bend of the control polygon costs: tames high orders
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub(crate) ridge: Option<f64>,
+    /// Let the curve begin and end exactly at the centerline's ends
+    #[arg(long)]
+    pub(crate) pin_ends: bool,
+    /// Arc length that each point stands for: even or measured
+    #[arg(long, value_name = "NAME")]
+    pub(crate) rho: Option<String>,
+    /// Let points far off the curve weigh less, and hidden ones nothing
+    #[arg(long)]
+    pub(crate) robust: bool,
     /// Points of a centerline
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) points: Option<i64>,
@@ -67,6 +88,9 @@ pub(crate) struct ChainArgs {
     /// Which of all rendered ropes
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
+    /// Filter the control points in time
+    #[arg(long)]
+    pub(crate) filter: bool,
     /// Begin again after the last file
     #[arg(long = "loop")]
     pub(crate) looped: bool,
@@ -81,6 +105,10 @@ impl ChainArgs {
         let yes = |given: bool| given.then_some(Value::Boolean(true));
         let text = |text: &Option<String>| text.clone().map(Value::String);
         let fps = self.fps.as_ref().map(|text| number_or_text(text));
+        let order = self.shape.order.as_ref().map(|text| match text.parse() {
+            Ok(number) => Value::Integer(number),
+            Err(_) => Value::String(text.clone()),
+        });
         let source =
             (!self.source.is_empty()).then(|| Value::Array(self.source.iter().map(path).collect()));
         let duration_s = self.duration.map(|d| Value::Float(d.as_secs_f64()));
@@ -103,12 +131,25 @@ impl ChainArgs {
                 "points",
                 self.shape.points.map(Value::Integer),
             ),
+            ("--order", "fit", "order", order),
+            ("--basis", "fit", "basis", text(&self.shape.basis)),
             (
-                "--order",
+                "--degree",
                 "fit",
-                "order",
-                self.shape.order.map(Value::Integer),
+                "degree",
+                self.shape.degree.map(Value::Integer),
             ),
+            ("--knots", "fit", "knots", text(&self.shape.knots)),
+            (
+                "--ridge",
+                "fit",
+                "ridge",
+                self.shape.ridge.map(Value::Float),
+            ),
+            ("--pin-ends", "fit", "pin_ends", yes(self.shape.pin_ends)),
+            ("--rho", "fit", "rho", text(&self.shape.rho)),
+            ("--robust", "fit", "robust", yes(self.shape.robust)),
+            ("--filter", "fit", "filter", yes(self.filter)),
             ("--solver", "fit", "solver", text(&self.shape.solver)),
         ]
         .into_iter()

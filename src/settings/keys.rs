@@ -1,5 +1,6 @@
 //! The table of all settings.
 
+use crate::settings::curve::{Family, Order};
 use crate::settings::{Settings, meaning};
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -218,18 +219,109 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "fit",
         name: "order",
-        about: "Order of the Bezier curve, 1 to 31: it has one control point more.",
+        about: "Order of the curve, 1 to 31, or \"auto\": chosen for every curve by the Bayesian information criterion.\n\
+                A curve has one control point more, of whatever basis (a closed one at most as many numbers).",
         example: "",
-        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.order),
-        get: |s| Some(Value::Integer(s.fit.order as i64)),
+        set: |s, v| meaning::order(v).map(|order| s.fit.order = order),
+        get: |s| {
+            Some(match s.fit.order {
+                Order::Named(order) => Value::Integer(order as i64),
+                Order::Auto => Value::String("auto".to_owned()),
+            })
+        },
+    },
+    Key {
+        section: "fit",
+        name: "max_order",
+        about: "The highest order that \"auto\" chooses. A fit then costs as much as one of each order up to it.",
+        example: "",
+        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.max_order),
+        get: |s| Some(Value::Integer(s.fit.max_order as i64)),
+    },
+    Key {
+        section: "fit",
+        name: "basis",
+        about: "The family of curves: \"bezier\", \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center).\n\
+                Closed ropes are always truncated Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
+        example: "",
+        set: |s, v| meaning::named("bases", &Family::ALL, v).map(|basis| s.fit.basis = basis),
+        get: |s| Some(Value::String(s.fit.basis.to_string())),
+    },
+    Key {
+        section: "fit",
+        name: "degree",
+        about: "Degree of a B-spline's pieces, 1 to 31.",
+        example: "",
+        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.degree),
+        get: |s| Some(Value::Integer(s.fit.degree as i64)),
+    },
+    Key {
+        section: "fit",
+        name: "knots",
+        about: "Where a B-spline's pieces meet: at even steps (\"uniform\") or evenly among the points (\"averaged\").",
+        example: "",
+        set: |s, v| {
+            meaning::named("kinds of knots", &meaning::KNOTS, v).map(|knots| s.fit.knots = knots)
+        },
+        get: |s| meaning::name_of(&meaning::KNOTS, s.fit.knots),
     },
     Key {
         section: "fit",
         name: "solver",
         about: "How it is computed: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
         example: "",
-        set: |s, v| meaning::solver(v).map(|solver| s.fit.solver = solver),
+        set: |s, v| {
+            meaning::named("solvers", &meaning::SOLVERS, v).map(|solver| s.fit.solver = solver)
+        },
         get: |s| Some(Value::String(s.fit.solver.to_string())),
+    },
+    Key {
+        section: "fit",
+        name: "ridge",
+        about: "What a bend of the control polygon costs, 0 or more: a little of it tames high orders.",
+        example: "",
+        set: |s, v| meaning::at_least_zero(v).map(|ridge| s.fit.ridge = ridge),
+        get: |s| Some(meaning::number_value(s.fit.ridge)),
+    },
+    Key {
+        section: "fit",
+        name: "pin_ends",
+        about: "Let curves begin and end exactly at the centerline's ends.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.pin_ends = yes),
+        get: |s| Some(Value::Boolean(s.fit.pin_ends)),
+    },
+    Key {
+        section: "fit",
+        name: "rho",
+        about: "The arc length that each point stands for: in \"even\" steps, or \"measured\" along the points, chord by chord.",
+        example: "",
+        set: |s, v| meaning::named("ways", &meaning::RHO, v).map(|rho| s.fit.rho = rho),
+        get: |s| meaning::name_of(&meaning::RHO, s.fit.rho),
+    },
+    Key {
+        section: "fit",
+        name: "robust",
+        about: "Let points far off the curve weigh less, and those of a rope that were covered nothing.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.robust = yes),
+        get: |s| Some(Value::Boolean(s.fit.robust)),
+    },
+    Key {
+        section: "fit",
+        name: "filter",
+        about: "Filter the control points in time (Kalman, constant velocity); descriptors then have velocities too.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.filter = yes),
+        get: |s| Some(Value::Boolean(s.fit.filter)),
+    },
+    Key {
+        section: "fit",
+        name: "acceleration_px_s2",
+        about: "How much the filter thinks the rope's points accelerate, in px/s² over 1 s: the more, the less it smooths.",
+        example: "",
+        set: |s, v| meaning::above_zero(v).map(|a| s.fit.acceleration_px_s2 = a),
+        get: |s| Some(meaning::number_value(s.fit.acceleration_px_s2)),
     },
     Key {
         section: "sink",
@@ -249,6 +341,11 @@ fn set_count(value: &Value, low: usize, high: usize, to: &mut usize) -> Result<(
 
 fn path_value(path: &std::path::Path) -> Value {
     Value::String(path.to_string_lossy().into_owned())
+}
+
+/// Which of [`KEYS`] are of this section.
+pub(super) fn of_section(section: &str) -> impl Iterator<Item = usize> {
+    (0..KEYS.len()).filter(move |&index| KEYS[index].section == section)
 }
 
 /// Which of [`KEYS`] this is.

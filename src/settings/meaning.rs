@@ -1,8 +1,9 @@
 //! What a value means, or why it means nothing here: each answer is a sentence that says what to write.
 
+use crate::settings::curve::Order;
 use crate::settings::{Fps, duration};
 use lariat_extract::{HsvRange, Mask};
-use lariat_fit::Solver;
+use lariat_fit::{Knots, MAX_ORDER, Rho, Solver};
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::Value;
@@ -186,14 +187,66 @@ fn pair(value: &Value) -> Option<[f64; 2]> {
     }
 }
 
-pub(super) fn solver(value: &Value) -> Result<Solver, String> {
-    const NAMES: [&str; 3] = ["pinv", "cholesky", "qr"];
-    let name = value.as_str().unwrap_or_default();
-    name.parse().map_err(|_| {
-        let guess = nearest(name, NAMES.into_iter())
-            .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
-        format!("{guess}The solvers are \"pinv\", \"cholesky\" and \"qr\"")
-    })
+pub(super) const SOLVERS: [(&str, Solver); 3] = [
+    ("pinv", Solver::Pinv),
+    ("cholesky", Solver::Cholesky),
+    ("qr", Solver::Qr),
+];
+
+pub(super) const KNOTS: [(&str, Knots); 2] =
+    [("uniform", Knots::Uniform), ("averaged", Knots::Averaged)];
+
+pub(super) const RHO: [(&str, Rho); 2] = [("even", Rho::Even), ("measured", Rho::Measured)];
+
+/// One of a few values that have names; `kind` is what they are called together.
+pub(super) fn named<T: Copy>(
+    kind: &str,
+    names: &[(&'static str, T)],
+    value: &Value,
+) -> Result<T, String> {
+    let given = value.as_str().unwrap_or_default();
+    if let Some((_, meant)) = names.iter().find(|(name, _)| *name == given) {
+        return Ok(*meant);
+    }
+    let guess = nearest(given, names.iter().map(|(name, _)| *name))
+        .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
+    let quoted: Vec<_> = names
+        .iter()
+        .map(|(name, _)| format!("\"{name}\""))
+        .collect();
+    let (last, others) = quoted.split_last().expect("a list of names is not empty");
+    Err(format!(
+        "{guess}The {kind} are {} and {last}",
+        others.join(", ")
+    ))
+}
+
+/// The name that a value has in the file.
+pub(super) fn name_of<T: PartialEq>(names: &[(&str, T)], value: T) -> Option<Value> {
+    let (name, _) = names.iter().find(|(_, other)| *other == value)?;
+    Some(Value::String((*name).to_owned()))
+}
+
+pub(super) fn order(value: &Value) -> Result<Order, String> {
+    match value.as_str() {
+        Some("auto") => Ok(Order::Auto),
+        Some(text) if text.trim().parse::<i64>().is_err() => Err(format!(
+            "an order is a whole number from 1 to {MAX_ORDER}, or \"auto\""
+        )),
+        _ => whole(value, 1, MAX_ORDER as i64).map(|n| Order::Named(n.unsigned_abs() as usize)),
+    }
+}
+
+pub(super) fn at_least_zero(value: &Value) -> Result<f64, String> {
+    number(value)
+        .filter(|x| *x >= 0.0 && x.is_finite())
+        .ok_or_else(|| "choose a number of at least 0".to_owned())
+}
+
+pub(super) fn above_zero(value: &Value) -> Result<f64, String> {
+    number(value)
+        .filter(|x| *x > 0.0 && x.is_finite())
+        .ok_or_else(|| "choose a number above 0".to_owned())
 }
 
 pub(super) fn mask(value: &Value) -> Result<Mask, String> {

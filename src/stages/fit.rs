@@ -1,20 +1,23 @@
 //! Fit as a process: centerlines in, descriptors out.
 
-use lariat_fit::Fitter;
+mod filters;
+
+use lariat_fit::{Fit, Fitter};
 use lariat_wire::{
     Basis, CENTERLINES, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
-    MAX_CONTROL_POINTS, MAX_POINTS, Reader, Writer, now_ns,
+    MAX_CONTROL_POINTS, MAX_POINTS, Reader, Status, Writer, now_ns,
 };
 
 use super::extract::Warned;
 use super::status::Sent;
 use super::{Backlog, Station, receive};
-use crate::settings::Settings;
+use crate::settings::{self, Settings};
+use filters::Filters;
 
 /// Fits until a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     let mut station = Station::open(settings)?;
-    let mut curves = CurveFitter::new(settings.fit.options(settings.extract.points))?;
+    let mut curves = CurveFitter::new(&settings.fit, settings.extract.points)?;
     let Station {
         domain,
         rig,
@@ -58,7 +61,8 @@ pub(crate) fn fill(
     (message.width, message.height, message.reserved) = (seen.width, seen.height, 0);
     let mut count = 0;
     for curve in seen.curves() {
-        match curves.fit(curve, &mut message.curves[count]) {
+        let descriptor = &mut message.curves[count];
+        match curves.describe(curve, seen.trace.exposed_ns, descriptor) {
             Ok(()) => count += 1,
             Err(cause) => unfitted.once(&cause),
         }
@@ -66,61 +70,142 @@ pub(crate) fn fill(
     message.count = count as u32;
 }
 
-/// A fitter for whatever number of points the centerlines have.
+/// Fitters of open and closed curves for whatever number of points the centerlines have, and the filters of
+/// their ropes.
 pub(crate) struct CurveFitter {
-    options: lariat_fit::Options,
-    fitter: Fitter,
+    settings: settings::Fit,
+    /// How many points the fitters are for.
+    count: usize,
+    open: Fitter,
+    closed: Fitter,
+    /// The rope that the last open curve was of.
+    last_track: Option<u32>,
+    filters: Option<Filters>,
     points: Box<[[f64; 2]; MAX_POINTS]>,
+    weights: Box<[f64; MAX_POINTS]>,
 }
 
 impl CurveFitter {
-    /// Precomputes for the number of points in `options`.
-    pub(crate) fn new(options: lariat_fit::Options) -> anyhow::Result<Self> {
+    /// Precomputes for this number of points.
+    pub(crate) fn new(settings: &settings::Fit, count: usize) -> anyhow::Result<Self> {
+        let open = Fitter::new(settings.options(count, false))?;
+        let closed = Fitter::new(settings.options(count, true))?;
+        let filters = if settings.filter {
+            Some(Filters::new(settings, [&open, &closed])?)
+        } else {
+            None
+        };
         Ok(Self {
-            options,
-            fitter: Fitter::new(options)?,
+            settings: settings.clone(),
+            count,
+            open,
+            closed,
+            last_track: None,
+            filters,
             points: Box::new([[0.0; 2]; MAX_POINTS]),
+            weights: Box::new([1.0; MAX_POINTS]),
         })
     }
 
-    /// Fits one curve.
-    pub(crate) fn fit(&mut self, curve: &Curve, descriptor: &mut Descriptor) -> anyhow::Result<()> {
-        let points = curve.points();
-        if points.len() != self.options.points {
+    /// Describes one curve, of an image taken at `exposed_ns`.
+    pub(crate) fn describe(
+        &mut self,
+        curve: &Curve,
+        exposed_ns: u64,
+        descriptor: &mut Descriptor,
+    ) -> anyhow::Result<()> {
+        let count = curve.points().len();
+        if count != self.count {
             // Extract was started with another number: its word counts, and the algebra is done anew, once.
-            let options = lariat_fit::Options {
-                points: points.len(),
-                ..self.options
-            };
-            self.fitter = Fitter::new(options)?;
-            self.options = options;
+            *self = Self::new(&self.settings, count)?;
         }
-        for (to, from) in self.points.iter_mut().zip(points) {
+        for (to, from) in self.points.iter_mut().zip(curve.points()) {
             *to = from.map(f64::from);
         }
-        let condition = self.fitter.condition();
-        let fit = self.fitter.fit(&self.points[..points.len()])?;
-        let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
-        descriptor.track = curve.track;
-        descriptor.status = curve.status;
-        descriptor.basis = Basis::Bezier as u32;
-        descriptor.order = self.options.order as u32;
-        descriptor.count = count as u32;
-        descriptor.samples = curve.count;
-        descriptor.closed = curve.closed;
-        descriptor.border = curve.border;
-        descriptor.rms_px = fit.rms_px;
-        descriptor.max_px = fit.max_px;
-        descriptor.residual_variance = fit.residual_variance;
-        descriptor.condition = condition;
-        descriptor.length_px = curve.length_px.into();
-        descriptor.width_px = curve.width_px.into();
-        descriptor.age_ns = curve.age_ns;
-        let hidden = (0..points.len()).filter(|&i| curve.is_hidden(i));
-        descriptor.hidden = hidden.count() as u32;
-        descriptor.reserved = 0;
-        descriptor.control_points[..count].copy_from_slice(&fit.control_points[..count]);
-        descriptor.weights[..count].fill(1.0);
+        self.fit(curve)?;
+        let fit = match curve.closed {
+            0 => self.open.last(),
+            _ => self.closed.last(),
+        };
+        write_curve(fit, descriptor);
+        write_rope(curve, descriptor);
+        if let Some(filters) = &mut self.filters {
+            filters.apply(exposed_ns, fit, descriptor);
+        }
+        Ok(())
+    }
+
+    fn fit(&mut self, curve: &Curve) -> anyhow::Result<()> {
+        let points = &self.points[..self.count];
+        let fitter = if curve.closed != 0 {
+            &mut self.closed
+        } else {
+            if self.last_track.replace(curve.track) != Some(curve.track) {
+                self.open.forget();
+            }
+            &mut self.open
+        };
+        if curve.status() == Some(Status::Partial) && self.settings.robust {
+            let weights = &mut self.weights[..self.count];
+            for (i, weight) in weights.iter_mut().enumerate() {
+                *weight = f64::from(!curve.is_hidden(i));
+            }
+            // Where what is seen does not determine the curve, what extraction bridged must do.
+            if fitter.fit_weighted(points, weights).is_ok() {
+                return Ok(());
+            }
+        }
+        fitter.fit(points)?;
         Ok(())
     }
 }
+
+/// Writes the fitted curve.
+fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
+    let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
+    descriptor.basis = match fit.basis {
+        lariat_fit::Basis::BSpline { .. } => Basis::BSpline,
+        lariat_fit::Basis::RationalBezier { .. } => Basis::RationalBezier,
+        lariat_fit::Basis::Fourier { .. } => Basis::Fourier,
+        lariat_fit::Basis::FeaturePoints { .. } => Basis::FeaturePoints,
+        lariat_fit::Basis::CenterOfMass => Basis::CenterOfMass,
+        _ => Basis::Bezier,
+    } as u32;
+    descriptor.order = fit.basis.order() as u32;
+    descriptor.count = count as u32;
+    descriptor.rms_px = fit.rms_px;
+    descriptor.max_px = fit.max_px;
+    descriptor.residual_variance = fit.residual_variance;
+    descriptor.condition = fit.condition;
+    descriptor.filtered = 0;
+    descriptor.control_points[..count].copy_from_slice(&fit.control_points[..count]);
+    match fit.weights.get(..count) {
+        Some(weights) => descriptor.weights[..count].copy_from_slice(weights),
+        None => descriptor.weights[..count].fill(1.0),
+    }
+    for (j, variance) in descriptor.variances_px2[..count].iter_mut().enumerate() {
+        *variance = fit.residual_variance * fit.covariance_factor[j * (count + 1)];
+    }
+    descriptor.velocities_px_s[..count].fill([0.0; 2]);
+    if let lariat_fit::Basis::BSpline { degree, .. } = fit.basis {
+        let inner = &fit.knots[degree + 1..count];
+        descriptor.knots[..inner.len()].copy_from_slice(inner);
+    }
+}
+
+/// Carries over what is known of the rope itself.
+fn write_rope(curve: &Curve, descriptor: &mut Descriptor) {
+    let count = curve.points().len();
+    descriptor.track = curve.track;
+    descriptor.status = curve.status;
+    descriptor.samples = curve.count;
+    descriptor.closed = curve.closed;
+    descriptor.border = curve.border;
+    descriptor.length_px = curve.length_px.into();
+    descriptor.width_px = curve.width_px.into();
+    descriptor.age_ns = curve.age_ns;
+    descriptor.hidden = (0..count).filter(|&i| curve.is_hidden(i)).count() as u32;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,13 +1,13 @@
 //! Pictures to judge a trace by eye: the curve, the points it was fitted to and its control polygon, drawn over the
 //! picture.
 
+use crate::descriptor_json::Descriptor;
 use crate::picture::Picture;
 use crate::trace::canvas::{Canvas, Ink};
 use crate::trace::report::{CurveReport, Report};
 use crate::whole_file::{self, Existing};
 use anyhow::{Context, Result, bail};
 use image::{ImageFormat, RgbImage};
-use lariat_fit::point_at;
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -101,8 +101,12 @@ fn draw(picture: RgbImage, report: &Report) -> RgbImage {
 /// From the bottom up: polygon, curve, points, control points, and a ring around the first point.
 fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f64) {
     let ink = |rgb, opacity| Ink { rgb, opacity };
-    let control_points = &curve.descriptor.control_points[..];
-    let smooth = sampled(control_points, curve.length_px);
+    // The coefficients of a Fourier series are no places.
+    let control_points = match curve.descriptor.basis {
+        "fourier" => &[],
+        _ => &curve.descriptor.control_points[..],
+    };
+    let smooth = sampled(&curve.descriptor, curve.length_px);
 
     canvas.line(control_points, 0.5 * line_px + 1.0, ink(DARK, 0.35));
     canvas.line(control_points, 0.5 * line_px, ink(rgb, 0.8));
@@ -125,9 +129,12 @@ fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f
 }
 
 /// The curve as a chain of short straight lines: two pixels each, as many as a large picture needs at most.
-fn sampled(control_points: &[[f64; 2]], length_px: f64) -> Vec<[f64; 2]> {
+fn sampled(descriptor: &Descriptor, length_px: f64) -> Vec<[f64; 2]> {
+    let Some(curve) = descriptor.curve() else {
+        return Vec::new();
+    };
     let steps = (length_px / 2.0).clamp(64.0, 8192.0) as usize;
     (0..=steps)
-        .map(|i| point_at(control_points, i as f64 / steps as f64))
+        .map(|i| curve.point(i as f64 / steps as f64))
         .collect()
 }

@@ -123,7 +123,7 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             &curve["descriptor"],
-            "basis condition control_points max_px order rms_px",
+            "basis condition control_points max_px noise_gain order residual_variance rms_px",
         ),
     ];
     for (object, promised) in expected {
@@ -171,9 +171,9 @@ fn the_descriptor_is_what_lariat_fit_makes_of_the_points() {
     let report = &lines(&output.stdout)[0];
     let curve = &report["curves"][0];
     let mut fitter = lariat_fit::Fitter::new(lariat_fit::Options {
-        order: 5,
         points: 60,
         solver: lariat_fit::Solver::Pinv,
+        ..lariat_fit::Options::bezier(5)
     })
     .unwrap();
     let fit = fitter.fit(&points(&curve["points"])).unwrap();

@@ -1,9 +1,22 @@
-//! The matrix `B` and how far each solver can be trusted with it.
+//! The matrix `B` and how far each solver can be trusted with it: the conditions for the stability of the
+//! descriptor.
+//!
+//! The paper asks for `N ≫ n + 1`, so that `BᵀB` has an inverse (below its equation 8). What is needed exactly:
+//!
+//! 1. at least as many points as control points, `N ≥ n + 1`;
+//! 2. as many *different* values of ρ among them: Bernstein polynomials of order `n` are a basis of the
+//!    polynomials of degree `n`, of which only 0 has `n + 1` zeros, so that `B` has full rank. For B-splines
+//!    each function also needs a ρ of its own where it is not 0 (Schoenberg and Whitney 1953);
+//! 3. a condition number of `B` below [`limit`], so that what rounding does to the control points stays below
+//!    what a centerline is known to.
+//!
+//! The first two make the descriptor exist and be unique; the third makes it come out. How much the *noise* of
+//! the points moves it is another number, the noise gain `√max((BᵀB)⁻¹)ⱼⱼ`.
 
-use crate::bezier::bernstein;
-use crate::error::FitterError;
-use crate::options::{MAX_ORDER, MAX_POINTS, Options, Solver};
-use faer::Mat;
+use crate::basis::Basis;
+use crate::functions::{self, MAX_KNOTS};
+use crate::options::Solver;
+use faer::{Mat, MatRef};
 
 /// The relative error of the control points that is still no error: a thousandth of a pixel in a picture
 /// of a thousand, two orders below what a centerline is known to.
@@ -22,77 +35,60 @@ pub(crate) fn limit(solver: Solver) -> f64 {
     }
 }
 
-/// The matrix `B` of equation 7 on the uniform grid `ρᵢ = i / (N − 1)`: `points` × (`order` + 1).
+/// Whether `B` of this basis on the even grid reads the same backwards: `Bᵢⱼ = B₍N₋₁₋ᵢ₎₍ₘ₋₁₋ⱼ₎`.
+pub(crate) fn is_mirrored(basis: Basis) -> bool {
+    use crate::basis::Knots;
+    match basis {
+        Basis::Bezier { .. } | Basis::RationalBezier { .. } => true,
+        Basis::BSpline { knots, .. } => knots == Knots::Uniform,
+        Basis::Fourier { .. } | Basis::FeaturePoints { .. } | Basis::CenterOfMass => false,
+    }
+}
+
+/// The knots of the basis on the even grid.
+pub(crate) fn even_knots(basis: Basis, points: usize) -> Vec<f64> {
+    let grid: Vec<f64> = (0..points).map(|i| basis.even_rho(i, points)).collect();
+    let mut knots = [0.0; MAX_KNOTS];
+    let total = functions::knots(basis, &grid, &mut knots);
+    knots[..total].to_vec()
+}
+
+/// The matrix `B` of equation 7 on the even grid of ρ: `points` × control points.
 ///
-/// Its second half is the first in reverse, `Bᵢⱼ = B₍N₋₁₋ᵢ₎₍ₙ₋ⱼ₎`, to the last bit: the mirror image of a
-/// centerline has the mirror image of its descriptor.
-pub(crate) fn matrix(order: usize, points: usize) -> Mat<f64> {
-    let mut b = Mat::zeros(points, order + 1);
-    let mut values = vec![0.0; order + 1];
-    for i in 0..points.div_ceil(2) {
-        bernstein(order, i as f64 / (points - 1) as f64, &mut values);
-        let mirrored = points - 1 - i;
-        for j in 0..=order {
-            if i == mirrored {
+/// Where it reads the same backwards it does so to the last bit: the mirror image of a centerline has the
+/// mirror image of its descriptor.
+pub(crate) fn matrix(basis: Basis, knots: &[f64], points: usize) -> Mat<f64> {
+    let count = basis.control_points();
+    let mut b = Mat::zeros(points, count);
+    let mut values = vec![0.0; count];
+    let mirrored = is_mirrored(basis);
+    let rows = if mirrored { points.div_ceil(2) } else { points };
+    for i in 0..rows {
+        functions::values(basis, knots, basis.even_rho(i, points), &mut values);
+        let other = points - 1 - i;
+        for j in 0..count {
+            if mirrored && i == other {
                 // ρ = 1/2 is its own mirror image.
-                b[(i, j)] = 0.5 * (values[j] + values[order - j]);
+                b[(i, j)] = 0.5 * (values[j] + values[count - 1 - j]);
             } else {
                 b[(i, j)] = values[j];
-                b[(mirrored, order - j)] = values[j];
+                if mirrored {
+                    b[(other, count - 1 - j)] = values[j];
+                }
             }
         }
     }
     b
 }
 
-/// The 2-norm condition number of `b`: its largest singular value by its smallest; infinite when that is 0
+/// The 2-norm condition number of `m`: its largest singular value by its smallest; infinite when that is 0
 /// or the singular values cannot be found.
-pub(crate) fn number(b: &Mat<f64>) -> f64 {
-    match b.singular_values() {
+pub(crate) fn number(m: MatRef<'_, f64>) -> f64 {
+    match m.singular_values() {
         Ok(values) => match (values.first(), values.last()) {
             (Some(&largest), Some(&smallest)) if smallest > 0.0 => largest / smallest,
             _ => f64::INFINITY,
         },
         Err(_) => f64::INFINITY,
     }
-}
-
-/// `B` for these options and its condition number, or why there can be no fitter.
-pub(crate) fn checked_matrix(options: &Options) -> Result<(Mat<f64>, f64), FitterError> {
-    let Options {
-        order,
-        points,
-        solver,
-    } = *options;
-    if !(1..=MAX_ORDER).contains(&order) {
-        return Err(FitterError::Order { order });
-    }
-    if !(2..=MAX_POINTS).contains(&points) {
-        return Err(FitterError::Points { points });
-    }
-    if points < order + 1 {
-        return Err(FitterError::TooFewPoints { points, order });
-    }
-    let b = matrix(order, points);
-    let condition = number(&b);
-    if condition > limit(solver) {
-        return Err(FitterError::IllConditioned {
-            order,
-            points,
-            solver,
-            condition,
-            limit: limit(solver),
-            highest_order: highest_order(order, points, solver),
-        });
-    }
-    Ok((b, condition))
-}
-
-/// The highest order below `refused` that `solver` can be trusted with. Order 1 always can: its condition
-/// number is at most √3.
-fn highest_order(refused: usize, points: usize, solver: Solver) -> usize {
-    (1..refused)
-        .rev()
-        .find(|&order| number(&matrix(order, points)) <= limit(solver))
-        .unwrap_or(1)
 }

@@ -1,136 +1,341 @@
 //! A fitter: everything that does not depend on the points, computed once; and the fit of one centerline.
 
+use crate::adaptive::Adaptive;
+use crate::basis::Basis;
+use crate::checked;
 use crate::condition;
 use crate::error::{FitError, FitterError};
-use crate::folded::{FoldedPoints, FoldedRows, fold_negated};
-use crate::kernel::{FoldPoints, Residuals};
-use crate::options::{Basis, Options, Solver};
-use crate::solve::{QrOfB, Solve};
-use faer::Mat;
+use crate::filter::{CurveSpace, CurveSpaceError};
+use crate::folded::Points;
+use crate::linear::Linear;
+use crate::options::{Options, Rho, Weights};
+use crate::rational::RationalFitter;
 
 /// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
 /// exact enough to mean something below it.
 pub const MAX_COORDINATE_PX: f64 = 1e9;
 
+/// Residuals below this say nothing about the size of a curve: they are rounding's.
+const EXACT_PX: f64 = 1e-6;
+
 /// A curve fitted to a centerline, and how well it fits.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
-    /// The descriptor `s`: `n + 1` control points, in the points' unit (px).
-    pub control_points: Vec<[f64; 2]>,
+pub struct Fit<const D: usize = 2> {
+    /// The family of curves, and the size where it was chosen.
+    pub basis: Basis,
+    /// The descriptor `s`, in the points' unit (px).
+    pub control_points: Vec<[f64; D]>,
+    /// Weights of the control points: of rational curves only, else empty.
+    pub weights: Vec<f64>,
+    /// The clamped knots of a B-spline, else empty.
+    pub knots: Vec<f64>,
     /// Root of the mean squared distance between a point and the curve at that point's `ρ`, px.
     pub rms_px: f64,
     /// The largest of these distances, px.
     pub max_px: f64,
-    /// The variance of one coordinate's residual, px²: the sum of squares by its `2 (N − (n+1))` degrees of
-    /// freedom. 0 where the curve goes through every point (`N = n + 1`), as nothing is left to tell it by.
+    /// σ², the variance of one coordinate's residual, px²: the sum of squares by its degrees of freedom,
+    /// `D (N − (n+1))` without ridge or pins. 0 where nothing is left to tell it by (`N = n + 1`).
     pub residual_variance: f64,
+    /// The condition number in the 2-norm of what was solved: how much a relative error of the points can grow
+    /// in the control points.
+    pub condition: f64,
+    /// `C`, m × m row by row, of the control points' covariance `σ² C ⊗ I`; without ridge, pins or weights it is
+    /// `(BᵀB)⁻¹`.
+    pub covariance_factor: Vec<f64>,
 }
 
-/// Fits Bezier curves to centerlines of one number of points, evenly spaced by arc length.
-pub struct Fitter {
+impl<const D: usize> Fit<D> {
+    /// The noise gain: the standard deviation of the least certain control point's coordinate, for noise of
+    /// standard deviation 1 in the points' coordinates.
+    pub fn noise_gain(&self) -> f64 {
+        let m = self.control_points.len();
+        let variances = self.covariance_factor.iter().step_by(m + 1);
+        variances.fold(0.0f64, |most, &c| most.max(c)).sqrt()
+    }
+}
+
+/// Fits curves of one family to centerlines of one number of points in `D` dimensions.
+pub struct Fitter<const D: usize = 2> {
     options: Options,
-    condition: f64,
-    /// `(BᵀB)⁻¹Bᵀ`, column-major N × (n+1): its columns are the rows that [`Fitter::matrix`] gives.
-    matrix: Mat<f64>,
-    curve: FoldedRows,
-    solve: Solve,
     arch: pulp::Arch,
-    points: FoldedPoints,
-    even: Vec<[f64; 2]>,
-    odd: Vec<[f64; 2]>,
-    fit: Fit,
+    /// One, or one of each size to choose from, the smallest first.
+    sizes: Vec<Size<D>>,
+    /// Whose knots, condition and covariance `fit` holds.
+    shown: usize,
+    points: Points<D>,
+    fit: Fit<D>,
 }
 
-impl Fitter {
-    /// Computes all that a fit needs beside the points, on the uniform grid `ρᵢ = i/(N − 1)`, `i` from 0.
+/// A basis of one size and how it is fitted.
+struct Size<const D: usize> {
+    linear: Linear<D>,
+    way: Way<D>,
+}
+
+enum Way<const D: usize> {
+    /// By the matrix that is known beforehand.
+    Linear,
+    /// By an algebra that depends on the points.
+    Adaptive(Box<Adaptive<D>>),
+    /// With weights of the control points.
+    Rational(Box<RationalFitter<D>>),
+}
+
+impl<const D: usize> Size<D> {
+    fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
+        let linear = Linear::new(basis, options)?;
+        let way = match basis {
+            Basis::RationalBezier { order } => {
+                let fitter = RationalFitter::new(order, options.points, options.pin_ends);
+                Way::Rational(Box::new(fitter))
+            }
+            _ if options.weights != Weights::Even || options.rho == Rho::Measured => {
+                Way::Adaptive(Box::new(Adaptive::new(&linear, options)))
+            }
+            _ => Way::Linear,
+        };
+        Ok(Self { linear, way })
+    }
+}
+
+/// How far points are from a curve.
+pub(crate) struct Residuals {
+    /// The sum of the squares, each times its point's weight, px².
+    pub(crate) weighted_sum: f64,
+    /// The sum of the weights.
+    pub(crate) weights: f64,
+    pub(crate) max_px: f64,
+    /// That of one coordinate, px²; 0 where nothing is left to tell it by.
+    pub(crate) variance: f64,
+}
+
+impl Residuals {
+    /// Those of points that all count the same; `freedom` counts the coordinates that were not used up.
+    fn even(sum: f64, max_px: f64, points: usize, freedom: f64) -> Self {
+        Self {
+            weighted_sum: sum,
+            weights: points as f64,
+            max_px,
+            variance: if freedom > 0.0 { sum / freedom } else { 0.0 },
+        }
+    }
+}
+
+impl Fitter<2> {
+    /// Computes all that a fit needs beside the points.
     ///
     /// # Errors
-    /// An order or number of points out of range, fewer points than control points, or a condition number
-    /// that would drown the control points in rounding errors; with the nearest that is allowed.
+    /// A size or number of points out of range, fewer points than control points, an option that the basis has no use
+    /// for, or a condition number that would drown the control points in rounding errors; with the nearest that is
+    /// allowed.
     pub fn new(options: Options) -> Result<Self, FitterError> {
-        let (b, condition) = condition::checked_matrix(&options)?;
-        let mut factors = QrOfB::new(&b);
-        let pseudoinverse = mirrored_mean(&factors.pseudoinverse());
-        let solve = match options.solver {
-            Solver::Pinv => Solve::pinv(&pseudoinverse),
-            // The condition number has been checked, so the factor exists.
-            Solver::Cholesky => Solve::cholesky(&b).ok_or(FitterError::IllConditioned {
-                order: options.order,
-                points: options.points,
-                solver: options.solver,
-                condition,
-                limit: condition::limit(options.solver),
-                highest_order: options.order - 1,
-            })?,
-            Solver::Qr => Solve::qr(factors),
+        Self::in_dimensions(options)
+    }
+}
+
+impl<const D: usize> Fitter<D> {
+    /// As [`Fitter::new`], for points of any dimension.
+    ///
+    /// # Errors
+    /// As [`Fitter::new`].
+    pub fn in_dimensions(options: Options) -> Result<Self, FitterError> {
+        checked::check(&options)?;
+        let mut sizes = vec![Size::new(options.basis, &options)?];
+        if options.choose_size {
+            let smaller = std::iter::successors(options.basis.smaller(), |basis| basis.smaller());
+            for basis in smaller {
+                sizes.push(Size::new(basis, &options)?);
+            }
+            sizes.reverse();
+        }
+        let largest = sizes.len() - 1;
+        let linear = &sizes[largest].linear;
+        let count = linear.basis.control_points();
+        let fit = Fit {
+            basis: options.basis,
+            control_points: vec![[0.0; D]; count],
+            weights: Vec::with_capacity(count),
+            knots: linear.knots.clone(),
+            rms_px: 0.0,
+            max_px: 0.0,
+            residual_variance: 0.0,
+            condition: linear.condition,
+            covariance_factor: linear.covariance.clone(),
         };
-        let count = options.order + 1;
         Ok(Self {
             options,
-            condition,
-            matrix: pseudoinverse.transpose().to_owned(),
-            curve: FoldedRows::of_curve(b.transpose()),
-            solve,
             arch: pulp::Arch::new(),
-            points: FoldedPoints::new(options.points),
-            even: vec![[0.0; 2]; count.div_ceil(2)],
-            odd: vec![[0.0; 2]; count / 2],
-            fit: Fit {
-                control_points: vec![[0.0; 2]; count],
-                rms_px: 0.0,
-                max_px: 0.0,
-                residual_variance: 0.0,
-            },
+            shown: largest,
+            points: Points::new(options.points, condition::is_mirrored(options.basis)),
+            sizes,
+            fit,
         })
     }
 
     /// The curve nearest to `points` in the least-squares sense. Allocates nothing; the result stands until
     /// the next fit.
     ///
-    /// `points` are pixels, ordered along the curve, evenly spaced by arc length.
+    /// `points` are pixels, ordered along the curve, evenly spaced by arc length unless it is measured.
     ///
     /// # Errors
-    /// Another number of points than the fitter was made for, or one that is no place in a picture.
-    pub fn fit(&mut self, points: &[[f64; 2]]) -> Result<&Fit, FitError> {
+    /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
+    /// measured arc lengths also points that do not determine the curve.
+    pub fn fit(&mut self, points: &[[f64; D]]) -> Result<&Fit<D>, FitError> {
+        self.fit_with(points, None)
+    }
+
+    /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
+    /// seen.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`]; a fitter made without weights; weights that are none.
+    pub fn fit_weighted(
+        &mut self,
+        points: &[[f64; D]],
+        weights: &[f64],
+    ) -> Result<&Fit<D>, FitError> {
+        if self.options.weights == Weights::Even {
+            return Err(FitError::NoWeights);
+        }
+        if weights.len() != points.len() {
+            return Err(FitError::WeightCount {
+                given: weights.len(),
+                expected: points.len(),
+            });
+        }
+        self.fit_with(points, Some(weights))
+    }
+
+    fn fit_with(
+        &mut self,
+        points: &[[f64; D]],
+        weights: Option<&[f64]>,
+    ) -> Result<&Fit<D>, FitError> {
         if points.len() != self.options.points {
             return Err(FitError::Count {
                 given: points.len(),
                 expected: self.options.points,
             });
         }
-        let inside = self.arch.dispatch(FoldPoints {
-            points,
-            bound: MAX_COORDINATE_PX,
-            folded: &mut self.points,
-        });
-        if !inside && let Some(misplaced) = first_misplaced(points) {
-            return Err(misplaced);
-        }
-        let control_points = &mut self.fit.control_points[..];
-        self.solve.solve(
-            self.arch,
-            points,
-            &self.points,
-            [&mut self.even, &mut self.odd],
-            control_points,
-        );
-        fold_negated(control_points, &mut self.even, &mut self.odd);
-        let squared = self.arch.dispatch(Residuals {
-            rows: &self.curve,
-            points: &self.points,
-            even: &self.even,
-            odd: &self.odd,
-            count: points.len(),
-        });
-        let freedom = 2 * (points.len() - self.fit.control_points.len());
-        self.fit.rms_px = (squared.sum / points.len() as f64).sqrt();
-        self.fit.max_px = squared.max.sqrt();
-        self.fit.residual_variance = if freedom == 0 {
-            0.0
-        } else {
-            squared.sum / freedom as f64
+        let size = match self.sizes.len() {
+            1 => 0,
+            _ => self.choose(points, weights)?,
         };
+        let residuals = self.fit_size(size, points, weights)?;
+        self.show(size);
+        self.fit.rms_px = (residuals.weighted_sum / residuals.weights).sqrt();
+        self.fit.max_px = residuals.max_px;
+        self.fit.residual_variance = residuals.variance;
         Ok(&self.fit)
+    }
+
+    /// The size of the least Bayesian information criterion.
+    fn choose(&mut self, points: &[[f64; D]], weights: Option<&[f64]>) -> Result<usize, FitError> {
+        let (mut best, mut least, mut failed) = (None, f64::INFINITY, None);
+        for size in 0..self.sizes.len() {
+            match self.fit_size(size, points, weights) {
+                Ok(residuals) => {
+                    let parameters = D * self.fit.control_points.len();
+                    let criterion = information(&residuals, D, parameters);
+                    if criterion < least {
+                        (best, least) = (Some(size), criterion);
+                    }
+                }
+                // Points that do not determine a curve of this size may determine a smaller one.
+                Err(error) => failed = failed.or(Some(error)),
+            }
+        }
+        match (best, failed) {
+            (Some(best), _) => Ok(best),
+            (None, Some(error)) => Err(error),
+            // A criterion is a number below infinity, since the residuals of points in a picture are.
+            (None, None) => Ok(0),
+        }
+    }
+
+    /// Fits a curve of this size into `fit.control_points`.
+    fn fit_size(
+        &mut self,
+        size: usize,
+        points: &[[f64; D]],
+        weights: Option<&[f64]>,
+    ) -> Result<Residuals, FitError> {
+        let Size { linear, way } = &mut self.sizes[size];
+        let control_points = &mut self.fit.control_points;
+        control_points.resize(linear.basis.control_points(), [0.0; D]);
+        Ok(match way {
+            Way::Linear => {
+                let Some(squared) = linear.fit(self.arch, points, &mut self.points, control_points)
+                else {
+                    return Err(misplaced(points));
+                };
+                let freedom = D as f64 * linear.freedom;
+                Residuals::even(squared.sum, squared.max.sqrt(), points.len(), freedom)
+            }
+            Way::Adaptive(_) | Way::Rational(_) if !are_places(points) => {
+                return Err(misplaced(points));
+            }
+            Way::Adaptive(adaptive) => {
+                adaptive.fit(points, weights, &self.options, control_points)?
+            }
+            Way::Rational(rational) => {
+                let fit = rational.fit(points);
+                control_points.copy_from_slice(fit.control_points);
+                self.fit.weights.clear();
+                if fit.converged {
+                    self.fit.weights.extend_from_slice(fit.weights);
+                }
+                let freedom = fit.degrees_of_freedom as f64;
+                Residuals::even(fit.squared_residuals, fit.max_px, points.len(), freedom)
+            }
+        })
+    }
+
+    /// Makes what `fit` says beside the curve and its residuals that of this size.
+    fn show(&mut self, size: usize) {
+        let Size { linear, way } = &mut self.sizes[size];
+        let fit = &mut self.fit;
+        let known = self.shown == size;
+        self.shown = size;
+        match way {
+            Way::Linear if known => {}
+            Way::Linear => {
+                fit.basis = linear.basis;
+                fit.condition = linear.condition;
+                fit.knots.clone_from(&linear.knots);
+                fit.covariance_factor.clone_from(&linear.covariance);
+            }
+            Way::Adaptive(adaptive) => {
+                fit.basis = linear.basis;
+                fit.condition = linear.condition;
+                fit.knots.clear();
+                fit.knots.extend_from_slice(adaptive.knots());
+                fit.covariance_factor.clear();
+                fit.covariance_factor
+                    .extend_from_slice(adaptive.covariance());
+            }
+            Way::Rational(rational) => {
+                let order = linear.basis.order();
+                fit.basis = if fit.weights.is_empty() {
+                    Basis::Bezier { order }
+                } else {
+                    Basis::RationalBezier { order }
+                };
+                fit.covariance_factor.clear();
+                fit.covariance_factor
+                    .extend_from_slice(rational.covariance_factor());
+            }
+        }
+    }
+
+    /// Forgets what the next fit would begin with (the weights of a rational curve): the next centerline is another
+    /// rope's.
+    pub fn forget(&mut self) {
+        for size in &mut self.sizes {
+            if let Way::Rational(rational) = &mut size.way {
+                rational.forget();
+            }
+        }
     }
 
     /// What the fitter was made with.
@@ -138,21 +343,31 @@ impl Fitter {
         &self.options
     }
 
-    /// The family of curves that the control points belong to.
-    pub fn basis(&self) -> Basis {
-        Basis::Bezier
+    /// The last fit; before the first, zeros with the condition number and the covariance that hold anyway.
+    pub fn last(&self) -> &Fit<D> {
+        &self.fit
     }
 
-    /// The condition number of `B` in the 2-norm: how much a relative error of the points can grow in the
-    /// control points.
-    pub fn condition(&self) -> f64 {
-        self.condition
+    /// The space of this fitter's largest curves, for a [`Filter`](crate::Filter) of their control points.
+    ///
+    /// # Errors
+    /// None where the fitter's own limits were kept; the type says what else could be wrong.
+    pub fn curve_space(&self) -> Result<CurveSpace, CurveSpaceError> {
+        let linear = &self.sizes[self.sizes.len() - 1].linear;
+        let rows = linear.b.row_iter().flat_map(|row| row.iter().copied());
+        let count = linear.basis.control_points();
+        match linear.basis {
+            // Lines between points bend at them: the points themselves are what moves.
+            Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
+            _ => CurveSpace::new(&rows.collect::<Vec<f64>>(), count),
+        }
     }
 
-    /// The `n + 1` rows of `(BᵀB)⁻¹Bᵀ`, `N` numbers each: row `j` times the points is control point `j`, the
-    /// same for x and for y. It is the Jacobian of the descriptor by the points, and constant.
+    /// The rows of `P`, `N` numbers each, such that row `j` times the points is control point `j`, the same for
+    /// every axis. It is the Jacobian `∂s/∂c̄` of the descriptor by the points, and constant; of the size that
+    /// was last chosen where sizes are.
     pub fn matrix(&self) -> impl ExactSizeIterator<Item = &[f64]> {
-        self.matrix.col_iter().map(|row| {
+        self.sizes[self.shown].linear.matrix.col_iter().map(|row| {
             // A column of an owned faer matrix is contiguous.
             row.try_as_col_major()
                 .map_or(&[][..], |contiguous| contiguous.as_slice())
@@ -160,19 +375,34 @@ impl Fitter {
     }
 }
 
-/// `m`, whose rows read backwards are its rows from the last to the first but for rounding, made so exactly:
-/// the mean of itself and its mirror image.
-fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
-    let (rows, columns) = (m.nrows(), m.ncols());
-    Mat::from_fn(rows, columns, |j, i| {
-        0.5 * (m[(j, i)] + m[(rows - 1 - j, columns - 1 - i)])
-    })
+/// The Bayesian information criterion of Gaussian residuals of unknown variance (Schwarz 1978), but for a
+/// constant: `n ln(RSS/n) + k ln n`, with `n` the coordinates seen.
+fn information(residuals: &Residuals, dimensions: usize, parameters: usize) -> f64 {
+    let n = dimensions as f64 * residuals.weights;
+    let variance = (residuals.weighted_sum / n).max(EXACT_PX * EXACT_PX);
+    n * variance.ln() + parameters as f64 * n.ln()
 }
 
-/// The error that names the first point whose coordinates are out of bounds, if one is.
-fn first_misplaced(points: &[[f64; 2]]) -> Option<FitError> {
-    let misplaced = |p: &[f64; 2]| !p.iter().all(|c| c.abs() < MAX_COORDINATE_PX);
-    let index = points.iter().position(misplaced)?;
-    let [x, y] = points[index];
-    Some(FitError::NotAPoint { index, x, y })
+/// Whether every coordinate is one of a place in a picture.
+fn are_places<const D: usize>(points: &[[f64; D]]) -> bool {
+    points.as_flattened().iter().all(is_coordinate)
+}
+
+/// NaN is none.
+fn is_coordinate(c: &f64) -> bool {
+    c.abs() < MAX_COORDINATE_PX
+}
+
+/// The error that names the first coordinate that is none.
+fn misplaced<const D: usize>(points: &[[f64; D]]) -> FitError {
+    let mut coordinates = points.as_flattened().iter();
+    let place = coordinates.position(|c| !is_coordinate(c)).unwrap_or(0);
+    FitError::NotAPoint {
+        index: place / D.max(1),
+        value: points
+            .as_flattened()
+            .get(place)
+            .copied()
+            .unwrap_or(f64::NAN),
+    }
 }

@@ -1,8 +1,10 @@
-//! Half the work by symmetry. The grid of ρ is uniform, so a centerline read backwards has the control
-//! points read backwards. Sums and differences of mirrored points, `cᵢ ± c₍N₋₁₋ᵢ₎`, then decouple: the sums
-//! alone give `pⱼ + p₍ₙ₋ⱼ₎`, the differences alone give `pⱼ − p₍ₙ₋ⱼ₎`. Two problems of half the points and
-//! half the control points cost half the multiply-adds of the whole.
+//! Half the work by symmetry. Where the grid of ρ and the basis are symmetric, a centerline read backwards has
+//! the control points read backwards. Sums and differences of mirrored points, `cᵢ ± c₍N₋₁₋ᵢ₎`, then decouple:
+//! the sums alone give `pⱼ + p₍ₙ₋ⱼ₎`, the differences alone give `pⱼ − p₍ₙ₋ⱼ₎`. Two problems of half the points and
+//! half the control points cost half the multiply-adds of the whole. Other bases are not folded: their points
+//! are all "sums", and there are no differences.
 
+use crate::solve::Halves;
 use faer::MatRef;
 
 /// Rows are padded with zeros to a multiple of this many numbers: two of the widest vector registers.
@@ -13,37 +15,48 @@ fn padded(count: usize) -> usize {
     count.div_ceil(LANES) * LANES
 }
 
-/// Points folded at the middle: sums and differences of mirrored points, each axis by itself.
-pub(crate) struct FoldedPoints {
-    /// `cᵢ + c₍N₋₁₋ᵢ₎`: x, then y.
-    pub(crate) sums: [Vec<f64>; 2],
-    /// `cᵢ − c₍N₋₁₋ᵢ₎`: x, then y.
-    pub(crate) differences: [Vec<f64>; 2],
+/// Points, each axis by itself; folded at the middle where the basis is symmetric.
+pub(crate) struct Points<const D: usize> {
+    /// How many.
+    pub(crate) count: usize,
+    /// Whether they are folded.
+    pub(crate) folded: bool,
+    /// `cᵢ + c₍N₋₁₋ᵢ₎`, or `cᵢ` if not folded.
+    pub(crate) sums: [Vec<f64>; D],
+    /// `cᵢ − c₍N₋₁₋ᵢ₎`, or nothing.
+    pub(crate) differences: [Vec<f64>; D],
 }
 
-impl FoldedPoints {
-    /// Room for `points` points.
-    pub(crate) fn new(points: usize) -> Self {
-        let zeros = || vec![0.0; padded(points.div_ceil(2))];
+impl<const D: usize> Points<D> {
+    /// Room for `count` points.
+    pub(crate) fn new(count: usize, folded: bool) -> Self {
+        let zeros = |length: usize| std::array::from_fn(|_| vec![0.0; padded(length)]);
         Self {
-            sums: [zeros(), zeros()],
-            differences: [zeros(), zeros()],
+            count,
+            folded,
+            sums: zeros(if folded { count.div_ceil(2) } else { count }),
+            differences: zeros(if folded { count.div_ceil(2) } else { 0 }),
         }
     }
 }
 
-/// Two matrices, one for the sums and one for the differences, row by row, each row padded.
-pub(crate) struct FoldedRows {
+/// A matrix for the sums and one for the differences, row by row, each row padded.
+pub(crate) struct Rows {
+    /// How many rows the matrix has that is not folded.
+    pub(crate) count: usize,
+    pub(crate) folded: bool,
     pub(crate) stride: usize,
     pub(crate) even: Vec<f64>,
     pub(crate) odd: Vec<f64>,
 }
 
-impl FoldedRows {
-    /// Folds `m`, (n+1) × N with `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎`, so that the folded rows times the folded points are
-    /// `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎` of `p = m c`. A row or point that is its own mirror image counts
-    /// twice in the sums.
-    pub(crate) fn of_product(m: MatRef<'_, f64>) -> Self {
+impl Rows {
+    /// Takes `m`, m × N, so that the rows times the points are `p = m c`. Folded, `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎` must hold, and
+    /// they are `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎`. A row or point that is its own mirror image counts twice in the sums.
+    pub(crate) fn of_product(m: MatRef<'_, f64>, folded: bool) -> Self {
+        if !folded {
+            return Self::whole(m);
+        }
         let (rows, points) = (m.nrows(), m.ncols());
         Self::folded(m, |row, i, sign| {
             let value = m[(row, i)] + sign * m[(rows - 1 - row, i)];
@@ -55,9 +68,12 @@ impl FoldedRows {
         })
     }
 
-    /// Folds `m`, the transpose of `B`, so that `pⱼ ± p₍ₙ₋ⱼ₎` times the folded rows are the sums and the
-    /// differences of mirrored points on the curve.
-    pub(crate) fn of_curve(m: MatRef<'_, f64>) -> Self {
+    /// Takes `m`, the transpose of `B`, so that control points times the rows are the points on the curve; folded,
+    /// `pⱼ ± p₍ₙ₋ⱼ₎` times the rows are the sums and the differences of mirrored points on the curve.
+    pub(crate) fn of_curve(m: MatRef<'_, f64>, folded: bool) -> Self {
+        if !folded {
+            return Self::whole(m);
+        }
         let rows = m.nrows();
         Self::folded(m, |row, i, sign| {
             let value = m[(row, i)] + sign * m[(rows - 1 - row, i)];
@@ -69,49 +85,109 @@ impl FoldedRows {
         })
     }
 
+    fn whole(m: MatRef<'_, f64>) -> Self {
+        let stride = padded(m.ncols());
+        Self {
+            count: m.nrows(),
+            folded: false,
+            stride,
+            even: rows(m.nrows(), stride, m.ncols(), |row, i| m[(row, i)]),
+            odd: Vec::new(),
+        }
+    }
+
     fn folded(m: MatRef<'_, f64>, value: impl Fn(usize, usize, f64) -> f64) -> Self {
         let half = m.ncols().div_ceil(2);
         let stride = padded(half);
-        let fold = |rows: usize, sign: f64| {
-            let mut folded = vec![0.0; rows * stride];
-            for (row, numbers) in folded.chunks_exact_mut(stride).enumerate() {
-                for (i, number) in numbers[..half].iter_mut().enumerate() {
-                    *number = value(row, i, sign);
+        Self {
+            count: m.nrows(),
+            folded: true,
+            stride,
+            even: rows(m.nrows().div_ceil(2), stride, half, |row, i| {
+                value(row, i, 1.0)
+            }),
+            odd: rows(m.nrows() / 2, stride, half, |row, i| value(row, i, -1.0)),
+        }
+    }
+
+    /// Rows from their folded halves: `pⱼ = (eⱼ + oⱼ)/2`, `p₍ₙ₋ⱼ₎ = (eⱼ − oⱼ)/2`.
+    #[inline(always)]
+    pub(crate) fn unfold<const D: usize>(
+        &self,
+        even: &[[f64; D]],
+        odd: &[[f64; D]],
+        out: &mut [[f64; D]],
+    ) {
+        if !self.folded {
+            out.copy_from_slice(even);
+            return;
+        }
+        let last = out.len().saturating_sub(1);
+        for (j, e) in even.iter().enumerate() {
+            // The middle one of an odd number has no difference.
+            let o = odd.get(j).copied().unwrap_or([0.0; D]);
+            for axis in 0..D {
+                out[last - j][axis] = 0.5 * (e[axis] - o[axis]);
+                out[j][axis] = 0.5 * (e[axis] + o[axis]);
+            }
+        }
+    }
+
+    /// The halves of control points, negated, so that adding their curve takes it away.
+    #[inline(always)]
+    pub(crate) fn fold_negated<const D: usize>(
+        &self,
+        control_points: &[[f64; D]],
+        even: &mut [[f64; D]],
+        odd: &mut [[f64; D]],
+    ) {
+        if !self.folded {
+            for (e, p) in even.iter_mut().zip(control_points) {
+                for axis in 0..D {
+                    e[axis] = -p[axis];
                 }
             }
-            folded
+            return;
+        }
+        let last = control_points.len() - 1;
+        for (j, e) in even.iter_mut().enumerate() {
+            let (p, mirrored) = (control_points[j], control_points[last - j]);
+            for axis in 0..D {
+                e[axis] = -p[axis] - mirrored[axis];
+            }
+            if let Some(o) = odd.get_mut(j) {
+                for axis in 0..D {
+                    o[axis] = mirrored[axis] - p[axis];
+                }
+            }
+        }
+    }
+}
+
+impl<const D: usize> Halves<D> {
+    /// As much room as these rows need.
+    #[inline(always)]
+    pub(crate) fn of(&mut self, rows: &Rows) -> (&mut [[f64; D]], &mut [[f64; D]]) {
+        let (even, odd) = if rows.folded {
+            (rows.count.div_ceil(2), rows.count / 2)
+        } else {
+            (rows.count, 0)
         };
-        Self {
-            stride,
-            even: fold(m.nrows().div_ceil(2), 1.0),
-            odd: fold(m.nrows() / 2, -1.0),
-        }
+        (&mut self.even[..even], &mut self.odd[..odd])
     }
 }
 
-/// Control points from their folded halves: `pⱼ = (eⱼ + oⱼ)/2`, `p₍ₙ₋ⱼ₎ = (eⱼ − oⱼ)/2`.
-pub(crate) fn unfold(even: &[[f64; 2]], odd: &[[f64; 2]], control_points: &mut [[f64; 2]]) {
-    let last = control_points.len() - 1;
-    for (j, &e) in even.iter().enumerate() {
-        // The middle one of an odd number has no difference.
-        let o = odd.get(j).copied().unwrap_or([0.0; 2]);
-        control_points[last - j] = [0.5 * (e[0] - o[0]), 0.5 * (e[1] - o[1])];
-        control_points[j] = [0.5 * (e[0] + o[0]), 0.5 * (e[1] + o[1])];
-    }
-}
-
-/// The folded halves of control points, negated, so that adding their curve takes it away.
-pub(crate) fn fold_negated(
-    control_points: &[[f64; 2]],
-    even: &mut [[f64; 2]],
-    odd: &mut [[f64; 2]],
-) {
-    let last = control_points.len() - 1;
-    for (j, e) in even.iter_mut().enumerate() {
-        let (p, mirrored) = (control_points[j], control_points[last - j]);
-        *e = [-p[0] - mirrored[0], -p[1] - mirrored[1]];
-        if let Some(o) = odd.get_mut(j) {
-            *o = [mirrored[0] - p[0], mirrored[1] - p[1]];
+fn rows(
+    count: usize,
+    stride: usize,
+    length: usize,
+    value: impl Fn(usize, usize) -> f64,
+) -> Vec<f64> {
+    let mut numbers = vec![0.0; count * stride];
+    for (row, numbers) in numbers.chunks_exact_mut(stride.max(1)).enumerate() {
+        for (i, number) in numbers[..length].iter_mut().enumerate() {
+            *number = value(row, i);
         }
     }
+    numbers
 }

@@ -1,69 +1,130 @@
 //! The three loops of a fit, in vectors as wide as the machine has (pulp chooses at run time):
 //!
 //! ```text
-//! fold_points   cᵢ                 → cᵢ ± c₍N₋₁₋ᵢ₎
-//! project       rows · points      → one pair of numbers a row      (the small product)
-//! residuals     rows · projections → how far the curve is from the points
+//! load        cᵢ                 → cᵢ ± c₍N₋₁₋ᵢ₎, or cᵢ, each axis by itself
+//! project     rows · points      → D numbers a row                  (the small product)
+//! residuals   rows · projections → how far the curve is from the points
 //! ```
 //!
-//! The tests hold each of them to the plain definition.
+//! The crate's tests hold each of them to the plain definition.
 
-use crate::folded::{FoldedPoints, FoldedRows};
+use crate::folded::{Points, Rows};
+use crate::solve::Halves;
 use pulp::{Simd, WithSimd};
 
-/// Folds points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
-/// not.
-pub(crate) struct FoldPoints<'a> {
-    pub(crate) points: &'a [[f64; 2]],
-    pub(crate) bound: f64,
-    pub(crate) folded: &'a mut FoldedPoints,
+/// A fit of loaded points by a product and its residuals, in one go. (Loading stands apart: in one function with the
+/// rest the compiler makes no vectors of it.)
+pub(crate) struct FitByProduct<'a, const D: usize> {
+    pub(crate) points: &'a Points<D>,
+    /// `P`.
+    pub(crate) product: &'a Rows,
+    /// `Bᵀ`.
+    pub(crate) curve: &'a Rows,
+    pub(crate) halves: &'a mut Halves<D>,
+    pub(crate) control_points: &'a mut [[f64; D]],
 }
 
-impl WithSimd for FoldPoints<'_> {
-    type Output = bool;
+impl<const D: usize> WithSimd for FitByProduct<'_, D> {
+    type Output = SquaredResiduals;
 
-    // Plain code: the compiler makes vectors of it for the machine that pulp has chosen.
     #[inline(always)]
-    #[allow(
-        clippy::neg_cmp_op_on_partial_ord,
-        reason = "not below the limit, so that NaN is refused too"
-    )]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
-        let half = self.points.len().div_ceil(2);
-        let second = &self.points[self.points.len() - half..];
-        let [sum_x, sum_y] = self.folded.sums.each_mut().map(|axis| &mut axis[..half]);
-        let [difference_x, difference_y] = self
-            .folded
-            .differences
-            .each_mut()
-            .map(|axis| &mut axis[..half]);
-        let twice = 2.0 * self.bound;
-        // A number and not a bool: the compiler then keeps one flag in each lane.
-        let mut outside = 0u64;
-        for i in 0..half {
-            // An odd middle point meets itself: sum 2c, difference 0.
-            let (c, m) = (self.points[i], second[half - 1 - i]);
-            let (s_x, s_y) = (c[0] + m[0], c[1] + m[1]);
-            let (d_x, d_y) = (c[0] - m[0], c[1] - m[1]);
-            // |c + m| + |c − m| is twice the larger of |c| and |m|. Not `>=`: NaN must be outside.
-            outside |= u64::from(!(s_x.abs() + d_x.abs() < twice));
-            outside |= u64::from(!(s_y.abs() + d_y.abs() < twice));
-            (sum_x[i], sum_y[i]) = (s_x, s_y);
-            (difference_x[i], difference_y[i]) = (d_x, d_y);
+    fn with_simd<S: Simd>(self, simd: S) -> SquaredResiduals {
+        let points = self.points;
+        let (even, odd) = self.halves.of(self.product);
+        Project {
+            rows: self.product,
+            points,
+            even,
+            odd,
         }
-        outside == 0
+        .with_simd(simd);
+        self.product.unfold(even, odd, self.control_points);
+        self.curve.fold_negated(self.control_points, even, odd);
+        Residuals {
+            rows: self.curve,
+            points,
+            even,
+            odd,
+        }
+        .with_simd(simd)
     }
 }
 
-/// `even[j] = Σᵢ rows.even[j][i] · sums[i]`, and `odd` from the differences alike.
-pub(crate) struct Project<'a> {
-    pub(crate) rows: &'a FoldedRows,
-    pub(crate) points: &'a FoldedPoints,
-    pub(crate) even: &'a mut [[f64; 2]],
-    pub(crate) odd: &'a mut [[f64; 2]],
+/// Loads points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
+/// not.
+pub(crate) struct Load<'a, const D: usize> {
+    pub(crate) points: &'a [[f64; D]],
+    pub(crate) bound: f64,
+    pub(crate) into: &'a mut Points<D>,
 }
 
-impl WithSimd for Project<'_> {
+impl<const D: usize> WithSimd for Load<'_, D> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        // Plain code: the compiler makes vectors of it for the machine that pulp has chosen.
+        if self.into.folded {
+            fold(self.points, self.bound, self.into)
+        } else {
+            split(self.points, self.bound, self.into)
+        }
+    }
+}
+
+#[inline(always)]
+#[allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "not below the limit, so that NaN is refused too"
+)]
+fn fold<const D: usize>(points: &[[f64; D]], bound: f64, into: &mut Points<D>) -> bool {
+    let half = points.len().div_ceil(2);
+    let second = &points[points.len() - half..];
+    let sums = into.sums.each_mut().map(|axis| &mut axis[..half]);
+    let differences = into.differences.each_mut().map(|axis| &mut axis[..half]);
+    let twice = 2.0 * bound;
+    // A number and not a bool: the compiler then keeps one flag in each lane.
+    let mut outside = 0u64;
+    for i in 0..half {
+        // An odd middle point meets itself: sum 2c, difference 0.
+        let (c, m) = (&points[i], &second[half - 1 - i]);
+        for axis in 0..D {
+            let (sum, difference) = (c[axis] + m[axis], c[axis] - m[axis]);
+            // |c + m| + |c − m| is twice the larger of |c| and |m|. Not `>=`: NaN must be outside.
+            outside |= u64::from(!(sum.abs() + difference.abs() < twice));
+            sums[axis][i] = sum;
+            differences[axis][i] = difference;
+        }
+    }
+    outside == 0
+}
+
+#[inline(always)]
+#[allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "not below the limit, so that NaN is refused too"
+)]
+fn split<const D: usize>(points: &[[f64; D]], bound: f64, into: &mut Points<D>) -> bool {
+    let mut outside = 0u64;
+    let sums = into.sums.each_mut().map(|axis| &mut axis[..points.len()]);
+    for (i, c) in points.iter().enumerate() {
+        for axis in 0..D {
+            outside |= u64::from(!(c[axis].abs() < bound));
+            sums[axis][i] = c[axis];
+        }
+    }
+    outside == 0
+}
+
+/// `even[j] = Σᵢ rows.even[j][i] · sums[i]`, and `odd` from the differences alike.
+pub(crate) struct Project<'a, const D: usize> {
+    pub(crate) rows: &'a Rows,
+    pub(crate) points: &'a Points<D>,
+    pub(crate) even: &'a mut [[f64; D]],
+    pub(crate) odd: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> WithSimd for Project<'_, D> {
     type Output = ();
 
     #[inline(always)]
@@ -80,15 +141,15 @@ impl WithSimd for Project<'_> {
     }
 }
 
-/// Rows times columns, as many rows at once as keep the multipliers busy: each row has two running sums, a
-/// multiply-add takes four cycles, and two of them start in each.
+/// Rows times columns, as many rows at once as keep the multipliers busy: each row has a running sum for each
+/// axis, a multiply-add takes four cycles, and two of them start in each.
 #[inline(always)]
-fn products<S: Simd>(
+fn products<S: Simd, const D: usize>(
     simd: S,
     mut rows: &[f64],
     stride: usize,
-    columns: &[Vec<f64>; 2],
-    mut out: &mut [[f64; 2]],
+    columns: &[Vec<f64>; D],
+    mut out: &mut [[f64; D]],
 ) {
     while !out.is_empty() {
         let count = match out.len() {
@@ -101,43 +162,43 @@ fn products<S: Simd>(
         let (block, rows_after) = rows.split_at(count * stride);
         let (block_out, out_after) = out.split_at_mut(count);
         match count {
-            1 => product_block::<S, 1>(simd, block, columns, block_out),
-            2 => product_block::<S, 2>(simd, block, columns, block_out),
-            3 => product_block::<S, 3>(simd, block, columns, block_out),
-            4 => product_block::<S, 4>(simd, block, columns, block_out),
-            _ => product_block::<S, 5>(simd, block, columns, block_out),
+            1 => product_block::<S, D, 1>(simd, block, columns, block_out),
+            2 => product_block::<S, D, 2>(simd, block, columns, block_out),
+            3 => product_block::<S, D, 3>(simd, block, columns, block_out),
+            4 => product_block::<S, D, 4>(simd, block, columns, block_out),
+            _ => product_block::<S, D, 5>(simd, block, columns, block_out),
         }
         (rows, out) = (rows_after, out_after);
     }
 }
 
 #[inline(always)]
-fn product_block<S: Simd, const ROWS: usize>(
+fn product_block<S: Simd, const D: usize, const ROWS: usize>(
     simd: S,
     rows: &[f64],
-    [xs, ys]: &[Vec<f64>; 2],
-    out: &mut [[f64; 2]],
+    columns: &[Vec<f64>; D],
+    out: &mut [[f64; D]],
 ) {
     // Rows and columns are padded to whole vectors, so nothing is left over.
-    let (xs, ys) = (S::as_simd_f64s(xs).0, S::as_simd_f64s(ys).0);
+    let columns = columns.each_ref().map(|axis| S::as_simd_f64s(axis).0);
     let rows = S::as_simd_f64s(rows).0;
-    let length = xs.len();
+    let length = columns[0].len();
+    let columns: [&[S::f64s]; D] = columns.map(|axis| &axis[..length]);
     let rows: [&[S::f64s]; ROWS] =
         std::array::from_fn(|row| &rows[row * length..(row + 1) * length]);
-    let mut sum_x = [simd.splat_f64s(0.0); ROWS];
-    let mut sum_y = [simd.splat_f64s(0.0); ROWS];
-    for (i, (&x, &y)) in xs.iter().zip(ys).enumerate() {
+    let mut sums = [[simd.splat_f64s(0.0); D]; ROWS];
+    for i in 0..length {
         for row in 0..ROWS {
             let m = rows[row][i];
-            sum_x[row] = simd.mul_add_f64s(m, x, sum_x[row]);
-            sum_y[row] = simd.mul_add_f64s(m, y, sum_y[row]);
+            for axis in 0..D {
+                sums[row][axis] = simd.mul_add_f64s(m, columns[axis][i], sums[row][axis]);
+            }
         }
     }
     for row in 0..ROWS {
-        out[row] = [
-            simd.reduce_sum_f64s(sum_x[row]),
-            simd.reduce_sum_f64s(sum_y[row]),
-        ];
+        for axis in 0..D {
+            out[row][axis] = simd.reduce_sum_f64s(sums[row][axis]);
+        }
     }
 }
 
@@ -148,40 +209,51 @@ pub(crate) struct SquaredResiduals {
     pub(crate) max: f64,
 }
 
-/// How far the curve is from the folded points; `even` and `odd` are its folded control points, negated.
-///
-/// With `u` the sum and `v` the difference of two mirrored points' residuals, the residuals are `(u ± v)/2`.
-pub(crate) struct Residuals<'a> {
-    pub(crate) rows: &'a FoldedRows,
-    pub(crate) points: &'a FoldedPoints,
-    pub(crate) even: &'a [[f64; 2]],
-    pub(crate) odd: &'a [[f64; 2]],
-    /// How many points there are, folded two by two.
-    pub(crate) count: usize,
+/// Takes the curve from the points; `even` and `odd` are the control points' halves, negated. With `u` the
+/// sum and `v` the difference of two mirrored points' residuals, the residuals are `(u ± v)/2`; not folded, they
+/// are `u`.
+pub(crate) struct Residuals<'a, const D: usize> {
+    pub(crate) rows: &'a Rows,
+    pub(crate) points: &'a Points<D>,
+    pub(crate) even: &'a [[f64; D]],
+    pub(crate) odd: &'a [[f64; D]],
 }
 
-impl WithSimd for Residuals<'_> {
+impl<const D: usize> WithSimd for Residuals<'_, D> {
     type Output = SquaredResiduals;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let [sum_x, sum_y] = self.points.sums.each_ref().map(|a| pairs::<S>(a));
-        let [difference_x, difference_y] =
-            self.points.differences.each_ref().map(|a| pairs::<S>(a));
+        if self.points.folded {
+            self.folded(simd)
+        } else {
+            self.whole(simd)
+        }
+    }
+}
+
+impl<const D: usize> Residuals<'_, D> {
+    #[inline(always)]
+    fn folded<S: Simd>(self, simd: S) -> SquaredResiduals {
+        let sums = self.points.sums.each_ref().map(|a| pairs::<S>(a));
+        let differences = self.points.differences.each_ref().map(|a| pairs::<S>(a));
         let (even, odd) = (pairs::<S>(&self.rows.even), pairs::<S>(&self.rows.odd));
         let mut total = [simd.splat_f64s(0.0); 2];
         let mut largest = [simd.splat_f64s(0.0); 2];
-        for i in 0..sum_x.len() {
-            let (u_x, u_y) = minus_curve(simd, even, i, self.even, (sum_x, sum_y));
-            let (v_x, v_y) = minus_curve(simd, odd, i, self.odd, (difference_x, difference_y));
+        for i in 0..sums[0].len() {
+            let u = minus_curve(simd, even, i, self.even, &sums);
+            let v = minus_curve(simd, odd, i, self.odd, &differences);
             for k in 0..2 {
                 // |u ± v|² = |u|² + |v|² ± 2 u·v, and both signs occur.
-                let mut squares = simd.mul_f64s(u_x[k], u_x[k]);
-                squares = simd.mul_add_f64s(u_y[k], u_y[k], squares);
-                squares = simd.mul_add_f64s(v_x[k], v_x[k], squares);
-                squares = simd.mul_add_f64s(v_y[k], v_y[k], squares);
-                let mixed = simd.mul_f64s(u_x[k], v_x[k]);
-                let mixed = simd.abs_f64s(simd.mul_add_f64s(u_y[k], v_y[k], mixed));
+                let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
+                squares = simd.mul_add_f64s(v[0][k], v[0][k], squares);
+                let mut mixed = simd.mul_f64s(u[0][k], v[0][k]);
+                for axis in 1..D {
+                    squares = simd.mul_add_f64s(u[axis][k], u[axis][k], squares);
+                    squares = simd.mul_add_f64s(v[axis][k], v[axis][k], squares);
+                    mixed = simd.mul_add_f64s(u[axis][k], v[axis][k], mixed);
+                }
+                let mixed = simd.abs_f64s(mixed);
                 total[k] = simd.add_f64s(total[k], squares);
                 let larger = simd.mul_add_f64s(simd.splat_f64s(2.0), mixed, squares);
                 largest[k] = simd.max_f64s(largest[k], larger);
@@ -190,7 +262,7 @@ impl WithSimd for Residuals<'_> {
         let total = simd.add_f64s(total[0], total[1]);
         let largest = simd.max_f64s(largest[0], largest[1]);
         let mut sum = 0.5 * simd.reduce_sum_f64s(total);
-        if self.count % 2 == 1 {
+        if self.points.count % 2 == 1 {
             sum -= self.middle_squared();
         }
         SquaredResiduals {
@@ -198,15 +270,36 @@ impl WithSimd for Residuals<'_> {
             max: 0.25 * simd.reduce_max_f64s(largest),
         }
     }
-}
 
-impl Residuals<'_> {
+    #[inline(always)]
+    fn whole<S: Simd>(self, simd: S) -> SquaredResiduals {
+        let points = self.points.sums.each_ref().map(|a| pairs::<S>(a));
+        let rows = pairs::<S>(&self.rows.even);
+        let mut total = [simd.splat_f64s(0.0); 2];
+        let mut largest = [simd.splat_f64s(0.0); 2];
+        for i in 0..points[0].len() {
+            let u = minus_curve(simd, rows, i, self.even, &points);
+            for k in 0..2 {
+                let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
+                for u in &u[1..] {
+                    squares = simd.mul_add_f64s(u[k], u[k], squares);
+                }
+                total[k] = simd.add_f64s(total[k], squares);
+                largest[k] = simd.max_f64s(largest[k], squares);
+            }
+        }
+        SquaredResiduals {
+            sum: simd.reduce_sum_f64s(simd.add_f64s(total[0], total[1])),
+            max: simd.reduce_max_f64s(simd.max_f64s(largest[0], largest[1])),
+        }
+    }
+
     /// The squared residual of the middle point of an odd number, which the loop has counted twice.
     #[inline(always)]
     fn middle_squared(&self) -> f64 {
-        let middle = self.count / 2;
+        let middle = self.points.count / 2;
         let mut squared = 0.0;
-        for axis in 0..2 {
+        for axis in 0..D {
             let mut u = self.points.sums[axis][middle];
             for (row, e) in self.rows.even.chunks_exact(self.rows.stride).zip(self.even) {
                 u += row[middle] * e[axis];
@@ -226,24 +319,28 @@ fn pairs<S: Simd>(numbers: &[f64]) -> &[Pair<S>] {
     S::as_simd_f64s(numbers).0.as_chunks().0
 }
 
-/// `points[i] + Σⱼ negated[j] · rows[j][i]`, x and y.
+/// `points[i] + Σⱼ negated[j] · rows[j][i]`, each axis.
 #[inline(always)]
-fn minus_curve<S: Simd>(
+fn minus_curve<S: Simd, const D: usize>(
     simd: S,
     rows: &[Pair<S>],
     i: usize,
-    negated: &[[f64; 2]],
-    (points_x, points_y): (&[Pair<S>], &[Pair<S>]),
-) -> (Pair<S>, Pair<S>) {
-    let (mut x, mut y) = (points_x[i], points_y[i]);
-    let length = points_x.len();
+    negated: &[[f64; D]],
+    points: &[&[Pair<S>]; D],
+) -> [Pair<S>; D] {
+    let length = points[0].len();
+    let mut rest = [points[0][i]; D];
+    for axis in 1..D {
+        rest[axis] = points[axis][i];
+    }
     for (row, c) in negated.iter().enumerate() {
         let b = rows[row * length + i];
-        let (c_x, c_y) = (simd.splat_f64s(c[0]), simd.splat_f64s(c[1]));
-        for k in 0..2 {
-            x[k] = simd.mul_add_f64s(b[k], c_x, x[k]);
-            y[k] = simd.mul_add_f64s(b[k], c_y, y[k]);
+        for axis in 0..D {
+            let c = simd.splat_f64s(c[axis]);
+            for k in 0..2 {
+                rest[axis][k] = simd.mul_add_f64s(b[k], c, rest[axis][k]);
+            }
         }
     }
-    (x, y)
+    rest
 }

@@ -1,5 +1,6 @@
 //! What a [`Fitter`](crate::Fitter) is asked for.
 
+use crate::basis::Basis;
 use std::fmt;
 use std::str::FromStr;
 
@@ -8,22 +9,6 @@ pub const MAX_ORDER: usize = 31;
 
 /// The most points of a centerline.
 pub const MAX_POINTS: usize = 256;
-
-/// The family of curves that a descriptor's control points belong to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Basis {
-    /// Bernstein polynomials: a Bezier curve.
-    Bezier,
-}
-
-impl fmt::Display for Basis {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Basis::Bezier => "bezier",
-        })
-    }
-}
 
 /// How `s = (BᵀB)⁻¹Bᵀc̄` is computed. All three give the same control points; they differ in cost and in
 /// the orders they can be trusted with.
@@ -66,25 +51,76 @@ impl FromStr for Solver {
     }
 }
 
-/// What is fixed when a [`Fitter`](crate::Fitter) is made.
+/// The normalized arc length ρ that each point is fitted at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Rho {
+    /// In even steps, as lariat's extraction spaces its points: all of the algebra is done beforehand.
+    Even,
+    /// Measured along the given points, chord by chord, for points that are not evenly spaced: the algebra is
+    /// done anew for each fit.
+    Measured,
+}
+
+/// How much each point counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Weights {
+    /// As much as any other: all of the algebra is done beforehand.
+    Even,
+    /// As [`Fitter::fit_weighted`](crate::Fitter::fit_weighted) is told: a hidden point weighs nothing.
+    Given,
+    /// As told, and less where it lies far off the curve (Huber 1964), reweighted at most 5 times: a few points that
+    /// are far off hardly move the curve.
+    Robust,
+}
+
+/// What is fixed when a [`Fitter`](crate::Fitter) is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// The curve's order `n`, from 1 to [`MAX_ORDER`]; it has `n + 1` control points. Default: 8, the best
-    /// of the paper's four.
-    pub order: usize,
-    /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than `n + 1`.
+    /// The family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's four.
+    pub basis: Basis,
+    /// Whether each fit chooses how many control points it takes: as many as `basis` has or fewer, those of
+    /// the least Bayesian information criterion (Schwarz 1978). A fit then costs as much as one of each size.
+    /// Default: no.
+    pub choose_size: bool,
+    /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than control points.
     /// Default: 120, as in the paper.
     pub points: usize,
     /// Default: [`Solver::Pinv`].
     pub solver: Solver,
+    /// `λ ≥ 0`: what is minimized is `Σ |cᵢ − f(ρᵢ)|² + λ Σ |sⱼ₋₁ − 2sⱼ + sⱼ₊₁|²`. The second differences of
+    /// the control points tame high orders; unlike their plain squares they are 0 for every evenly drawn
+    /// straight line, so that a moved rope still has a moved descriptor. For a Fourier series they are the
+    /// coefficients times the square of their harmonic. Default: 0.
+    pub ridge: f64,
+    /// Whether the curve begins and ends exactly at the first and the last point. Default: no.
+    pub pin_ends: bool,
+    /// Default: [`Rho::Even`].
+    pub rho: Rho,
+    /// Default: [`Weights::Even`].
+    pub weights: Weights,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self {
-            order: 8,
+            basis: Basis::Bezier { order: 8 },
+            choose_size: false,
             points: 120,
             solver: Solver::Pinv,
+            ridge: 0.0,
+            pin_ends: false,
+            rho: Rho::Even,
+            weights: Weights::Even,
+        }
+    }
+}
+
+impl Options {
+    /// A Bezier curve of this order, everything else at its default.
+    pub fn bezier(order: usize) -> Self {
+        Self {
+            basis: Basis::Bezier { order },
+            ..Self::default()
         }
     }
 }

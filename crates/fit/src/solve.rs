@@ -1,7 +1,8 @@
 //! `s = (BᵀB)⁻¹ Bᵀ c̄` (equation 8 of the paper) in three ways, all of their algebra done beforehand.
 
-use crate::folded::{FoldedPoints, FoldedRows, unfold};
+use crate::folded::{Points, Rows};
 use crate::kernel::Project;
+use crate::system::System;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::linalg::qr::no_pivoting as qr;
@@ -66,7 +67,7 @@ impl QrOfB {
         );
     }
 
-    fn r(&self) -> MatRef<'_, f64> {
+    pub(crate) fn r(&self) -> MatRef<'_, f64> {
         let columns = self.basis.ncols();
         self.basis.get(..columns, ..)
     }
@@ -88,28 +89,33 @@ impl QrOfB {
 
 /// One of the three ways, ready.
 pub(crate) enum Solve {
-    /// The folded rows of `(BᵀB)⁻¹Bᵀ`.
-    Pinv { rows: FoldedRows },
-    /// The folded rows of `Bᵀ`, the factor `L` of `BᵀB = LLᵀ`, and room for the right-hand sides.
+    /// The rows of `P`.
+    Pinv { rows: Rows },
+    /// The rows of `Aᵀ`, the factor `L` of `AᵀA = LLᵀ`, and room for the right-hand sides.
     Cholesky {
-        rows: FoldedRows,
+        rows: Rows,
         l: Mat<f64>,
         right: Mat<f64>,
     },
-    /// The factors of `B`, and room for the right-hand sides.
-    Qr { factors: QrOfB, right: Mat<f64> },
+    /// The factors of `A`, what the pinned ends take from its right-hand sides, and room for these.
+    Qr {
+        factors: QrOfB,
+        pinned: Mat<f64>,
+        right: Mat<f64>,
+    },
 }
 
 impl Solve {
-    pub(crate) fn pinv(pseudoinverse: &Mat<f64>) -> Self {
+    pub(crate) fn pinv(p: MatRef<'_, f64>, mirrored: bool) -> Self {
         Self::Pinv {
-            rows: FoldedRows::of_product(pseudoinverse.as_ref()),
+            rows: Rows::of_product(p, mirrored),
         }
     }
 
-    /// `None` where `BᵀB` is not positive definite in this arithmetic.
-    pub(crate) fn cholesky(b: &Mat<f64>) -> Option<Self> {
-        let mut l = b.transpose() * b;
+    /// `None` where `AᵀA` is not positive definite in this arithmetic.
+    pub(crate) fn cholesky(system: &System, dimensions: usize, mirrored: bool) -> Option<Self> {
+        let (a, points) = (&system.a, system.b.nrows());
+        let mut l = a.transpose() * a;
         let columns = l.ncols();
         let scratch =
             llt::factor::cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default());
@@ -121,67 +127,127 @@ impl Solve {
             Default::default(),
         )
         .ok()?;
+        let mut products = a.get(..points, ..).transpose().to_owned();
+        if system.offset() > 0 {
+            let taken = a.transpose() * &system.pinned;
+            for j in 0..columns {
+                products[(j, 0)] -= taken[(j, 0)];
+                products[(j, points - 1)] -= taken[(j, 1)];
+            }
+        }
         Some(Self::Cholesky {
-            rows: FoldedRows::of_product(b.transpose()),
+            rows: Rows::of_product(products.as_ref(), mirrored),
             l,
-            right: Mat::zeros(columns, 2),
+            right: Mat::zeros(columns, dimensions),
         })
     }
 
-    pub(crate) fn qr(factors: QrOfB) -> Self {
-        let right = Mat::zeros(factors.basis.nrows(), 2);
-        Self::Qr { factors, right }
+    pub(crate) fn qr(factors: QrOfB, system: &System, dimensions: usize) -> Self {
+        Self::Qr {
+            right: Mat::zeros(factors.basis.nrows(), dimensions),
+            pinned: system.pinned.clone(),
+            factors,
+        }
     }
 
-    /// The control points of `points`, which `folded` holds folded; `even` and `odd` are room for halves.
-    /// Allocates nothing.
-    pub(crate) fn solve(
+    /// The control points of `points`, which `lanes` holds in columns. Allocates nothing.
+    pub(crate) fn solve<const D: usize>(
         &mut self,
         arch: pulp::Arch,
-        points: &[[f64; 2]],
-        folded: &FoldedPoints,
-        [even, odd]: [&mut [[f64; 2]]; 2],
-        control_points: &mut [[f64; 2]],
+        points: &[[f64; D]],
+        lanes: &Points<D>,
+        halves: &mut Halves<D>,
+        control_points: &mut [[f64; D]],
     ) {
         match self {
-            Self::Pinv { rows } => {
-                arch.dispatch(Project {
-                    rows,
-                    points: folded,
-                    even,
-                    odd,
-                });
-                unfold(even, odd, control_points);
-            }
+            Self::Pinv { rows } => project(arch, rows, lanes, halves, control_points),
             Self::Cholesky { rows, l, right } => {
-                arch.dispatch(Project {
-                    rows,
-                    points: folded,
-                    even,
-                    odd,
-                });
-                unfold(even, odd, control_points);
-                write_columns(control_points, right);
+                let solved = pin(points, control_points, right.nrows());
+                project(arch, rows, lanes, halves, solved);
+                write_columns(solved, right);
                 solve_lower_triangular_in_place(l.as_ref(), right.as_mut(), Par::Seq);
                 solve_upper_triangular_in_place(l.transpose(), right.as_mut(), Par::Seq);
-                read_columns(right, control_points);
+                read_columns(right, solved);
             }
-            Self::Qr { factors, right } => {
+            Self::Qr {
+                factors,
+                pinned,
+                right,
+            } => {
+                let solved = pin(points, control_points, factors.basis.ncols());
+                // Below the points stand the ridge's rows, which ask for 0.
+                right.fill(0.0);
                 write_columns(points, right);
+                if pinned.ncols() > 0 {
+                    let ends = [points[0], points[points.len() - 1]];
+                    for (axis, column) in right.col_iter_mut().enumerate() {
+                        for (i, number) in column.iter_mut().enumerate() {
+                            *number -=
+                                pinned[(i, 0)] * ends[0][axis] + pinned[(i, 1)] * ends[1][axis];
+                        }
+                    }
+                }
                 factors.apply_q_transposed(right.as_mut());
-                let columns = control_points.len();
+                let columns = solved.len();
                 solve_upper_triangular_in_place(
                     factors.r(),
                     right.as_mut().subrows_mut(0, columns),
                     Par::Seq,
                 );
-                read_columns(right, control_points);
+                read_columns(right, solved);
             }
         }
     }
 }
 
-fn write_columns(points: &[[f64; 2]], columns: &mut Mat<f64>) {
+/// Room for the two halves of a folded product.
+pub(crate) struct Halves<const D: usize> {
+    pub(crate) even: Vec<[f64; D]>,
+    pub(crate) odd: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Halves<D> {
+    pub(crate) fn new(count: usize) -> Self {
+        Self {
+            even: vec![[0.0; D]; count],
+            odd: vec![[0.0; D]; count],
+        }
+    }
+}
+
+fn project<const D: usize>(
+    arch: pulp::Arch,
+    rows: &Rows,
+    points: &Points<D>,
+    halves: &mut Halves<D>,
+    out: &mut [[f64; D]],
+) {
+    let (even, odd) = halves.of(rows);
+    arch.dispatch(Project {
+        rows,
+        points,
+        even,
+        odd,
+    });
+    rows.unfold(even, odd, out);
+}
+
+/// Sets the outer control points where fewer than all are solved for; the others are returned.
+fn pin<'a, const D: usize>(
+    points: &[[f64; D]],
+    control_points: &'a mut [[f64; D]],
+    solved: usize,
+) -> &'a mut [[f64; D]] {
+    let count = control_points.len();
+    if solved == count {
+        return control_points;
+    }
+    control_points[0] = points[0];
+    control_points[count - 1] = points[points.len() - 1];
+    &mut control_points[1..count - 1]
+}
+
+fn write_columns<const D: usize>(points: &[[f64; D]], columns: &mut Mat<f64>) {
     for (axis, column) in columns.col_iter_mut().enumerate() {
         for (number, point) in column.iter_mut().zip(points) {
             *number = point[axis];
@@ -189,7 +255,7 @@ fn write_columns(points: &[[f64; 2]], columns: &mut Mat<f64>) {
     }
 }
 
-fn read_columns(columns: &Mat<f64>, points: &mut [[f64; 2]]) {
+fn read_columns<const D: usize>(columns: &Mat<f64>, points: &mut [[f64; D]]) {
     for (axis, column) in columns.col_iter().enumerate() {
         for (number, point) in column.iter().zip(points.iter_mut()) {
             point[axis] = *number;

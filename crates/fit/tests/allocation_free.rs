@@ -1,7 +1,10 @@
-//! A fit allocates nothing, whichever the solver.
+//! A fit allocates nothing, whatever is asked for; nor does a filter or a curve.
 #![allow(unsafe_code)] // A global allocator cannot be written without; it only counts and hands on.
 
-use lariat_fit::{Fitter, Options, Solver};
+use lariat_fit::{
+    Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Noise, Options, RationalFitter,
+    Rho, Solver, Weights,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -45,9 +48,9 @@ fn a_fit_allocates_nothing() {
     for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
         for (order, points) in [(1, 2), (3, 33), (8, 120), (12, 256)] {
             let mut fitter = Fitter::new(Options {
-                order,
                 points,
                 solver,
+                ..Options::bezier(order)
             })
             .unwrap();
             let rope: Vec<[f64; 2]> = (0..points)
@@ -63,5 +66,152 @@ fn a_fit_allocates_nothing() {
                 "order {order}, {points} points, {solver}"
             );
         }
+    }
+}
+
+#[test]
+fn a_filter_allocates_nothing() {
+    let line = |count: usize| -> Vec<[f64; 2]> { (0..count).map(|i| [i as f64, 1.0]).collect() };
+    let spaces = [9, 4, 32, 1].map(|count| CurveSpace::of_points(count).unwrap());
+    let shapes = [9, 4, 32, 1].map(line);
+    let covariance = [9usize, 4, 32, 1].map(|count| {
+        let entry = |k: usize| {
+            if k.is_multiple_of(count + 1) {
+                2.0
+            } else {
+                0.5
+            }
+        };
+        (0..count * count).map(entry).collect::<Vec<f64>>()
+    });
+    let mut filter = Filter::<2>::new(32, FilterOptions::default()).unwrap();
+    let before = allocations();
+    for frame in 0..40 {
+        // Five shapes of each, so that it begins, goes on, and changes to more and to fewer control points.
+        let k = frame / 5 % 4;
+        let noise = if frame % 2 == 0 {
+            Noise::Covariance(&covariance[k])
+        } else {
+            Noise::Even { variance_px2: 0.1 }
+        };
+        let t_ns = frame as u64 * 10_000_000;
+        std::hint::black_box(filter.update(t_ns, &spaces[k], &shapes[k], noise).unwrap());
+        std::hint::black_box(filter.predict(t_ns + 5_000_000).unwrap());
+    }
+    assert_eq!(allocations(), before);
+}
+
+#[test]
+fn a_rational_fit_allocates_nothing() {
+    for (order, points, pinned) in [
+        (1, 2, false),
+        (3, 33, true),
+        (8, 120, false),
+        (31, 256, true),
+    ] {
+        let mut fitter = RationalFitter::<2>::new(order, points, pinned);
+        let rope: Vec<[f64; 2]> = (0..points)
+            .map(|i| [3.0 * i as f64, 100.0 * (0.1 * i as f64).sin()])
+            .collect();
+        let before = allocations();
+        for _ in 0..3 {
+            std::hint::black_box(fitter.fit(&rope));
+            std::hint::black_box(fitter.covariance_factor());
+            std::hint::black_box(fitter.joint_covariance_factor());
+        }
+        assert_eq!(allocations(), before, "order {order}, {points} points");
+    }
+}
+
+#[test]
+fn no_basis_and_no_option_allocates() {
+    let spline = |knots| Basis::BSpline {
+        degree: 3,
+        control_points: 9,
+        knots,
+    };
+    let plain = Options::default();
+    let of = |basis| Options { basis, ..plain };
+    let requests = [
+        of(spline(Knots::Uniform)),
+        of(Basis::RationalBezier { order: 8 }),
+        of(Basis::Fourier { harmonics: 4 }),
+        of(Basis::FeaturePoints { count: 9 }),
+        of(Basis::CenterOfMass),
+        Options {
+            choose_size: true,
+            ..plain
+        },
+        Options {
+            ridge: 1.0,
+            pin_ends: true,
+            ..plain
+        },
+        Options {
+            rho: Rho::Measured,
+            ..of(spline(Knots::Averaged))
+        },
+        Options {
+            weights: Weights::Robust,
+            choose_size: true,
+            ..plain
+        },
+    ];
+    let ropes = [0.1, 0.02, 0.07].map(|bend| -> Vec<[f64; 2]> {
+        (0..120)
+            .map(|i| [3.0 * i as f64, 100.0 * (bend * i as f64).sin()])
+            .collect()
+    });
+    for options in requests {
+        let mut fitter = Fitter::new(options).unwrap();
+        let before = allocations();
+        for rope in &ropes {
+            std::hint::black_box(fitter.fit(rope).unwrap());
+        }
+        assert_eq!(allocations(), before, "{options:?}");
+    }
+}
+
+#[test]
+fn a_curve_allocates_nothing() {
+    let control_points: Vec<[f64; 2]> = (0..17)
+        .map(|i| [3.0 * f64::from(i), 100.0 * (0.7 * f64::from(i)).sin()])
+        .collect();
+    let points: Vec<[f64; 2]> = (0..120).map(|i| [0.4 * f64::from(i), 9.0]).collect();
+    let weights = [1.5; 17];
+    let mut samples = [[0.0; 2]; 50];
+    let mut jacobian = [0.0; 17];
+    let spline = Basis::BSpline {
+        degree: 3,
+        control_points: 17,
+        knots: Knots::Uniform,
+    };
+    for basis in [
+        Basis::Bezier { order: 16 },
+        spline,
+        Basis::RationalBezier { order: 16 },
+        Basis::Fourier { harmonics: 8 },
+        Basis::FeaturePoints { count: 17 },
+    ] {
+        let weights = match basis {
+            Basis::RationalBezier { .. } => &weights[..],
+            _ => &[],
+        };
+        let before = allocations();
+        let curve = Curve::new(basis, &control_points, weights, &[]).unwrap();
+        std::hint::black_box((
+            curve.derivative(0.3, 2),
+            curve.tangent(0.3),
+            curve.curvature(0.3),
+        ));
+        std::hint::black_box((
+            curve.length(),
+            curve.rho_at_length(0.3),
+            curve.bounding_box(),
+        ));
+        std::hint::black_box((curve.nearest([20.0, 30.0]), curve.distance_to(&points)));
+        curve.sample_by_length(&mut samples);
+        curve.jacobian(0.3, &mut jacobian);
+        assert_eq!(allocations(), before, "{basis}");
     }
 }

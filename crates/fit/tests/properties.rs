@@ -1,15 +1,15 @@
 //! What must hold for every centerline.
 
-use lariat_fit::{Fit, FitError, Fitter, FitterError, Options, Solver, bernstein, point_at};
+use lariat_fit::{Basis, Fit, FitError, Fitter, FitterError, Options, Solver, bernstein, point_at};
 use proptest::prelude::*;
 
 const SOLVERS: [Solver; 3] = [Solver::Pinv, Solver::Cholesky, Solver::Qr];
 
 fn fit_with(solver: Solver, order: usize, points: &[[f64; 2]]) -> Fit {
     let mut fitter = Fitter::new(Options {
-        order,
         points: points.len(),
         solver,
+        ..Options::bezier(order)
     })
     .unwrap();
     fitter.fit(points).unwrap().clone()
@@ -142,7 +142,7 @@ proptest! {
     #[test]
     fn the_matrix_times_the_points_is_the_descriptor((order, points) in problem()) {
         for solver in SOLVERS {
-            let options = Options { order, points: points.len(), solver };
+            let options = Options { points: points.len(), solver, ..Options::bezier(order) };
             let mut fitter = Fitter::new(options).unwrap();
             let product: Vec<[f64; 2]> = fitter
                 .matrix()
@@ -164,8 +164,8 @@ proptest! {
         let mut fitter = Fitter::new(Options { points: 20, ..Options::default() }).unwrap();
         match fitter.fit(&points) {
             Ok(fit) => prop_assert!(fit.control_points.iter().flatten().all(|c| c.is_finite())),
-            Err(FitError::NotAPoint { index, x, y }) => {
-                prop_assert!(!(x.abs() < 1e9 && y.abs() < 1e9));
+            Err(FitError::NotAPoint { index, value }) => {
+                prop_assert!(value.is_nan() || value.abs() >= 1e9);
                 prop_assert!(points[..index].iter().flatten().all(|c| c.abs() < 1e9));
             }
             Err(other) => prop_assert!(false, "{other}"),
@@ -187,9 +187,9 @@ fn a_smooth_curve_comes_back_from_any_order_that_is_not_refused() {
             let mut highest = 0;
             for order in 3..points.min(32) {
                 let options = Options {
-                    order,
                     points,
                     solver,
+                    ..Options::bezier(order)
                 };
                 let Ok(mut fitter) = Fitter::new(options) else {
                     continue;
@@ -226,9 +226,9 @@ fn elevate(control_points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 fn refusal(order: usize, points: usize, solver: Solver) -> String {
     match Fitter::new(Options {
-        order,
         points,
         solver,
+        ..Options::bezier(order)
     }) {
         Ok(_) => panic!("order {order} with {points} points was taken"),
         Err(error) => error.to_string(),
@@ -251,18 +251,18 @@ fn requests_that_cannot_be_met_say_what_can() {
     );
     assert_eq!(
         refusal(8, 5, Solver::Pinv),
-        "5 points cannot fix the 9 control points of order 8: give at least 9 points, or choose an \
-         order of at most 4"
+        "5 points cannot fix the 9 control points of a Bezier curve of order 8: give at least 9 points, or \
+         choose a Bezier curve of order 4"
     );
     assert_eq!(
         refusal(24, 120, Solver::Cholesky),
-        "at order 24 with 120 points the condition number is 7.74e6, and cholesky gives trustworthy \
-         control points only up to 6.7e4: choose an order of at most 17, or the solver pinv or qr"
+        "for a Bezier curve of order 24 with 120 points the condition number is 7.74e6, and cholesky gives \
+         trustworthy control points only up to 6.7e4: choose a Bezier curve of order 17, or the solver pinv or qr"
     );
     assert_eq!(
         refusal(31, 32, Solver::Qr),
-        "at order 31 with 32 points the condition number is 2.34e12, and qr gives trustworthy control \
-         points only up to 4.5e9: choose an order of at most 27"
+        "for a Bezier curve of order 31 with 32 points the condition number is 2.34e12, and qr gives trustworthy \
+         control points only up to 4.5e9: choose a Bezier curve of order 27"
     );
 }
 
@@ -272,15 +272,18 @@ fn the_order_that_a_refusal_names_is_taken_and_the_next_is_not() {
         for points in [2, 20, 32, 120] {
             for order in 1..=31usize.min(points - 1) {
                 let options = Options {
-                    order,
                     points,
                     solver,
+                    ..Options::bezier(order)
                 };
-                if let Err(FitterError::IllConditioned { highest_order, .. }) = Fitter::new(options)
-                {
-                    let with = |order| Fitter::new(Options { order, ..options });
-                    assert!(with(highest_order).is_ok(), "{options:?}");
-                    assert!(with(highest_order + 1).is_err(), "{options:?}");
+                if let Err(FitterError::IllConditioned { nearest, .. }) = Fitter::new(options) {
+                    let nearest = nearest.expect("a line is always well conditioned");
+                    let with = |basis| Fitter::new(Options { basis, ..options });
+                    assert!(with(nearest).is_ok(), "{options:?}");
+                    let next = Basis::Bezier {
+                        order: nearest.order() + 1,
+                    };
+                    assert!(with(next).is_err(), "{options:?}");
                 }
             }
         }
@@ -305,8 +308,8 @@ fn a_refused_fit_does_not_harm_the_next() {
     broken[60][1] = f64::NAN;
     assert_eq!(
         fitter.fit(&broken).unwrap_err().to_string(),
-        "point 60 is (60, NaN), which is no place in a picture: both numbers must be finite and below \
-         1e9 px in size"
+        "point 60 has the coordinate NaN, which is no place in a picture: all must be finite and below 1e9 px in \
+         size"
     );
     assert_eq!(fitter.fit(&rope).unwrap(), &first);
 }

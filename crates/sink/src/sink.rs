@@ -125,7 +125,7 @@ impl Sink {
                 span_ns: self.span_ns,
                 restarts: self.ledger.restarts(),
                 stale: self.ledger.stale(),
-                not_bezier: self.truth.not_bezier,
+                unknown_basis: self.truth.unknown_basis,
                 finished: self.finished,
             },
         }

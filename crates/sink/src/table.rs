@@ -260,10 +260,10 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     }
     notes.extend(error_notes(&report.centerline, "centerline"));
     notes.extend(error_notes(&report.curve, "curve"));
-    if facts.not_bezier > 0 {
+    if facts.unknown_basis > 0 {
         notes.push(format!(
-            "{} in another basis than Bezier: not held against the truth.",
-            plural(facts.not_bezier, "curve")
+            "{} of a kind that this version does not know: not held against the truth.",
+            plural(facts.unknown_basis, "curve")
         ));
     }
     if !notes.is_empty() {

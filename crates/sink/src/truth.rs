@@ -6,7 +6,8 @@
 
 use crate::error::{Comparison, Frame};
 use crate::polyline::{Point, Polylines};
-use lariat_wire::{Basis, Centerlines, Descriptors, MAX_CONTROL_POINTS, MAX_CURVES, Status, Trace};
+use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
+use lariat_wire::{self as wire, Centerlines, Descriptor, Descriptors, MAX_CURVES, Status, Trace};
 
 /// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
 /// may be many frames behind.
@@ -93,22 +94,17 @@ struct Known {
     descriptors_done: bool,
 }
 
-/// A frame's Bezier curves that were seen, their control points one after the other.
+/// Points on a frame's curves that were seen.
 #[derive(Debug)]
-struct Beziers {
-    control_points: Vec<Point>,
-    ends: [usize; MAX_CURVES],
-    closed: [bool; MAX_CURVES],
-    count: usize,
+struct Drawn {
+    /// With whether it is closed.
+    curves: Vec<([Point; SAMPLES], bool)>,
 }
 
-impl Default for Beziers {
+impl Default for Drawn {
     fn default() -> Self {
         Self {
-            control_points: Vec::with_capacity(MAX_CURVES * MAX_CONTROL_POINTS),
-            ends: [0; MAX_CURVES],
-            closed: [false; MAX_CURVES],
-            count: 0,
+            curves: Vec::with_capacity(MAX_CURVES),
         }
     }
 }
@@ -118,13 +114,13 @@ impl Default for Beziers {
 pub(crate) struct Truth {
     known: Ring<Known>,
     centerlines: Ring<Polylines>,
-    beziers: Ring<Beziers>,
+    drawn: Ring<Drawn>,
     /// Centerlines against the truth.
     pub(crate) centerline: Comparison,
     /// Fitted curves against the truth.
     pub(crate) curve: Comparison,
-    /// Fitted curves in a basis that is not evaluated here.
-    pub(crate) not_bezier: u64,
+    /// Fitted curves that this version does not know how to draw.
+    pub(crate) unknown_basis: u64,
 }
 
 impl Truth {
@@ -132,10 +128,10 @@ impl Truth {
         Self {
             known: Ring::new(KNOWN),
             centerlines: Ring::new(MEASURED),
-            beziers: Ring::new(MEASURED),
+            drawn: Ring::new(MEASURED),
             centerline: Comparison::new(),
             curve: Comparison::new(),
-            not_bezier: 0,
+            unknown_basis: 0,
         }
     }
 
@@ -152,10 +148,10 @@ impl Truth {
         if let Some(centerlines) = centerlines {
             compare_centerlines(self.centerline.frame(&known.ropes), centerlines);
         }
-        let beziers = self.beziers.take(key);
-        known.descriptors_done = beziers.is_some();
-        if let Some(beziers) = beziers {
-            compare_beziers(self.curve.frame(&known.ropes), beziers);
+        let drawn = self.drawn.take(key);
+        known.descriptors_done = drawn.is_some();
+        if let Some(drawn) = drawn {
+            compare_drawn(self.curve.frame(&known.ropes), drawn);
         }
     }
 
@@ -182,44 +178,70 @@ impl Truth {
         match self.known.get(key) {
             Some(known) if known.descriptors_done => {}
             known => {
-                let beziers = self.beziers.insert(key);
-                self.not_bezier += beziers.set(message);
+                let drawn = self.drawn.insert(key);
+                self.unknown_basis += drawn.set(message);
                 if let Some(known) = known {
                     known.descriptors_done = true;
-                    compare_beziers(self.curve.frame(&known.ropes), beziers);
-                    self.beziers.take(key);
+                    compare_drawn(self.curve.frame(&known.ropes), drawn);
+                    self.drawn.take(key);
                 }
             }
         }
     }
 }
 
-impl Beziers {
-    /// Takes over the curves of a message that are seen and have numbers for control points. Returns how many others
-    /// are of a basis that is not evaluated here.
+impl Drawn {
+    /// Takes over the curves of a message that are seen. Returns how many others are none that this version knows.
     fn set(&mut self, message: &Descriptors) -> u64 {
-        self.control_points.clear();
-        self.count = 0;
-        let mut not_bezier = 0;
-        for curve in message.curves() {
-            let control_points = curve.control_points();
-            if !is_seen(curve.status())
-                || control_points.is_empty()
-                || !control_points.as_flattened().iter().all(|x| x.is_finite())
-            {
+        self.curves.clear();
+        let mut unknown = 0;
+        for descriptor in message.curves() {
+            if !is_seen(descriptor.status()) {
                 continue;
             }
-            if curve.basis() != Some(Basis::Bezier) {
-                not_bezier += 1;
-                continue;
+            let mut knots = [0.0; MAX_KNOTS];
+            match curve(descriptor, &mut knots) {
+                Some(curve) => {
+                    let steps = (SAMPLES - 1) as f64;
+                    let points = std::array::from_fn(|i| curve.point(i as f64 / steps));
+                    self.curves.push((points, descriptor.closed != 0));
+                }
+                None => unknown += 1,
             }
-            self.control_points.extend_from_slice(control_points);
-            self.ends[self.count] = self.control_points.len();
-            self.closed[self.count] = curve.closed != 0;
-            self.count += 1;
         }
-        not_bezier
+        unknown
     }
+}
+
+/// The curve that a descriptor means, if it means one. `knots` is room for a B-spline's.
+fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option<Curve<'a>> {
+    let control_points = descriptor.control_points();
+    let (count, order) = (control_points.len(), descriptor.order as usize);
+    let mut weights: &[f64] = &[];
+    let mut total = 0;
+    let basis = match descriptor.basis()? {
+        wire::Basis::Bezier => fit::Basis::Bezier { order },
+        wire::Basis::RationalBezier => {
+            weights = &descriptor.weights[..count];
+            fit::Basis::RationalBezier { order }
+        }
+        wire::Basis::BSpline => {
+            let inner = count.checked_sub(order + 1)?;
+            total = count + order + 1;
+            knots[..=order].fill(0.0);
+            knots[order + 1..count].copy_from_slice(&descriptor.knots[..inner]);
+            knots[count..total].fill(1.0);
+            fit::Basis::BSpline {
+                degree: order,
+                control_points: count,
+                knots: Knots::Averaged,
+            }
+        }
+        wire::Basis::Fourier => fit::Basis::Fourier { harmonics: order },
+        wire::Basis::FeaturePoints => fit::Basis::FeaturePoints { count },
+        wire::Basis::CenterOfMass => fit::Basis::CenterOfMass,
+    };
+    Curve::new(basis, control_points, weights, &knots[..total]).ok()
 }
 
 fn compare_centerlines(mut frame: Frame, centerlines: &Polylines) {
@@ -230,27 +252,9 @@ fn compare_centerlines(mut frame: Frame, centerlines: &Polylines) {
     frame.end();
 }
 
-fn compare_beziers(mut frame: Frame, beziers: &Beziers) {
-    let mut start = 0;
-    for (end, closed) in beziers.ends.iter().zip(beziers.closed).take(beziers.count) {
-        let control_points = &beziers.control_points[start..*end];
-        let points =
-            (0..SAMPLES).map(|i| bezier_point(control_points, i as f64 / (SAMPLES - 1) as f64));
-        frame.curve(points, closed);
-        start = *end;
+fn compare_drawn(mut frame: Frame, drawn: &Drawn) {
+    for (points, closed) in &drawn.curves {
+        frame.curve(points.iter().copied(), *closed);
     }
     frame.end();
-}
-
-/// A point of a Bezier curve by de Casteljau's algorithm, which takes only averages and is stable at any order.
-fn bezier_point(control_points: &[Point], rho: f64) -> Point {
-    let mut points = [[0.0; 2]; MAX_CONTROL_POINTS];
-    points[..control_points.len()].copy_from_slice(control_points);
-    for left in (1..control_points.len()).rev() {
-        for i in 0..left {
-            let ([ax, ay], [bx, by]) = (points[i], points[i + 1]);
-            points[i] = [ax + rho * (bx - ax), ay + rho * (by - ay)];
-        }
-    }
-    points[0]
 }

@@ -5,7 +5,7 @@ mod chain;
 
 use chain::{Chain, centerlines, descriptors, received_ns, straight};
 use lariat_sink::{Distances, Errors, Options, Sink};
-use lariat_wire::{Basis, Status, Trace};
+use lariat_wire::{Basis, Descriptor, Status, Trace};
 use std::f64::consts::TAU;
 
 fn sink() -> Sink {
@@ -245,19 +245,74 @@ fn coordinates_that_are_no_numbers_are_no_curve() {
 }
 
 #[test]
-fn another_basis_is_not_mistaken_for_bezier() {
+fn a_basis_of_a_later_version_is_not_mistaken_for_one_of_this() {
     let (mut sink, mut chain) = (sink(), Chain::default());
     let trace = chain.frame(None).unwrap();
     let mut message = descriptors(trace, &[&straight_curve(50.0)]);
-    message.curves[0].basis = Basis::BSpline as u32;
+    message.curves[0].basis = 99;
     sink.truth(&centerlines(trace, &[&straight(50.0)]));
     sink.descriptors(&message, received_ns(&trace));
     assert_eq!(errors(&sink).curve, Distances::default());
     assert!(
         sink.report()
             .to_string()
-            .contains("1 curve in another basis than Bezier")
+            .contains("1 curve of a kind that this version does not know")
     );
+}
+
+/// The mean distance of one curve, made by `change` of a straight one, from the straight rope 5 px below it.
+fn mean_px(change: impl FnOnce(&mut Descriptor)) -> f64 {
+    let (mut sink, mut chain) = (sink(), Chain::default());
+    let trace = chain.frame(None).unwrap();
+    let mut message = descriptors(trace, &[&straight_curve(50.0)]);
+    change(&mut message.curves[0]);
+    sink.truth(&centerlines(trace, &[&straight(55.0)]));
+    sink.descriptors(&message, received_ns(&trace));
+    errors(&sink).curve.mean.unwrap()
+}
+
+#[test]
+fn every_basis_is_drawn_as_what_it_is() {
+    let along = |descriptor: &mut Descriptor, shares: &[f64]| {
+        let [first, last] = [100.0, 219.0];
+        descriptor.count = shares.len() as u32;
+        for (point, share) in descriptor.control_points.iter_mut().zip(shares) {
+            *point = [first + share * (last - first), 50.0];
+        }
+    };
+    let spline = mean_px(|descriptor| {
+        descriptor.basis = Basis::BSpline as u32;
+        descriptor.order = 2;
+        descriptor.knots[0] = 0.4;
+        along(descriptor, &[0.0, 0.2, 0.7, 1.0]);
+    });
+    let rational = mean_px(|descriptor| {
+        descriptor.basis = Basis::RationalBezier as u32;
+        descriptor.order = 2;
+        descriptor.weights[1] = 3.0;
+        along(descriptor, &[0.0, 0.5, 1.0]);
+    });
+    let points = mean_px(|descriptor| {
+        descriptor.basis = Basis::FeaturePoints as u32;
+        descriptor.order = 1;
+        along(descriptor, &[0.0, 0.3, 1.0]);
+    });
+    let mass = mean_px(|descriptor| {
+        descriptor.basis = Basis::CenterOfMass as u32;
+        descriptor.order = 0;
+        along(descriptor, &[0.5]);
+    });
+    for found in [spline, rational, points, mass] {
+        assert!((found - 5.0).abs() < 1e-3, "{found}");
+    }
+    // a₀, then one harmonic that runs along the rope and back.
+    let series = mean_px(|descriptor| {
+        descriptor.basis = Basis::Fourier as u32;
+        descriptor.order = 1;
+        descriptor.count = 3;
+        descriptor.control_points[..3].copy_from_slice(&[[159.5, 50.0], [59.5, 0.0], [0.0, 0.0]]);
+    });
+    assert!((series - 5.0).abs() < 1e-3, "{series}");
 }
 
 #[test]

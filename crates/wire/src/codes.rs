@@ -94,12 +94,17 @@ impl Status {
 pub enum Basis {
     /// Bernstein polynomials of degree `order`.
     Bezier = 1,
-    /// Clamped B-spline with uniform knots.
+    /// Clamped B-spline of degree `order`; its inner knots are in the message.
     BSpline = 2,
     /// Rational Bernstein functions.
     RationalBezier = 3,
-    /// A truncated Fourier series, for closed shapes.
+    /// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients
+    /// `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
     Fourier = 4,
+    /// Points of the centerline at even steps of arc length, joined by straight lines.
+    FeaturePoints = 5,
+    /// The mean of all points: one control point.
+    CenterOfMass = 6,
 }
 
 impl Basis {
@@ -110,6 +115,8 @@ impl Basis {
             2 => Self::BSpline,
             3 => Self::RationalBezier,
             4 => Self::Fourier,
+            5 => Self::FeaturePoints,
+            6 => Self::CenterOfMass,
             _ => return None,
         })
     }

@@ -274,7 +274,7 @@ impl Centerlines {
 /// One rope's shape as a few control points.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptor.v2")]
+#[type_name("lariat.Descriptor.v3")]
 pub struct Descriptor {
     /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
@@ -282,7 +282,7 @@ pub struct Descriptor {
     pub status: u32,
     /// A [`Basis`]'s number.
     pub basis: u32,
-    /// Degree of the curve.
+    /// Degree of the curve; of a Fourier series the number of its harmonics.
     pub order: u32,
     /// How many control points are meant.
     pub count: u32,
@@ -296,9 +296,10 @@ pub struct Descriptor {
     pub rms_px: f64,
     /// Largest such distance.
     pub max_px: f64,
-    /// Variance of one coordinate's residual: the sum of squares over 2 (N − count), in px².
+    /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N − count) for
+    /// plain least squares, in px².
     pub residual_variance: f64,
-    /// Condition number (2-norm) of the regression matrix B.
+    /// Condition number (2-norm) of the regression.
     pub condition: f64,
     /// Arc length of the centerline, in pixels.
     pub length_px: f64,
@@ -308,12 +309,19 @@ pub struct Descriptor {
     pub age_ns: u64,
     /// How many of the points were covered by something, and so not seen.
     pub hidden: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// 1 if the control points are filtered in time, and have velocities.
+    pub filtered: u32,
     /// The control points, `[x, y]` in pixels.
     pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
     /// Their weights: rational bases only, 1 elsewhere.
     pub weights: [f64; MAX_CONTROL_POINTS],
+    /// Variance of either coordinate of each control point, in px².
+    pub variances_px2: [f64; MAX_CONTROL_POINTS],
+    /// Velocity of each control point, in px/s; 0 where they are not filtered.
+    pub velocities_px_s: [[f64; 2]; MAX_CONTROL_POINTS],
+    /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
+    /// `order + 1` times 0 and as many times 1.
+    pub knots: [f64; MAX_CONTROL_POINTS],
 }
 
 impl Descriptor {
@@ -335,9 +343,12 @@ impl Descriptor {
         width_px: 0.0,
         age_ns: 0,
         hidden: 0,
-        reserved: 0,
+        filtered: 0,
         control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
         weights: [1.0; MAX_CONTROL_POINTS],
+        variances_px2: [0.0; MAX_CONTROL_POINTS],
+        velocities_px_s: [[0.0; 2]; MAX_CONTROL_POINTS],
+        knots: [0.0; MAX_CONTROL_POINTS],
     };
 
     /// The control points that are meant.
@@ -359,7 +370,7 @@ impl Descriptor {
 /// What a control loop reads: the shape of every rope in one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptors.v2")]
+#[type_name("lariat.Descriptors.v3")]
 pub struct Descriptors {
     /// The frame's whole way.
     pub trace: Trace,
@@ -419,9 +430,12 @@ mod tests {
         assert_eq!(offset_of!(Descriptor, hidden), 88);
         assert_eq!(offset_of!(Descriptor, control_points), 96);
         assert_eq!(offset_of!(Descriptor, weights), 96 + 32 * 16);
-        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 24);
+        assert_eq!(offset_of!(Descriptor, variances_px2), 96 + 32 * 24);
+        assert_eq!(offset_of!(Descriptor, velocities_px_s), 96 + 32 * 32);
+        assert_eq!(offset_of!(Descriptor, knots), 96 + 32 * 48);
+        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 56);
         assert_eq!(offset_of!(Descriptors, curves), 96);
-        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 864);
+        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 1888);
     }
 
     #[test]

@@ -1,0 +1,134 @@
+//! A basis of fixed size whose algebra changes with the points: where they weigh differently, or lie at
+//! arc lengths of their own.
+
+use crate::arc_length;
+use crate::basis::{Basis, Knots};
+use crate::error::FitError;
+use crate::fitter::Residuals;
+use crate::functions::{self, MAX_KNOTS};
+use crate::linear::Linear;
+use crate::options::{Options, Rho, Weights};
+use crate::solve::QrOfB;
+use crate::system::System;
+use crate::weighted::Weighted;
+use faer::linalg::triangular_inverse::invert_upper_triangular;
+use faer::{Mat, Par};
+
+pub(crate) struct Adaptive<const D: usize> {
+    weighted: Weighted<D>,
+    basis: Basis,
+    /// `B`, N × m, row by row.
+    b: Vec<f64>,
+    /// `R⁻¹` of `B` on the even grid upon the ridge's rows, m × m, row by row.
+    r_inverse: Vec<f64>,
+    /// `λDᵀD`, m × m, row by row.
+    ridge: Option<Vec<f64>>,
+    /// Where the points lie.
+    rho: Vec<f64>,
+    knots: [f64; MAX_KNOTS],
+    knot_count: usize,
+    ones: Vec<f64>,
+}
+
+impl<const D: usize> Adaptive<D> {
+    pub(crate) fn new(linear: &Linear<D>, options: &Options) -> Self {
+        let (points, count) = (linear.b.nrows(), linear.b.ncols());
+        let system = System::new(linear.basis, linear.b.clone(), options.ridge, false);
+        let factors = QrOfB::new(&system.a);
+        let r = factors.r();
+        let mut r_inverse = Mat::zeros(count, count);
+        invert_upper_triangular(r_inverse.as_mut(), r, Par::Seq);
+        let ridge = system.penalty.transpose() * &system.penalty;
+        let rows = |m: &Mat<f64>, is_kept: fn(usize, usize) -> bool| {
+            let at = |at: usize| (at / count, at % count);
+            (0..m.nrows() * count)
+                .map(|place| match at(place) {
+                    (i, j) if is_kept(i, j) => m[(i, j)],
+                    _ => 0.0,
+                })
+                .collect::<Vec<f64>>()
+        };
+        let mut own = [0.0; MAX_KNOTS];
+        own[..linear.knots.len()].copy_from_slice(&linear.knots);
+        Self {
+            weighted: Weighted::new(points, count),
+            basis: linear.basis,
+            b: rows(&linear.b, |_, _| true),
+            r_inverse: rows(&r_inverse, |i, j| i <= j),
+            ridge: (options.ridge > 0.0).then(|| rows(&ridge, |_, _| true)),
+            rho: (0..points)
+                .map(|i| linear.basis.even_rho(i, points))
+                .collect(),
+            knots: own,
+            knot_count: linear.knots.len(),
+            ones: vec![1.0; points],
+        }
+    }
+
+    /// The control points of these points, which weigh 1 where nothing else is said. Allocates nothing.
+    pub(crate) fn fit(
+        &mut self,
+        points: &[[f64; D]],
+        weights: Option<&[f64]>,
+        options: &Options,
+        control_points: &mut [[f64; D]],
+    ) -> Result<Residuals, FitError> {
+        if options.rho == Rho::Measured {
+            self.measure(points)?;
+        }
+        let weights = weights.unwrap_or(&self.ones);
+        let (b, r_inverse) = (&self.b[..], Some(&self.r_inverse[..]));
+        let (pins, ridge) = (options.pin_ends, self.ridge.as_deref());
+        let weighted = &mut self.weighted;
+        let (fit, variance) = if options.weights == Weights::Robust {
+            let robust =
+                weighted.huber(b, r_inverse, points, weights, pins, ridge, control_points)?;
+            // The points that are far off count in the sum of squares, but not in the median.
+            (robust.fit, robust.sigma_px * robust.sigma_px)
+        } else {
+            let fit = weighted.solve(b, r_inverse, points, weights, pins, ridge, control_points)?;
+            let freedom = D as f64 * fit.degrees_of_freedom;
+            // Rounding may leave a trifle of nothing.
+            let variance = if freedom > 1e-6 {
+                fit.sum_w_r2 / freedom
+            } else {
+                0.0
+            };
+            (fit, variance)
+        };
+        Ok(Residuals {
+            weighted_sum: fit.sum_w_r2,
+            weights: weighted.weights().iter().sum(),
+            max_px: fit.max_px,
+            variance,
+        })
+    }
+
+    /// Evaluates `B` where the points lie.
+    fn measure(&mut self, points: &[[f64; D]]) -> Result<(), FitError> {
+        arc_length::rho(points, self.basis.is_closed(), &mut self.rho)?;
+        if let Basis::BSpline {
+            knots: Knots::Averaged,
+            ..
+        } = self.basis
+        {
+            self.knot_count = functions::knots(self.basis, &self.rho, &mut self.knots);
+        }
+        let knots = &self.knots[..self.knot_count];
+        let count = self.basis.control_points();
+        for (row, &rho) in self.b.chunks_exact_mut(count).zip(&self.rho) {
+            functions::values(self.basis, knots, rho, row);
+        }
+        Ok(())
+    }
+
+    /// The clamped knots of the last fit's B-spline, or none.
+    pub(crate) fn knots(&self) -> &[f64] {
+        &self.knots[..self.knot_count]
+    }
+
+    /// `C` of the last fit, m × m, row by row.
+    pub(crate) fn covariance(&self) -> &[f64] {
+        self.weighted.covariance()
+    }
+}

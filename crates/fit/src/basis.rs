@@ -1,0 +1,170 @@
+//! The families of curves: which functions the control points weigh.
+
+use std::fmt;
+
+/// The most control points of a curve.
+pub const MAX_CONTROL_POINTS: usize = 32;
+
+/// Where the knots of a B-spline lie. Both are clamped: as many knots at either end as make the curve begin
+/// and end at its outer control points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Knots {
+    /// Evenly.
+    Uniform,
+    /// Where the points are, as many between any two knots (Piegl and Tiller, *The NURBS Book*, equations 9.68
+    /// and 9.69).
+    Averaged,
+}
+
+/// The family of curves that a descriptor's control points belong to, and its size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Basis {
+    /// Bernstein polynomials: a Bezier curve of `order`, 1 to 31, with `order + 1` control points. The paper's.
+    Bezier {
+        /// The curve's order `n`.
+        order: usize,
+    },
+    /// A clamped B-spline: each control point moves only a part of the curve.
+    BSpline {
+        /// The degree of its pieces, from 1 to one less than `control_points`.
+        degree: usize,
+        /// How many control points, 2 to 32.
+        control_points: usize,
+        /// Where its pieces meet.
+        knots: Knots,
+    },
+    /// A Bezier curve whose control points have weights, estimated with them.
+    RationalBezier {
+        /// The curve's order.
+        order: usize,
+    },
+    /// A truncated Fourier series, for closed curves: `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`. Its "control points"
+    /// are the coefficients `a₀, a₁, b₁, a₂, b₂, …`.
+    Fourier {
+        /// How many harmonics, 1 to 15.
+        harmonics: usize,
+    },
+    /// Points of the centerline itself, at even steps of arc length from its first to its last, and straight
+    /// lines between them: the local descriptor that most of visual servoing uses.
+    FeaturePoints {
+        /// How many, 2 to 32.
+        count: usize,
+    },
+    /// The mean of all points: a single "control point".
+    CenterOfMass,
+}
+
+impl Basis {
+    /// How many control points its curves have.
+    pub const fn control_points(self) -> usize {
+        match self {
+            Self::Bezier { order } | Self::RationalBezier { order } => order + 1,
+            Self::BSpline { control_points, .. } => control_points,
+            Self::Fourier { harmonics } => 2 * harmonics + 1,
+            Self::FeaturePoints { count } => count,
+            Self::CenterOfMass => 1,
+        }
+    }
+
+    /// The degree of its polynomials; of a Fourier series the number of harmonics.
+    pub const fn order(self) -> usize {
+        match self {
+            Self::Bezier { order } | Self::RationalBezier { order } => order,
+            Self::BSpline { degree, .. } => degree,
+            Self::Fourier { harmonics } => harmonics,
+            Self::FeaturePoints { .. } => 1,
+            Self::CenterOfMass => 0,
+        }
+    }
+
+    /// Whether its curves are closed: they end where they begin.
+    pub const fn is_closed(self) -> bool {
+        matches!(self, Self::Fourier { .. })
+    }
+
+    /// Whether its curves begin and end at their outer control points, so that these can be pinned.
+    pub const fn has_ends(self) -> bool {
+        matches!(
+            self,
+            Self::Bezier { .. } | Self::BSpline { .. } | Self::RationalBezier { .. }
+        )
+    }
+
+    /// The next smaller curve of the same family, if there is one.
+    pub(crate) fn smaller(self) -> Option<Self> {
+        let less = |size: usize, low: usize| (size > low).then(|| size - 1);
+        Some(match self {
+            Self::Bezier { order } => Self::Bezier {
+                order: less(order, 1)?,
+            },
+            Self::RationalBezier { order } => Self::RationalBezier {
+                order: less(order, 1)?,
+            },
+            Self::BSpline {
+                degree,
+                control_points,
+                knots,
+            } => Self::BSpline {
+                degree,
+                control_points: less(control_points, degree + 1)?,
+                knots,
+            },
+            Self::Fourier { harmonics } => Self::Fourier {
+                harmonics: less(harmonics, 1)?,
+            },
+            Self::FeaturePoints { count } => Self::FeaturePoints {
+                count: less(count, 2)?,
+            },
+            Self::CenterOfMass => return None,
+        })
+    }
+
+    /// The family's name, as settings and JSON have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bezier { .. } => "bezier",
+            Self::BSpline { .. } => "bspline",
+            Self::RationalBezier { .. } => "rational",
+            Self::Fourier { .. } => "fourier",
+            Self::FeaturePoints { .. } => "points",
+            Self::CenterOfMass => "mass",
+        }
+    }
+
+    /// The `i`-th of `points` values of ρ in even steps: from 0 to 1, or, once around a closed curve, to one
+    /// step before 1, which is 0 again.
+    pub const fn even_rho(self, i: usize, points: usize) -> f64 {
+        if self.is_closed() {
+            i as f64 / points as f64
+        } else if points < 2 {
+            0.0
+        } else {
+            i as f64 / (points - 1) as f64
+        }
+    }
+}
+
+impl fmt::Display for Basis {
+    /// As a sentence has it: "a Bezier curve of order 8".
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bezier { order } => write!(f, "a Bezier curve of order {order}"),
+            Self::BSpline {
+                degree,
+                control_points,
+                ..
+            } => write!(
+                f,
+                "a B-spline of degree {degree} with {control_points} control points"
+            ),
+            Self::RationalBezier { order } => {
+                write!(f, "a rational Bezier curve of order {order}")
+            }
+            Self::Fourier { harmonics: 1 } => write!(f, "a Fourier series of 1 harmonic"),
+            Self::Fourier { harmonics } => write!(f, "a Fourier series of {harmonics} harmonics"),
+            Self::FeaturePoints { count } => write!(f, "{count} feature points"),
+            Self::CenterOfMass => write!(f, "the center of mass"),
+        }
+    }
+}

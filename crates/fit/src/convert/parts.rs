@@ -1,0 +1,77 @@
+//! A Bezier curve in two, and any curve backwards.
+
+use super::OwnedCurve;
+use crate::basis::Basis;
+use crate::curve::Curve;
+
+/// The control points of the two parts, of the same order, that meet at `rho` of a Bezier curve: the edges of
+/// de Casteljau's triangle. Outside 0 to 1 they overlap, or lie on the curve's continuation.
+///
+/// A rational curve is split as the polynomial one of a dimension more that it is the image of: control points
+/// times their weights, and the weight as their last coordinate.
+pub fn split_at<const D: usize>(
+    control_points: &[[f64; D]],
+    rho: f64,
+) -> (Vec<[f64; D]>, Vec<[f64; D]>) {
+    let mut second = control_points.to_vec();
+    let mut first = Vec::with_capacity(second.len());
+    for remaining in (0..second.len()).rev() {
+        first.push(second[0]);
+        for j in 0..remaining {
+            let next = second[j + 1];
+            for (axis, coordinate) in second[j].iter_mut().enumerate() {
+                *coordinate = (1.0 - rho) * *coordinate + rho * next[axis];
+            }
+        }
+    }
+    (first, second)
+}
+
+/// The same curve from its end to its start: its point at ρ is the old one's at 1 − ρ.
+pub fn reverse<const D: usize>(curve: &Curve<'_, D>) -> OwnedCurve<D> {
+    let mut reversed = OwnedCurve::from(curve);
+    if let Basis::Fourier { .. } = reversed.basis {
+        // Cosines read backwards are the same, sines the opposite.
+        for sine in reversed.control_points.iter_mut().skip(2).step_by(2) {
+            *sine = sine.map(|c| -c);
+        }
+        return reversed;
+    }
+    reversed.control_points.reverse();
+    reversed.weights.reverse();
+    reversed.knots.reverse();
+    for knot in &mut reversed.knots {
+        *knot = 1.0 - *knot;
+    }
+    reversed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn two_parts_are_the_whole(
+            control_points in prop::collection::vec(prop::array::uniform2(-1e3f64..1e3), 1..=32),
+            at in 0.0f64..=1.0,
+            rho in 0.0f64..=1.0,
+        ) {
+            let (first, second) = split_at(&control_points, at);
+            let whole = Curve::bezier(&control_points).unwrap();
+            let before = Curve::bezier(&first).unwrap().point(rho);
+            let after = Curve::bezier(&second).unwrap().point(rho);
+            for axis in 0..2 {
+                prop_assert!((before[axis] - whole.point(at * rho)[axis]).abs() < 1e-9);
+                let there = at + (1.0 - at) * rho;
+                prop_assert!((after[axis] - whole.point(there)[axis]).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn no_control_points_have_no_parts() {
+        assert_eq!(split_at::<2>(&[], 0.5), (vec![], vec![]));
+    }
+}

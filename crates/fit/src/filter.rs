@@ -1,0 +1,380 @@
+//! A rope in time: a constant-velocity Kalman filter on the control points of one rope, and where the rope
+//! is, how fast, and how surely, at any moment near its last shape.
+//!
+//! The state of each axis is `m` control points and their velocities; between shapes they move by white
+//! acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
+//! 6.2.2, the continuous white noise acceleration model). A shape is a measurement of the control points
+//! with the covariance of its fit, the same for each axis, so that all axes share one covariance.
+//!
+//! **Where the acceleration acts.** On the curve, not on the control points: white acceleration of equal
+//! strength in every direction of the space of curves, `Q ∝ (BᵀB)⁻¹`. Were it equal for each control point
+//! instead (`Q ∝ I`), the result would depend on the basis; and a change of shape that moves control points
+//! far outside the curve by a hundred pixels, and the curve by one, would count as a hundred times less
+//! likely than any other: the filter would lag behind it, and take it for a jump, being surer of the curve
+//! than the measurement is. In the curve's space a fit of evenly weighted points has `R ∝ (BᵀB)⁻¹` too: then
+//! every shape is smoothed alike, with the gain of one point's filter, and no shape lags behind another.
+//! What is hidden in one shape is carried on by the velocity of what was seen of it.
+//!
+//! **Numbers.** All of it is done in curve coordinates ([`CurveSpace`]), where `Q` and the usual `R` are
+//! multiples of the identity; in control points their condition number is the square of `B`'s (2·10⁴ at
+//! order 8, far more above), and a prediction ahead would drown in rounding.
+
+mod error;
+mod options;
+mod rows;
+mod space;
+mod state;
+mod step;
+mod vectorized;
+
+pub use error::{CurveSpaceError, FilterError, PredictError, UpdateError};
+pub use options::FilterOptions;
+pub use space::CurveSpace;
+pub use step::{FilterStep, Noise};
+
+use rows::{LANES, Rows};
+use space::transform;
+use state::State;
+use vectorized::{Foretell, ReadCovariance, TakeIn};
+
+/// Control points of this size or more are refused. Of a curve within any picture they may lie far outside
+/// it, at high orders by as much as the condition number of `B`.
+const MAX_CONTROL_POINT_PX: f64 = 1e12;
+
+/// Variances and covariances above it are refused: at it nothing is known about a direction, whatever the
+/// picture.
+const MAX_VARIANCE_PX2: f64 = 1e18;
+
+/// No shape is known better than this, px: points travel as `f32`, whose step is 0.0005 px at the far side of
+/// a large image, and a coordinate is a mean of some of them. It keeps a covariance of zero (as many control
+/// points as points) positive definite.
+const LEAST_NOISE_PX: f64 = 1e-4;
+
+/// The condition number of `B` up to which an entry of a covariance says enough: in curve coordinates its
+/// rounding errors grow by the square of that number, and may be a hundredth of the variances there.
+fn covariance_limit() -> f64 {
+    (0.01 / f64::EPSILON).sqrt()
+}
+
+/// Where a rope is at a moment, how fast, and how surely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction<const D: usize> {
+    /// The moment, ns.
+    pub t_ns: u64,
+    /// The `m` control points, px.
+    pub control_points: Vec<[f64; D]>,
+    /// Their velocities, px/s: the control points of the curve of velocities.
+    pub velocities_px_s: Vec<[f64; D]>,
+    /// The covariance of the control points, the same for each axis: `m` × `m`, row by row, px².
+    pub covariance_px2: Vec<f64>,
+    /// The covariance of the velocities, likewise, px²/s².
+    pub velocity_covariance_px2_s2: Vec<f64>,
+}
+
+/// The last shape taken in.
+struct Seen {
+    t_ns: u64,
+    space: CurveSpace,
+    /// The largest normalized innovation squared that is no jump.
+    gate: f64,
+}
+
+/// A constant-velocity Kalman filter on the control points of one rope, in `D` dimensions.
+///
+/// ```
+/// use lariat_fit::{CurveSpace, Filter, FilterOptions, Noise};
+///
+/// // A rope of two control points, its ends, that moves to the right at 100 px/s.
+/// let space = CurveSpace::of_points(2)?;
+/// let mut filter = Filter::<2>::new(2, FilterOptions::default())?;
+/// for frame in 0..30 {
+///     let x = frame as f64;
+///     let noise = Noise::Even { variance_px2: 0.01 };
+///     filter.update(frame * 10_000_000, &space, &[[x, 0.0], [x, 50.0]], noise)?;
+/// }
+/// let soon = filter.predict(300_000_000)?;
+/// assert!((soon.control_points[1][0] - 30.0).abs() < 0.1);
+/// assert!((soon.velocities_px_s[0][0] - 100.0).abs() < 10.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Filter<const D: usize> {
+    options: FilterOptions,
+    most: usize,
+    arch: pulp::Arch,
+    seen: Option<Seen>,
+    state: State<D>,
+    /// The state at another moment, while it is being worked on.
+    ahead: State<D>,
+    measured: Vec<[f64; D]>,
+    noise: Rows,
+    /// A covariance in other coordinates, and half-way there.
+    other: Rows,
+    half: Rows,
+    work: Rows,
+    prediction: Prediction<D>,
+}
+
+impl<const D: usize> Filter<D> {
+    /// A filter for shapes of at most `max_control_points` control points. Nothing allocates after this.
+    ///
+    /// # Errors
+    /// No control point or more than 32, or an option outside its range.
+    pub fn new(max_control_points: usize, options: FilterOptions) -> Result<Self, FilterError> {
+        let most = max_control_points;
+        if !(1..=crate::options::MAX_ORDER + 1).contains(&most) {
+            return Err(FilterError::ControlPoints { given: most });
+        }
+        options.check()?;
+        let work_width = 4 * rows::vectors(most) + rows::vectors(D);
+        Ok(Self {
+            options,
+            most,
+            arch: pulp::Arch::new(),
+            seen: None,
+            state: State::new(most),
+            ahead: State::new(most),
+            measured: vec![[0.0; D]; most],
+            noise: Rows::square(most),
+            other: Rows::square(most),
+            half: Rows::square(most),
+            work: Rows::new(most, work_width),
+            prediction: Prediction {
+                t_ns: 0,
+                control_points: vec![[0.0; D]; most],
+                velocities_px_s: vec![[0.0; D]; most],
+                covariance_px2: vec![0.0; most * most],
+                velocity_covariance_px2_s2: vec![0.0; most * most],
+            },
+        })
+    }
+
+    /// What the filter was made with.
+    pub fn options(&self) -> &FilterOptions {
+        &self.options
+    }
+
+    /// The moment of the last shape taken in, ns.
+    pub fn last_ns(&self) -> Option<u64> {
+        self.seen.as_ref().map(|seen| seen.t_ns)
+    }
+
+    /// Forgets the rope: the next shape is the first.
+    pub fn forget(&mut self) {
+        self.seen = None;
+    }
+
+    /// Takes in a shape: the control points at the moment `t_ns`, of the curves of `space`, as uncertain as
+    /// `noise`. The answer says whether it went on from the shapes before or began anew. `space` is told
+    /// from others as an object: give the same one, or clones of it, as long as the curves are the same.
+    ///
+    /// # Errors
+    /// A moment that is not after the last one, sizes that do not agree, numbers that are no place or no
+    /// covariance. The filter then stays as it was.
+    pub fn update(
+        &mut self,
+        t_ns: u64,
+        space: &CurveSpace,
+        control_points: &[[f64; D]],
+        noise: Noise<'_>,
+    ) -> Result<FilterStep, UpdateError> {
+        self.check(t_ns, space, control_points)?;
+        self.write_noise(space, noise)?;
+        self.measured.resize(control_points.len(), [0.0; D]);
+        transform(space.to_curve(), control_points, &mut self.measured);
+        let step = match &self.seen {
+            None => FilterStep::Began,
+            Some(seen) if !seen.space.is(space) => FilterStep::OtherCurves,
+            Some(seen) => {
+                let seconds = (t_ns - seen.t_ns) as f64 * 1e-9;
+                if seconds > self.options.longest_gap_s {
+                    FilterStep::LongGap { seconds }
+                } else {
+                    let gate = seen.gate;
+                    self.go_on(seconds, gate)
+                }
+            }
+        };
+        match &mut self.seen {
+            Some(seen) if seen.space.is(space) => seen.t_ns = t_ns,
+            seen => {
+                *seen = Some(Seen {
+                    t_ns,
+                    space: space.clone(),
+                    gate: self.options.gate(control_points.len() * D),
+                });
+            }
+        }
+        if step.is_beginning() {
+            let speed_variance = self.options.speed_px_s.powi(2);
+            self.state
+                .begin(&self.measured, &self.noise, speed_variance);
+        }
+        Ok(step)
+    }
+
+    /// The rope at the moment `t_ns`: at the last shape, ahead of it, or a little before it. The result
+    /// stands until the next call.
+    ///
+    /// Going back, the acceleration between the two moments is taken for unknown, though what came after
+    /// tells something of it: the covariance is on the safe side.
+    ///
+    /// # Errors
+    /// No shape yet, or a moment further from the last one than [`FilterOptions::longest_gap_s`].
+    pub fn predict(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
+        let seen = self.seen.as_ref().ok_or(PredictError::NothingSeen)?;
+        let distance_s = t_ns.abs_diff(seen.t_ns) as f64 * 1e-9;
+        if distance_s > self.options.longest_gap_s {
+            return Err(PredictError::TooFar {
+                t_ns,
+                distance_s,
+                limit_s: self.options.longest_gap_s,
+            });
+        }
+        let seconds = distance_s * if t_ns < seen.t_ns { -1.0 } else { 1.0 };
+        self.prediction.t_ns = t_ns;
+        self.arch.dispatch(Foretell {
+            state: &self.state,
+            seconds,
+            q: self.options.spectral_density(),
+            space: &seen.space,
+            later: &mut self.ahead,
+            half: &mut self.half,
+            whole: &mut self.other,
+            prediction: &mut self.prediction,
+        });
+        Ok(&self.prediction)
+    }
+
+    /// Predicts and takes in the measurement, or leaves the state as it was if it is beyond the gate.
+    fn go_on(&mut self, seconds: f64, gate: f64) -> FilterStep {
+        let nis = self.arch.dispatch(TakeIn {
+            state: &self.state,
+            seconds,
+            q: self.options.spectral_density(),
+            measured: &self.measured,
+            noise: &self.noise,
+            gate,
+            work: &mut self.work,
+            later: &mut self.ahead,
+        });
+        match nis {
+            Ok(nis) => {
+                std::mem::swap(&mut self.state, &mut self.ahead);
+                FilterStep::Updated { nis }
+            }
+            Err(nis) => FilterStep::Jumped { nis },
+        }
+    }
+
+    /// Whether the shape can be taken in at all.
+    fn check(
+        &self,
+        t_ns: u64,
+        space: &CurveSpace,
+        control_points: &[[f64; D]],
+    ) -> Result<(), UpdateError> {
+        if let Some(last_ns) = self.last_ns().filter(|&last_ns| t_ns <= last_ns) {
+            return Err(UpdateError::NotLater { t_ns, last_ns });
+        }
+        let given = control_points.len();
+        if given != space.control_points() {
+            return Err(UpdateError::Count {
+                given,
+                expected: space.control_points(),
+            });
+        }
+        if given > self.most {
+            return Err(UpdateError::TooMany {
+                given,
+                most: self.most,
+            });
+        }
+        let placed = |p: &[f64; D]| p.iter().all(|c| c.abs() < MAX_CONTROL_POINT_PX);
+        match control_points.iter().position(|p| !placed(p)) {
+            Some(index) => Err(UpdateError::NotAPoint {
+                index,
+                limit: MAX_CONTROL_POINT_PX,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the measurement's covariance in curve coordinates to `self.noise`, positive definite.
+    fn write_noise(&mut self, space: &CurveSpace, noise: Noise<'_>) -> Result<(), UpdateError> {
+        let count = space.control_points();
+        let scale = self.options.noise_scale.powi(2);
+        let least = LEAST_NOISE_PX * LEAST_NOISE_PX;
+        match noise {
+            Noise::Even { variance_px2 } => {
+                check_variance(variance_px2, true)?;
+                self.noise.reshape(count, rows::vectors(count));
+                let variance = scale * variance_px2 * space.unit_variance() + least;
+                for i in 0..count {
+                    self.noise.set(i, i, variance);
+                }
+            }
+            Noise::Covariance(covariance) => {
+                self.read_covariance(space, covariance)?;
+                let trace = covariance.iter().step_by(count + 1).sum::<f64>();
+                // What rounding may have changed is not known any better than that.
+                let least = least + scale * space.rounding(trace);
+                let positive = self.arch.dispatch(ReadCovariance {
+                    covariance: &self.other,
+                    space,
+                    scale,
+                    least,
+                    half: &mut self.half,
+                    work: &mut self.work,
+                    noise: &mut self.noise,
+                });
+                if !positive {
+                    return Err(UpdateError::NotPositive);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Copies a covariance of control points to `self.other`, if its numbers can be one.
+    fn read_covariance(
+        &mut self,
+        space: &CurveSpace,
+        covariance: &[f64],
+    ) -> Result<(), UpdateError> {
+        let count = space.control_points();
+        if covariance.len() != count * count {
+            return Err(UpdateError::CovarianceSize {
+                given: covariance.len(),
+                control_points: count,
+            });
+        }
+        if space.condition() > covariance_limit() {
+            return Err(UpdateError::LostInRounding {
+                condition: space.condition(),
+                limit: covariance_limit(),
+            });
+        }
+        self.other.reshape(count, rows::vectors(count));
+        for (i, row) in covariance.chunks_exact(count).enumerate() {
+            for (j, &value) in row.iter().enumerate() {
+                check_variance(value, i == j)?;
+            }
+            let start = i * self.other.width * LANES;
+            let numbers = self.other.vectors.as_flattened_mut();
+            numbers[start..start + count].copy_from_slice(row);
+        }
+        Ok(())
+    }
+}
+
+fn check_variance(value: f64, is_variance: bool) -> Result<(), UpdateError> {
+    let least = if is_variance { 0.0 } else { -MAX_VARIANCE_PX2 };
+    // NaN is within no range.
+    if (least..=MAX_VARIANCE_PX2).contains(&value) {
+        return Ok(());
+    }
+    Err(UpdateError::NotAVariance {
+        value,
+        limit: MAX_VARIANCE_PX2,
+    })
+}

@@ -1,0 +1,165 @@
+//! The space of curves that control points belong to, in coordinates in which a pixel is a pixel.
+
+use super::error::CurveSpaceError;
+use super::rows::{Rows, vectors};
+use crate::options::{MAX_ORDER, MAX_POINTS};
+use faer::Mat;
+use std::sync::Arc;
+
+/// The highest condition number of `B`: at it, going to curve coordinates and back loses a millionth, as a
+/// fit by `pinv` does.
+const MAX_CONDITION: f64 = 1e-6 / f64::EPSILON;
+
+/// A space of curves: a basis on a grid of `ρ`, as the matrix `B` (`N` × `m`) that takes `m` control points
+/// to `N` points of the curve. Made once for each fitter; its clones share what was computed.
+///
+/// It carries *curve coordinates* `z = √(m/N) R s`, where `B = QR`, for control points `s`. In them lengths
+/// are lengths on the rope: `|z|²/m` is the mean of the squared distances of the curve's `N` points from the
+/// origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in every direction. Control points can lie far
+/// outside their curve, and move by a hundred pixels where the curve moves by one (the square of `B`'s
+/// condition number says it of their variances); their curve coordinates do not.
+#[derive(Debug, Clone)]
+pub struct CurveSpace(Arc<Coordinates>);
+
+#[derive(Debug)]
+struct Coordinates {
+    control_points: usize,
+    points: usize,
+    condition: f64,
+    /// The sum of the squares of `G⁻¹`'s entries.
+    size: f64,
+    /// `s = G z`, as its transpose: row `k` is what coordinate `k` adds to each control point.
+    to_control_points: Rows,
+    /// `z = G⁻¹ s`, as its transpose.
+    to_curve: Rows,
+}
+
+impl CurveSpace {
+    /// The space of the curves `B s`. `b` is `B` row by row: `N` rows, one for each point, of
+    /// `control_points` numbers, one for each control point.
+    ///
+    /// # Errors
+    /// No control point or more than 32, fewer points than control points, a number that is not finite, or a
+    /// condition number of `B` that no control points can be trusted with.
+    pub fn new(b: &[f64], control_points: usize) -> Result<Self, CurveSpaceError> {
+        let columns = control_points;
+        if !(1..=MAX_ORDER + 1).contains(&columns) {
+            return Err(CurveSpaceError::ControlPoints { columns });
+        }
+        let rows = b.len() / columns;
+        if !b.len().is_multiple_of(columns) || !(columns..=MAX_POINTS).contains(&rows) {
+            return Err(CurveSpaceError::Shape {
+                numbers: b.len(),
+                columns,
+            });
+        }
+        if let Some(index) = b.iter().position(|number| !number.is_finite()) {
+            return Err(CurveSpaceError::NotFinite {
+                row: index / columns,
+                column: index % columns,
+            });
+        }
+        let b = Mat::from_fn(rows, columns, |i, j| b[i * columns + j]);
+        let condition = match b.singular_values().as_deref() {
+            Ok([largest, .., smallest]) if *smallest > 0.0 => largest / smallest,
+            Ok([only]) if *only > 0.0 => 1.0,
+            _ => f64::INFINITY,
+        };
+        if condition > MAX_CONDITION {
+            return Err(CurveSpaceError::IllConditioned {
+                condition,
+                limit: MAX_CONDITION,
+            });
+        }
+        let r = b.qr().thin_R().to_owned();
+        let scale = (columns as f64 / rows as f64).sqrt();
+        let mut to_curve = Rows::square(columns);
+        let mut to_control_points = Rows::square(columns);
+        for j in 0..columns {
+            for i in 0..=j {
+                to_curve.set(j, i, scale * r[(i, j)]);
+            }
+            // Column j of R⁻¹, from the diagonal up; its transpose is a row.
+            for i in (0..=j).rev() {
+                let known: f64 = (i + 1..=j)
+                    .map(|k| r[(i, k)] * scale * to_control_points.get(j, k))
+                    .sum();
+                let right = if i == j { 1.0 } else { 0.0 };
+                to_control_points.set(j, i, (right - known) / (scale * r[(i, i)]));
+            }
+        }
+        // Both were filled as transposes of G⁻¹ and G: row j belongs to column j.
+        Ok(Self(Arc::new(Coordinates {
+            control_points,
+            points: rows,
+            condition,
+            size: to_curve.vectors.as_flattened().iter().map(|h| h * h).sum(),
+            to_control_points,
+            to_curve,
+        })))
+    }
+
+    /// The space whose `control_points` control points are points on the rope themselves: `B` is the identity.
+    ///
+    /// # Errors
+    /// No control point or more than 32.
+    pub fn of_points(control_points: usize) -> Result<Self, CurveSpaceError> {
+        // Past what is allowed the number does not matter any more.
+        let count = control_points.min(MAX_ORDER + 2);
+        let mut identity = vec![0.0; count * count];
+        for number in identity.iter_mut().step_by(count + 1) {
+            *number = 1.0;
+        }
+        Self::new(&identity, control_points)
+    }
+
+    /// How many control points a curve has.
+    pub fn control_points(&self) -> usize {
+        self.0.control_points
+    }
+
+    /// The condition number of `B` in the 2-norm.
+    pub fn condition(&self) -> f64 {
+        self.0.condition
+    }
+
+    /// The variance of each curve coordinate of a fit whose points have variance 1.
+    pub(super) fn unit_variance(&self) -> f64 {
+        self.0.control_points as f64 / self.0.points as f64
+    }
+
+    /// The largest error of a variance in curve coordinates by the rounding of control points' variances
+    /// that sum to `trace`: `ε` of each entry, taken by `G⁻¹` from both sides, and as much again for the sums.
+    pub(super) fn rounding(&self, trace: f64) -> f64 {
+        2.0 * f64::EPSILON * self.0.size * trace
+    }
+
+    /// `Gᵀ`.
+    pub(super) fn to_control_points(&self) -> &Rows {
+        &self.0.to_control_points
+    }
+
+    /// `G⁻ᵀ`.
+    pub(super) fn to_curve(&self) -> &Rows {
+        &self.0.to_curve
+    }
+
+    /// Whether it is the same object or a clone of it.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// `out ← Tᵀ points`.
+#[inline(always)]
+pub(super) fn transform<const D: usize>(t: &Rows, points: &[[f64; D]], out: &mut [[f64; D]]) {
+    debug_assert_eq!(t.width, vectors(points.len()));
+    out.fill([0.0; D]);
+    for (k, point) in points.iter().enumerate() {
+        for (sum, f) in out.iter_mut().zip(t.numbers(k, points.len())) {
+            for axis in 0..D {
+                sum[axis] += f * point[axis];
+            }
+        }
+    }
+}

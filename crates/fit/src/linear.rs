@@ -1,0 +1,194 @@
+//! A basis of fixed size: all algebra that does not depend on the points, done once, and the fit by it.
+
+use crate::basis::Basis;
+use crate::condition;
+use crate::error::FitterError;
+use crate::fitter::MAX_COORDINATE_PX;
+use crate::folded::{Points, Rows};
+use crate::kernel::{FitByProduct, Load, Residuals, SquaredResiduals};
+use crate::options::{Options, Solver};
+use crate::solve::{Halves, QrOfB, Solve};
+use crate::system::{self, Estimator, System};
+use faer::Mat;
+
+pub(crate) struct Linear<const D: usize> {
+    pub(crate) basis: Basis,
+    /// The clamped knots of a B-spline on the even grid, or none.
+    pub(crate) knots: Vec<f64>,
+    /// The 2-norm condition number of what is solved: `B`, without the pinned columns, above the ridge's rows.
+    pub(crate) condition: f64,
+    /// `P` transposed, column-major N × m: its columns are the rows of `P`.
+    pub(crate) matrix: Mat<f64>,
+    /// `C = P Pᵀ`, m × m, row by row.
+    pub(crate) covariance: Vec<f64>,
+    /// `B`, N × m.
+    pub(crate) b: Mat<f64>,
+    /// Degrees of freedom of one coordinate's residuals.
+    pub(crate) freedom: f64,
+    solve: Solve,
+    curve: Rows,
+    halves: Halves<D>,
+}
+
+/// The systems's factors, with their condition number checked against the solver's limit.
+struct Factored {
+    system: System,
+    /// None where the pinned ends leave nothing to solve for.
+    factors: Option<QrOfB>,
+    condition: f64,
+}
+
+impl<const D: usize> Linear<D> {
+    /// # Errors
+    /// A condition number that would drown the control points in rounding errors.
+    pub(crate) fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
+        let Options { points, solver, .. } = *options;
+        let knots = condition::even_knots(basis, points);
+        let mirrored = condition::is_mirrored(basis);
+        let (p, b, condition, solve, exact) = match system::selection(basis, points) {
+            Some(p) => {
+                let solve = Solve::pinv(p.as_ref(), false);
+                let b = condition::matrix(basis, &knots, points);
+                (p, b, 1.0, solve, false)
+            }
+            None => {
+                let Factored {
+                    system,
+                    mut factors,
+                    condition,
+                } = Factored::new(basis, &knots, options);
+                let refused = || refusal(basis, options, condition);
+                if condition > condition::limit(solver) {
+                    return Err(refused());
+                }
+                let p = system.estimator(factors.as_mut());
+                let p = if mirrored { mirrored_mean(&p) } else { p };
+                let solve = match (solver, factors) {
+                    (Solver::Cholesky, Some(_)) => {
+                        // The condition number has been checked, so the factor exists.
+                        Solve::cholesky(&system, D, mirrored).ok_or_else(refused)?
+                    }
+                    (Solver::Qr, Some(factors)) => Solve::qr(factors, &system, D),
+                    (Solver::Pinv, _) | (_, None) => Solve::pinv(p.as_ref(), mirrored),
+                };
+                let exact = system.offset() == 0 && system.penalty.nrows() == 0;
+                (p, system.b, condition, solve, exact)
+            }
+        };
+        let Estimator {
+            p,
+            covariance,
+            freedom,
+        } = Estimator::new(p, b.as_ref(), exact);
+        let count = basis.control_points();
+        Ok(Self {
+            basis,
+            // Feature points' are their even steps: nobody needs to be told.
+            knots: match basis {
+                Basis::BSpline { .. } => knots,
+                _ => Vec::new(),
+            },
+            condition,
+            matrix: p.transpose().to_owned(),
+            covariance: (0..count * count)
+                .map(|at| covariance[(at / count, at % count)])
+                .collect(),
+            freedom,
+            solve,
+            curve: Rows::of_curve(b.transpose(), mirrored),
+            b,
+            halves: Halves::new(count),
+        })
+    }
+
+    /// The control points of these points, and how far they are from the curve; `lanes` is room for the points in
+    /// columns. `None` if a coordinate is no place in a picture. Allocates nothing.
+    pub(crate) fn fit(
+        &mut self,
+        arch: pulp::Arch,
+        points: &[[f64; D]],
+        lanes: &mut Points<D>,
+        control_points: &mut [[f64; D]],
+    ) -> Option<SquaredResiduals> {
+        let inside = arch.dispatch(Load {
+            points,
+            bound: MAX_COORDINATE_PX,
+            into: lanes,
+        });
+        if !inside {
+            return None;
+        }
+        if let Solve::Pinv { rows } = &self.solve {
+            return Some(arch.dispatch(FitByProduct {
+                points: lanes,
+                product: rows,
+                curve: &self.curve,
+                halves: &mut self.halves,
+                control_points,
+            }));
+        }
+        self.solve
+            .solve(arch, points, lanes, &mut self.halves, control_points);
+        let (even, odd) = self.halves.of(&self.curve);
+        self.curve.fold_negated(control_points, even, odd);
+        Some(arch.dispatch(Residuals {
+            rows: &self.curve,
+            points: lanes,
+            even,
+            odd,
+        }))
+    }
+}
+
+impl Factored {
+    fn new(basis: Basis, knots: &[f64], options: &Options) -> Self {
+        let b = condition::matrix(basis, knots, options.points);
+        let system = System::new(basis, b, options.ridge, options.pin_ends);
+        if system.a.ncols() == 0 {
+            return Self {
+                system,
+                factors: None,
+                condition: 1.0,
+            };
+        }
+        let factors = QrOfB::new(&system.a);
+        // `A = QR` has the singular values of `R`.
+        let r = factors.r();
+        let upper = Mat::from_fn(
+            r.nrows(),
+            r.ncols(),
+            |i, j| if i <= j { r[(i, j)] } else { 0.0 },
+        );
+        Self {
+            condition: condition::number(upper.as_ref()),
+            factors: Some(factors),
+            system,
+        }
+    }
+}
+
+/// The refusal of a basis whose condition number is beyond the solver's limit, with the largest that is not.
+fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
+    let limit = condition::limit(options.solver);
+    let is_allowed = |smaller: &Basis| {
+        let knots = condition::even_knots(*smaller, options.points);
+        Factored::new(*smaller, &knots, options).condition <= limit
+    };
+    FitterError::IllConditioned {
+        basis,
+        points: options.points,
+        solver: options.solver,
+        condition,
+        limit,
+        nearest: std::iter::successors(basis.smaller(), |basis| basis.smaller()).find(is_allowed),
+    }
+}
+
+/// `m`, whose rows read backwards are its rows from the last to the first but for rounding, made so exactly:
+/// the mean of itself and its mirror image.
+fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
+    let (rows, columns) = (m.nrows(), m.ncols());
+    Mat::from_fn(rows, columns, |j, i| {
+        0.5 * (m[(j, i)] + m[(rows - 1 - j, columns - 1 - i)])
+    })
+}

@@ -1,0 +1,236 @@
+//! Rational Bezier curves `f(ρ) = Σ wⱼ pⱼ Bⱼ(ρ) / Σ wⱼ Bⱼ(ρ)` whose weights are estimated along with their
+//! control points: what a polynomial only comes near, such as an arc of a circle, these can be.
+//!
+//! The control points are projected out (`projection`); a descent finds the most probable log-weights
+//! (`belief`, `descent`), from the weights of the frame before or from a linearized start. Where it does not
+//! converge the answer is the polynomial, and says so.
+
+mod belief;
+mod covariance;
+mod descent;
+mod design;
+mod joint;
+mod kernels;
+mod linearization;
+mod projection;
+mod triangular;
+mod trust_region;
+
+use belief::Belief;
+use descent::Descent;
+use design::Design;
+use linearization::Model;
+
+/// No weight is taken that is this many times larger or smaller than their geometric mean: that is nine
+/// standard deviations of what is believed of weights, and a control point of a hundredth of a weight moves
+/// with a hundred times the noise.
+pub const MAX_WEIGHT: f64 = 100.0;
+
+/// Steps from the weights of the frame before. Two or three do where only the noise has changed; where five
+/// do not, the weights of that frame are no help.
+const WARM_STEPS: usize = 5;
+
+/// Steps from the linearized start, which may be far off where the noise is large, or the points are none of
+/// a rational curve's: a rope's, of order 4, then takes four or five, and rarely more than twenty.
+const COLD_STEPS: usize = 25;
+
+/// A rational Bezier curve fitted to a centerline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RationalFit<'a, const D: usize> {
+    /// The `n + 1` control points, in the points' unit (px).
+    pub control_points: &'a [[f64; D]],
+    /// The `n + 1` weights, all positive; their geometric mean is 1.
+    pub weights: &'a [f64],
+    /// The sum of the squared distances between the points and the curve at each point's `ρ`, px².
+    pub squared_residuals: f64,
+    /// The largest of these distances, px.
+    pub max_px: f64,
+    /// The numbers given, less those that were fitted: `D (N − free control points)`, less `n` weights where
+    /// `converged`. The squared residuals by it are the variance of one coordinate's residual.
+    pub degrees_of_freedom: usize,
+    /// Whether the weights are the data's. If not, all of them are 1 and the curve is the polynomial that
+    /// fits best: the points were too few, or no weights between 1/[`MAX_WEIGHT`] and [`MAX_WEIGHT`] were
+    /// found within the steps allowed. Where the polynomial itself goes through the points but for rounding
+    /// (a straight line, a point), weights of 1 are the answer: `converged`, in no step.
+    pub converged: bool,
+    /// The steps downhill taken in all, those of a failed warm start included and the at most 8 rounds of the
+    /// linearized start not.
+    pub steps: usize,
+}
+
+/// Fits rational Bezier curves to centerlines of one number of points, evenly spaced by arc length.
+pub struct RationalFitter<const D: usize> {
+    design: Design,
+    descent: Descent,
+    control_points: Vec<[f64; D]>,
+    covariance: covariance::Covariance,
+    joint: joint::Joint,
+    /// Whether the next search starts from these weights.
+    warm: bool,
+    /// The variance of a coordinate of the last fit, where its weights are the data's, px².
+    variance: Option<f64>,
+}
+
+impl<const D: usize> RationalFitter<D> {
+    /// Makes room and does the algebra that does not depend on the points, on the uniform grid
+    /// `ρᵢ = i/(N − 1)`. With `pin_ends` the first and the last control point are the first and the last
+    /// point.
+    ///
+    /// # Panics
+    /// If the order is not in 1 ..= [`MAX_ORDER`](crate::MAX_ORDER), or `points` not in
+    /// `order + 1` ..= [`MAX_POINTS`](crate::MAX_POINTS), or `D` is 0.
+    pub fn new(order: usize, points: usize, pin_ends: bool) -> Self {
+        assert!(
+            (1..=crate::MAX_ORDER).contains(&order),
+            "a curve has an order from 1 to {}",
+            crate::MAX_ORDER
+        );
+        assert!(
+            (order + 1..=crate::MAX_POINTS).contains(&points) && D > 0,
+            "a curve needs as many points as control points, and at most {}",
+            crate::MAX_POINTS
+        );
+        let design = Design::new(order, points, pin_ends);
+        Self {
+            descent: Descent::new(&design, D),
+            control_points: vec![[0.0; D]; design.count],
+            covariance: covariance::Covariance::new(&design),
+            joint: joint::Joint::new(&design, D),
+            warm: false,
+            variance: None,
+            design,
+        }
+    }
+
+    /// The rational curve of the highest posterior probability given `points` (ordered along the curve,
+    /// evenly spaced by arc length), never with larger squared residuals than the polynomial's. Allocates
+    /// nothing; takes at most 30 steps beside the linearized start. Starts from the last fit's weights where that converged.
+    ///
+    /// Points that are not finite give control points that are not, and `converged: false`.
+    ///
+    /// # Panics
+    /// If the number of points is not the one that the fitter was made for.
+    pub fn fit(&mut self, points: &[[f64; D]]) -> RationalFit<'_, D> {
+        assert_eq!(
+            points.len(),
+            self.design.points,
+            "a fitter takes the number of points that it was made for"
+        );
+        self.descent.set_points(&self.design, points);
+        let belief = Belief::new(&self.design, points);
+        let (converged, steps) = match &belief {
+            Some(belief) => self.search(belief),
+            None => (false, 0),
+        };
+        self.warm = converged;
+        self.variance = belief
+            .filter(|_| converged)
+            .map(|belief| belief.variance(self.descent.projection.squared));
+        if !converged {
+            self.descent.start_at_polynomial(&self.design);
+        }
+        self.answer(converged, steps)
+    }
+
+    /// Forgets the last fit's weights: the next fit is as if it were the first.
+    pub fn forget(&mut self) {
+        self.warm = false;
+    }
+
+    /// `C`, `(n+1) × (n+1)`, row by row: at the last fit's weights, taken as known, the covariance of the
+    /// control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate. That the
+    /// weights are uncertain too is not in it. Computed when asked for; allocates nothing.
+    pub fn covariance_factor(&mut self) -> &[f64] {
+        self.covariance.at(&self.design, &self.descent.projection)
+    }
+
+    /// The covariance of the control points and the log-weights together, by `σ²`: square and row by row,
+    /// `(n+1) (D+1)` numbers each, first the coordinates of the first control point, of the second and so
+    /// on, then the log-weights. To first order, and with what is believed of weights before any point is
+    /// seen in it: where the noise is so large that the curve is far from linear in them, an indication.
+    /// After a fit that did not converge the weights are 1 and known. Computed when asked for; allocates
+    /// nothing.
+    pub fn joint_covariance_factor(&mut self) -> &[f64] {
+        let Self {
+            design,
+            descent,
+            joint,
+            covariance,
+            ..
+        } = self;
+        let fixed = covariance.at(design, &descent.projection);
+        let Some(variance) = self.variance else {
+            return joint.at_known_weights(design.count, D, fixed);
+        };
+        descent.linearize(design, Model::GaussNewton);
+        joint.set_spread(descent, variance);
+        joint.set_sensitivity(design, descent, &self.control_points);
+        joint.assemble(design.count, D, fixed);
+        joint.with_ends(design, descent, covariance, D)
+    }
+
+    /// Leaves the descent at the best weights. Answers whether they can be taken, and the steps.
+    fn search(&mut self, belief: &Belief) -> (bool, usize) {
+        let Self {
+            descent, design, ..
+        } = self;
+        let known = std::mem::take(&mut self.warm);
+        if known {
+            descent.keep_weights();
+        }
+        descent.start_at_polynomial(design);
+        let polynomial = descent.projection.squared;
+        // A polynomial goes through the points: there is nothing that weights could do better.
+        if belief.is_rounding(polynomial) {
+            return (true, 0);
+        }
+        let mut steps = 0;
+        for warm in [true, false] {
+            let (limit, model) = if !warm {
+                descent.start_linearized(design, belief);
+                (COLD_STEPS, Model::GaussNewton)
+            } else if known {
+                descent.restore_weights(design);
+                (WARM_STEPS, Model::Newton)
+            } else {
+                continue;
+            };
+            let (converged, taken) = descent.descend(design, belief, limit, model);
+            steps += taken;
+            if converged
+                && descent.projection.squared <= polynomial
+                && descent.largest_log_weight() <= MAX_WEIGHT.ln()
+            {
+                return (true, steps);
+            }
+        }
+        (false, steps)
+    }
+
+    /// Reads the curve off the descent's projection.
+    fn answer(&mut self, converged: bool, steps: usize) -> RationalFit<'_, D> {
+        let projection = &mut self.descent.projection;
+        let design = &self.design;
+        let first = design.first_free();
+        design.to_bernstein(&mut projection.coefficients, D);
+        for (k, numerator) in projection.coefficients.chunks_exact(D).enumerate() {
+            let weight = projection.weights[first + k];
+            self.control_points[first + k] = std::array::from_fn(|axis| numerator[axis] / weight);
+        }
+        if design.pinned {
+            let last = design.count - 1;
+            self.control_points[0] = self.descent.point(design, 0);
+            self.control_points[last] = self.descent.point(design, design.points - 1);
+        }
+        let fitted_weights = if converged { design.count - 1 } else { 0 };
+        RationalFit {
+            control_points: &self.control_points,
+            weights: &self.descent.projection.weights,
+            squared_residuals: self.descent.projection.squared,
+            max_px: self.descent.projection.largest_squared(design).sqrt(),
+            degrees_of_freedom: D * (design.points - design.free()) - fitted_weights,
+            converged,
+            steps,
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What does not depend on the points: the Bernstein polynomials on the grid, and an orthonormal basis of
+//! what the free control points can reach.
+//!
+//! `B = Q T`, Gram–Schmidt with every column done twice ("twice is enough": L. Giraud et al., *Numerische
+//! Mathematik* 101, 2005). Working in `Q` keeps the normal equations of a weighted curve as
+//! well-conditioned as its denominator is even, whatever the order; `T⁻¹` comes in only when the control
+//! points are read off.
+
+use super::kernels::padded;
+use crate::bezier::bernstein;
+
+/// The fixed matrices, each polynomial a row over the grid, padded with zeros.
+pub(super) struct Design {
+    /// Control points, `n + 1`.
+    pub(super) count: usize,
+    /// Points of a centerline.
+    pub(super) points: usize,
+    /// The length of a row: `points`, padded.
+    pub(super) stride: usize,
+    /// Whether the end control points are the end points.
+    pub(super) pinned: bool,
+    /// The Bernstein polynomials, `count` rows.
+    pub(super) b: Vec<f64>,
+    /// The orthonormal basis of those whose control points are free, `free()` rows.
+    pub(super) q: Vec<f64>,
+    /// `T`, upper triangular, `free()` × `free()`, row-major: `b[first_free() + j] = Σₗ t[l][j] q[l]`.
+    t: Vec<f64>,
+}
+
+impl Design {
+    pub(super) fn new(order: usize, points: usize, pinned: bool) -> Self {
+        let (count, stride) = (order + 1, padded(points));
+        let mut b = vec![0.0; count * stride];
+        let mut values = vec![0.0; count];
+        for i in 0..points {
+            bernstein(order, i as f64 / (points - 1) as f64, &mut values);
+            for (row, value) in b.chunks_exact_mut(stride).zip(&values) {
+                row[i] = *value;
+            }
+        }
+        let ends = usize::from(pinned);
+        let (q, t) = orthonormalized(&b[ends * stride..(count - ends) * stride], stride);
+        Self {
+            count,
+            points,
+            stride,
+            pinned,
+            b,
+            q,
+            t,
+        }
+    }
+
+    /// The first control point that is free.
+    pub(super) fn first_free(&self) -> usize {
+        usize::from(self.pinned)
+    }
+
+    /// How many control points are free.
+    pub(super) fn free(&self) -> usize {
+        self.count - 2 * usize::from(self.pinned)
+    }
+
+    /// Replaces `right` (`free()` rows of `width` numbers, by `q`) by `T⁻¹ right` (by `b`).
+    pub(super) fn to_bernstein(&self, right: &mut [f64], width: usize) {
+        let free = self.free();
+        for k in (0..free).rev() {
+            let (row, later) = right[k * width..].split_at_mut(width);
+            for (j, other) in later.chunks_exact(width).enumerate() {
+                super::kernels::add_multiple(row, -self.t[k * free + k + 1 + j], other);
+            }
+            let pivot = self.t[k * free + k];
+            row.iter_mut().for_each(|number| *number /= pivot);
+        }
+    }
+}
+
+/// `Q` and `T` of these rows.
+fn orthonormalized(b: &[f64], stride: usize) -> (Vec<f64>, Vec<f64>) {
+    let count = b.len() / stride;
+    let mut q = b.to_vec();
+    let mut t = vec![0.0; count * count];
+    for k in 0..count {
+        let (before, rest) = q.split_at_mut(k * stride);
+        let row = &mut rest[..stride];
+        for _ in 0..2 {
+            for (l, other) in before.chunks_exact(stride).enumerate() {
+                let along: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
+                t[l * count + k] += along;
+                super::kernels::add_multiple(row, -along, other);
+            }
+        }
+        let length = row.iter().map(|a| a * a).sum::<f64>().sqrt();
+        t[k * count + k] = length;
+        row.iter_mut().for_each(|number| *number /= length);
+    }
+    (q, t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_basis_is_orthonormal_and_makes_the_polynomials_at_any_order() {
+        for (order, points, pinned) in [
+            (1, 2, false),
+            (1, 2, true),
+            (8, 120, true),
+            (31, 256, false),
+        ] {
+            let design = Design::new(order, points, pinned);
+            let (free, stride) = (design.free(), design.stride);
+            assert_eq!(design.q.len(), free * stride);
+            for k in 0..free {
+                let row = |l: usize| &design.q[l * stride..(l + 1) * stride];
+                for l in 0..=k {
+                    let product: f64 = row(k).iter().zip(row(l)).map(|(a, b)| a * b).sum();
+                    assert!((product - f64::from(u8::from(k == l))).abs() < 1e-13);
+                }
+                let b = &design.b[(k + design.first_free()) * stride..][..stride];
+                for (i, b) in b.iter().enumerate() {
+                    let sum: f64 = (0..=k).map(|l| design.t[l * free + k] * row(l)[i]).sum();
+                    assert!((sum - b).abs() < 1e-14);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The Huber option: points far from the curve weigh less, by iteratively reweighted least squares
+//! (P. J. Huber, *Robust Statistics*, 1981; P. W. Holland and R. E. Welsch, *Robust regression using
+//! iteratively reweighted least-squares*, 1977).
+//!
+//! ```text
+//! σ = median rᵢ / median of χ_D · √(n / (n − m))      rᵢ = |cᵢ − f(ρᵢ)|, of the n points that are seen
+//! wᵢ = wᵢ⁰ · min(1, kσ / rᵢ) · min(1, (gσ / rᵢ)²)
+//! ```
+//!
+//! The first factor is Huber's: a point pulls at most as hard as one at `kσ`. Of gross outliers even that is
+//! too much, for a few of them near an end, where the curve gives way, move it by several `σ`; the second
+//! factor lets their pull fade (as in F. R. Hampel's three-part estimators). What fades can be given up by
+//! mistake, so the start decides: least squares, or, where that halves the median distance, least squares
+//! through the running medians of the points (`medians`), which a few outliers do not move.
+
+mod medians;
+
+use crate::weighted::{Problem, Weighted, WeightedError, WeightedFit};
+use medians::Medians;
+
+/// The rounds of reweighting after the first fit.
+pub(crate) const MAX_ROUNDS: usize = 5;
+
+/// No weight changes by more than this part of what was given: then the curve moves by far less than its
+/// noise.
+const SETTLED: f64 = 0.01;
+
+/// The `g` beyond which a pull fades. Of Gaussian noise in three dimensions one point in 10⁷ lies there.
+const GROSS: f64 = 6.0;
+
+/// If no point is further than this many `σ` from the curve of least squares, that is where to start. Of 120
+/// points of Gaussian noise in two dimensions one is in one of 25 ropes.
+const SUSPECT: f64 = 4.0;
+
+/// The start from medians is taken where its median distance is below this part of least squares'. A curve
+/// that is only too stiff for its points has no such start, and there least squares is the better one.
+const BETTER: f64 = 0.5;
+
+/// The numbers of Gaussian noise in `D` dimensions, whose length in units of its standard deviation is `χ_D`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Gaussian {
+    /// The median of `χ_D`.
+    pub(crate) median: f64,
+    /// The `k` of 95 % efficiency: with `ψ(r) = min(r, k)`,
+    /// `((D−1) E[ψ/r] + P(r < k))² / (D E[ψ²]) = 0.95`: the variance of the mean by the asymptotic variance of an
+    /// M-estimator of location whose `ψ` acts along the radius.
+    pub(crate) tuning: f64,
+}
+
+/// For `D` = 1, 2, 3. In two dimensions the median is √(2 ln 2).
+pub(crate) const GAUSSIAN: [Gaussian; 3] = [
+    Gaussian {
+        median: 0.674_489_750_196,
+        tuning: 1.344_997_508_512,
+    },
+    Gaussian {
+        median: 1.177_410_022_515,
+        tuning: 1.501_141_083_526,
+    },
+    Gaussian {
+        median: 1.538_172_254_455,
+        tuning: 1.627_987_920_277,
+    },
+];
+
+/// A robust fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HuberFit {
+    /// The fit with the last weights. Its sums are of those weights.
+    pub(crate) fit: WeightedFit,
+    /// The standard deviation of one coordinate of a point, px, from the median distance: it does not see the
+    /// outliers, and its square stands for the residual variance.
+    pub(crate) sigma_px: f64,
+    /// How often the points were weighed anew, at most [`MAX_ROUNDS`].
+    pub(crate) rounds: usize,
+}
+
+/// Room for the reweighting, kept from fit to fit.
+pub(crate) struct Room {
+    /// The weights that were given.
+    given: Vec<f64>,
+    /// The weights of the next round.
+    next: Vec<f64>,
+    /// Squared distances as bits, which sort as the numbers do, since none is negative.
+    bits: Vec<u64>,
+    /// Squared distances from the curve of least squares.
+    least: Vec<f64>,
+    medians: Medians,
+}
+
+impl Room {
+    pub(crate) fn new(points: usize) -> Self {
+        Self {
+            given: vec![0.0; points],
+            next: vec![0.0; points],
+            bits: Vec::with_capacity(points),
+            least: vec![0.0; points],
+            medians: Medians::new(points),
+        }
+    }
+
+    /// The median of the roots of `squared` where the given weight is not 0; of an even number the upper one.
+    fn median_distance(&mut self, squared: &[f64]) -> f64 {
+        self.bits.clear();
+        for (squared, &weight) in squared.iter().zip(&self.given) {
+            if weight > 0.0 {
+                self.bits.push(squared.to_bits());
+            }
+        }
+        if self.bits.is_empty() {
+            return 0.0;
+        }
+        let middle = self.bits.len() / 2;
+        f64::from_bits(*self.bits.select_nth_unstable(middle).1).sqrt()
+    }
+
+    /// Writes the weights of the next round, where distances beyond `bound_px` weigh less in proportion, and
+    /// those beyond `gross` times that even less. Answers whether they are those of the last, `weights`, but for [`SETTLED`].
+    #[inline(always)]
+    fn reweigh(&mut self, squared: &[f64], weights: &[f64], bound_px: f64, gross: f64) -> bool {
+        let mut moved = 0u64;
+        let given = self.given.iter().zip(weights);
+        for ((next, (given, weight)), &squared) in self.next.iter_mut().zip(given).zip(squared) {
+            let share = bound_px / squared.sqrt();
+            let fade = gross * share;
+            // Not `min`: where the distance is 0 the share is infinite, or NaN if the bound is 0 as well.
+            let fade = if fade < 1.0 { fade * fade } else { 1.0 };
+            let share = if share < 1.0 { share } else { 1.0 };
+            *next = given * share * fade;
+            moved |= u64::from((*next - weight).abs() > SETTLED * given);
+        }
+        moved == 0
+    }
+}
+
+impl<const D: usize> Weighted<D> {
+    /// As [`Weighted::solve`], but points far from the curve weigh less than `weights` says, so that a few that
+    /// are far off hardly move it. They are in their order along the curve. [`Weighted::weights`] are the weights it ended with. Allocates nothing.
+    ///
+    /// # Errors
+    /// As for `solve`; also where the points that agree do not determine the curve.
+    ///
+    /// # Panics
+    /// If a slice has not the size that the fitter was made for.
+    #[expect(clippy::too_many_arguments, reason = "what the problem consists of")]
+    pub(crate) fn huber(
+        &mut self,
+        b: &[f64],
+        r_inverse: Option<&[f64]>,
+        points: &[[f64; D]],
+        weights: &[f64],
+        pins: bool,
+        ridge: Option<&[f64]>,
+        control_points: &mut [[f64; D]],
+    ) -> Result<HuberFit, WeightedError> {
+        const { assert!(0 < D && D <= GAUSSIAN.len()) };
+        let problem = Problem {
+            b,
+            r_inverse,
+            points,
+            weights,
+            pins,
+            ridge,
+        };
+        let seen = self.load(&problem)?;
+        self.factor(&problem)?;
+        let [largest, _] = self.residuals();
+        self.robust
+            .given
+            .copy_from_slice(&self.weights.all()[..self.points]);
+        let gaussian = GAUSSIAN[D - 1];
+        let mut median = self.start(&problem, largest.sqrt() * gaussian.median / SUSPECT);
+        let spare = (seen - self.count).max(1) as f64;
+        let correction = (seen as f64 / spare).sqrt() / gaussian.median;
+        let gross = GROSS / gaussian.tuning;
+        let floor = self.rounding_px();
+        let mut rounds = 0;
+        loop {
+            let (room, squared) = (&mut self.robust, &self.squared.all()[..self.points]);
+            let weights = &mut self.weights.all_mut()[..self.points];
+            let sigma_px = floor.max(correction * median);
+            let settled = self.arch.dispatch(
+                #[inline(always)]
+                || room.reweigh(squared, weights, gaussian.tuning * sigma_px, gross),
+            );
+            if settled || rounds == MAX_ROUNDS {
+                let fit = self.finish(&problem, seen, control_points)?;
+                return Ok(HuberFit {
+                    fit,
+                    sigma_px,
+                    rounds,
+                });
+            }
+            weights.copy_from_slice(&room.next);
+            rounds += 1;
+            self.factor(&problem)?;
+            self.residuals();
+            let squared = &self.squared.all()[..self.points];
+            median = self.robust.median_distance(squared);
+        }
+    }
+
+    /// Takes the curve through the running medians for a start where it is better than that of least squares,
+    /// whose coefficients and distances there are, and which stays otherwise. No other is looked for where the
+    /// median distance is at least `enough_px`. Answers the median distance from the start.
+    fn start(&mut self, problem: &Problem<'_, D>, enough_px: f64) -> f64 {
+        let (points, stride) = (self.points, self.a.stride());
+        let room = &mut self.robust;
+        let least = room.median_distance(&self.squared.all()[..points]);
+        if least >= enough_px || !room.medians.choose(&room.given) {
+            return least;
+        }
+        room.least.copy_from_slice(&self.squared.all()[..points]);
+        let columns = self.a.all()[self.count * stride..].chunks_exact(stride);
+        let left = self.left.all_mut().chunks_exact_mut(stride);
+        for (column, left) in columns.zip(left) {
+            room.medians.run(self.arch, column, left);
+        }
+        self.y_least.copy_from_slice(&self.y);
+        self.solve_left();
+        self.normal.solve_lower(&mut self.y);
+        self.complete(problem.pinned());
+        self.residuals();
+        let squared = &mut self.squared.all_mut()[..points];
+        let other = self.robust.median_distance(squared);
+        if other < BETTER * least {
+            return other;
+        }
+        squared.copy_from_slice(&self.robust.least);
+        self.y.copy_from_slice(&self.y_least);
+        self.complete(None);
+        least
+    }
+
+    /// How far rounding alone moves a point from an exact curve.
+    fn rounding_px(&self) -> f64 {
+        let points = &self.a.all()[self.count * self.a.stride()..];
+        let largest = points.iter().fold(0.0, |a, b| f64::max(a, b.abs()));
+        self.points as f64 * f64::EPSILON * largest
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,420 @@
+//! Least squares whose algebra changes from frame to frame: points of unequal weight (hidden ones weigh
+//! nothing), and rows of `B` at measured arc lengths.
+//!
+//! ```text
+//! minimize Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs,   K = λDᵀD
+//! a = R s,   A = B R⁻¹,               M = AᵀWA + R⁻ᵀKR⁻¹ = LLᵀ
+//! y = L⁻¹AᵀWc,   a = L⁻ᵀy,   s = R⁻¹a
+//! ```
+//!
+//! The normal equations of `B` itself lose `ε cond(B)²`. `R` is of the QR of a nominal `B` beforehand, so `A` is
+//! nearly orthonormal and `M` as well conditioned as the weights leave it. That `A` is rounded would still cost
+//! `ε cond(B)²`; one correction with what `B` itself leaves of the points, `s + R⁻¹M⁻¹AᵀW(c − Bs)`, takes that
+//! away, and the error is as small as with QR (the corrected seminormal equations: Å. Björck, *Stability
+//! analysis of the method of seminormal equations for linear least squares problems*, 1987). With `Z = A L⁻ᵀ`,
+//! whose rows give the curve `f(ρᵢ) = zᵢᵀy` and the noise gain `|zᵢ|` of each of its points, everything about
+//! the fit's uncertainty is read off.
+
+mod columns;
+mod ends;
+mod normal;
+mod trust;
+
+use crate::robust::Room;
+use columns::{Columns, Gram, Residuals, Transpose, Triangular};
+use ends::Ends;
+use normal::Normal;
+use trust::congruent;
+
+/// How much larger than the noise of a single point the standard deviation of a point of the curve may be.
+///
+/// A centerline is known to a few tenths of a pixel, so at 30 times that the curve is known to no more than
+/// the width of a rope, and where it runs there is a guess. It also bounds the condition number of `M`: the
+/// squares of the gains sum to `tr(M⁻¹AᵀA)`, so below the limit `cond(M)` is at most about 30²N = 2·10⁵, and
+/// Cholesky keeps ten digits.
+pub const MAX_NOISE_GAIN: f64 = 30.0;
+
+/// How well a curve fits, and how far it can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WeightedFit {
+    /// The weighted sum of squared distances between points and curve, px².
+    pub(crate) sum_w_r2: f64,
+    /// The largest distance between curve and a point that weighs, px.
+    pub(crate) max_px: f64,
+    /// What `sum_w_r2` is on average for noise of variance 1 in one coordinate: `tr((I−H)ᵀW(I−H))`. Exact for
+    /// weights 0 and 1, and where the variance of point `i` is `1/wᵢ`; pinned ends count as points of weight
+    /// 1. Without ridge and pins it is the number of points that weigh less the control points.
+    pub(crate) degrees_of_freedom: f64,
+    /// The 2-norm condition number of `BᵀWB + K`, ends of weight 1 where pinned; an estimate, mostly within
+    /// a factor of 2. Its root compares to the condition number of `B`.
+    pub(crate) condition: f64,
+    /// The largest standard deviation of a point of the curve, seen or hidden, for noise of 1 in the points
+    /// of the largest weight. With ridge also what the ridge leaves open.
+    pub(crate) noise_gain: f64,
+}
+
+/// Why weighted points have no fit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WeightedError {
+    /// A weight is negative, infinite or NaN.
+    #[error("the weight of point {index} is {weight}: give finite weights that are not negative")]
+    NotAWeight {
+        /// Which point, counted from 0.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Fewer points that weigh than control points.
+    #[error(
+        "only {seen} points are seen, and they cannot fix {control_points} control points: wait until more of \
+         the curve is seen, or choose fewer control points"
+    )]
+    TooFewSeen {
+        /// How many points have a weight above 0 or are pinned.
+        seen: usize,
+        /// How many control points there are.
+        control_points: usize,
+    },
+    /// Noise of the points would drown the curve where nothing is seen of it.
+    #[error(
+        "the points that are seen do not determine the curve: somewhere its standard deviation would be {gain:.1e} \
+         times theirs, and beyond {limit} nothing says where it runs; wait until more of it is seen, choose \
+         fewer control points, or add a ridge"
+    )]
+    Undetermined {
+        /// How much larger the standard deviation is there than a point's; infinite where nothing holds it.
+        gain: f64,
+        /// [`MAX_NOISE_GAIN`].
+        limit: f64,
+    },
+}
+
+/// What [`Weighted::solve`] is given.
+#[derive(Clone, Copy)]
+pub(crate) struct Problem<'a, const D: usize> {
+    pub(crate) b: &'a [f64],
+    pub(crate) r_inverse: Option<&'a [f64]>,
+    pub(crate) points: &'a [[f64; D]],
+    pub(crate) weights: &'a [f64],
+    pub(crate) pins: bool,
+    pub(crate) ridge: Option<&'a [f64]>,
+}
+
+impl<const D: usize> Problem<'_, D> {
+    /// Both ends, where they are pinned.
+    pub(crate) fn pinned(&self) -> Option<[[f64; D]; 2]> {
+        self.pins
+            .then(|| [self.points[0], self.points[self.points.len() - 1]])
+    }
+}
+
+/// Fits curves of `count` control points to `points` weighted points; all of its memory is its own.
+pub(crate) struct Weighted<const D: usize> {
+    pub(crate) points: usize,
+    pub(crate) count: usize,
+    pub(crate) arch: pulp::Arch,
+    /// The columns of `B`.
+    b: Columns,
+    /// A column of zeros.
+    zeros: Columns,
+    /// The columns of `A`, then those of the points.
+    pub(crate) a: Columns,
+    /// The columns of `WA`, then of `Z`.
+    z: Columns,
+    /// The weights in use: those given, or Huber's; 1 for pinned ends.
+    pub(crate) weights: Columns,
+    /// What is left of the points without the curve, and its squared length.
+    pub(crate) left: Columns,
+    pub(crate) squared: Columns,
+    /// `R⁻ᵀ`, row by row.
+    lower: Vec<f64>,
+    /// `R⁻ᵀKR⁻¹`, then `L⁻¹R⁻ᵀKR⁻¹L⁻ᵀ`.
+    ridge: Vec<f64>,
+    room: Vec<f64>,
+    /// `L⁻¹R⁻ᵀ`, row by row.
+    x: Vec<f64>,
+    /// `XᵀV` of pinned ends.
+    along: Vec<[f64; 2]>,
+    pub(crate) normal: Normal<D>,
+    coefficients: Vec<[f64; D]>,
+    control_points: Vec<[f64; D]>,
+    pub(crate) y: Vec<[f64; D]>,
+    /// `y` of least squares, while another start is tried.
+    pub(crate) y_least: Vec<[f64; D]>,
+    ends: Ends,
+    covariance: Vec<f64>,
+    pub(crate) robust: Room,
+}
+
+impl<const D: usize> Weighted<D> {
+    /// Room for curves of `count` control points through `points` points.
+    ///
+    /// # Panics
+    /// If there are no control points or fewer points than those.
+    pub(crate) fn new(points: usize, count: usize) -> Self {
+        assert!(
+            0 < count && count <= points,
+            "no fewer points than control points"
+        );
+        Self {
+            points,
+            count,
+            arch: pulp::Arch::new(),
+            b: Columns::new(count, points),
+            zeros: Columns::new(1, points),
+            a: Columns::new(count + D, points),
+            z: Columns::new(count, points),
+            weights: Columns::new(1, points),
+            left: Columns::new(D, points),
+            squared: Columns::new(1, points),
+            lower: vec![0.0; count * count],
+            ridge: vec![0.0; count * count],
+            room: vec![0.0; count * count],
+            x: vec![0.0; count * count],
+            along: vec![[0.0; 2]; count],
+            normal: Normal::new(count),
+            coefficients: vec![[0.0; D]; count],
+            control_points: vec![[0.0; D]; count],
+            y: vec![[0.0; D]; count],
+            y_least: vec![[0.0; D]; count],
+            ends: Ends::new(count),
+            covariance: vec![0.0; count * count],
+            robust: Room::new(points),
+        }
+    }
+
+    /// The curve that minimizes `Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs`. Allocates nothing.
+    ///
+    /// With `N` points and `m` control points:
+    /// - `b` is N × m, row by row.
+    /// - `r_inverse` is `R⁻¹` of the QR of a nominal `B` (with ridge: of `B` upon `√λD`), m × m, row by row,
+    ///   zero below its diagonal. Without it a fit is only as good as `cond(B)²` leaves it.
+    /// - `weights` says how much each of `points` counts. Where it is 0, the point does not matter, not even
+    ///   NaN.
+    /// - `pins`: the curve's ends are the first and the last point exactly, whatever they weigh. Bases are
+    ///   meant whose first and last rows in `b` are 1, 0, …, 0 and 0, …, 0, 1; `m` is at least 2.
+    /// - `ridge` is `K = λDᵀD`, m × m, symmetric.
+    ///
+    /// # Errors
+    /// A weight that is none, fewer points that weigh than control points, or points that do not determine the
+    /// curve. `control_points` are then as they were.
+    ///
+    /// # Panics
+    /// If a slice has not the size that the fitter was made for.
+    #[expect(clippy::too_many_arguments, reason = "what the problem consists of")]
+    pub(crate) fn solve(
+        &mut self,
+        b: &[f64],
+        r_inverse: Option<&[f64]>,
+        points: &[[f64; D]],
+        weights: &[f64],
+        pins: bool,
+        ridge: Option<&[f64]>,
+        control_points: &mut [[f64; D]],
+    ) -> Result<WeightedFit, WeightedError> {
+        let problem = Problem {
+            b,
+            r_inverse,
+            points,
+            weights,
+            pins,
+            ridge,
+        };
+        let seen = self.load(&problem)?;
+        self.factor(&problem)?;
+        self.finish(&problem, seen, control_points)
+    }
+
+    /// `C`, m × m, row by row: the control points' covariance is `σ²C` for each coordinate, where the noise of
+    /// point `i` has variance `σ²/wᵢ` in each (weights 0 and 1: `σ²` of all that are seen). Of the last fit
+    /// that succeeded.
+    ///
+    /// After [`Weighted::huber`] it is approximate, with the weights taken for constants: for many points of
+    /// Gaussian noise the true covariance is 1.01, 0.98 and 0.94 times `σ²C` in 1, 2 and 3 dimensions.
+    pub(crate) fn covariance(&self) -> &[f64] {
+        &self.covariance
+    }
+
+    /// The weights of the last fit, after [`Weighted::huber`] the reweighted ones; 1 at pinned ends.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights.all()[..self.points]
+    }
+
+    /// Takes the problem into columns; answers how many points are seen.
+    pub(crate) fn load(&mut self, problem: &Problem<'_, D>) -> Result<usize, WeightedError> {
+        let (points, count) = (self.points, self.count);
+        assert_eq!(problem.b.len(), points * count, "B is N × m");
+        assert_eq!(problem.points.len(), points, "N points");
+        let seen = self.load_weights(problem)?;
+        if seen < count {
+            return Err(WeightedError::TooFewSeen {
+                seen,
+                control_points: count,
+            });
+        }
+        let stride = self.b.stride();
+        self.arch.dispatch(Transpose {
+            rows: problem.b,
+            width: count,
+            columns: self.b.all_mut(),
+            stride,
+        });
+        let (a, c) = self.a.all_mut().split_at_mut(count * stride);
+        if let Some(r_inverse) = problem.r_inverse {
+            assert_eq!(r_inverse.len(), count * count, "R⁻¹ is m × m");
+            for (j, row) in self.lower.chunks_exact_mut(count).enumerate() {
+                for (k, number) in row[..=j].iter_mut().enumerate() {
+                    *number = r_inverse[k * count + j];
+                }
+            }
+            self.arch.dispatch(Triangular {
+                from: self.b.all(),
+                lower: &self.lower,
+                lower_stride: count,
+                count,
+                stride,
+                to: a,
+            });
+        } else {
+            self.lower.fill(0.0);
+            self.lower
+                .iter_mut()
+                .step_by(count + 1)
+                .for_each(|d| *d = 1.0);
+            a.copy_from_slice(self.b.all());
+        }
+        self.arch.dispatch(Transpose {
+            rows: problem.points.as_flattened(),
+            width: D,
+            columns: c,
+            stride,
+        });
+        let weights = self.weights.all();
+        self.arch.dispatch(
+            #[inline(always)]
+            || columns::hide(c, weights),
+        );
+        if let Some(ridge) = problem.ridge {
+            assert_eq!(ridge.len(), count * count, "the ridge is m × m");
+            congruent(&self.lower, ridge, &mut self.room, &mut self.ridge);
+        }
+        Ok(seen)
+    }
+
+    /// Takes the weights; answers how many points are seen.
+    fn load_weights(&mut self, problem: &Problem<'_, D>) -> Result<usize, WeightedError> {
+        assert_eq!(problem.weights.len(), self.points, "N weights");
+        let weights = &mut self.weights.all_mut()[..self.points];
+        weights.copy_from_slice(problem.weights);
+        if problem.pins {
+            assert!(self.count >= 2, "two ends are two control points");
+        }
+        let counted = self.arch.dispatch(
+            #[inline(always)]
+            || columns::count_seen(weights),
+        );
+        let Some(mut seen) = counted else {
+            let is_weight = |weight: &f64| (0.0..f64::INFINITY).contains(weight);
+            let index = weights.iter().position(|weight| !is_weight(weight));
+            let index = index.unwrap_or(0);
+            let weight = weights[index];
+            return Err(WeightedError::NotAWeight { index, weight });
+        };
+        if problem.pins {
+            for end in [0, self.points - 1] {
+                seen += usize::from(weights[end] == 0.0);
+                weights[end] = 1.0;
+            }
+        }
+        Ok(seen)
+    }
+
+    /// `L⁻¹`, `y` and `a` with the weights as they are.
+    pub(crate) fn factor(&mut self, problem: &Problem<'_, D>) -> Result<(), WeightedError> {
+        let (count, stride) = (self.count, self.a.stride());
+        let (a, weights) = (self.a.all(), self.weights.all());
+        let weighted = self.z.all_mut();
+        self.arch.dispatch(
+            #[inline(always)]
+            || columns::weigh(&a[..count * stride], weights, weighted),
+        );
+        let sums_stride = self.normal.stride();
+        self.arch.dispatch(Gram {
+            left: self.z.all(),
+            right: self.a.all(),
+            stride,
+            symmetric: true,
+            sums: self.normal.start(),
+            sums_stride,
+        });
+        if problem.ridge.is_some() {
+            self.normal.add(&self.ridge);
+        }
+        if !self.normal.factor(self.arch) {
+            return Err(WeightedError::Undetermined {
+                gain: f64::INFINITY,
+                limit: MAX_NOISE_GAIN,
+            });
+        }
+        if problem.pins {
+            self.hold_ends();
+        }
+        self.normal.copy_y(&mut self.y);
+        self.complete(problem.pinned());
+        Ok(())
+    }
+
+    /// `V`: the rows of `Z` at both ends.
+    fn hold_ends(&mut self) {
+        let (a, stride, last) = (self.a.all(), self.a.stride(), self.points - 1);
+        self.ends.set(|j| {
+            let mut z = [0.0; 2];
+            for (k, &inverse) in self.normal.inverse_row(j)[..=j].iter().enumerate() {
+                z[0] += inverse * a[k * stride];
+                z[1] += inverse * a[k * stride + last];
+            }
+            z
+        });
+    }
+
+    /// From `y` to `a`, through the ends where they are pinned.
+    pub(crate) fn complete(&mut self, pinned: Option<[[f64; D]; 2]>) {
+        if let Some(pinned) = pinned {
+            self.ends.pin(pinned, &mut self.y);
+        }
+        self.normal.coefficients(&self.y, &mut self.coefficients);
+    }
+
+    /// `a` of other points, the columns in `left`, with the weights as they are.
+    pub(crate) fn solve_left(&mut self) {
+        let right = self.y.as_flattened_mut();
+        self.arch.dispatch(Gram {
+            left: self.z.all(),
+            right: self.left.all(),
+            stride: self.z.stride(),
+            symmetric: false,
+            sums: right,
+            sums_stride: D,
+        });
+    }
+
+    /// Squared distances of all points from the curve, from `A` and `a`; the largest of those that weigh, and
+    /// the weighted sum.
+    pub(crate) fn residuals(&mut self) -> [f64; 2] {
+        let (basis, points) = self.a.all().split_at(self.count * self.a.stride());
+        self.arch.dispatch(Residuals {
+            basis,
+            points,
+            left: self.left.all_mut(),
+            coefficients: &self.coefficients,
+            weights: self.weights.all(),
+            squared: self.squared.all_mut(),
+        })
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod oracle;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,71 @@
+//! The curve that the chain is asked for, on the rendered rope.
+
+use crate::rig::Bench;
+
+#[test]
+fn every_basis_and_option_describes_the_rope() {
+    const FRAMES: u64 = 40;
+    let requests: [(&[&str], f64); 10] = [
+        (&["--order", "8"], 1.0),
+        (&["--order", "auto"], 0.3),
+        (&["--order", "12", "--solver", "qr", "--pin-ends"], 0.5),
+        (&["--order", "12", "--robust"], 0.5),
+        (&["--order", "12", "--rho", "measured"], 0.5),
+        (&["--order", "12", "--filter"], 0.5),
+        (
+            &["--basis", "bspline", "--order", "12", "--knots", "averaged"],
+            0.5,
+        ),
+        (&["--basis", "rational"], 0.5),
+        (&["--basis", "points"], 5.0),
+        (&["--basis", "mass"], 100.0),
+    ];
+    for (flags, most_px) in requests {
+        let bench = Bench::new();
+        let frames = FRAMES.to_string();
+        let mut arguments = vec![
+            "--lossless",
+            "--fps",
+            "max",
+            "--frames",
+            &frames,
+            "--out",
+            "out",
+        ];
+        arguments.extend(flags);
+        let ended = bench.start(&arguments).end();
+        assert!(ended.status.success(), "{flags:?}: {}", ended.stderr);
+        let summary = bench.summary("out");
+        assert_eq!(summary["frames"]["with_curve"], FRAMES, "{flags:?}");
+        let mean_px = summary["error_px"]["curve"]["mean"].as_f64().unwrap();
+        assert!(mean_px < most_px, "{flags:?}: {mean_px} px");
+        bench.assert_nothing_is_left();
+    }
+}
+
+#[test]
+fn a_curve_that_cannot_be_is_refused_before_anything_starts() {
+    let bench = Bench::new();
+    for (flags, why) in [
+        (
+            &["--order", "31", "--points", "32"][..],
+            "choose a Bezier curve of order 27",
+        ),
+        (&["--filter", "--order", "auto"], "name the order"),
+        (&["--filter", "--basis", "rational"], "their weights change"),
+        (
+            &["--basis", "mass", "--robust"],
+            "cannot be fitted with weights",
+        ),
+        (&["--basis", "splines"], "Did you mean \"bspline\"?"),
+    ] {
+        let output = bench.run(&[&["run"], flags].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            !output.status.success() && said.contains(why),
+            "{flags:?}: {said}"
+        );
+        assert_eq!(said.trim().lines().count(), 1, "{said}");
+    }
+    bench.assert_nothing_is_left();
+}
