@@ -6,6 +6,7 @@
 #![allow(missing_docs)] // criterion's macros make undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use faer::{Accum, Mat, Par};
 use lariat_fit::{Fitter, Options, Solver};
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
@@ -69,6 +70,25 @@ fn fits(criterion: &mut Criterion) {
             bencher.iter(|| fitter.fit(black_box(&rope)).map(|fit| fit.rms_px))
         });
     }
+    let mut fitter = Fitter::new(Options::default()).expect("the default is well conditioned");
+    group.bench_function("pinv, eight curves", |bencher| {
+        bencher.iter(|| {
+            for _ in 0..8 {
+                black_box(fitter.fit(black_box(&rope)).map(|fit| fit.rms_px)).ok();
+            }
+        })
+    });
+    // The product alone, by the library that does the rest of the algebra: why the fit has a kernel of its own.
+    let p: Vec<&[f64]> = fitter.matrix().collect();
+    let p = Mat::from_fn(p.len(), rope.len(), |j, i| p[j][i]);
+    let c = Mat::from_fn(rope.len(), 2, |i, axis| rope[i][axis]);
+    let mut s = Mat::zeros(p.nrows(), 2);
+    group.bench_function("the product alone, by faer", |bencher| {
+        bencher.iter(|| {
+            let (p, c) = (black_box(p.as_ref()), black_box(c.as_ref()));
+            faer::linalg::matmul::matmul(s.as_mut(), Accum::Replace, p, c, 1.0, Par::Seq);
+        })
+    });
     group.finish();
 }
 
