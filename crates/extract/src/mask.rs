@@ -111,11 +111,16 @@ impl Masker {
 
     /// What to say about an automatic mask.
     fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
+        let floor = threshold::floor(self.background.noise);
+        if !cut.is_sure(floor) || self.strips.used.is_empty() {
+            self.differencer
+                .fill(image, &self.background, &mut self.difference);
+        }
         let evidence = Evidence {
             image,
             background: &self.background,
             difference: &self.difference,
-            floor: threshold::floor(self.background.noise),
+            floor,
             cut,
             mask: &self.strips,
         };
