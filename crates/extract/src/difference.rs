@@ -101,7 +101,7 @@ impl Differencer {
         };
         match (kernel, self.kernels.look) {
             (Some(kernel), Some(look)) if least <= MOST_NOISE => {
-                self.run_where_seen(scene, (look, kernel), out, faint, levels);
+                self.run_where_seen(scene, look, kernel, out, faint, levels);
             }
             _ => self.run_everywhere(scene, kernel, out, faint, levels),
         }
@@ -175,7 +175,8 @@ impl Differencer {
     fn run_where_seen(
         &mut self,
         scene: Scene,
-        (look, kernel): (fn(Look), fn(Band)),
+        look: fn(Look),
+        kernel: fn(Band),
         out: &mut Plane,
         faint: &mut BitPlane,
         levels: &mut Levels,
