@@ -270,6 +270,9 @@ impl Differencer {
             }
             first = end + 1;
         }
+        if here.iter().all(|&hits| hits == 0) {
+            return;
+        }
         let lines = out.chunks_exact(width).zip(faint.chunks_exact(strips));
         for (y, (row, bits)) in rows.zip(lines) {
             levels.add(&self.kernels, y, row, bits);

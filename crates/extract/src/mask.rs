@@ -52,7 +52,7 @@ pub(crate) struct Masker {
     smoothed: Strips,
     doubter: Doubter,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
-    /// was made elsewhere).
+    /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: Plane,
     /// The mask, row by row and in strips.
     pub(crate) mask: BitPlane,

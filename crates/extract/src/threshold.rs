@@ -66,7 +66,7 @@ pub(crate) struct Levels {
     levels: Vec<u8>,
     count: usize,
     sum: usize,
-    /// Pixels that were looked at.
+    /// Pixels of the rows that count.
     pixels: usize,
     /// How many of the table's were, and the sum of their levels.
     table: (usize, usize),
@@ -76,18 +76,19 @@ impl Levels {
     /// None of an image of this size, yet.
     pub(crate) fn clear(&mut self, width: usize, height: usize) {
         self.step = 1 << (height / ROWS).max(1).ilog2();
-        (self.pixels, self.count, self.sum, self.table) = (0, 0, 0, (0, 0));
-        // A kernel writes 64 at a time.
         let rows = height.div_ceil(self.step);
+        self.pixels = width * rows;
+        (self.count, self.sum, self.table) = (0, 0, (0, 0));
+        // A kernel writes 64 at a time.
         self.levels.resize(width * rows + 64, 0);
     }
 
-    /// Takes up those of row `y`, which are not just the table's where `bits` are set, and only looked at there.
+    /// Takes up those of row `y`, which are not just the table's where `bits` are set, and only looked at there: a row
+    /// without any may be left out.
     pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64]) {
         if y & (self.step - 1) != 0 {
             return;
         }
-        self.pixels += row.len();
         self.count += (kernels.collect)(row, bits, &mut self.levels[self.count..]);
     }
 
