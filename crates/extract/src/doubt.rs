@@ -71,7 +71,7 @@ impl Doubter {
         {
             return Some(Notice::CheckeredTable);
         }
-        let is_at_floor = f32::from(cut) <= of.floor.ceil();
+        let is_at_floor = !of.cut.is_sure(of.floor);
         if !is_empty && !is_at_floor {
             return None;
         }

@@ -24,7 +24,7 @@ pub enum PixelFormat {
 
 impl PixelFormat {
     /// Bytes that hold one row of `width` pixels (of the first plane).
-    fn row_bytes(self, width: usize) -> usize {
+    pub(crate) fn row_bytes(self, width: usize) -> usize {
         match self {
             PixelFormat::Gray8 => width,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,

@@ -24,10 +24,12 @@ pub(crate) struct Band<'a> {
     pub(crate) table: &'a [u8],
     /// Pixels in a row.
     pub(crate) width: usize,
-    /// The difference: a byte a pixel, row after row.
+    /// The difference, a byte a pixel, and bytes from one row's start to the next.
     pub(crate) out: &'a mut [u8],
-    /// Where that is `≥ least`: a bit a pixel, each row in words of its own.
+    pub(crate) out_stride: usize,
+    /// Where that is `≥ least`: a bit a pixel, each row in words of its own, and words from one row's start to the next.
     pub(crate) faint: &'a mut [u64],
+    pub(crate) faint_stride: usize,
     pub(crate) least: u8,
 }
 
@@ -36,13 +38,41 @@ impl Band<'_> {
     #[inline(always)]
     fn for_each_row(self, mut row: impl FnMut(&[u8], &[u8], &mut [u8], &mut [u64])) {
         let bytes = 3 * self.width;
-        let out = self.out.chunks_exact_mut(self.width);
-        let faint = self.faint.chunks_exact_mut(self.width.div_ceil(64));
+        let words = self.width.div_ceil(64);
+        let out = self.out.chunks_mut(self.out_stride);
+        let faint = self.faint.chunks_mut(self.faint_stride);
         for (i, (out, faint)) in out.zip(faint).enumerate() {
             let pixels = &self.rows[i * self.stride..][..bytes];
+            let (out, faint) = (&mut out[..self.width], &mut faint[..words]);
             row(pixels, &self.table[..bytes], out, faint);
         }
     }
+}
+
+/// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
+pub(crate) struct Look<'a> {
+    /// From the first row's first byte to the last one's last.
+    pub(crate) rows: &'a [u8],
+    /// Bytes from one row's start to the next, and those of a row.
+    pub(crate) stride: usize,
+    pub(crate) row: usize,
+    /// Bytes of a pixel, no more than three.
+    pub(crate) bytes: usize,
+    /// As long as a row, or longer.
+    pub(crate) table: &'a [u8],
+    /// How far the even bytes and the odd ones have to be off the table's; not 0.
+    pub(crate) least: [u8; 2],
+    /// For each strip where it has any that is: a sum of the following.
+    pub(crate) hits: &'a mut [u8],
+}
+
+impl Look<'_> {
+    /// Anywhere in the strip, among its first eight pixels, among its last ones.
+    pub(crate) const ANY: u8 = 1;
+    pub(crate) const LEFT: u8 = 2;
+    pub(crate) const RIGHT: u8 = 4;
+    /// The pixels at a strip's sides that are told apart from the others.
+    pub(crate) const SIDE: usize = 8;
 }
 
 /// Some rows of a plane of bytes, no more than 64 pixels of each.
@@ -70,6 +100,8 @@ pub(crate) struct Kernels {
     pub(crate) three_channel_band: fn(Band),
     /// The same for pixels of Y₀ U Y₁ V, U and V counting double, if the machine has registers that make it worth while.
     pub(crate) yuyv_band: Option<fn(Band)>,
+    /// Where some rows are not just the table, if the machine has registers that make it worth while to ask before.
+    pub(crate) look: Option<fn(Look)>,
     /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
     pub(crate) collect: fn(&[u8], &[u64], &mut [u8]) -> usize,
     /// One bit a byte, whether it is `≥ cut`: a word for each row of a patch.
@@ -92,6 +124,7 @@ impl Kernels {
             spread: spread::spread,
             three_channel_band: |band| pulp::Arch::new().dispatch(|| three_channel_band(band)),
             yuyv_band: None,
+            look: None,
             collect,
             patch_at_least: |patch, cut, words| {
                 pulp::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
@@ -243,13 +276,54 @@ mod tests {
                     table: &table,
                     width,
                     out: &mut out,
+                    out_stride: width,
                     faint: &mut faint,
+                    faint_stride: words,
                     least,
                 });
                 (out, faint)
             };
             for kernels in all() {
                 prop_assert_eq!(make(kernels.three_channel_band), make(three_channel_band));
+            }
+        }
+
+        #[test]
+        fn a_look_sees_what_is_off_the_table(
+            bytes in prop::collection::vec(any::<u8>(), 3000),
+            far in prop::collection::vec((0usize..3000, any::<u8>()), 0..6),
+            table in prop::collection::vec(any::<u8>(), 700),
+            row in 1usize..500, gap in 0usize..20, rows in 1usize..5, of in 1usize..=3,
+            least in prop::array::uniform2(1u8..60),
+        ) {
+            // Like the table, but for some bytes.
+            let stride = row + gap;
+            let pixel = |k: usize| match far.iter().find(|(at, _)| *at == k) {
+                Some((_, byte)) => *byte,
+                None => table[k % stride].saturating_add(bytes[k] % 12).saturating_sub(6),
+            };
+            let bytes: Vec<u8> = (0..rows * stride).map(pixel).collect();
+            let mut expected = vec![0; row.div_ceil(64 * of)];
+            for (x, y) in (0..rows).flat_map(|y| (0..row).map(move |x| (x, y))) {
+                if bytes[y * stride + x].abs_diff(table[x]) >= least[x % 2] {
+                    let at = x % (64 * of);
+                    let (left, right) = (at < Look::SIDE * of, at >= (64 - Look::SIDE) * of);
+                    let sides = u8::from(left) * Look::LEFT + u8::from(right) * Look::RIGHT;
+                    expected[x / (64 * of)] |= Look::ANY + sides;
+                }
+            }
+            for look in all().into_iter().filter_map(|kernels| kernels.look) {
+                let mut hits = vec![9; expected.len()];
+                look(Look {
+                    rows: &bytes[..(rows - 1) * stride + row],
+                    stride,
+                    row,
+                    bytes: of,
+                    table: &table,
+                    least,
+                    hits: &mut hits,
+                });
+                prop_assert_eq!(&hits, &expected);
             }
         }
 
@@ -273,7 +347,9 @@ mod tests {
                     table: &table,
                     width,
                     out: &mut out,
+                    out_stride: width,
                     faint: &mut faint,
+                    faint_stride: words,
                     least,
                 });
                 for (x, y) in (0..rows).flat_map(|y| (0..width).map(move |x| (x, y))) {

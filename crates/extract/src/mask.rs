@@ -52,7 +52,7 @@ pub(crate) struct Masker {
     smoothed: Strips,
     doubter: Doubter,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
-    /// was made elsewhere).
+    /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: Plane,
     /// The mask, row by row and in strips.
     pub(crate) mask: BitPlane,
@@ -111,11 +111,16 @@ impl Masker {
 
     /// What to say about an automatic mask.
     fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
+        let floor = threshold::floor(self.background.noise);
+        if !cut.is_sure(floor) || self.strips.used.is_empty() {
+            self.differencer
+                .fill(image, &self.background, &mut self.difference);
+        }
         let evidence = Evidence {
             image,
             background: &self.background,
             difference: &self.difference,
-            floor: threshold::floor(self.background.noise),
+            floor,
             cut,
             mask: &self.strips,
         };

@@ -8,13 +8,49 @@ pub(crate) struct Plane {
     bytes: Vec<u8>,
     width: usize,
     height: usize,
+    /// Whether a block may hold anything but zeros, those of a strip of eight rows one after the other.
+    written: Vec<bool>,
 }
+
+/// Rows of a block, and its pixels along them.
+const BLOCK: [usize; 2] = [8, 64];
 
 impl Plane {
     /// Takes this size, keeping the memory it has; the bytes are whatever they were.
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
+        if (self.width, self.height) == (width, height) {
+            return;
+        }
         (self.width, self.height) = (width, height);
         self.bytes.resize(width * height, 0);
+        let blocks = height.div_ceil(BLOCK[0]) * width.div_ceil(BLOCK[1]);
+        self.written.clear();
+        self.written.resize(blocks, true);
+    }
+
+    /// Whether each block of eight rows, 64 pixels of each, from row `top` on may hold anything but zeros.
+    fn written_mut(&mut self, top: usize) -> &mut [bool] {
+        let blocks = self.width.div_ceil(BLOCK[1]);
+        &mut self.written[top / BLOCK[0] * blocks..][..blocks]
+    }
+
+    /// Makes eight rows from `top` on, a multiple of eight, as many as there are, zero in all blocks of 64 pixels that are
+    /// not `kept`, and gives them to be written in the others.
+    pub(crate) fn keep_blocks(&mut self, top: usize, kept: &[bool]) -> &mut [u8] {
+        let (width, end) = (self.width, (top + BLOCK[0]).min(self.height));
+        let written = top / BLOCK[0] * kept.len();
+        let written = &mut self.written[written..][..kept.len()];
+        let rows = &mut self.bytes[width * top..width * end];
+        for (k, (written, &kept)) in written.iter_mut().zip(kept).enumerate() {
+            if *written && !kept {
+                let from = BLOCK[1] * k;
+                let to = (from + BLOCK[1]).min(width);
+                rows.chunks_exact_mut(width)
+                    .for_each(|row| row[from..to].fill(0));
+            }
+            *written = kept;
+        }
+        rows
     }
 
     pub(crate) fn width(&self) -> usize {
@@ -35,11 +71,16 @@ impl Plane {
     }
 
     pub(crate) fn row_mut(&mut self, y: usize) -> &mut [u8] {
+        self.written_mut(y).fill(true);
         &mut self.bytes[y * self.width..][..self.width]
     }
 
     /// Some rows, one after the other.
     pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [u8] {
+        for top in rows.clone().step_by(BLOCK[0]) {
+            self.written_mut(top).fill(true);
+        }
+        self.written_mut(rows.end.saturating_sub(1)).fill(true);
         &mut self.bytes[self.width * rows.start..self.width * rows.end]
     }
 

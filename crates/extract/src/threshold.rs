@@ -39,6 +39,13 @@ pub(crate) struct Cut {
     pub(crate) covered: f32,
 }
 
+impl Cut {
+    /// Whether the ropes' levels set the cut, and not the table's noise, which sets this floor.
+    pub(crate) fn is_sure(&self, floor: f32) -> bool {
+        f32::from(self.rope) > floor.ceil()
+    }
+}
+
 /// The least level that is not just the table's noise.
 pub(crate) fn faint(noise: f32) -> u8 {
     whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
@@ -59,7 +66,7 @@ pub(crate) struct Levels {
     levels: Vec<u8>,
     count: usize,
     sum: usize,
-    /// Pixels that were looked at.
+    /// Pixels of the rows that count.
     pixels: usize,
     /// How many of the table's were, and the sum of their levels.
     table: (usize, usize),
@@ -69,25 +76,33 @@ impl Levels {
     /// None of an image of this size, yet.
     pub(crate) fn clear(&mut self, width: usize, height: usize) {
         self.step = 1 << (height / ROWS).max(1).ilog2();
-        (self.pixels, self.count, self.sum, self.table) = (0, 0, 0, (0, 0));
-        // A kernel writes 64 at a time.
         let rows = height.div_ceil(self.step);
+        self.pixels = width * rows;
+        (self.count, self.sum, self.table) = (0, 0, (0, 0));
+        // A kernel writes 64 at a time.
         self.levels.resize(width * rows + 64, 0);
     }
 
-    /// Takes up those of row `y`, which are not just the table's where `bits` are set: from `least` on.
-    pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64], least: u8) {
+    /// Takes up those of row `y`, which are not just the table's where `bits` are set, and only looked at there: a row
+    /// without any may be left out.
+    pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64]) {
         if y & (self.step - 1) != 0 {
             return;
         }
-        self.pixels += row.len();
         self.count += (kernels.collect)(row, bits, &mut self.levels[self.count..]);
-        if y & (TABLE_STEP * self.step - 1) == 0 {
-            let above = Arch::new().dispatch(Above(row, least));
-            let all = Arch::new().dispatch(Above(row, 0));
-            self.table.0 += all.0 - above.0;
-            self.table.1 += all.1 - above.1;
-        }
+    }
+
+    /// Whether the table's are asked for in row `y`.
+    pub(crate) fn asks_table(&self, y: usize) -> bool {
+        y & (TABLE_STEP * self.step - 1) == 0
+    }
+
+    /// Takes up those of a whole row that are the table's: below `least`.
+    pub(crate) fn add_table(&mut self, row: &[u8], least: u8) {
+        let above = Arch::new().dispatch(Above(row, least));
+        let all = Arch::new().dispatch(Above(row, 0));
+        self.table.0 += all.0 - above.0;
+        self.table.1 += all.1 - above.1;
     }
 
     /// That were all.

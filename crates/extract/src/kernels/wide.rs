@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::x86::orders;
-use super::{Band, Patch};
+use super::{Band, Look, Patch};
 use crate::PixelFormat;
 use std::arch::x86_64::*;
 
@@ -148,12 +148,13 @@ pub(super) fn three_channel_band(band: Band) {
     let sorting = Sorting::new();
     let least = _mm512_set1_epi8(band.least.cast_signed());
     let words = band.width.div_ceil(64);
-    let out = band.out.chunks_exact_mut(band.width);
-    let faint = band.faint.chunks_exact_mut(words);
+    let out = band.out.chunks_mut(band.out_stride);
+    let faint = band.faint.chunks_mut(band.faint_stride);
     let tables = band.table.as_chunks::<192>().0;
     for (i, (out, faint)) in out.zip(faint).enumerate() {
         let row = &band.rows[i * band.stride..][..3 * band.width];
-        let (blocks, rest) = out.as_chunks_mut::<64>();
+        let faint = &mut faint[..words];
+        let (blocks, rest) = out[..band.width].as_chunks_mut::<64>();
         let done = blocks.len();
         let rows = row.as_chunks::<192>().0.iter().zip(tables);
         for ((out, faint), (row, table)) in blocks.iter_mut().zip(&mut *faint).zip(rows) {
@@ -202,12 +203,14 @@ pub(super) fn yuyv_band(band: Band) {
     };
     let even = load(&EVEN);
     let least = _mm512_set1_epi8(band.least.cast_signed());
-    let out = band.out.chunks_exact_mut(band.width);
-    let faint = band.faint.chunks_exact_mut(band.width.div_ceil(64));
+    let words = band.width.div_ceil(64);
+    let out = band.out.chunks_mut(band.out_stride);
+    let faint = band.faint.chunks_mut(band.faint_stride);
     let tables = band.table.as_chunks::<64>().0.as_chunks::<2>().0;
     for (i, (out, faint)) in out.zip(faint).enumerate() {
         let row = &band.rows[i * band.stride..][..4 * band.width.div_ceil(2)];
-        let (blocks, rest) = out.as_chunks_mut::<64>();
+        let faint = &mut faint[..words];
+        let (blocks, rest) = out[..band.width].as_chunks_mut::<64>();
         let done = blocks.len();
         let rows = row
             .as_chunks::<64>()
@@ -233,6 +236,65 @@ pub(super) fn yuyv_band(band: Band) {
             faint[done] = _mm512_cmpge_epu8_mask(most, least) & first_lanes(rest.len());
         }
     }
+}
+
+#[target_feature(enable = "avx512f,avx512bw")]
+pub(super) fn look(look: Look) {
+    match look.bytes {
+        1 => look_at::<1>(look),
+        2 => look_at::<2>(look),
+        _ => look_at::<3>(look),
+    }
+}
+
+/// The same of pixels of `N` bytes. The table is the same for all rows: the largest and the smallest of each column of
+/// bytes tell whether any is far off it.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn look_at<const N: usize>(look: Look) {
+    let least = _mm512_set1_epi16(i16::from_le_bytes(look.least));
+    for (strip, hit) in look.hits.iter_mut().enumerate() {
+        let from = 64 * N * strip;
+        let count = (look.row - from).min(64 * N);
+        let [mut most, mut fewest] = [[_mm512_setzero_si512(); N], [_mm512_set1_epi8(-1); N]];
+        for row in look.rows[from..].chunks(look.stride) {
+            let bytes = load_each::<N>(&row[..count]);
+            for k in 0..N {
+                most[k] = _mm512_max_epu8(most[k], bytes[k]);
+                fewest[k] = _mm512_min_epu8(fewest[k], bytes[k]);
+            }
+        }
+        let table = load_each::<N>(&look.table[from..][..count]);
+        let mut off = [0; N];
+        for k in 0..N {
+            let above = _mm512_subs_epu8(most[k], table[k]);
+            let below = _mm512_subs_epu8(table[k], fewest[k]);
+            off[k] = _mm512_cmpge_epu8_mask(_mm512_max_epu8(above, below), least);
+        }
+        let side = Look::SIDE * N;
+        let any = off.iter().any(|&off| off != 0);
+        let (left, right) = (off[0] << (64 - side), off[N - 1] >> (64 - side));
+        *hit = u8::from(any) * Look::ANY
+            + u8::from(left != 0) * Look::LEFT
+            + u8::from(right != 0) * Look::RIGHT;
+    }
+}
+
+/// Up to `N` times 64 bytes, and zeros.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw")]
+fn load_each<const N: usize>(bytes: &[u8]) -> [__m512i; N] {
+    let mut each = [_mm512_setzero_si512(); N];
+    if bytes.len() == 64 * N {
+        for (each, bytes) in each.iter_mut().zip(bytes.as_chunks().0) {
+            *each = load(bytes);
+        }
+    } else {
+        for (each, bytes) in each.iter_mut().zip(bytes.chunks(64)) {
+            *each = load_some(bytes, bytes.len());
+        }
+    }
+    each
 }
 
 /// Where the bytes of 8 blocks come from: byte k of what a block's bytes are, over and over in the order `channels`,

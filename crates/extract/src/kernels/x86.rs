@@ -35,6 +35,8 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         yuyv_band: Some(|band| unsafe { wide::yuyv_band(band) }),
         // SAFETY: as above.
+        look: Some(|look| unsafe { wide::look(look) }),
+        // SAFETY: as above.
         collect: |row, bits, out| unsafe { wide::collect(row, bits, out) },
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { wide::patch_at_least(patch, cut, words) },
@@ -48,6 +50,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         three_channel_band: |band| unsafe { three_channel_band_256(band) },
         yuyv_band: None,
+        look: None,
         collect: super::collect,
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { patch_at_least_256(patch, cut, words) },
