@@ -79,7 +79,7 @@ impl Shape {
     /// The strip of a word, and its row.
     #[inline(always)]
     pub(crate) fn place(&self, at: usize) -> (usize, usize) {
-        let strip = (at as u64 * self.inverse >> INVERSE) as usize - 1;
+        let strip = ((at as u64 * self.inverse) >> INVERSE) as usize - 1;
         (strip, at - self.index(strip, 0))
     }
 
@@ -649,4 +649,25 @@ pub(crate) fn block(words: &[u64], at: usize) -> &[u64; BLOCK] {
 #[inline(always)]
 pub(crate) fn block_mut(words: &mut [u64], at: usize) -> &mut [u64; BLOCK] {
     words[at..].first_chunk_mut().expect("blocks are whole")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_lie_where_division_says() {
+        for [width, height] in [[1, 1], [64, 511], [70, 1030], [640, 480], [20_000, 65_000]] {
+            let blocks = usize::div_ceil(height, BLOCK);
+            let mut plane = BitPlane::default();
+            plane.resize(width, height);
+            let shape = Shape::of(&plane);
+            assert_eq!(shape.stride, (blocks + 1) * BLOCK);
+            for strip in 0..shape.strips() {
+                for y in [0, 1, height / 2, height - 1, BLOCK * blocks - 1] {
+                    assert_eq!(shape.place(shape.index(strip, y)), (strip, y));
+                }
+            }
+        }
+    }
 }
