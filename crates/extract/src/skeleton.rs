@@ -61,6 +61,8 @@ impl Skeleton {
         let shape = &thin.shape;
         self.pixels.clear();
         self.held.clear();
+        // No more words than pixels have any.
+        self.held.reserve(self.pixels.capacity());
         self.first.resize(shape.words(), 0);
         for top in (0..shape.height()).step_by(BLOCK) {
             self.filled.clear();
