@@ -17,6 +17,8 @@ const WIDEST_HALF: i32 = 160;
 pub(crate) struct Skeleton {
     /// Index of the first pixel of each word in a block that has any.
     first: Vec<u32>,
+    /// The words that have any, in the order of rows.
+    held: Vec<u32>,
     /// Strips that have any in the rows that are listed.
     filled: Vec<u32>,
     clearance: Clearance,
@@ -58,6 +60,9 @@ impl Skeleton {
     fn list_places(&mut self, thin: &Strips, mask: &BitPlane) {
         let shape = &thin.shape;
         self.pixels.clear();
+        self.held.clear();
+        // No more words than pixels have any.
+        self.held.reserve(self.pixels.capacity());
         self.first.resize(shape.words(), 0);
         for top in (0..shape.height()).step_by(BLOCK) {
             self.filled.clear();
@@ -74,6 +79,9 @@ impl Skeleton {
                     let at = shape.index(strip as usize, y);
                     let mut word = thin.words[at];
                     self.first[at] = self.pixels.len() as u32;
+                    if word != 0 {
+                        self.held.push(at as u32);
+                    }
                     while word != 0 {
                         let (x, y) = ((64 * strip + word.trailing_zeros()) as u16, y as u16);
                         self.pixels.push(Pixel {
@@ -88,43 +96,55 @@ impl Skeleton {
                 }
                 if self.pixels.len() > BUDGET {
                     self.pixels.clear();
+                    self.held.clear();
                     return;
                 }
             }
         }
     }
 
-    /// Finds the neighbors of pixel `i`. A corner neighbor that is also reached through a side
-    /// neighbor is left out, so that a staircase is a path and not a row of junctions.
+    /// Finds the neighbors of the pixels of the word at `at`, of which pixel `i` is the first; returns the index behind
+    /// its last. A corner neighbor that is also reached through a side neighbor is left out, so that a staircase is a path
+    /// and not a row of junctions.
     #[inline(always)]
-    fn connect(&mut self, thin: &Strips, i: usize) {
-        let (pixel, words) = (&mut self.pixels[i], &thin.words[..]);
-        let (stride, bit) = (thin.shape.stride, pixel.x % 64);
-        let strip = usize::from(pixel.x / 64);
-        let at = thin.shape.index(strip, usize::from(pixel.y));
-        let [above, below] = [at - 1, at + 1].map(|at| three(words, at, stride, bit));
-        let ([nw, n, ne], [sw, s, se]) = (above, below);
-        let [w, _, e] = three(words, at, stride, bit);
-        let above = first_from(&self.first, words, at - 1, stride, bit, nw);
-        let below = first_from(&self.first, words, at + 1, stride, bit, sw);
-        let here = i as u32;
-        let kinds = [
-            (e, here + 1),
-            (s, below),
-            (w, here.wrapping_sub(1)),
-            (n, above),
-            (se & !e & !s, below),
-            (sw & !w & !s, below.wrapping_sub(1)),
-            (nw & !w & !n, above.wrapping_sub(1)),
-            (ne & !e & !n, above),
-        ];
-        // Written always, kept where it is one: chance decides, and no branch guesses that.
-        let mut degree = 0;
-        for (is_there, index) in kinds {
-            pixel.neighbors[degree] = index;
-            degree += usize::from(is_there);
+    fn connect(&mut self, thin: &Strips, at: usize, mut i: usize) -> usize {
+        let (words, stride) = (&thin.words[..], thin.shape.stride);
+        let [nw, n, ne] = three(words, at - 1, stride);
+        let [w, mut rest, e] = three(words, at, stride);
+        let [sw, s, se] = three(words, at + 1, stride);
+        let (above, below) = (
+            first_beside(&self.first, words, at - 1, stride),
+            first_beside(&self.first, words, at + 1, stride),
+        );
+        let (se, sw) = (se & !e & !s, sw & !w & !s);
+        let (nw, ne) = (nw & !w & !n, ne & !e & !n);
+        while rest != 0 {
+            let bit = rest.trailing_zeros();
+            rest &= rest - 1;
+            let left = (1u64 << bit) - 1;
+            let above = above + (n & left).count_ones();
+            let below = below + (s & left).count_ones();
+            let here = i as u32;
+            let kinds = [
+                (e, here + 1),
+                (s, below),
+                (w, here.wrapping_sub(1)),
+                (n, above),
+                (se, below),
+                (sw, below.wrapping_sub(1)),
+                (nw, above.wrapping_sub(1)),
+                (ne, above),
+            ];
+            // Written always, kept where it is one: chance decides, and no branch guesses that.
+            let (pixel, mut degree) = (&mut self.pixels[i], 0);
+            for (are_there, index) in kinds {
+                pixel.neighbors[degree] = index;
+                degree += (are_there >> bit & 1) as usize;
+            }
+            pixel.degree = degree as u8;
+            i += 1;
         }
-        pixel.degree = degree as u8;
+        i
     }
 
     /// Takes pixel `i` out: no neighbor leads to it any more.
@@ -144,30 +164,25 @@ impl Skeleton {
     }
 }
 
-/// Whether the pixels to the left of a bit, of it and to its right are set in the row of a word.
+/// The pixels to the left of those of a word, the word itself and those to the right of its pixels.
 #[inline(always)]
-fn three(words: &[u64], at: usize, stride: usize, bit: u16) -> [bool; 3] {
+fn three(words: &[u64], at: usize, stride: usize) -> [u64; 3] {
     let left = words[at] << 1 | words[at - stride] >> 63;
     let right = words[at] >> 1 | words[at + stride] << 63;
-    [left, words[at], right].map(|word| word >> bit & 1 == 1)
+    [left, words[at], right]
 }
 
-/// The index of the first pixel of a row that is not to the left of a bit, if it or its neighbors in the row are set: the
-/// pixels of a row follow each other.
+/// The index of the first pixel in a word, or, where it has none, which it would have: that behind the last of the word to
+/// the left, which is the first of that to the right. The pixels of a row follow each other; only where any touches a
+/// pixel of this word's does it have to be known.
 #[inline(always)]
-fn first_from(
-    first: &[u32],
-    words: &[u64],
-    at: usize,
-    stride: usize,
-    bit: u16,
-    is_left: bool,
-) -> u32 {
-    match (words[at], is_left) {
-        // Nothing in this word: the one to the left is the last of its own, one to the right the first.
-        (0, true) => first[at - stride] + words[at - stride].count_ones(),
-        (0, false) => first[at + stride],
-        (word, _) => first[at] + (word & ((1 << bit) - 1)).count_ones(),
+fn first_beside(first: &[u32], words: &[u64], at: usize, stride: usize) -> u32 {
+    if words[at] != 0 {
+        return first[at];
+    }
+    match words[at - stride] {
+        0 => first[at + stride],
+        left => first[at - stride].wrapping_add(left.count_ones()),
     }
 }
 
@@ -185,8 +200,9 @@ impl pulp::NullaryFnOnce for List<'_> {
     fn call(self) {
         let skeleton = self.skeleton;
         skeleton.list_places(self.thin, self.mask);
-        for i in 0..skeleton.pixels.len() {
-            skeleton.connect(self.thin, i);
+        let mut i = 0;
+        for k in 0..skeleton.held.len() {
+            i = skeleton.connect(self.thin, skeleton.held[k] as usize, i);
         }
     }
 }

@@ -11,6 +11,9 @@ use crate::bits::BitPlane;
 pub(crate) const BLOCK: usize = 8;
 /// Blocks in a word of `Blocks`.
 const GROUP: usize = 64;
+/// Multiplied by 2 to this over the stride, numbers of words are divided by it: exactly, as a picture of 65 536 by 65 536
+/// pixels has fewer than 2²⁷ words, strides below 2¹⁷.
+const INVERSE: u32 = 44;
 
 /// How a picture is cut into strips and blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +22,8 @@ pub(crate) struct Shape {
     height: usize,
     /// Words from one strip to the next: its rows in whole blocks, and one block of which nothing is ever set.
     pub(crate) stride: usize,
+    /// `2^INVERSE / stride`, rounded up.
+    inverse: u64,
     strips: usize,
     /// Words of `Blocks` to a strip.
     groups: usize,
@@ -27,10 +32,12 @@ pub(crate) struct Shape {
 impl Shape {
     pub(crate) fn of(plane: &BitPlane) -> Self {
         let blocks = plane.height().div_ceil(BLOCK);
+        let stride = (blocks + 1) * BLOCK;
         Self {
             width: plane.width(),
             height: plane.height(),
-            stride: (blocks + 1) * BLOCK,
+            stride,
+            inverse: (1u64 << INVERSE).div_ceil(stride as u64),
             strips: plane.words_per_row(),
             groups: blocks.div_ceil(GROUP),
         }
@@ -48,6 +55,16 @@ impl Shape {
         self.strips
     }
 
+    /// Where the first block of word `i` of a set of blocks begins.
+    #[inline(always)]
+    pub(crate) fn first_of(&self, i: usize) -> usize {
+        // Few pictures are so high that a strip has more words than one.
+        match self.groups {
+            1 => self.index(i, 0),
+            groups => self.index(i / groups, BLOCK * GROUP * (i % groups)),
+        }
+    }
+
     /// Where the word of strip `strip` and row `y` lies. Before the first strip and behind the last lies an empty one.
     #[inline(always)]
     pub(crate) fn index(&self, strip: usize, y: usize) -> usize {
@@ -62,7 +79,7 @@ impl Shape {
     /// The strip of a word, and its row.
     #[inline(always)]
     pub(crate) fn place(&self, at: usize) -> (usize, usize) {
-        let strip = at / self.stride - 1;
+        let strip = ((at as u64 * self.inverse) >> INVERSE) as usize - 1;
         (strip, at - self.index(strip, 0))
     }
 
@@ -426,17 +443,23 @@ impl Blocks {
         Runs {
             bits: &self.bits,
             shape: *shape,
+            first: shape.index(0, 0),
             group: 0,
+            of_strip: 0,
             rest: self.bits.first().copied().unwrap_or(0),
         }
     }
 
-    /// Adds the blocks of a run as it was visited.
+    /// The blocks of each strip from the first on, 64 to a word, the strip's first in the lowest bit.
     #[inline(always)]
-    pub(crate) fn add_run(&mut self, shape: &Shape, at: usize, count: usize) {
-        let (strip, y) = shape.place(at);
-        let bits = u64::MAX >> (GROUP - count / BLOCK) << (y / BLOCK % GROUP);
-        self.bits[strip * shape.groups + y / BLOCK / GROUP] |= bits;
+    pub(crate) fn words(&self) -> &[u64] {
+        &self.bits
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub(crate) fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.bits
     }
 
     /// Makes this the blocks of `used` that lie in or beside a block of `a` or of `b`.
@@ -583,8 +606,11 @@ impl pulp::NullaryFnOnce for Count<'_> {
 pub(crate) struct Runs<'a> {
     bits: &'a [u64],
     shape: Shape,
-    /// The word of bits that is looked at, and those of its bits that are still to come.
+    /// Where the strip that is looked at begins.
+    first: usize,
+    /// The word of bits that is looked at, which of its strip it is, and those of its bits that are still to come.
     group: usize,
+    of_strip: usize,
     rest: u64,
 }
 
@@ -596,20 +622,18 @@ impl Iterator for Runs<'_> {
     fn next(&mut self) -> Option<(usize, usize)> {
         while self.rest == 0 {
             self.group += 1;
+            self.of_strip += 1;
+            if self.of_strip == self.shape.groups {
+                self.of_strip = 0;
+                self.first += self.shape.stride;
+            }
             self.rest = *self.bits.get(self.group)?;
         }
         let from = self.rest.trailing_zeros();
         let count = (!(self.rest >> from)).trailing_zeros();
         self.rest &= !(u64::MAX >> (GROUP as u32 - count) << from);
-        let (strip, group) = (
-            self.group / self.shape.groups,
-            self.group % self.shape.groups,
-        );
-        let block = group * GROUP + from as usize;
-        Some((
-            self.shape.index(strip, BLOCK * block),
-            BLOCK * count as usize,
-        ))
+        let block = self.of_strip * GROUP + from as usize;
+        Some((self.first + BLOCK * block, BLOCK * count as usize))
     }
 }
 
@@ -625,4 +649,25 @@ pub(crate) fn block(words: &[u64], at: usize) -> &[u64; BLOCK] {
 #[inline(always)]
 pub(crate) fn block_mut(words: &mut [u64], at: usize) -> &mut [u64; BLOCK] {
     words[at..].first_chunk_mut().expect("blocks are whole")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_lie_where_division_says() {
+        for [width, height] in [[1, 1], [64, 511], [70, 1030], [640, 480], [20_000, 65_000]] {
+            let blocks = usize::div_ceil(height, BLOCK);
+            let mut plane = BitPlane::default();
+            plane.resize(width, height);
+            let shape = Shape::of(&plane);
+            assert_eq!(shape.stride, (blocks + 1) * BLOCK);
+            for strip in 0..shape.strips() {
+                for y in [0, 1, height / 2, height - 1, BLOCK * blocks - 1] {
+                    assert_eq!(shape.place(shape.index(strip, y)), (strip, y));
+                }
+            }
+        }
+    }
 }

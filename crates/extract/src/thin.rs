@@ -55,20 +55,18 @@ impl Thinner {
     fn sub_iteration<const SOUTH_EAST: bool>(&mut self) {
         let (shape, [last, other]) = (&self.thin.shape, &mut self.changed);
         self.active.around(shape, &self.thin.used, last, other);
-        other.resize(shape);
         let (old, new) = (&self.thin.words[..], &mut self.next.words[..]);
-        for (at, count) in self.active.runs(shape) {
-            let mut changes = [0; BLOCK];
-            for at in (at..at + count).step_by(BLOCK) {
+        let sets = self.active.words().iter().zip(other.words_mut());
+        for (i, (&blocks, changed)) in sets.enumerate() {
+            *changed = 0;
+            let (first, mut rest) = (shape.first_of(i), blocks);
+            while rest != 0 {
+                let bit = rest & rest.wrapping_neg();
+                let at = first + BLOCK * rest.trailing_zeros() as usize;
+                rest ^= bit;
                 let left = apply_to_block(&GuoHall::<SOUTH_EAST>, old, at, shape.stride);
-                let before = block(old, at);
-                for k in 0..BLOCK {
-                    changes[k] |= left[k] ^ before[k];
-                }
+                *changed |= if left == *block(old, at) { 0 } else { bit };
                 *block_mut(new, at) = left;
-            }
-            if changes != [0; BLOCK] {
-                other.add_run(shape, at, count);
             }
         }
         std::mem::swap(last, other);
@@ -94,44 +92,35 @@ struct GuoHall<const SOUTH_EAST: bool>;
 impl<const SOUTH_EAST: bool> Rule for GuoHall<SOUTH_EAST> {
     #[inline(always)]
     fn word(&self, around: &Around) -> u64 {
-        let &Around {
-            here,
-            n,
-            s,
-            w,
-            e,
-            nw,
-            ne,
-            sw,
-            se,
-        } = around;
+        let &Around { here, .. } = around;
+        // North-west is south-east turned around.
+        let [n, s, w, e] = if SOUTH_EAST {
+            [around.n, around.s, around.w, around.e]
+        } else {
+            [around.s, around.n, around.e, around.w]
+        };
+        let [nw, ne, sw, se] = if SOUTH_EAST {
+            [around.nw, around.ne, around.sw, around.se]
+        } else {
+            [around.se, around.sw, around.ne, around.nw]
+        };
         // C, the number of 8-connected pieces around the pixel, is exactly one.
         let (c1, c2) = (!n & (ne | e), !e & (se | s));
         let (c3, c4) = (!s & (sw | w), !w & (nw | n));
-        let one_piece = (c1 ^ c2 ^ c3 ^ c4) & !(c1 & c2 | c3 & c4);
+        let one_piece = (c1 ^ c2 ^ c3 ^ c4) & !majority(c1, c2, c3);
+        let side = !e | !n & !ne & se;
 
-        // 2 ≤ min(N1, N2) ≤ 3, with N1 and N2 the two ways to pair the eight neighbors.
-        let pairs1 = [nw | n, ne | e, se | s, sw | w];
-        let pairs2 = [n | ne, e | se, s | sw, w | nw];
-        let neighbors = at_least_two(pairs1) & at_least_two(pairs2) & !(all(pairs1) & all(pairs2));
-
-        let side = if SOUTH_EAST {
-            (n | ne | !se) & e
-        } else {
-            (s | sw | !nw) & w
-        };
-        here & !(one_piece & neighbors & !side)
+        // 2 ≤ min(N1, N2) ≤ 3, with N1 and N2 the two ways to pair the eight neighbors: said of a pixel of which the rest
+        // holds, at least two neighbors by a side or one between two corners, and not three and both corners of the fourth.
+        let two = majority(n, s, w) | e & s | nw & (ne | sw) | se & sw;
+        let four = n & s & w & ne & se;
+        here & !(one_piece & side & two & !four)
     }
 }
 
 #[inline(always)]
-fn at_least_two([a, b, c, d]: [u64; 4]) -> u64 {
-    a & b | c & d | (a | b) & (c | d)
-}
-
-#[inline(always)]
-fn all([a, b, c, d]: [u64; 4]) -> u64 {
-    a & b & c & d
+fn majority(a: u64, b: u64, c: u64) -> u64 {
+    a & b | c & (a | b)
 }
 
 #[cfg(test)]
