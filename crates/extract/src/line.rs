@@ -55,19 +55,28 @@ impl Line {
 
     /// Cuts off what lies outside of the image at either end.
     pub(crate) fn cut_to(&mut self, image: &Plane) {
-        for _end in 0..2 {
-            while let [.., before, last] = self.samples[..] {
-                if image.holds(last.at) || self.samples.len() <= 2 {
-                    break;
-                }
-                self.samples.pop();
-                if image.holds(before.at) {
-                    let part = image.part_within(before.at, last.at);
-                    self.samples.push(between(&before, &last, part));
-                    break;
-                }
-            }
+        let leaves = |sample: Option<&Sample>| sample.is_some_and(|s| !image.holds(s.at));
+        if leaves(self.samples.last()) {
+            self.cut_last_to(image);
+        }
+        if leaves(self.samples.first()) {
             self.samples.reverse();
+            self.cut_last_to(image);
+            self.samples.reverse();
+        }
+    }
+
+    fn cut_last_to(&mut self, image: &Plane) {
+        while let [.., before, last] = self.samples[..] {
+            if image.holds(last.at) || self.samples.len() <= 2 {
+                break;
+            }
+            self.samples.pop();
+            if image.holds(before.at) {
+                let part = image.part_within(before.at, last.at);
+                self.samples.push(between(&before, &last, part));
+                break;
+            }
         }
     }
 
