@@ -9,18 +9,15 @@
 use crate::abut::Body;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
+use crate::onward;
 use crate::path;
 use crate::plane::Plane;
-use crate::section::{self, Measure, Sections};
+use crate::section::{Measure, Sections};
 use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
 use crate::strands::{Leg, Strand};
-use crate::vec2::{self, Vec2};
 use crate::zones::{Zones, quantile_of_positive};
-
-/// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
-const SHARPEST: f32 = 0.8;
 
 /// Half-widths from a tip that are measured once more when it has been run on.
 const TIP_HALVES: f32 = 2.0;
@@ -195,7 +192,7 @@ impl Centerliner {
         let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
         let back = back.clamp(1, (last / 3).max(1)).min(last);
         let places = [last, last - back, last.saturating_sub(2 * back)].map(|i| sample(i).at);
-        let path = onward(places, last >= 2 * back);
+        let path = onward::arc(places, last >= 2 * back);
         // The rope's own contrast: the median along the piece that the direction comes from.
         self.widths.clear();
         let piece = (last - back..=last).map(|i| source.difference.sample(sample(i).at));
@@ -208,13 +205,13 @@ impl Centerliner {
                 let far = body.tip(source.difference, &path, rope, &mut self.widths);
                 (far, false)
             }
-            None => section::tip(source.difference, &path, level, limit_px),
+            None => onward::tip(source.difference, &path, level, limit_px),
         };
         line.border[end] = border;
         let count = (far / step_px).ceil() as usize;
         let width_px = sample(last).width_px;
         let share = far / count.max(1) as f32;
-        let onward = (1..=count).map(|k| Sample {
+        let beyond = (1..=count).map(|k| Sample {
             at: path(share * k as f32),
             weight: 1.0,
             width_px,
@@ -222,10 +219,10 @@ impl Centerliner {
         });
         if end == 1 {
             line.samples.truncate(n - cut);
-            line.samples.extend(onward);
+            line.samples.extend(beyond);
         } else {
             self.tip.clear();
-            self.tip.extend(onward);
+            self.tip.extend(beyond);
             line.samples.splice(..cut, self.tip.drain(..).rev());
         }
     }
@@ -285,27 +282,6 @@ fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     }
     for sample in &mut line.samples[n - counts[1]..] {
         sample.weight = weight;
-    }
-}
-
-/// The way on from the first of three samples: a position for each distance along the arc that comes from the third
-/// through the second, or straight on from that where no arc is known.
-fn onward([here, before, oldest]: [Vec2; 3], is_arc: bool) -> impl Fn(f32) -> Vec2 + use<> {
-    let new = vec2::sub(here, before);
-    let old = vec2::sub(before, oldest);
-    let length = vec2::norm(new).max(1e-3);
-    let direction = vec2::unit_or(new, [1.0, 0.0]);
-    let turn = if is_arc {
-        vec2::angle(old, new).clamp(-SHARPEST, SHARPEST)
-    } else {
-        0.0
-    };
-    let (half_turn, a_pixel) = (0.5 * turn, 0.5 * turn / length);
-    move |far: f32| {
-        // The chord to a point `far` ahead on a circle lies half the angle off the tangent.
-        let (sin, cos) = (half_turn + a_pixel * far).sin_cos();
-        let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
-        vec2::along(here, ahead, far)
     }
 }
 

@@ -404,37 +404,6 @@ impl Look {
     }
 }
 
-/// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
-/// the distance of the tip, and whether the image's border cuts it.
-pub(crate) fn tip(
-    difference: &Plane,
-    at: impl Fn(f32) -> Vec2,
-    level: f32,
-    limit_px: f32,
-) -> (f32, bool) {
-    const STEP: f32 = 0.5;
-    let mut before = difference.sample(at(0.0));
-    let mut far = 0.0;
-    while far < limit_px {
-        let p = at(far + STEP);
-        let value = difference.sample(p);
-        if value < level {
-            let fall = before - value;
-            let part = if fall > 0.0 {
-                ((before - level) / fall).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            return (far + STEP * part, false);
-        }
-        if !difference.holds(p) {
-            return (far + STEP, true);
-        }
-        (far, before) = (far + STEP, value);
-    }
-    (far, false)
-}
-
 /// The samples between the tips: a tip that a crossing parts from the rope may lie upon another strand, and its sections
 /// are that one's as much as its own. It goes where the rope before it goes.
 fn beyond_tips(line: &Line, within: usize) -> std::ops::Range<usize> {
