@@ -145,7 +145,7 @@ pub(crate) fn between_each(image: &Image, at: &[Lanes; 2]) -> [Lanes; 3] {
                     .first_chunk()
                     .copied()
                     .map_or(0, u64::from_le_bytes);
-                word >> (8 * (place - from) & 63)
+                word >> ((8 * (place - from)) & 63)
             };
             for l in 0..LANES {
                 let place = whole[1][l] as usize * stride + 3 * whole[0][l] as usize;

@@ -53,7 +53,7 @@ pub(crate) enum Seek {
 impl Seek {
     /// How far from the section's center the search begins.
     #[inline(always)]
-    pub(crate) fn from_px(self, half_px: f32) -> f32 {
+    pub(crate) fn start_px(self, half_px: f32) -> f32 {
         let core = CORE * half_px;
         match self {
             Seek::Near => (half_px - 0.5 * step_px(half_px)).max(core),
@@ -200,7 +200,7 @@ fn edge(
     let between = |(inner, high): (f32, f32), (outer, low): (f32, f32)| {
         inner + (outer - inner) * (high - level) / (high - low)
     };
-    let start = seek.from_px(half_px);
+    let start = seek.start_px(half_px);
     let (mut at, mut value) = (start, read(start));
     match value {
         Some(mut inside) if inside >= level => {
@@ -276,7 +276,7 @@ mod tests {
                 let mut sought = Sought::default();
                 sought.rays.lay(5, center, [side * normal[1], -side * normal[0]]);
                 (sought.levels[5], sought.reach_px[5]) = (level, reach_px);
-                sought.from_px[5] = seek.from_px(half_px);
+                sought.from_px[5] = seek.start_px(half_px);
                 let along = sought.find(&plane, half_px)[5];
                 let along = if along.is_nan() { Edge::OutOfReach } else { Edge::At(along) };
                 let read = |far: f32| Some(ray.at_each([side * far])[0]);

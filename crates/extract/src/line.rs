@@ -156,8 +156,9 @@ impl Spans {
             let way = vec2::sub(line.samples[0].at, last.at);
             (ways[0][samples.len() - 1], ways[1][samples.len() - 1]) = (way[0], way[1]);
         }
+        let [xs, ys] = &ways;
         for k in 0..BLOCK {
-            let (x, y) = (ways[0][k], ways[1][k]);
+            let (x, y) = (xs[k], ys[k]);
             self.px[k] = (x * x + y * y).sqrt();
             let share = 1.0 / self.px[k];
             self.shares[k] = if self.px[k] > 0.0 { share } else { 0.0 };

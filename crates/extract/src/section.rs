@@ -328,7 +328,7 @@ impl Sections {
                             slot,
                             side,
                             level: levels[side],
-                            from_px: seek.from_px(half_px),
+                            from_px: seek.start_px(half_px),
                             reach_px,
                         });
                     }

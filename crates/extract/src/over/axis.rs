@@ -160,10 +160,11 @@ impl Places {
             }
         }
         let mut shortest = f32::INFINITY;
-        for l in 0..LANES {
-            let length = (way[0][l] * way[0][l] + way[1][l] * way[1][l]).sqrt();
+        let [us, vs] = &mut block.normal;
+        for ((u, v), (x, y)) in us.iter_mut().zip(vs).zip(way[0].iter().zip(&way[1])) {
+            let length = (x * x + y * y).sqrt();
             let share = 1.0 / length;
-            (block.normal[0][l], block.normal[1][l]) = (-way[1][l] * share, way[0][l] * share);
+            (*u, *v) = (-y * share, x * share);
             shortest = if length < shortest { length } else { shortest };
         }
         if shortest <= 1e-6 {
@@ -175,10 +176,10 @@ impl Places {
     /// Where the spline stands still, its points tell its direction.
     #[cold]
     fn straighten(&self, way: &[Lanes; 2], block: &mut Block) {
-        for l in 0..LANES {
+        for (l, (x, y)) in way[0].iter().zip(&way[1]).enumerate() {
             let [q, r] = [1, 2].map(|k| [0, 1].map(|c| self.points[k][c][l]));
             let straight = vec2::unit_or(vec2::sub(r, q), [1.0, 0.0]);
-            let normal = vec2::normal(vec2::unit_or([way[0][l], way[1][l]], straight));
+            let normal = vec2::normal(vec2::unit_or([*x, *y], straight));
             (block.normal[0][l], block.normal[1][l]) = (normal[0], normal[1]);
         }
     }

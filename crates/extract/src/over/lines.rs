@@ -87,8 +87,8 @@ impl Lines {
         for (b, block) in axis.blocks.iter().enumerate() {
             let squares = other.squares(simd, block, &aside_px);
             for (line, squares) in self.lines.iter_mut().zip(&squares) {
-                for l in 0..LANES {
-                    line.distances[b][l] = squares[l].sqrt();
+                for (distance, square) in line.distances[b].iter_mut().zip(squares) {
+                    *distance = square.sqrt();
                 }
             }
         }
@@ -178,8 +178,9 @@ impl Line {
         for b in self.seen.start / LANES..self.seen.end.div_ceil(LANES) {
             let (block, mut at) = (&axis.blocks[b], [[0.0; LANES]; 2]);
             for (c, at) in at.iter_mut().enumerate() {
-                for l in 0..LANES {
-                    at[l] = block.at[c][l] + aside_px * block.normal[c][l];
+                let axis = block.at[c].iter().zip(&block.normal[c]);
+                for (at, (axis, normal)) in at.iter_mut().zip(axis) {
+                    *at = axis + aside_px * normal;
                 }
             }
             let colors = color::between_each(image, &at);
