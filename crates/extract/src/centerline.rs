@@ -74,6 +74,7 @@ impl Centerliner {
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.spaced.reserve(samples);
         self.tip.reserve(samples);
+        self.sections.reserve(samples);
     }
 
     /// Fills `line` with the centerline of `strand`; false when too little of it is left.

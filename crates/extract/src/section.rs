@@ -132,6 +132,13 @@ impl Measure {
 }
 
 impl Sections {
+    /// Makes room for lines of so many samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.found.reserve(samples);
+        self.looks.reserve(samples);
+        self.sought.reserve(2 * samples);
+    }
+
     /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
     /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
     pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
