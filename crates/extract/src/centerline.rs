@@ -9,18 +9,15 @@
 use crate::abut::Body;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
+use crate::onward;
 use crate::path;
 use crate::plane::Plane;
-use crate::section::{self, Measure, Sections};
+use crate::section::{Measure, Sections};
 use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
 use crate::strands::{Leg, Strand};
-use crate::vec2::{self, Vec2};
-use crate::zones::{Zones, quantile};
-
-/// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
-const SHARPEST: f32 = 0.8;
+use crate::zones::{Zones, quantile_of_positive};
 
 /// Half-widths from a tip that are measured once more when it has been run on.
 const TIP_HALVES: f32 = 2.0;
@@ -55,6 +52,8 @@ pub(crate) struct Centerliner {
     smoother: Smoother,
     spaced: Vec<Sample>,
     widths: Vec<f32>,
+    /// What is laid beyond the first end.
+    tip: Vec<Sample>,
     /// The strands that the line's ends lie against.
     bodies: [Option<Body>; 2],
 }
@@ -74,6 +73,8 @@ impl Centerliner {
     /// Makes room for lines of so many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.spaced.reserve(samples);
+        self.tip.reserve(samples);
+        self.sections.reserve(samples);
     }
 
     /// Fills `line` with the centerline of `strand`; false when too little of it is left.
@@ -170,58 +171,60 @@ impl Centerliner {
         cut_px: f32,
     ) {
         if !line.closed {
-            for _end in 0..2 {
-                self.extend_end(source, line, half_px, step_px, cut_px);
-                line.samples.reverse();
-                line.border.swap(0, 1);
-                self.bodies.swap(0, 1);
+            for end in [1, 0] {
+                self.extend_end(source, line, end, [half_px, step_px, cut_px]);
             }
         }
     }
 
-    /// Works on the last end of the line.
+    /// Works on the first (0) or the last (1) end of the line.
     fn extend_end(
         &mut self,
         source: &Source,
         line: &mut Line,
-        half_px: f32,
-        step_px: f32,
-        cut_px: f32,
+        end: usize,
+        [half_px, step_px, cut_px]: [f32; 3],
     ) {
         let n = line.samples.len();
         let cut = ((cut_px / step_px) as usize).min(n / 4);
-        line.samples.truncate(n - cut);
-        let last = line.samples.len() - 1;
+        let last = n - cut - 1;
+        // Counted from the other end.
+        let sample = |i: usize| &line.samples[if end == 1 { i } else { n - 1 - i }];
         let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
         let back = back.clamp(1, (last / 3).max(1)).min(last);
-        let path = onward(line, last, back);
+        let places = [last, last - back, last.saturating_sub(2 * back)].map(|i| sample(i).at);
+        let path = onward::arc(places, last >= 2 * back);
         // The rope's own contrast: the median along the piece that the direction comes from.
         self.widths.clear();
-        self.widths.extend(
-            line.samples[last - back..]
-                .iter()
-                .map(|s| source.difference.sample(s.at)),
-        );
-        let level = 0.5 * quantile(&mut self.widths, 0.5).max(2.0);
+        let piece = (last - back..=last).map(|i| source.difference.sample(sample(i).at));
+        self.widths.extend(piece);
+        let level = 0.5 * quantile_of_positive(&mut self.widths, 0.5).max(2.0);
         let limit_px = cut_px + 4.0 * half_px + 4.0;
-        let (far, border) = match self.bodies[1] {
+        let (far, border) = match self.bodies[end] {
             Some(body) => {
                 let rope = (half_px, level, limit_px);
                 let far = body.tip(source.difference, &path, rope, &mut self.widths);
                 (far, false)
             }
-            None => section::tip(source.difference, &path, level, limit_px),
+            None => onward::tip(source.difference, &path, level, limit_px),
         };
-        line.border[1] = border;
+        line.border[end] = border;
         let count = (far / step_px).ceil() as usize;
-        let width_px = line.samples[last].width_px;
-        for k in 1..=count {
-            line.samples.push(Sample {
-                at: path(far * k as f32 / count as f32),
-                weight: 1.0,
-                width_px,
-                side: 0.0,
-            });
+        let width_px = sample(last).width_px;
+        let share = far / count.max(1) as f32;
+        let beyond = (1..=count).map(|k| Sample {
+            at: path(share * k as f32),
+            weight: 1.0,
+            width_px,
+            side: 0.0,
+        });
+        if end == 1 {
+            line.samples.truncate(n - cut);
+            line.samples.extend(beyond);
+        } else {
+            self.tip.clear();
+            self.tip.extend(beyond);
+            line.samples.splice(..cut, self.tip.drain(..).rev());
         }
     }
 
@@ -263,7 +266,7 @@ impl Centerliner {
         self.widths.clear();
         let seen = line.samples.iter().filter(|s| s.weight >= 1.0);
         self.widths.extend(seen.map(|s| s.width_px));
-        (!self.widths.is_empty()).then(|| quantile(&mut self.widths, 0.5))
+        (!self.widths.is_empty()).then(|| quantile_of_positive(&mut self.widths, 0.5))
     }
 }
 
@@ -280,28 +283,6 @@ fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     }
     for sample in &mut line.samples[n - counts[1]..] {
         sample.weight = weight;
-    }
-}
-
-/// The way on from sample `last`: a position for each distance along the arc through the samples
-/// `back` and twice `back` before it.
-fn onward(line: &Line, last: usize, back: usize) -> impl Fn(f32) -> Vec2 + use<> {
-    let at = |i: usize| line.samples[i].at;
-    let here = at(last);
-    let new = vec2::sub(here, at(last - back));
-    let old = vec2::sub(at(last - back), at(last.saturating_sub(2 * back)));
-    let length = vec2::norm(new).max(1e-3);
-    let direction = vec2::unit_or(new, [1.0, 0.0]);
-    let turn = if last >= 2 * back {
-        vec2::angle(old, new).clamp(-SHARPEST, SHARPEST)
-    } else {
-        0.0
-    };
-    move |far: f32| {
-        // The chord to a point `far` ahead on a circle lies half the angle off the tangent.
-        let (sin, cos) = (0.5 * turn * (1.0 + far / length)).sin_cos();
-        let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
-        vec2::along(here, ahead, far)
     }
 }
 

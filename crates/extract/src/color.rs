@@ -1,5 +1,6 @@
 //! Pixels as three numbers, whatever the format: what colors are compared in.
 
+use crate::ray::{LANES, Lanes};
 use crate::{Image, PixelFormat};
 
 /// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
@@ -117,6 +118,67 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     color
 }
 
+/// As [`between`], at a position in each lane: a channel each.
+#[inline(always)]
+pub(crate) fn between_each(image: &Image, at: &[Lanes; 2]) -> [Lanes; 3] {
+    let (right, bottom) = (image.width() - 1, image.height() - 1);
+    // The pixel to the right of it and that below it are in the image, too, if it has two.
+    let last = [right.saturating_sub(1), bottom.saturating_sub(1)];
+    let (mut whole, mut part) = ([[0; LANES]; 2], [[0.0; LANES]; 2]);
+    for c in 0..2 {
+        let most = [right, bottom][c] as f32;
+        for l in 0..LANES {
+            let at = at[c][l].clamp(0.0, most);
+            whole[c][l] = (at as i32).min(last[c] as i32);
+            part[c][l] = at - whole[c][l] as f32;
+        }
+    }
+    let mut fours = [[0u32; LANES]; 4];
+    let (bytes, stride) = (image.bytes(), image.stride());
+    let interleaved = matches!(image.format(), PixelFormat::Rgb8 | PixelFormat::Bgr8);
+    match bytes.len().checked_sub(8) {
+        Some(most) if interleaved && right > 0 && bottom > 0 => {
+            // Eight bytes are two pixels; those that end with the image are shifted.
+            let two = |place: usize| {
+                let from = place.min(most);
+                let word = bytes[from..]
+                    .first_chunk()
+                    .copied()
+                    .map_or(0, u64::from_le_bytes);
+                word >> ((8 * (place - from)) & 63)
+            };
+            for l in 0..LANES {
+                let place = whole[1][l] as usize * stride + 3 * whole[0][l] as usize;
+                let (upper, lower) = (two(place), two(place + stride));
+                (fours[0][l], fours[1][l]) = (upper as u32, (upper >> 24) as u32);
+                (fours[2][l], fours[3][l]) = (lower as u32, (lower >> 24) as u32);
+            }
+        }
+        _ => {
+            for l in 0..LANES {
+                let (x, y) = (whole[0][l] as usize, whole[1][l] as usize);
+                let corners = corners(image, [x, (x + 1).min(right)], [y, (y + 1).min(bottom)]);
+                for (four, [a, b, c]) in fours.iter_mut().zip(corners) {
+                    four[l] = u32::from_le_bytes([a, b, c, 0]);
+                }
+            }
+        }
+    }
+    let mut colors = [[0.0; LANES]; 3];
+    // Where bytes were read as they lie.
+    let swapped = interleaved && right > 0 && bottom > 0 && image.format() == PixelFormat::Bgr8;
+    for (c, colors) in colors.iter_mut().enumerate() {
+        let shift = 8 * if swapped { 2 - c } else { c };
+        for l in 0..LANES {
+            let byte = |k: usize| (fours[k][l] >> shift & 0xff) as i32 as f32;
+            let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
+            let (x, y) = (part[0][l], part[1][l]);
+            colors[l] = mix(mix(byte(0), byte(1), x), mix(byte(2), byte(3), x), y);
+        }
+    }
+    colors
+}
+
 /// The native colors of the four pixels of two columns and rows, the upper row first.
 #[inline(always)]
 fn corners(image: &Image, [x0, x1]: [usize; 2], [y0, y1]: [usize; 2]) -> [[u8; 3]; 4] {
@@ -182,4 +244,51 @@ pub(crate) fn distance(a: [f32; 3], b: [f32; 3], yuv: bool) -> f32 {
     let chroma = if yuv { 2.0 } else { 1.0 };
     let d = |i: usize| (a[i] - b[i]).abs();
     d(0).max(chroma * d(1)).max(chroma * d(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FORMATS: [PixelFormat; 5] = [
+        PixelFormat::Gray8,
+        PixelFormat::Rgb8,
+        PixelFormat::Bgr8,
+        PixelFormat::Yuyv,
+        PixelFormat::Nv12,
+    ];
+
+    proptest! {
+        #[test]
+        fn colors_at_many_places_are_those_at_each(
+            bytes in prop::collection::vec(any::<u8>(), 2000), format in prop::sample::select(&FORMATS[..]),
+            size in (1..20usize, 1..20usize), padding in 0..4usize,
+            places in prop::array::uniform16((-2.0f32..22.0, -2.0f32..22.0)),
+        ) {
+            let (width, height) = size;
+            let bytes_a_row = match format {
+                PixelFormat::Gray8 => width,
+                PixelFormat::Nv12 => width.next_multiple_of(2),
+                PixelFormat::Yuyv => 2 * width.next_multiple_of(2),
+                _ => 3 * width,
+            };
+            let stride = bytes_a_row + padding;
+            let rows = if format == PixelFormat::Nv12 { height + height.div_ceil(2) } else { height };
+            // Not a byte more than the image needs.
+            let bytes = &bytes[..stride * (rows - 1) + bytes_a_row];
+            let image = Image::new(bytes, width, height, stride, format).expect("a whole image");
+            let mut at = [[0.0; LANES]; 2];
+            for (l, (x, y)) in places.into_iter().enumerate() {
+                (at[0][l], at[1][l]) = (x, y);
+            }
+            let found = between_each(&image, &at);
+            for (l, (x, y)) in places.into_iter().enumerate() {
+                let expected = between(&image, [x, y]);
+                for (found, expected) in found.iter().zip(expected) {
+                    prop_assert!((found[l] - expected).abs() < 1e-3);
+                }
+            }
+        }
+    }
 }

@@ -136,7 +136,7 @@ impl Contrast {
 
 /// The median of each lane's smallest `counts` numbers, the larger of the two middle ones.
 #[inline(always)]
-fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES]) -> Lanes {
+pub(crate) fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES]) -> Lanes {
     let half = rows.len() / 2;
     // The smaller half is put in order, one after the other.
     for k in 0..=half {

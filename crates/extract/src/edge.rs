@@ -3,7 +3,7 @@
 //! that is enough for nearly all. The rest is sought step by step.
 
 use crate::plane::Plane;
-use crate::ray::{LANES, Lanes, Ray};
+use crate::ray::{LANES, Lanes, Rays};
 use crate::vec2::{self, Vec2};
 
 /// The part of a half-width around the center where no edge is looked for: shine lies there.
@@ -13,8 +13,8 @@ const CORE: f32 = 0.35;
 const STEP_PX: f32 = 0.5;
 
 /// The distances along −`normal` and +`normal` at which the difference falls below each level, those that are not
-/// `known` (not a number). Where the image ends before one edge, the other and the rope's width tell.
-#[inline(always)]
+/// `known` (not a number), of a section that may leave the image. Where that ends before one edge, the other and the
+/// rope's width tell.
 pub(crate) fn edges(
     difference: &Plane,
     (center, normal): (Vec2, Vec2),
@@ -23,22 +23,15 @@ pub(crate) fn edges(
     seek: Seek,
     [half_px, reach_px]: [f32; 2],
 ) -> Option<[f32; 2]> {
-    let ray = Ray::new(difference, center, normal, reach_px + step_px(half_px));
     let mut found = known.map(Edge::At);
     for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
-        if !known[k].is_nan() {
-            continue;
+        if known[k].is_nan() {
+            let read = |far| {
+                let place = vec2::along(center, normal, side * far);
+                difference.holds(place).then(|| difference.sample(place))
+            };
+            found[k] = edge(read, levels[k], seek, half_px, reach_px);
         }
-        found[k] = match &ray {
-            Some(ray) => edge_along(ray, side, levels[k], seek, [half_px, reach_px]),
-            None => {
-                let read = |far| {
-                    let place = vec2::along(center, normal, side * far);
-                    difference.holds(place).then(|| difference.sample(place))
-                };
-                edge(read, levels[k], seek, half_px, reach_px)
-            }
-        };
     }
     match found {
         [Edge::At(left), Edge::At(right)] => Some([left, right]),
@@ -57,6 +50,18 @@ pub(crate) enum Seek {
     Inside,
 }
 
+impl Seek {
+    /// How far from the section's center the search begins.
+    #[inline(always)]
+    pub(crate) fn start_px(self, half_px: f32) -> f32 {
+        let core = CORE * half_px;
+        match self {
+            Seek::Near => (half_px - 0.5 * step_px(half_px)).max(core),
+            Seek::Inside => core,
+        }
+    }
+}
+
 /// One edge of a section, at a distance from its center.
 #[derive(Clone, Copy, Debug)]
 enum Edge {
@@ -73,7 +78,7 @@ const BEFORE: usize = 1;
 pub(crate) const PLACES: usize = 2 * BATCH;
 
 /// Distance between the places of a section that are read.
-fn step_px(half_px: f32) -> f32 {
+pub(crate) fn step_px(half_px: f32) -> f32 {
     (half_px / 12.0).max(STEP_PX)
 }
 
@@ -121,65 +126,64 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
 }
 
 /// Places that are read at once where an edge is sought.
-const SOUGHT: usize = 8;
+const SOUGHT: usize = 4;
 
-/// As [`edge`], along a line that stays within the plane a step farther than `reach_px`.
-#[inline(always)]
-fn edge_along(ray: &Ray, side: f32, level: f32, seek: Seek, [half_px, reach_px]: [f32; 2]) -> Edge {
-    let (core, step) = (CORE * half_px, step_px(half_px));
-    let mut at = match seek {
-        Seek::Near => (half_px - 0.5 * step).max(core),
-        Seek::Inside => core,
-    };
-    let mut onward = step;
-    let mut far = [0.0; SOUGHT];
-    let limits = [core, reach_px + step];
-    let mut here = read_onward(ray, side, at, onward, limits, &mut far);
-    let is_inside = here[0] >= level;
-    if !is_inside {
-        onward = -step;
-        here = read_onward(ray, side, at, onward, limits, &mut far);
-    }
-    loop {
-        for k in 1..SOUGHT {
-            let is_end = if is_inside {
-                far[k - 1] >= reach_px
-            } else {
-                far[k - 1] <= core
-            };
-            if is_end {
-                return if is_inside {
-                    Edge::OutOfReach
-                } else {
-                    Edge::At(core)
-                };
-            }
-            if (here[k] >= level) != is_inside {
-                let share = (here[k - 1] - level) / (here[k - 1] - here[k]);
-                return Edge::At(far[k - 1] + (far[k] - far[k - 1]) * share);
-            }
-        }
-        at = far[SOUGHT - 1];
-        here = read_onward(ray, side, at, onward, limits, &mut far);
-    }
+/// Edges that are sought step by step, one in each lane.
+#[derive(Debug, Default)]
+pub(crate) struct Sought {
+    /// From the middle of the rope across its edge.
+    pub(crate) rays: Rays,
+    pub(crate) levels: Lanes,
+    /// Where the search begins, and where it ends.
+    pub(crate) from_px: Lanes,
+    pub(crate) reach_px: Lanes,
 }
 
-/// Fills `far` with the next places from `from` on, within limits, and reads there.
-#[inline(always)]
-fn read_onward(
-    ray: &Ray,
-    side: f32,
-    from: f32,
-    onward: f32,
-    [least, most]: [f32; 2],
-    far: &mut [f32; SOUGHT],
-) -> [f32; SOUGHT] {
-    let mut out = [0.0; SOUGHT];
-    for k in 0..SOUGHT {
-        far[k] = (from + onward * k as f32).max(least).min(most);
-        out[k] = side * far[k];
+impl Sought {
+    /// The edges' distances, as [`edge`] finds them along lines that stay within the plane a step farther than their
+    /// reach; not a number where they are out of it.
+    #[inline(always)]
+    pub(crate) fn find(&self, difference: &Plane, half_px: f32) -> Lanes {
+        let (core, step) = (CORE * half_px, step_px(half_px));
+        let (mut at, mut values, mut found) = (self.from_px, [[0.0; LANES]; 1], [f32::NAN; LANES]);
+        self.rays.read(difference, &[at], &mut values);
+        let [mut here] = values;
+        let (mut onward, mut inside, mut open) = ([step; LANES], [true; LANES], [true; LANES]);
+        for l in 0..LANES {
+            inside[l] = here[l] >= self.levels[l];
+            onward[l] = if inside[l] { step } else { -step };
+        }
+        let mut is_open = true;
+        while is_open {
+            let (mut far, mut values) = ([[0.0; LANES]; SOUGHT], [[0.0; LANES]; SOUGHT]);
+            for (k, far) in far.iter_mut().enumerate() {
+                for l in 0..LANES {
+                    let next = at[l] + onward[l] * (k + 1) as f32;
+                    let next = if next > core { next } else { core };
+                    let most = self.reach_px[l] + step;
+                    far[l] = if next < most { next } else { most };
+                }
+            }
+            self.rays.read(difference, &far, &mut values);
+            for (far, values) in far.iter().zip(&values) {
+                for l in 0..LANES {
+                    let ends_out = inside[l] & (at[l] >= self.reach_px[l]);
+                    let ends_in = !inside[l] & (at[l] <= core);
+                    let crosses = (values[l] >= self.levels[l]) != inside[l];
+                    let share = (here[l] - self.levels[l]) / (here[l] - values[l]);
+                    let place = at[l] + (far[l] - at[l]) * share;
+                    let place = if ends_in { core } else { place };
+                    let place = if ends_out { f32::NAN } else { place };
+                    let ends = ends_out | ends_in | crosses;
+                    found[l] = if open[l] & ends { place } else { found[l] };
+                    open[l] &= !ends;
+                    (at[l], here[l]) = (far[l], values[l]);
+                }
+            }
+            is_open = open.iter().fold(false, |any, &open| any | open);
+        }
+        found
     }
-    ray.at_each(out)
 }
 
 /// Where the difference, which `read` tells for a distance as long as it lies in the image, falls below `level`: sought
@@ -196,10 +200,7 @@ fn edge(
     let between = |(inner, high): (f32, f32), (outer, low): (f32, f32)| {
         inner + (outer - inner) * (high - level) / (high - low)
     };
-    let start = match seek {
-        Seek::Near => (half_px - 0.5 * step).max(core),
-        Seek::Inside => core,
-    };
+    let start = seek.start_px(half_px);
     let (mut at, mut value) = (start, read(start));
     match value {
         Some(mut inside) if inside >= level => {
@@ -234,7 +235,7 @@ fn edge(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ray::Rays;
+    use crate::ray::Ray;
     use proptest::prelude::*;
 
     /// A rope up and down at x = 40, of this half-width and blur, as bright as a cosine and some stripes make it.
@@ -253,7 +254,7 @@ mod tests {
     }
 
     proptest! {
-        /// What is read at once, in lanes or along a line, is what a step after the other finds.
+        /// What is read at once, or in lanes, is what a step after the other finds.
         #[test]
         fn edges_lie_where_they_are_found_step_by_step(
             half_px in 1.0f32..9.0, wrong in 0.75f32..1.3, blur_px in 0.3f32..4.0, stripes in 0.0f32..0.4,
@@ -272,9 +273,14 @@ mod tests {
             rays.read(&plane, &places(half_px).map(|far| [far; LANES]), &mut values);
             let lanes = near(&values, &[[level; LANES]; 2], half_px);
             for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
+                let mut sought = Sought::default();
+                sought.rays.lay(5, center, [side * normal[1], -side * normal[0]]);
+                (sought.levels[5], sought.reach_px[5]) = (level, reach_px);
+                sought.from_px[5] = seek.start_px(half_px);
+                let along = sought.find(&plane, half_px)[5];
+                let along = if along.is_nan() { Edge::OutOfReach } else { Edge::At(along) };
                 let read = |far: f32| Some(ray.at_each([side * far])[0]);
                 let stepwise = edge(read, level, seek, half_px, reach_px);
-                let along = edge_along(&ray, side, level, seek, [half_px, reach_px]);
                 match (stepwise, along) {
                     // Places are told apart by 1/256 px.
                     (Edge::At(a), Edge::At(b)) => prop_assert!((a - b).abs() < 0.05, "{a} {b}"),

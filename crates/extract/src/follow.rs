@@ -12,9 +12,10 @@ mod reach;
 use crate::bits::BitPlane;
 use crate::extractor::MOST_PIECES;
 use crate::line::{Line, Sample};
+use crate::onward;
 use crate::past::{Past, Rope};
 use crate::plane::Plane;
-use crate::section::{self, Measure, Sections};
+use crate::section::{Measure, Sections};
 use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
@@ -278,7 +279,7 @@ impl Follower {
         let level = 0.5 * quantile(&mut self.levels, 0.5).max(2.0);
         let limit_px = 6.0 * half_px;
         let (far, border) =
-            section::tip(difference, |d| vec2::along(inner, out, d), level, limit_px);
+            onward::tip(difference, |d| vec2::along(inner, out, d), level, limit_px);
         line.border[1] = border;
         let more_px = far - back as f32 * step_px;
         if more_px <= half_px.min(room_px + 0.5 * half_px) {

@@ -85,6 +85,7 @@ mod morphology;
 mod necks;
 mod neighbors;
 mod notice;
+mod onward;
 mod options;
 mod over;
 mod overlaps;

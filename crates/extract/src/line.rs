@@ -1,6 +1,9 @@
 //! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::plane::Plane;
+use crate::ray::LANES;
 use crate::vec2::{self, Vec2};
 
 /// One sample.
@@ -45,29 +48,33 @@ impl Line {
     }
 
     pub(crate) fn length_px(&self) -> f32 {
-        let pairs = self.samples.windows(2);
-        let open_px: f32 = pairs.map(|p| vec2::distance(p[0].at, p[1].at)).sum();
-        match &self.samples[..] {
-            [first, .., last] if self.closed => open_px + vec2::distance(last.at, first.at),
-            _ => open_px,
-        }
+        Arch::new().dispatch(Measuring(self))
     }
 
     /// Cuts off what lies outside of the image at either end.
     pub(crate) fn cut_to(&mut self, image: &Plane) {
-        for _end in 0..2 {
-            while let [.., before, last] = self.samples[..] {
-                if image.holds(last.at) || self.samples.len() <= 2 {
-                    break;
-                }
-                self.samples.pop();
-                if image.holds(before.at) {
-                    let part = image.part_within(before.at, last.at);
-                    self.samples.push(between(&before, &last, part));
-                    break;
-                }
-            }
+        let leaves = |sample: Option<&Sample>| sample.is_some_and(|s| !image.holds(s.at));
+        if leaves(self.samples.last()) {
+            self.cut_last_to(image);
+        }
+        if leaves(self.samples.first()) {
             self.samples.reverse();
+            self.cut_last_to(image);
+            self.samples.reverse();
+        }
+    }
+
+    fn cut_last_to(&mut self, image: &Plane) {
+        while let [.., before, last] = self.samples[..] {
+            if image.holds(last.at) || self.samples.len() <= 2 {
+                break;
+            }
+            self.samples.pop();
+            if image.holds(before.at) {
+                let part = image.part_within(before.at, last.at);
+                self.samples.push(between(&before, &last, part));
+                break;
+            }
         }
     }
 
@@ -75,45 +82,18 @@ impl Line {
     /// around. A stretch that touches a sample of weight 0 keeps weight 0.
     pub(crate) fn resample(&self, count: usize, out: &mut Vec<Sample>) {
         out.clear();
-        let (n, segments) = (self.samples.len(), self.segments());
-        let length = self.length_px();
-        if segments == 0 || length <= 0.0 {
-            out.extend(
-                self.samples
-                    .iter()
-                    .cycle()
-                    .take(if n == 0 { 0 } else { count }),
-            );
+        let length_px = self.length_px();
+        if self.segments() == 0 || length_px <= 0.0 {
+            let count = if self.samples.is_empty() { 0 } else { count };
+            out.extend(self.samples.iter().cycle().take(count));
             return;
         }
-        let intervals = if self.closed { count } else { count - 1 };
-        let step = f64::from(length) / intervals.max(1) as f64;
-        let (mut segment, mut passed) = (0, 0.0f64);
-        // The samples at either end of a segment; only that of a closed line leads back to the first.
-        let ends = |i: usize| {
-            let next = if i + 1 < n { i + 1 } else { 0 };
-            (&self.samples[i], &self.samples[next])
-        };
-        let span = |i: usize| {
-            let (from, to) = ends(i);
-            f64::from(vec2::distance(from.at, to.at))
-        };
-        let mut here = span(0);
-        for k in 0..count {
-            let target = step * k as f64;
-            while passed + here < target && segment + 1 < segments {
-                passed += here;
-                segment += 1;
-                here = span(segment);
-            }
-            let t = if here > 0.0 {
-                ((target - passed) / here).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            let (from, to) = ends(segment);
-            out.push(between(from, to, t as f32));
-        }
+        Arch::new().dispatch(Resampling {
+            line: self,
+            length_px,
+            count,
+            out,
+        });
     }
 
     /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
@@ -144,6 +124,117 @@ impl Line {
     }
 }
 
+/// Segments that are measured at once.
+const BLOCK: usize = 64;
+
+/// The lengths of some segments, and what one over each is.
+struct Spans {
+    first: usize,
+    px: [f32; BLOCK],
+    shares: [f32; BLOCK],
+}
+
+impl Spans {
+    const NONE: Self = Self {
+        first: 0,
+        px: [0.0; BLOCK],
+        shares: [0.0; BLOCK],
+    };
+
+    /// Measures the line's segments from `first` on; beyond the last they have no length.
+    #[inline(always)]
+    fn measure(&mut self, line: &Line, first: usize) {
+        self.first = first;
+        let mut ways = [[0.0; BLOCK]; 2];
+        let samples = &line.samples[first..];
+        for (k, (from, to)) in samples.iter().zip(&samples[1..]).enumerate().take(BLOCK) {
+            ways[0][k] = to.at[0] - from.at[0];
+            ways[1][k] = to.at[1] - from.at[1];
+        }
+        if let ([.., last], true) = (samples, line.closed && samples.len() <= BLOCK) {
+            // It leads back to the first one.
+            let way = vec2::sub(line.samples[0].at, last.at);
+            (ways[0][samples.len() - 1], ways[1][samples.len() - 1]) = (way[0], way[1]);
+        }
+        let [xs, ys] = &ways;
+        for k in 0..BLOCK {
+            let (x, y) = (xs[k], ys[k]);
+            self.px[k] = (x * x + y * y).sqrt();
+            let share = 1.0 / self.px[k];
+            self.shares[k] = if self.px[k] > 0.0 { share } else { 0.0 };
+        }
+    }
+}
+
+/// What measures a line, for the widest registers.
+struct Measuring<'a>(&'a Line);
+
+impl NullaryFnOnce for Measuring<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn call(self) -> f32 {
+        let (mut spans, mut sums) = (Spans::NONE, [0.0; LANES]);
+        for first in (0..self.0.segments()).step_by(BLOCK) {
+            spans.measure(self.0, first);
+            for spans in spans.px.as_chunks::<LANES>().0 {
+                for l in 0..LANES {
+                    sums[l] += spans[l];
+                }
+            }
+        }
+        sums.iter().sum()
+    }
+}
+
+/// What takes samples at equal arc lengths, for the widest registers.
+struct Resampling<'a> {
+    line: &'a Line,
+    length_px: f32,
+    count: usize,
+    out: &'a mut Vec<Sample>,
+}
+
+impl NullaryFnOnce for Resampling<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (samples, segments) = (&self.line.samples[..], self.line.segments());
+        let intervals = if self.line.closed {
+            self.count
+        } else {
+            self.count - 1
+        };
+        let step = f64::from(self.length_px) / intervals.max(1) as f64;
+        let mut spans = Spans::NONE;
+        spans.measure(self.line, 0);
+        let (mut segment, mut passed) = (0, 0.0f64);
+        let mut here = f64::from(spans.px[0]);
+        let targets = (0..self.count).map(|k| {
+            let target = step * k as f64;
+            while passed + here < target && segment + 1 < segments {
+                passed += here;
+                segment += 1;
+                if segment - spans.first == BLOCK {
+                    spans.measure(self.line, segment);
+                }
+                here = f64::from(spans.px[segment % BLOCK]);
+            }
+            let t = (target - passed) as f32 * spans.shares[segment % BLOCK];
+            // Only the last segment of a closed line leads back to the first sample.
+            let next = if segment + 1 < samples.len() {
+                segment + 1
+            } else {
+                0
+            };
+            between(&samples[segment], &samples[next], t.clamp(0.0, 1.0))
+        });
+        self.out.extend(targets);
+    }
+}
+
+#[inline(always)]
 fn between(a: &Sample, b: &Sample, t: f32) -> Sample {
     Sample {
         at: vec2::along(a.at, vec2::sub(b.at, a.at), t),

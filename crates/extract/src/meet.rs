@@ -130,6 +130,13 @@ impl Block {
     fn overlaps(&self, other: &Block) -> bool {
         (0..2).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
     }
+
+    /// Whether the box around a piece overlaps the block's.
+    fn is_near(&self, [from, to]: [Vec2; 2]) -> bool {
+        let within =
+            |c: usize| (from[c].min(to[c]) <= self.high[c]) & (self.low[c] <= from[c].max(to[c]));
+        within(0) & within(1)
+    }
 }
 
 /// Adds the meetings of the pieces of `p` with those of `q`.
@@ -140,6 +147,9 @@ fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     let apart = a.nearest_crossing();
     for i in p.from..p.to {
         let first = if same { q.from.max(i + apart) } else { q.from };
+        if first >= q.to || !q.is_near(a.piece(i)) {
+            continue;
+        }
         for j in first..q.to {
             if all.len() == MOST {
                 return;

@@ -9,33 +9,26 @@
 //! table. The upper strand is the one that surprises less. That compares colors, shading and edges
 //! at once, and needs no model of a rope or of the light.
 
-use std::ops::Range;
+mod axis;
+mod lines;
+
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::Image;
-use crate::color;
-use crate::place::{Place, spline, tangent};
+use crate::place::{Place, tangent};
 use crate::scene::Curve;
-use crate::vec2::{self, Vec2};
+use crate::vec2;
+use axis::Axis;
+use lines::Lines;
 
-/// Lines along each strand.
-const LINES: usize = 5;
-/// How far aside the outermost lines run, in half-widths: farther out, lens and table mix into the
-/// strand's own color.
-const SPAN: f32 = 0.7;
 /// Beyond the other strand's edge the lens and an error of the width reach this far, in pixels…
 const BLUR_PX: f32 = 1.5;
 /// …and a shadow of it, in half-widths.
 const SHADOW: f32 = 0.5;
-/// The middle of the crossing, in half-widths of the other strand, and at least a sharp lens's blur
-/// within its edges, in pixels.
-const CORE: f32 = 0.8;
-const SHARP_PX: f32 = 1.0;
 /// How much is looked at before and after the crossing, in half-widths of the other strand, and at
 /// least in pixels.
 const AROUND: f32 = 1.6;
 const AROUND_LEAST_PX: f32 = 4.0;
-/// The most samples that one such look takes.
-const MOST_AROUND: usize = 24;
 /// Strands that cross at a flatter angle than this sine are looked at no farther than it tells.
 const FLATTEST: f32 = 0.12;
 /// The most samples of an axis: what the above comes to when the step is a twelfth of the width.
@@ -49,37 +42,10 @@ const ROUNDING: f32 = 1.0;
 const CERTAINTY: f32 = 6.0;
 
 /// Memory of the step.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Judge {
     axes: [Axis; 2],
-    line: Line,
-}
-
-/// One line along a strand.
-#[derive(Debug)]
-struct Line {
-    /// How far each sample of the axis, moved aside to the line, is from the other strand's axis.
-    distances: Vec<f32>,
-    /// The image before, in and after the crossing.
-    colors: Vec<[f32; 3]>,
-}
-
-impl Default for Judge {
-    fn default() -> Self {
-        // All that it can come to, so that no later crossing, flatter than those before, allocates.
-        let axis = || Axis {
-            samples: Vec::with_capacity(MOST_SAMPLES),
-            center: 0,
-            half_px: 0.0,
-        };
-        Self {
-            axes: [axis(), axis()],
-            line: Line {
-                distances: Vec::with_capacity(MOST_SAMPLES),
-                colors: Vec::with_capacity(MOST_SAMPLES),
-            },
-        }
-    }
+    lines: Lines,
 }
 
 /// What the image says.
@@ -89,21 +55,6 @@ pub(crate) struct Verdict {
     pub(crate) second: bool,
     /// From 0 (a toss of a coin) to 1 (certain): 2p − 1 for a probability p of being right.
     pub(crate) confidence: f32,
-}
-
-/// A strand's axis around the crossing, finely sampled.
-#[derive(Debug)]
-struct Axis {
-    samples: Vec<Sample>,
-    /// The sample at the crossing.
-    center: usize,
-    half_px: f32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    at: Vec2,
-    normal: Vec2,
 }
 
 /// How little the image along a strand is that of a surface that goes on.
@@ -124,9 +75,28 @@ struct Mean {
 
 impl Judge {
     /// Compares the strands around places `a` and `b`, which lie over each other.
-    pub(crate) fn judge(&mut self, image: &Image, curves: &[Curve], [a, b]: [Place; 2]) -> Verdict {
-        let widths = [a, b].map(|place| curves[place.curve].width_px);
-        let [ta, tb] = [a, b].map(|place| tangent(&curves[place.curve], place.at));
+    pub(crate) fn judge(&mut self, image: &Image, curves: &[Curve], places: [Place; 2]) -> Verdict {
+        Arch::new().dispatch(Judging {
+            judge: self,
+            image,
+            curves,
+            places,
+        })
+    }
+
+    #[inline(always)]
+    fn judge_in<S: Simd>(
+        &mut self,
+        simd: S,
+        image: &Image,
+        curves: &[Curve],
+        [a, b]: [Place; 2],
+    ) -> Verdict {
+        let widths = [curves[a.curve].width_px, curves[b.curve].width_px];
+        let (ta, tb) = (
+            tangent(&curves[a.curve], a.at),
+            tangent(&curves[b.curve], b.at),
+        );
         let sin = vec2::cross(ta, tb).abs().max(FLATTEST);
         let across_px = 0.5 * (widths[0] + widths[1]) / sin;
         let wider_px = 0.5 * widths[0].max(widths[1]);
@@ -137,13 +107,30 @@ impl Judge {
         if a.curve == b.curve {
             share_loop(&curves[a.curve], [a.at, b.at], &mut reaches);
         }
-        for ((axis, place), reach) in self.axes.iter_mut().zip([a, b]).zip(reaches) {
-            axis.lay(&curves[place.curve], place.at, reach, step_px);
-        }
-        let [first, second] = &self.axes;
-        let [a, b] = [[first, second], [second, first]]
-            .map(|[axis, other]| surprise(image, axis, other, step_px, &mut self.line));
+        let [first, second] = &mut self.axes;
+        first.lay(&curves[a.curve], a.at, reaches[0], step_px);
+        second.lay(&curves[b.curve], b.at, reaches[1], step_px);
+        let a = self.lines.surprise(simd, image, [first, second], step_px);
+        let b = self.lines.surprise(simd, image, [second, first], step_px);
         verdict(a, b)
+    }
+}
+
+/// A judgement, for the widest registers.
+struct Judging<'a> {
+    judge: &'a mut Judge,
+    image: &'a Image<'a>,
+    curves: &'a [Curve],
+    places: [Place; 2],
+}
+
+impl WithSimd for Judging<'_> {
+    type Output = Verdict;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Verdict {
+        self.judge
+            .judge_in(simd, self.image, self.curves, self.places)
     }
 }
 
@@ -171,9 +158,10 @@ fn verdict(a: Surprise, b: Surprise) -> Verdict {
 }
 
 impl Mean {
-    fn add(&mut self, levels: f32) {
-        self.sum += levels;
-        self.count += 1.0;
+    #[inline(always)]
+    fn add(&mut self, sum: f32, count: f32) {
+        self.sum += sum;
+        self.count += count;
     }
 
     /// How much larger than `other` it is, from −1 to 1; 0 when one of them is not known.
@@ -193,173 +181,6 @@ fn beyond_px(half_px: f32) -> f32 {
 
 fn around_px(half_px: f32) -> f32 {
     (AROUND * half_px).max(AROUND_LEAST_PX)
-}
-
-impl Axis {
-    /// Samples `curve` every `step_px` around place `at`, as far back and ahead as `reach_px` says.
-    fn lay(&mut self, curve: &Curve, at: f32, reach_px: [f32; 2], step_px: f32) {
-        self.samples.clear();
-        self.center = 0;
-        self.half_px = 0.5 * curve.width_px;
-        let step = step_px / curve.spacing_px().max(1e-3);
-        let most = |px: f32| ((px / step_px) as i32).min(MOST_SAMPLES as i32 / 2 - 1);
-        let [back, ahead] = reach_px.map(most);
-        let last = curve.intervals() as f32;
-        for k in -back..=ahead {
-            let place = at + step * k as f32;
-            if !curve.closed && !(0.0..=last).contains(&place) {
-                continue;
-            }
-            if k <= 0 {
-                self.center = self.samples.len();
-            }
-            self.samples.push(Sample {
-                at: spline(curve, place),
-                normal: vec2::normal(tangent(curve, place)),
-            });
-        }
-    }
-
-    /// The distance from `p` to the axis near sample `from`, and the nearest sample.
-    fn distance(&self, p: Vec2, from: usize) -> (f32, usize) {
-        let square = |i: usize| {
-            let d = vec2::sub(p, self.samples[i].at);
-            vec2::dot(d, d)
-        };
-        let (mut i, mut best) = (from, square(from));
-        loop {
-            let ahead = (i + 1 < self.samples.len()).then(|| (square(i + 1), i + 1));
-            let back = (i > 0).then(|| (square(i - 1), i - 1));
-            match ahead.into_iter().chain(back).find(|(d, _)| *d < best) {
-                Some((d, j)) => (best, i) = (d, j),
-                None => return (best.sqrt(), i),
-            }
-        }
-    }
-}
-
-/// How much the lines along `axis` are disturbed where `other` lies over or under it.
-fn surprise(image: &Image, axis: &Axis, other: &Axis, step_px: f32, line: &mut Line) -> Surprise {
-    let mut all = Surprise::default();
-    if axis.samples.is_empty() || other.samples.is_empty() {
-        return all;
-    }
-    let yuv = color::is_yuv(image.format());
-    let touched_px = other.half_px + beyond_px(other.half_px);
-    let core_px = (CORE * other.half_px).min(other.half_px - SHARP_PX);
-    let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
-    for k in 0..LINES {
-        let share = 2.0 * k as f32 / (LINES - 1) as f32 - 1.0;
-        let aside_px = SPAN * axis.half_px * share;
-        let point = |sample: &Sample| vec2::along(sample.at, sample.normal, aside_px);
-        line.distances.clear();
-        let mut near = other.center;
-        line.distances.extend(axis.samples.iter().map(|sample| {
-            let (distance, at) = other.distance(point(sample), near);
-            near = at;
-            distance
-        }));
-        let Some(inside) = touched(&line.distances, axis.center, touched_px) else {
-            continue;
-        };
-        let seen =
-            inside.start.saturating_sub(around)..(inside.end + around).min(axis.samples.len());
-        line.colors.clear();
-        let samples = &axis.samples[seen.clone()];
-        line.colors
-            .extend(samples.iter().map(|s| color::between(image, point(s))));
-        // Three samples are less than a width.
-        if 2.0 * step_px <= other.half_px {
-            smooth(&mut line.colors);
-        }
-        let inside_seen = inside.start - seen.start..inside.end - seen.start;
-        all.off
-            .add_prediction(&line.colors, inside_seen.clone(), yuv);
-        let core = line.distances[inside].iter().map(|d| *d < core_px);
-        let colors = line.colors[inside_seen].iter().zip(core);
-        all.unsteady
-            .add_change(colors.filter(|(_, core)| *core).map(|(c, _)| *c), yuv);
-    }
-    all
-}
-
-/// Averages each with its neighbors: what the camera's noise adds to a difference falls by half.
-fn smooth(colors: &mut [[f32; 3]]) {
-    let Some(mut before) = colors.first().copied() else {
-        return;
-    };
-    for i in 1..colors.len().saturating_sub(1) {
-        let [here, after] = [colors[i], colors[i + 1]];
-        colors[i] = std::array::from_fn(|c| (before[c] + here[c] + after[c]) / 3.0);
-        before = here;
-    }
-}
-
-/// The samples around `center` that lie within `touched_px` of the other strand.
-fn touched(distances: &[f32], center: usize, touched_px: f32) -> Option<Range<usize>> {
-    let near = (0..distances.len())
-        .filter(|&i| distances[i] < touched_px)
-        .min_by_key(|i| i.abs_diff(center))?;
-    let back = distances[..near].iter().rev();
-    let from = near - back.take_while(|d| **d < touched_px).count();
-    let ahead = distances[near..].iter();
-    let to = near + ahead.take_while(|d| **d < touched_px).count();
-    Some(from..to)
-}
-
-impl Mean {
-    /// Adds how far the samples `inside` are from what those before and after them say.
-    fn add_prediction(&mut self, colors: &[[f32; 3]], inside: Range<usize>, yuv: bool) {
-        let outside = [&colors[..inside.start], &colors[inside.end..]];
-        let (from, to) = match outside.map(median_color) {
-            [Some(from), Some(to)] => (from, to),
-            // The strand ends in the crossing.
-            [Some(one), None] | [None, Some(one)] => (one, one),
-            [None, None] => return,
-        };
-        let steps = inside.len() as f32 + 1.0;
-        for (k, color) in colors[inside].iter().enumerate() {
-            let t = (k as f32 + 1.0) / steps;
-            let expected = std::array::from_fn(|c| from[c] + t * (to[c] - from[c]));
-            self.add(difference(*color, expected, yuv));
-        }
-    }
-
-    /// Adds how far the colors are from their mean.
-    fn add_change(&mut self, colors: impl Iterator<Item = [f32; 3]> + Clone, yuv: bool) {
-        let (mut count, mut sum) = (0.0, [0.0; 3]);
-        for color in colors.clone() {
-            count += 1.0;
-            sum = std::array::from_fn(|c| sum[c] + color[c]);
-        }
-        // Fewer have little choice but to be near their mean.
-        if count >= 3.0 {
-            let mean = sum.map(|s| s / count);
-            colors.for_each(|color| self.add(difference(color, mean, yuv)));
-        }
-    }
-}
-
-/// The mean difference of a channel, U and V counting double as they span half the range.
-fn difference(a: [f32; 3], b: [f32; 3], yuv: bool) -> f32 {
-    let chroma = if yuv { 2.0 } else { 1.0 };
-    let d = |c: usize| (a[c] - b[c]).abs();
-    (d(0) + chroma * (d(1) + d(2))) / 3.0
-}
-
-/// The median of each channel; none of fewer than two samples.
-fn median_color(colors: &[[f32; 3]]) -> Option<[f32; 3]> {
-    let colors = &colors[..colors.len().min(MOST_AROUND)];
-    if colors.len() < 2 {
-        return None;
-    }
-    let mut channels = [[0.0; MOST_AROUND]; 3];
-    for (k, color) in colors.iter().enumerate() {
-        for (channel, value) in channels.iter_mut().zip(color) {
-            channel[k] = *value;
-        }
-    }
-    Some(channels.map(|mut channel| crate::background::median(&mut channel[..colors.len()])))
 }
 
 #[cfg(test)]

@@ -76,21 +76,10 @@ impl Curve {
     }
 }
 
-/// The position at a place of the curve, by the Catmull-Rom spline through its points.
-pub(crate) fn spline(curve: &Curve, place: f32) -> Vec2 {
-    let (i, t) = split(curve, place);
-    let [p, q, r, s] = [-1, 0, 1, 2].map(|k| point(curve, i + k));
-    std::array::from_fn(|c| {
-        let bend = 2.0 * p[c] - 5.0 * q[c] + 4.0 * r[c] - s[c];
-        let twist = 3.0 * (q[c] - r[c]) + s[c] - p[c];
-        0.5 * (2.0 * q[c] + t * (r[c] - p[c] + t * (bend + t * twist)))
-    })
-}
-
-/// The spline's unit tangent there.
+/// The unit tangent at a place of the curve, that of the Catmull-Rom spline through its points.
 pub(crate) fn tangent(curve: &Curve, place: f32) -> Vec2 {
     let (i, t) = split(curve, place);
-    let [p, q, r, s] = [-1, 0, 1, 2].map(|k| point(curve, i + k));
+    let [p, q, r, s] = around(curve, i);
     let d = std::array::from_fn(|c| {
         let bend = 2.0 * p[c] - 5.0 * q[c] + 4.0 * r[c] - s[c];
         let twist = 3.0 * (q[c] - r[c]) + s[c] - p[c];
@@ -100,11 +89,23 @@ pub(crate) fn tangent(curve: &Curve, place: f32) -> Vec2 {
 }
 
 /// The piece of the spline and how far into it.
-fn split(curve: &Curve, place: f32) -> (i32, f32) {
+#[inline(always)]
+pub(crate) fn split(curve: &Curve, place: f32) -> (i32, f32) {
     let last = curve.intervals() as i32 - 1;
     let i = place.floor() as i32;
     let i = if curve.closed { i } else { i.clamp(0, last) };
     (i, place - i as f32)
+}
+
+/// The points around piece `i`: one before it, its two ends, one after it.
+#[inline]
+pub(crate) fn around(curve: &Curve, i: i32) -> [Vec2; 4] {
+    [
+        point(curve, i - 1),
+        point(curve, i),
+        point(curve, i + 1),
+        point(curve, i + 2),
+    ]
 }
 
 /// Point `i`, counted around a closed curve, and run on straight beyond the ends of an open one.

@@ -13,6 +13,7 @@ const PART: u32 = (1 << PLACES) - 1;
 const WHOLE: u32 = 0x7fff;
 
 /// A line through a plane.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray<'a> {
     bytes: &'a [u8],
@@ -23,6 +24,7 @@ pub(crate) struct Ray<'a> {
     along: Vec2,
 }
 
+#[cfg(test)]
 impl<'a> Ray<'a> {
     /// The line through `from` in the direction `along`, a unit; nothing when it may leave the plane within `reach_px`
     /// to either side.

@@ -10,7 +10,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::contrast::Contrast;
-use crate::edge::{self, Seek};
+use crate::edge::{self, Seek, Sought};
 use crate::line::{Line, Sample};
 use crate::plane::Plane;
 use crate::ray::{LANES, Lanes, Rays};
@@ -36,6 +36,27 @@ pub(crate) struct Sections {
     widths: Vec<f32>,
     /// What was found at which sample.
     found: Vec<(usize, Option<Found>)>,
+    /// What is seen there.
+    looks: Vec<Look>,
+    /// Edges that are sought step by step.
+    sought: Vec<Asked>,
+}
+
+/// A section's normal, and how far to either side of its sample its edges lie; not a number as long as they are not known.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    normal: Vec2,
+    edges: [f32; 2],
+}
+
+/// The edge on one side (0: that of the −normal) of one of the sections.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    slot: usize,
+    side: usize,
+    level: f32,
+    from_px: f32,
+    reach_px: f32,
 }
 
 /// The middle and the width of one section.
@@ -111,6 +132,13 @@ impl Measure {
 }
 
 impl Sections {
+    /// Makes room for lines of so many samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.found.reserve(samples);
+        self.looks.reserve(samples);
+        self.sought.reserve(2 * samples);
+    }
+
     /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
     /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
     pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
@@ -226,10 +254,16 @@ impl Sections {
             .measure(simd, line, difference, how, &part.range);
         let reach = how.tangent_reach();
         self.found.clear();
+        self.looks.clear();
+        self.sought.clear();
         let mut group = Group::default();
         for i in part.range.clone().step_by(part.every) {
-            self.found.push((i, None));
             let sample = &line.samples[i];
+            self.found.push((i, None));
+            self.looks.push(Look {
+                normal: [0.0; 2],
+                edges: [f32::NAN; 2],
+            });
             if sample.weight <= 0.0 {
                 continue;
             }
@@ -242,10 +276,102 @@ impl Sections {
             group.slots[l] = self.found.len() - 1;
             group.count += 1;
             if group.count == LANES {
-                group.measure(line, difference, how, part.tip, &mut self.found);
+                self.look(&mut group, line, difference, how, part.tip);
             }
         }
-        group.measure(line, difference, how, part.tip, &mut self.found);
+        self.look(&mut group, line, difference, how, part.tip);
+        self.seek(line, difference, how.half_px);
+        for ((i, found), look) in self.found.iter_mut().zip(&self.looks) {
+            let here = look.found(&line.samples[*i], how.half_px);
+            *found = here.filter(|here| how.is_plausible(here.width_px));
+        }
+    }
+
+    /// Looks for the edges of the group's sections where they are expected, notes those that are to be sought step by
+    /// step, and empties the group.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        group: &mut Group,
+        line: &Line,
+        difference: &Plane,
+        how: Measure,
+        tip: usize,
+    ) {
+        let half_px = how.half_px;
+        let far = edge::places(half_px).map(|far| [far; LANES]);
+        let mut values = [[0.0; LANES]; edge::PLACES];
+        group.rays.unify();
+        group.rays.read(difference, &far, &mut values);
+        let edges = edge::near(&values, &group.levels, half_px);
+        let inside = group.rays.are_inside(difference, edge::reach_px(half_px));
+        let reaches_px = [BESIDE * half_px + 3.0, REACH * half_px + 3.0];
+        let step_px = edge::step_px(half_px);
+        let alone = group.rays.are_inside(difference, reaches_px[1] + step_px);
+        let beside = group.rays.are_inside(difference, reaches_px[0] + step_px);
+        for l in 0..std::mem::take(&mut group.count) {
+            let slot = group.slots[l];
+            let i = self.found[slot].0;
+            let is_tip = i < tip || i + tip >= line.samples.len();
+            let (from, normal) = group.rays.line(l);
+            let is_known = inside[l] && !is_tip;
+            let mut known = [f32::NAN; 2];
+            if is_known {
+                known = [edges[0][l], edges[1][l]];
+            }
+            let look = &mut self.looks[slot];
+            (look.normal, look.edges) = (normal, known);
+            if !known[0].is_nan() && !known[1].is_nan() {
+                continue;
+            }
+            let seek = if is_tip { Seek::Inside } else { Seek::Near };
+            let is_alone = line.samples[i].weight >= 1.0;
+            let reach_px = reaches_px[usize::from(is_alone)];
+            let levels = [group.levels[0][l], group.levels[1][l]];
+            if if is_alone { alone[l] } else { beside[l] } {
+                for side in 0..2 {
+                    if known[side].is_nan() {
+                        self.sought.push(Asked {
+                            slot,
+                            side,
+                            level: levels[side],
+                            from_px: seek.start_px(half_px),
+                            reach_px,
+                        });
+                    }
+                }
+            } else {
+                let reach = [half_px, reach_px];
+                let edges = edge::edges(difference, (from, normal), levels, known, seek, reach);
+                look.edges = edges.unwrap_or([f32::NAN; 2]);
+            }
+        }
+    }
+
+    /// Seeks the edges that were not where they were expected.
+    #[inline(always)]
+    fn seek(&mut self, line: &Line, difference: &Plane, half_px: f32) {
+        for group in self.sought.chunks(LANES) {
+            let mut sought = Sought::default();
+            for l in 0..LANES {
+                // The last one stands in for those that lack.
+                let asked = &group[l.min(group.len() - 1)];
+                let normal = self.looks[asked.slot].normal;
+                let sign = if asked.side == 0 { -1.0 } else { 1.0 };
+                let from = line.samples[self.found[asked.slot].0].at;
+                for c in 0..2 {
+                    sought.rays.from[c][l] = from[c];
+                    sought.rays.along[c][l] = sign * normal[c];
+                }
+                sought.levels[l] = asked.level;
+                sought.from_px[l] = asked.from_px;
+                sought.reach_px[l] = asked.reach_px;
+            }
+            let found = sought.find(difference, half_px);
+            for (asked, found) in group.iter().zip(found) {
+                self.looks[asked.slot].edges[asked.side] = found;
+            }
+        }
     }
 }
 
@@ -260,114 +386,29 @@ struct Group {
     count: usize,
 }
 
-impl Group {
-    /// Fills in what is found of the group's sections, and empties it.
+impl Look {
+    /// The middle and the width of the section at a sample, if both of its edges were found.
     #[inline(always)]
-    fn measure(
-        &mut self,
-        line: &Line,
-        difference: &Plane,
-        how: Measure,
-        tip: usize,
-        found: &mut [(usize, Option<Found>)],
-    ) {
-        let half_px = how.half_px;
-        let far = edge::places(half_px).map(|far| [far; LANES]);
-        let mut values = [[0.0; LANES]; edge::PLACES];
-        self.rays.unify();
-        self.rays.read(difference, &far, &mut values);
-        let edges = edge::near(&values, &self.levels, half_px);
-        let inside = self.rays.are_inside(difference, edge::reach_px(half_px));
-        for l in 0..self.count {
-            let (i, found) = &mut found[self.slots[l]];
-            let is_tip = *i < tip || *i + tip >= line.samples.len();
-            let seek = if is_tip { Seek::Inside } else { Seek::Near };
-            let is_known = inside[l] && !is_tip;
-            let known = edges.map(|edges| if is_known { edges[l] } else { f32::NAN });
-            let levels = self.levels.map(|levels| levels[l]);
-            let section = Section {
-                sample: &line.samples[*i],
-                normal: self.rays.line(l).1,
-                half_px,
-            };
-            *found = section.find(difference, levels, known, seek);
-            *found = found.filter(|found| how.is_plausible(found.width_px));
+    fn found(&self, sample: &Sample, half_px: f32) -> Option<Found> {
+        let [left, right] = self.edges;
+        if left.is_nan() || right.is_nan() {
+            return None;
         }
-        self.count = 0;
-    }
-}
-
-/// The section at a sample.
-struct Section<'a> {
-    sample: &'a Sample,
-    normal: Vec2,
-    half_px: f32,
-}
-
-impl Section<'_> {
-    /// Its middle and its width, by the edges that are `known`, and those that are not.
-    #[inline(always)]
-    fn find(
-        &self,
-        difference: &Plane,
-        levels: [f32; 2],
-        known: [f32; 2],
-        seek: Seek,
-    ) -> Option<Found> {
-        let (half_px, at) = (self.half_px, self.sample.at);
-        let overlap = self.sample.weight < 1.0;
-        let [left, right] = if known[0].is_nan() || known[1].is_nan() {
-            let reach_px = if overlap { BESIDE } else { REACH } * half_px + 3.0;
-            let line = (at, self.normal);
-            edge::edges(difference, line, levels, known, seek, [half_px, reach_px])?
-        } else {
-            known
-        };
         // Of two strands side by side, this one lies half the rest of the width aside.
         let rest = (left + right - 2.0 * half_px).max(0.0);
+        let overlap = sample.weight < 1.0;
         let (aside, width_px) = if overlap {
-            let aside = 0.5 * self.sample.side * rest;
+            let aside = 0.5 * sample.side * rest;
             (aside, (left + right - rest).max(0.1))
         } else {
             (0.0, left + right)
         };
         let far = rest > 2.4 * half_px;
         Some(Found {
-            center: vec2::along(at, self.normal, 0.5 * (right - left) + aside),
+            center: vec2::along(sample.at, self.normal, 0.5 * (right - left) + aside),
             width_px: if overlap && far { 0.0 } else { width_px },
         })
     }
-}
-
-/// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
-/// the distance of the tip, and whether the image's border cuts it.
-pub(crate) fn tip(
-    difference: &Plane,
-    at: impl Fn(f32) -> Vec2,
-    level: f32,
-    limit_px: f32,
-) -> (f32, bool) {
-    const STEP: f32 = 0.5;
-    let mut before = difference.sample(at(0.0));
-    let mut far = 0.0;
-    while far < limit_px {
-        let p = at(far + STEP);
-        let value = difference.sample(p);
-        if value < level {
-            let fall = before - value;
-            let part = if fall > 0.0 {
-                ((before - level) / fall).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            return (far + STEP * part, false);
-        }
-        if !difference.holds(p) {
-            return (far + STEP, true);
-        }
-        (far, before) = (far + STEP, value);
-    }
-    (far, false)
 }
 
 /// The samples between the tips: a tip that a crossing parts from the rope may lie upon another strand, and its sections

@@ -1,5 +1,7 @@
 //! From strands to curves: the lines that are laid along them, what the last image knows better, and their points.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::{Extractor, MOST_PIECES};
 use crate::background::median;
 use crate::bridge::Gap;
@@ -7,6 +9,7 @@ use crate::centerline::Source;
 use crate::follow::{self, Follower};
 use crate::line::{Line, Sample};
 use crate::part::part;
+use crate::ray::LANES;
 use crate::track::Look;
 use crate::{Curve, Image, color, tips};
 
@@ -199,12 +202,42 @@ impl Extractor {
 
 /// The mean native color along a line.
 fn mean_color(image: &Image, line: &Line) -> [f32; 3] {
-    let stride = (line.samples.len() / COLORS_ASKED).max(1);
-    let (mut sum, mut count) = ([0.0; 3], 0.0f32);
-    for sample in line.samples.iter().step_by(stride) {
-        let color = color::between(image, sample.at);
-        sum = std::array::from_fn(|i| sum[i] + color[i]);
-        count += 1.0;
+    Arch::new().dispatch(Asking { image, line })
+}
+
+/// What asks for colors, for the widest registers.
+struct Asking<'a> {
+    image: &'a Image<'a>,
+    line: &'a Line,
+}
+
+impl NullaryFnOnce for Asking<'_> {
+    type Output = [f32; 3];
+
+    #[inline(always)]
+    fn call(self) -> [f32; 3] {
+        let samples = &self.line.samples;
+        let stride = (samples.len() / COLORS_ASKED).max(1);
+        let asked = samples.len().div_ceil(stride);
+        let mut sums = [[0.0; LANES]; 3];
+        for first in (0..asked).step_by(LANES) {
+            let (mut at, mut counts) = ([[0.0; LANES]; 2], [0.0; LANES]);
+            for l in 0..LANES.min(asked - first) {
+                let sample = &samples[stride * (first + l)];
+                (at[0][l], at[1][l], counts[l]) = (sample.at[0], sample.at[1], 1.0);
+            }
+            let colors = color::between_each(self.image, &at);
+            for (sums, colors) in sums.iter_mut().zip(&colors) {
+                for l in 0..LANES {
+                    sums[l] += counts[l] * colors[l];
+                }
+            }
+        }
+        let share = 1.0 / asked.max(1) as f32;
+        let mut mean = [0.0; 3];
+        for (mean, sums) in mean.iter_mut().zip(&sums) {
+            *mean = share * sums.iter().sum::<f32>();
+        }
+        mean
     }
-    sum.map(|s| s / count.max(1.0))
 }
