@@ -77,6 +77,7 @@ impl Follower {
     /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
     /// the image.
     pub(crate) fn rehearse(&mut self, ropes: usize, samples: usize, scene: &Scene) {
+        self.sections.reserve(samples);
         self.lines
             .resize_with(ropes.max(self.lines.len()), Line::default);
         for line in &mut self.lines {
