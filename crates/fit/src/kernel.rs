@@ -180,12 +180,13 @@ fn product_block<S: Simd, const D: usize, const ROWS: usize>(
     out: &mut [[f64; D]],
 ) {
     // Rows and columns are padded to whole vectors, so nothing is left over.
-    let columns = columns.each_ref().map(|axis| S::as_simd_f64s(axis).0);
-    let rows = S::as_simd_f64s(rows).0;
-    let length = columns[0].len();
-    let columns: [&[S::f64s]; D] = columns.map(|axis| &axis[..length]);
-    let rows: [&[S::f64s]; ROWS] =
-        std::array::from_fn(|row| &rows[row * length..(row + 1) * length]);
+    let length = S::as_simd_f64s(&columns[0]).0.len();
+    let columns = vectors::<S, D>(columns, length);
+    let mut rest = S::as_simd_f64s(rows).0;
+    let mut rows: [&[S::f64s]; ROWS] = [&[]; ROWS];
+    for row in &mut rows {
+        (*row, rest) = rest.split_at(length);
+    }
     let mut sums = [[simd.splat_f64s(0.0); D]; ROWS];
     for i in 0..length {
         for row in 0..ROWS {
@@ -235,8 +236,8 @@ impl<const D: usize> WithSimd for Residuals<'_, D> {
 impl<const D: usize> Residuals<'_, D> {
     #[inline(always)]
     fn folded<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let sums = self.points.sums.each_ref().map(|a| pairs::<S>(a));
-        let differences = self.points.differences.each_ref().map(|a| pairs::<S>(a));
+        let sums = pairs_of::<S, D>(&self.points.sums);
+        let differences = pairs_of::<S, D>(&self.points.differences);
         let (even, odd) = (pairs::<S>(&self.rows.even), pairs::<S>(&self.rows.odd));
         let mut total = [simd.splat_f64s(0.0); 2];
         let mut largest = [simd.splat_f64s(0.0); 2];
@@ -273,7 +274,7 @@ impl<const D: usize> Residuals<'_, D> {
 
     #[inline(always)]
     fn whole<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let points = self.points.sums.each_ref().map(|a| pairs::<S>(a));
+        let points = pairs_of::<S, D>(&self.points.sums);
         let rows = pairs::<S>(&self.rows.even);
         let mut total = [simd.splat_f64s(0.0); 2];
         let mut largest = [simd.splat_f64s(0.0); 2];
@@ -319,6 +320,26 @@ fn pairs<S: Simd>(numbers: &[f64]) -> &[Pair<S>] {
     S::as_simd_f64s(numbers).0.as_chunks().0
 }
 
+// No `map` and no `from_fn` here: they are not compiled for the kernel's machine.
+#[inline(always)]
+fn pairs_of<S: Simd, const D: usize>(columns: &[Vec<f64>; D]) -> [&[Pair<S>]; D] {
+    let mut out: [&[Pair<S>]; D] = [&[]; D];
+    for (out, column) in out.iter_mut().zip(columns) {
+        *out = pairs::<S>(column);
+    }
+    out
+}
+
+/// The first `length` vectors of each column.
+#[inline(always)]
+fn vectors<S: Simd, const D: usize>(columns: &[Vec<f64>; D], length: usize) -> [&[S::f64s]; D] {
+    let mut out: [&[S::f64s]; D] = [&[]; D];
+    for (out, column) in out.iter_mut().zip(columns) {
+        *out = &S::as_simd_f64s(column).0[..length];
+    }
+    out
+}
+
 /// `points[i] + Σⱼ negated[j] · rows[j][i]`, each axis.
 #[inline(always)]
 fn minus_curve<S: Simd, const D: usize>(
@@ -333,8 +354,8 @@ fn minus_curve<S: Simd, const D: usize>(
     for axis in 1..D {
         rest[axis] = points[axis][i];
     }
-    for (row, c) in negated.iter().enumerate() {
-        let b = rows[row * length + i];
+    for (row, c) in rows.chunks_exact(length).zip(negated) {
+        let b = row[i];
         for axis in 0..D {
             let c = simd.splat_f64s(c[axis]);
             for k in 0..2 {
