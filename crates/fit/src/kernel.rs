@@ -9,46 +9,7 @@
 //! The crate's tests hold each of them to the plain definition.
 
 use crate::folded::{Points, Rows};
-use crate::solve::Halves;
 use pulp::{Simd, WithSimd};
-
-/// A fit of loaded points by a product and its residuals, in one go. (Loading stands apart: in one function with the
-/// rest the compiler makes no vectors of it.)
-pub(crate) struct FitByProduct<'a, const D: usize> {
-    pub(crate) points: &'a Points<D>,
-    /// `P`.
-    pub(crate) product: &'a Rows,
-    /// `Bᵀ`.
-    pub(crate) curve: &'a Rows,
-    pub(crate) halves: &'a mut Halves<D>,
-    pub(crate) control_points: &'a mut [[f64; D]],
-}
-
-impl<const D: usize> WithSimd for FitByProduct<'_, D> {
-    type Output = SquaredResiduals;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let points = self.points;
-        let (even, odd) = self.halves.of(self.product);
-        Project {
-            rows: self.product,
-            points,
-            even,
-            odd,
-        }
-        .with_simd(simd);
-        self.product.unfold(even, odd, self.control_points);
-        self.curve.fold_negated(self.control_points, even, odd);
-        Residuals {
-            rows: self.curve,
-            points,
-            even,
-            odd,
-        }
-        .with_simd(simd)
-    }
-}
 
 /// Loads points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
 /// not.

@@ -5,7 +5,7 @@ use crate::condition;
 use crate::error::FitterError;
 use crate::fitter::MAX_COORDINATE_PX;
 use crate::folded::{Points, Rows};
-use crate::kernel::{FitByProduct, Load, Residuals, SquaredResiduals};
+use crate::kernel::{Load, Residuals, SquaredResiduals};
 use crate::options::{Options, Solver};
 use crate::solve::{Halves, QrOfB, Solve};
 use crate::system::{self, Estimator, System};
@@ -117,15 +117,6 @@ impl<const D: usize> Linear<D> {
         });
         if !inside {
             return None;
-        }
-        if let Solve::Pinv { rows } = &self.solve {
-            return Some(arch.dispatch(FitByProduct {
-                points: lanes,
-                product: rows,
-                curve: &self.curve,
-                halves: &mut self.halves,
-                control_points,
-            }));
         }
         self.solve
             .solve(arch, points, lanes, &mut self.halves, control_points);
