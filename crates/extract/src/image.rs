@@ -177,7 +177,6 @@ impl<'a> Image<'a> {
     }
 
     /// All bytes, those between the rows as well.
-    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes

@@ -50,6 +50,10 @@ impl Band<'_> {
 }
 
 /// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
+#[cfg_attr(
+    not(target_arch = "x86_64"),
+    allow(dead_code, reason = "only there is a kernel for it")
+)]
 pub(crate) struct Look<'a> {
     /// From the first row's first byte to the last one's last.
     pub(crate) rows: &'a [u8],
@@ -66,6 +70,10 @@ pub(crate) struct Look<'a> {
     pub(crate) hits: &'a mut [u8],
 }
 
+#[cfg_attr(
+    not(target_arch = "x86_64"),
+    allow(dead_code, reason = "only there is a kernel for it")
+)]
 impl Look<'_> {
     /// Anywhere in the strip, among its first eight pixels, among its last ones.
     pub(crate) const ANY: u8 = 1;

@@ -124,7 +124,7 @@ impl Rays {
         inside
     }
 
-    /// Fills `values` with those at some distances along each line, as [`Ray::at_each`] reads them; what is read along
+    /// Fills `values` with those at some distances along each line, as the plain `Ray` of the tests reads them; what is read along
     /// a line that leaves the plane means nothing.
     #[inline(always)]
     pub(crate) fn read<const K: usize>(
