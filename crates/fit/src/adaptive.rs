@@ -27,6 +27,8 @@ pub(crate) struct Adaptive<const D: usize> {
     rho: Vec<f64>,
     knots: [f64; MAX_KNOTS],
     knot_count: usize,
+    /// Of the last fit.
+    condition: f64,
     ones: Vec<f64>,
 }
 
@@ -61,6 +63,7 @@ impl<const D: usize> Adaptive<D> {
                 .collect(),
             knots: own,
             knot_count: linear.knots.len(),
+            condition: linear.condition,
             ones: vec![1.0; points],
         }
     }
@@ -96,6 +99,8 @@ impl<const D: usize> Adaptive<D> {
             };
             (fit, variance)
         };
+        // The normal equations have the square of the problem's own.
+        self.condition = fit.condition.sqrt();
         Ok(Residuals {
             weighted_sum: fit.sum_w_r2,
             weights: weighted.weights().iter().sum(),
@@ -125,6 +130,11 @@ impl<const D: usize> Adaptive<D> {
     /// The clamped knots of the last fit's B-spline, or none.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots[..self.knot_count]
+    }
+
+    /// The condition number of what the last fit solved, mostly within a factor of √2.
+    pub(crate) fn condition(&self) -> f64 {
+        self.condition
     }
 
     /// `C` of the last fit, m × m, row by row.

@@ -307,7 +307,7 @@ impl<const D: usize> Fitter<D> {
             }
             Way::Adaptive(adaptive) => {
                 fit.basis = linear.basis;
-                fit.condition = linear.condition;
+                fit.condition = adaptive.condition();
                 fit.knots.clear();
                 fit.knots.extend_from_slice(adaptive.knots());
                 fit.covariance_factor.clear();

@@ -1,6 +1,8 @@
 //! What must hold for every family of curves and every option.
 
-use lariat_fit::{Basis, Fit, Fitter, FitterError, Knots, Options, Solver, point_at};
+use lariat_fit::{
+    Basis, Fit, Fitter, FitterError, Knots, Options, Solver, Weights, bernstein, point_at,
+};
 use proptest::prelude::*;
 
 const SOLVERS: [Solver; 3] = [Solver::Pinv, Solver::Cholesky, Solver::Qr];
@@ -421,4 +423,39 @@ fn the_noise_gain_is_the_largest_standard_deviation() {
     })
     .unwrap();
     assert!((fitter.last().noise_gain() - 1.0 / 120f64.sqrt()).abs() < 1e-15);
+}
+
+#[test]
+fn the_condition_is_that_of_what_was_solved() {
+    let rope: Vec<[f64; 2]> = (0..120)
+        .map(|i| [3.0 * f64::from(i), f64::from(i * i) / 90.0])
+        .collect();
+    let even = Fitter::new(Options::default()).unwrap().last().condition;
+    let mut fitter = Fitter::new(Options {
+        weights: Weights::Given,
+        ..Options::default()
+    })
+    .unwrap();
+    // The rows of B that weigh, and their singular values.
+    let solved = |from: usize| {
+        let mut row = [0.0; 9];
+        let b = faer::Mat::from_fn(120 - from, 9, |i, j| {
+            bernstein(8, (from + i) as f64 / 119.0, &mut row);
+            row[j]
+        });
+        let values = b.singular_values().unwrap();
+        values[0] / values[8]
+    };
+    assert!((even / solved(0) - 1.0).abs() < 1e-9);
+    for hidden in [0, 6, 12] {
+        let mut weights = [1.0; 120];
+        weights[..hidden].fill(0.0);
+        let found = fitter.fit_weighted(&rope, &weights).unwrap().condition;
+        let ratio = found / solved(hidden);
+        assert!(
+            (0.7..1.42).contains(&ratio),
+            "{hidden} hidden: {found}, {ratio}"
+        );
+    }
+    assert!(solved(12) > 2.0 * solved(0), "hiding matters");
 }
