@@ -98,6 +98,6 @@ pub use filter::{
 };
 pub use fitter::{Fit, Fitter, MAX_COORDINATE_PX};
 pub use functions::MAX_KNOTS;
-pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, UnknownSolver, Weights};
+pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, Weights};
 pub use rational::{MAX_WEIGHT, RationalFit, RationalFitter};
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};

@@ -2,7 +2,6 @@
 
 use crate::basis::Basis;
 use std::fmt;
-use std::str::FromStr;
 
 /// The highest order: 32 control points.
 pub const MAX_ORDER: usize = 31;
@@ -30,24 +29,6 @@ impl fmt::Display for Solver {
             Solver::Cholesky => "cholesky",
             Solver::Qr => "qr",
         })
-    }
-}
-
-/// A name that is no solver's.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no solver \"{0}\": choose pinv, cholesky or qr")]
-pub struct UnknownSolver(String);
-
-impl FromStr for Solver {
-    type Err = UnknownSolver;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        match name {
-            "pinv" => Ok(Solver::Pinv),
-            "cholesky" => Ok(Solver::Cholesky),
-            "qr" => Ok(Solver::Qr),
-            other => Err(UnknownSolver(other.to_owned())),
-        }
     }
 }
 

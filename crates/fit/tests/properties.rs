@@ -322,14 +322,3 @@ fn repeated_points_are_a_curve_that_stands_still() {
     }
     assert!(found.max_px < 1e-12);
 }
-
-#[test]
-fn solvers_are_named_as_they_are_read() {
-    for solver in SOLVERS {
-        assert_eq!(solver.to_string().parse(), Ok(solver));
-    }
-    assert_eq!(
-        "svd".parse::<Solver>().unwrap_err().to_string(),
-        "there is no solver \"svd\": choose pinv, cholesky or qr"
-    );
-}
