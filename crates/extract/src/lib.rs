@@ -58,6 +58,7 @@ mod bits;
 mod bridge;
 mod centerline;
 mod clearance;
+mod clusters;
 mod color;
 mod complete;
 mod components;
@@ -121,6 +122,7 @@ mod whole;
 mod widths;
 mod zones;
 
+pub use clusters::{Outcome, Pixels, Run, Start};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};
