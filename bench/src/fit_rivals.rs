@@ -64,28 +64,48 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         .into_iter()
         .map(|(name, options)| Ok((name, Fitter::new(options)?, Samples::default())))
         .collect::<Result<_>>()?;
+    let mut alone = (Fitter::new(Options::default())?, Samples::default());
     let mut theirs = Theirs::default();
     for _ in 0..args.passes {
         for (_, fitter, samples) in &mut ours {
             for _ in 0..100 {
-                samples.push(fit_ns(fitter, &rope));
+                samples.push(nanoseconds(|| {
+                    // The points are always good, so the fit is always one.
+                    let _ = black_box(fitter.fit(black_box(&rope)));
+                }));
             }
+        }
+        for _ in 0..100 {
+            let (fitter, samples) = &mut alone;
+            samples.push(nanoseconds(|| {
+                let _ = black_box(fitter.control_points(black_box(&rope)));
+            }));
         }
         theirs.measure(&args.python, file.path())?;
     }
-    let pinv_ns = ours[0].2.median();
-    let mut table = Table::new(&["order 8, 120 points", "median µs", "÷ lariat pinv"]);
-    for (name, _, samples) in &ours {
+    let (alone_ns, pinv_ns) = (alone.1.median(), ours[0].2.median());
+    let ratios = |ns: f64| [multiple(ns / alone_ns), multiple(ns / pinv_ns)];
+    let mut table = Table::new(&[
+        "order 8, 120 points",
+        "median µs",
+        "÷ control points alone",
+        "÷ lariat pinv",
+    ]);
+    let fits = ours.iter().map(|(name, _, samples)| (*name, samples));
+    for (name, samples) in [("control points alone", &alone.1)].into_iter().chain(fits) {
         let ns = samples.median();
+        let [alone, pinv] = ratios(ns);
         table.push([
             format!("lariat {name}"),
             format!("{:.3}", ns / 1e3),
-            multiple(ns / pinv_ns),
+            alone,
+            pinv,
         ]);
     }
     for (name, samples) in &theirs.ns {
         let ns = samples.median();
-        table.push([name.clone(), micros(ns), multiple(ns / pinv_ns)]);
+        let [alone, pinv] = ratios(ns);
+        table.push([name.clone(), micros(ns), alone, pinv]);
     }
     print!("{table}");
     for missing in &theirs.missing {
@@ -154,12 +174,11 @@ fn ways() -> Vec<(&'static str, Options)> {
     ]
 }
 
-/// What one fit takes, in nanoseconds.
-fn fit_ns(fitter: &mut Fitter, points: &[[f64; 2]]) -> f64 {
+/// What it takes once, in nanoseconds.
+fn nanoseconds(mut fit: impl FnMut()) -> f64 {
     let start = Instant::now();
     for _ in 0..BATCH {
-        // The points are always good, so the fit is always one.
-        let _ = black_box(fitter.fit(black_box(points)));
+        fit();
     }
     start.elapsed().as_secs_f64() * 1e9 / BATCH as f64
 }

@@ -184,6 +184,28 @@ impl<const D: usize> Fitter<D> {
         self.fit_with(points, None)
     }
 
+    /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
+    /// ([`Fitter::last`]) the residuals are NaN then. Where there is no such short way (another solver, weights, a size to
+    /// be chosen, rational curves) it is a fit.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub fn control_points(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
+        if let [size] = &mut self.sizes[..]
+            && matches!(size.way, Way::Linear)
+            && points.len() == self.options.points
+        {
+            let (lanes, fit) = (&mut self.points, &mut self.fit);
+            let described =
+                (size.linear).describe(self.arch, points, lanes, &mut fit.control_points);
+            if described.is_some() {
+                (fit.rms_px, fit.max_px, fit.residual_variance) = (f64::NAN, f64::NAN, f64::NAN);
+                return Ok(&self.fit.control_points);
+            }
+        }
+        self.fit(points).map(|fit| &fit.control_points[..])
+    }
+
     /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
     /// seen.
     ///

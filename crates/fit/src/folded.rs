@@ -7,12 +7,12 @@
 use crate::solve::Halves;
 use faer::MatRef;
 
-/// Rows are padded with zeros to a multiple of this many numbers: two of the widest vector registers.
-const LANES: usize = 16;
+/// Points at a time: so many that loops over them are whole pairs of vectors on every machine.
+pub(crate) const BLOCK: usize = 16;
 
-/// `count` rounded up to whole vector registers.
+/// `count` rounded up to whole blocks.
 fn padded(count: usize) -> usize {
-    count.div_ceil(LANES) * LANES
+    count.div_ceil(BLOCK) * BLOCK
 }
 
 /// Points, each axis by itself; folded at the middle where the basis is symmetric.
@@ -40,12 +40,12 @@ impl<const D: usize> Points<D> {
     }
 }
 
-/// A matrix for the sums and one for the differences, row by row, each row padded.
+/// A matrix for the sums and one for the differences, a block of columns after the other, each row by row; padded with
+/// zeros to whole blocks.
 pub(crate) struct Rows {
     /// How many rows the matrix has that is not folded.
     pub(crate) count: usize,
     pub(crate) folded: bool,
-    pub(crate) stride: usize,
     pub(crate) even: Vec<f64>,
     pub(crate) odd: Vec<f64>,
 }
@@ -86,27 +86,21 @@ impl Rows {
     }
 
     fn whole(m: MatRef<'_, f64>) -> Self {
-        let stride = padded(m.ncols());
         Self {
             count: m.nrows(),
             folded: false,
-            stride,
-            even: rows(m.nrows(), stride, m.ncols(), |row, i| m[(row, i)]),
+            even: rows(m.nrows(), m.ncols(), |row, i| m[(row, i)]),
             odd: Vec::new(),
         }
     }
 
     fn folded(m: MatRef<'_, f64>, value: impl Fn(usize, usize, f64) -> f64) -> Self {
         let half = m.ncols().div_ceil(2);
-        let stride = padded(half);
         Self {
             count: m.nrows(),
             folded: true,
-            stride,
-            even: rows(m.nrows().div_ceil(2), stride, half, |row, i| {
-                value(row, i, 1.0)
-            }),
-            odd: rows(m.nrows() / 2, stride, half, |row, i| value(row, i, -1.0)),
+            even: rows(m.nrows().div_ceil(2), half, |row, i| value(row, i, 1.0)),
+            odd: rows(m.nrows() / 2, half, |row, i| value(row, i, -1.0)),
         }
     }
 
@@ -123,12 +117,17 @@ impl Rows {
             return;
         }
         let last = out.len().saturating_sub(1);
-        for (j, e) in even.iter().enumerate() {
-            // The middle one of an odd number has no difference.
-            let o = odd.get(j).copied().unwrap_or([0.0; D]);
+        let (pairs, middle) = even.split_at(odd.len());
+        for (j, (e, o)) in pairs.iter().zip(odd).enumerate() {
             for axis in 0..D {
-                out[last - j][axis] = 0.5 * (e[axis] - o[axis]);
                 out[j][axis] = 0.5 * (e[axis] + o[axis]);
+                out[last - j][axis] = 0.5 * (e[axis] - o[axis]);
+            }
+        }
+        // The middle one of an odd number has no difference.
+        for e in middle {
+            for axis in 0..D {
+                out[last / 2][axis] = 0.5 * e[axis];
             }
         }
     }
@@ -177,16 +176,11 @@ impl<const D: usize> Halves<D> {
     }
 }
 
-fn rows(
-    count: usize,
-    stride: usize,
-    length: usize,
-    value: impl Fn(usize, usize) -> f64,
-) -> Vec<f64> {
-    let mut numbers = vec![0.0; count * stride];
-    for (row, numbers) in numbers.chunks_exact_mut(stride.max(1)).enumerate() {
-        for (i, number) in numbers[..length].iter_mut().enumerate() {
-            *number = value(row, i);
+fn rows(count: usize, length: usize, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let mut numbers = vec![0.0; count * padded(length)];
+    for row in 0..count {
+        for i in 0..length {
+            numbers[BLOCK * (i / BLOCK * count + row) + i % BLOCK] = value(row, i);
         }
     }
     numbers

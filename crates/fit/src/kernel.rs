@@ -8,7 +8,7 @@
 //!
 //! The crate's tests hold each of them to the plain definition.
 
-use crate::folded::{Points, Rows};
+use crate::folded::{BLOCK, Points, Rows};
 use pulp::{Simd, WithSimd};
 
 /// Loads points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
@@ -34,30 +34,77 @@ impl<const D: usize> WithSimd for Load<'_, D> {
 }
 
 #[inline(always)]
-#[allow(
-    clippy::neg_cmp_op_on_partial_ord,
-    reason = "not below the limit, so that NaN is refused too"
-)]
 fn fold<const D: usize>(points: &[[f64; D]], bound: f64, into: &mut Points<D>) -> bool {
     let half = points.len().div_ceil(2);
-    let second = &points[points.len() - half..];
-    let sums = into.sums.each_mut().map(|axis| &mut axis[..half]);
-    let differences = into.differences.each_mut().map(|axis| &mut axis[..half]);
-    let twice = 2.0 * bound;
-    // A number and not a bool: the compiler then keeps one flag in each lane.
-    let mut outside = 0u64;
-    for i in 0..half {
-        // An odd middle point meets itself: sum 2c, difference 0.
-        let (c, m) = (&points[i], &second[half - 1 - i]);
-        for axis in 0..D {
-            let (sum, difference) = (c[axis] + m[axis], c[axis] - m[axis]);
-            // |c + m| + |c − m| is twice the larger of |c| and |m|. Not `>=`: NaN must be outside.
-            outside |= u64::from(!(sum.abs() + difference.abs() < twice));
-            sums[axis][i] = sum;
-            differences[axis][i] = difference;
+    let (first, second) = (&points[..half], &points[points.len() - half..]);
+    let mut largest = [0; BLOCK];
+    match half.checked_sub(BLOCK) {
+        Some(last) => {
+            let mut at = 0;
+            while at < last {
+                fold_block(first, second, at, into, &mut largest);
+                at += BLOCK;
+            }
+            // The last block overlaps the one before.
+            fold_block(first, second, last, into, &mut largest);
+        }
+        None => largest[0] = fold_each(first, second, into),
+    }
+    let mut most = 0;
+    for largest in largest {
+        most = largest.max(most);
+    }
+    // |c| + |m| is below the bound everywhere, or each has to be asked.
+    most < bound.to_bits() || points.as_flattened().iter().all(|c| c.abs() < bound)
+}
+
+/// Folds a block; `largest` are the largest |c ± m|, as their bits, which are in the order of the numbers, NaN above all.
+#[inline(always)]
+fn fold_block<const D: usize>(
+    first: &[[f64; D]],
+    second: &[[f64; D]],
+    at: usize,
+    into: &mut Points<D>,
+    largest: &mut [u64; BLOCK],
+) {
+    let c = &first[at..][..BLOCK];
+    let m = &second[second.len() - BLOCK - at..][..BLOCK];
+    let (mut sums, mut differences) = ([[0.0; BLOCK]; D], [[0.0; BLOCK]; D]);
+    for axis in 0..D {
+        for i in 0..BLOCK {
+            // An odd middle point meets itself: sum 2c, difference 0.
+            let (c, m) = (c[i][axis], m[BLOCK - 1 - i][axis]);
+            sums[axis][i] = c + m;
+            differences[axis][i] = c - m;
+        }
+        for i in 0..BLOCK {
+            let larger = sums[axis][i]
+                .abs()
+                .to_bits()
+                .max(differences[axis][i].abs().to_bits());
+            largest[i] = largest[i].max(larger);
         }
     }
-    outside == 0
+    for axis in 0..D {
+        into.sums[axis][at..][..BLOCK].copy_from_slice(&sums[axis]);
+        into.differences[axis][at..][..BLOCK].copy_from_slice(&differences[axis]);
+    }
+}
+
+/// As [`fold_block`], for fewer points than a block has.
+fn fold_each<const D: usize>(first: &[[f64; D]], second: &[[f64; D]], into: &mut Points<D>) -> u64 {
+    let mut largest = 0;
+    for (i, (c, m)) in first.iter().zip(second.iter().rev()).enumerate() {
+        for axis in 0..D {
+            let (sum, difference) = (c[axis] + m[axis], c[axis] - m[axis]);
+            largest = largest
+                .max(sum.abs().to_bits())
+                .max(difference.abs().to_bits());
+            into.sums[axis][i] = sum;
+            into.differences[axis][i] = difference;
+        }
+    }
+    largest
 }
 
 #[inline(always)]
@@ -90,15 +137,9 @@ impl<const D: usize> WithSimd for Project<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let stride = self.rows.stride;
-        products(simd, &self.rows.even, stride, &self.points.sums, self.even);
-        products(
-            simd,
-            &self.rows.odd,
-            stride,
-            &self.points.differences,
-            self.odd,
-        );
+        let (rows, points) = (self.rows, self.points);
+        products(simd, &rows.even, &points.sums, self.even);
+        products(simd, &rows.odd, &points.differences, self.odd);
     }
 }
 
@@ -107,53 +148,48 @@ impl<const D: usize> WithSimd for Project<'_, D> {
 #[inline(always)]
 fn products<S: Simd, const D: usize>(
     simd: S,
-    mut rows: &[f64],
-    stride: usize,
-    columns: &[Vec<f64>; D],
-    mut out: &mut [[f64; D]],
-) {
-    while !out.is_empty() {
-        let count = match out.len() {
-            5 => 5,
-            3 | 6 => 3,
-            2 => 2,
-            1 => 1,
-            _ => 4,
-        };
-        let (block, rows_after) = rows.split_at(count * stride);
-        let (block_out, out_after) = out.split_at_mut(count);
-        match count {
-            1 => product_block::<S, D, 1>(simd, block, columns, block_out),
-            2 => product_block::<S, D, 2>(simd, block, columns, block_out),
-            3 => product_block::<S, D, 3>(simd, block, columns, block_out),
-            4 => product_block::<S, D, 4>(simd, block, columns, block_out),
-            _ => product_block::<S, D, 5>(simd, block, columns, block_out),
-        }
-        (rows, out) = (rows_after, out_after);
-    }
-}
-
-#[inline(always)]
-fn product_block<S: Simd, const D: usize, const ROWS: usize>(
-    simd: S,
     rows: &[f64],
     columns: &[Vec<f64>; D],
     out: &mut [[f64; D]],
 ) {
-    // Rows and columns are padded to whole vectors, so nothing is left over.
-    let length = S::as_simd_f64s(&columns[0]).0.len();
-    let columns = vectors::<S, D>(columns, length);
-    let mut rest = S::as_simd_f64s(rows).0;
-    let mut rows: [&[S::f64s]; ROWS] = [&[]; ROWS];
-    for row in &mut rows {
-        (*row, rest) = rest.split_at(length);
+    let all = out.len();
+    let mut from = 0;
+    while from < all {
+        let out = &mut out[from..];
+        from += match all - from {
+            5 => product_block::<S, D, 5>(simd, rows, all, from, columns, out),
+            3 | 6 => product_block::<S, D, 3>(simd, rows, all, from, columns, out),
+            2 => product_block::<S, D, 2>(simd, rows, all, from, columns, out),
+            1 => product_block::<S, D, 1>(simd, rows, all, from, columns, out),
+            _ => product_block::<S, D, 4>(simd, rows, all, from, columns, out),
+        };
     }
+}
+
+/// `ROWS` of all the rows, from `from` on.
+#[inline(always)]
+fn product_block<S: Simd, const D: usize, const ROWS: usize>(
+    simd: S,
+    rows: &[f64],
+    all: usize,
+    from: usize,
+    columns: &[Vec<f64>; D],
+    out: &mut [[f64; D]],
+) -> usize {
     let mut sums = [[simd.splat_f64s(0.0); D]; ROWS];
-    for i in 0..length {
+    let blocks = rows.chunks_exact(BLOCK * all);
+    for (block, rows) in blocks.enumerate() {
+        let mut c: [&[S::f64s]; D] = [&[]; D];
+        for axis in 0..D {
+            c[axis] = S::as_simd_f64s(&columns[axis][BLOCK * block..][..BLOCK]).0;
+        }
+        let rows = &rows[BLOCK * from..][..BLOCK * ROWS];
         for row in 0..ROWS {
-            let m = rows[row][i];
-            for axis in 0..D {
-                sums[row][axis] = simd.mul_add_f64s(m, columns[axis][i], sums[row][axis]);
+            let row_block = S::as_simd_f64s(&rows[BLOCK * row..][..BLOCK]).0;
+            for (i, &m) in row_block.iter().enumerate() {
+                for axis in 0..D {
+                    sums[row][axis] = simd.mul_add_f64s(m, c[axis][i], sums[row][axis]);
+                }
             }
         }
     }
@@ -161,6 +197,84 @@ fn product_block<S: Simd, const D: usize, const ROWS: usize>(
         for axis in 0..D {
             out[row][axis] = simd.reduce_sum_f64s(sums[row][axis]);
         }
+    }
+    ROWS
+}
+
+/// The control points of `points` where they are one product: load and project at once.
+pub(crate) struct Describe<'a, const D: usize> {
+    pub(crate) points: &'a [[f64; D]],
+    pub(crate) bound: f64,
+    pub(crate) into: &'a mut Points<D>,
+    pub(crate) rows: &'a Rows,
+    pub(crate) even: &'a mut [[f64; D]],
+    pub(crate) odd: &'a mut [[f64; D]],
+    pub(crate) control_points: &'a mut [[f64; D]],
+}
+
+impl<const D: usize> Describe<'_, D> {
+    /// Answers as [`Load`] does.
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) -> bool {
+        let load = Load {
+            points: self.points,
+            bound: self.bound,
+            into: self.into,
+        };
+        if !load.with_simd(simd) {
+            return false;
+        }
+        let project = Project {
+            rows: self.rows,
+            points: self.into,
+            even: self.even,
+            odd: self.odd,
+        };
+        project.with_simd(simd);
+        self.rows.unfold(self.even, self.odd, self.control_points);
+        true
+    }
+}
+
+impl<const D: usize> WithSimd for Describe<'_, D> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> bool {
+        self.run(simd)
+    }
+}
+
+/// As [`Describe`], and the residuals; `None` if a point is no place.
+pub(crate) struct Fit<'a, const D: usize> {
+    pub(crate) describe: Describe<'a, D>,
+    pub(crate) curve: &'a Rows,
+}
+
+impl<const D: usize> WithSimd for Fit<'_, D> {
+    type Output = Option<SquaredResiduals>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> Option<SquaredResiduals> {
+        if !self.describe.run(simd) {
+            return None;
+        }
+        let Describe {
+            into, even, odd, ..
+        } = self.describe;
+        // What the product gives folded is what the curve takes folded.
+        for half in [&mut *even, &mut *odd] {
+            for number in half.as_flattened_mut() {
+                *number = -*number;
+            }
+        }
+        let residuals = Residuals {
+            rows: self.curve,
+            points: into,
+            even,
+            odd,
+        };
+        Some(residuals.with_simd(simd))
     }
 }
 
@@ -197,32 +311,37 @@ impl<const D: usize> WithSimd for Residuals<'_, D> {
 impl<const D: usize> Residuals<'_, D> {
     #[inline(always)]
     fn folded<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let sums = pairs_of::<S, D>(&self.points.sums);
-        let differences = pairs_of::<S, D>(&self.points.differences);
-        let (even, odd) = (pairs::<S>(&self.rows.even), pairs::<S>(&self.rows.odd));
-        let mut total = [simd.splat_f64s(0.0); 2];
-        let mut largest = [simd.splat_f64s(0.0); 2];
-        for i in 0..sums[0].len() {
-            let u = minus_curve(simd, even, i, self.even, &sums);
-            let v = minus_curve(simd, odd, i, self.odd, &differences);
-            for k in 0..2 {
-                // |u ± v|² = |u|² + |v|² ± 2 u·v, and both signs occur.
-                let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
-                squares = simd.mul_add_f64s(v[0][k], v[0][k], squares);
-                let mut mixed = simd.mul_f64s(u[0][k], v[0][k]);
-                for axis in 1..D {
-                    squares = simd.mul_add_f64s(u[axis][k], u[axis][k], squares);
-                    squares = simd.mul_add_f64s(v[axis][k], v[axis][k], squares);
-                    mixed = simd.mul_add_f64s(u[axis][k], v[axis][k], mixed);
+        let Points {
+            sums, differences, ..
+        } = self.points;
+        let mut total = simd.splat_f64s(0.0);
+        let mut largest = simd.splat_f64s(0.0);
+        let even = self.rows.even.chunks_exact(BLOCK * self.even.len().max(1));
+        for (block, even) in even.enumerate() {
+            let odd = &self.rows.odd[BLOCK * self.odd.len() * block..][..BLOCK * self.odd.len()];
+            let vectors = BLOCK / S::F64_LANES;
+            let mut k = 0;
+            while k < vectors {
+                let u = minus_curve(simd, even, block, k, self.even, sums);
+                let v = minus_curve(simd, odd, block, k, self.odd, differences);
+                for k in 0..2 {
+                    // |u ± v|² = |u|² + |v|² ± 2 u·v, and both signs occur.
+                    let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
+                    squares = simd.mul_add_f64s(v[0][k], v[0][k], squares);
+                    let mut mixed = simd.mul_f64s(u[0][k], v[0][k]);
+                    for axis in 1..D {
+                        squares = simd.mul_add_f64s(u[axis][k], u[axis][k], squares);
+                        squares = simd.mul_add_f64s(v[axis][k], v[axis][k], squares);
+                        mixed = simd.mul_add_f64s(u[axis][k], v[axis][k], mixed);
+                    }
+                    let mixed = simd.abs_f64s(mixed);
+                    total = simd.add_f64s(total, squares);
+                    let larger = simd.mul_add_f64s(simd.splat_f64s(2.0), mixed, squares);
+                    largest = simd.max_f64s(largest, larger);
                 }
-                let mixed = simd.abs_f64s(mixed);
-                total[k] = simd.add_f64s(total[k], squares);
-                let larger = simd.mul_add_f64s(simd.splat_f64s(2.0), mixed, squares);
-                largest[k] = simd.max_f64s(largest[k], larger);
+                k += 2;
             }
         }
-        let total = simd.add_f64s(total[0], total[1]);
-        let largest = simd.max_f64s(largest[0], largest[1]);
         let mut sum = 0.5 * simd.reduce_sum_f64s(total);
         if self.points.count % 2 == 1 {
             sum -= self.middle_squared();
@@ -235,24 +354,27 @@ impl<const D: usize> Residuals<'_, D> {
 
     #[inline(always)]
     fn whole<S: Simd>(self, simd: S) -> SquaredResiduals {
-        let points = pairs_of::<S, D>(&self.points.sums);
-        let rows = pairs::<S>(&self.rows.even);
-        let mut total = [simd.splat_f64s(0.0); 2];
-        let mut largest = [simd.splat_f64s(0.0); 2];
-        for i in 0..points[0].len() {
-            let u = minus_curve(simd, rows, i, self.even, &points);
-            for k in 0..2 {
-                let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
-                for u in &u[1..] {
-                    squares = simd.mul_add_f64s(u[k], u[k], squares);
+        let mut total = simd.splat_f64s(0.0);
+        let mut largest = simd.splat_f64s(0.0);
+        let rows = self.rows.even.chunks_exact(BLOCK * self.even.len().max(1));
+        for (block, rows) in rows.enumerate() {
+            let mut k = 0;
+            while k < BLOCK / S::F64_LANES {
+                let u = minus_curve(simd, rows, block, k, self.even, &self.points.sums);
+                for k in 0..2 {
+                    let mut squares = simd.mul_f64s(u[0][k], u[0][k]);
+                    for u in &u[1..] {
+                        squares = simd.mul_add_f64s(u[k], u[k], squares);
+                    }
+                    total = simd.add_f64s(total, squares);
+                    largest = simd.max_f64s(largest, squares);
                 }
-                total[k] = simd.add_f64s(total[k], squares);
-                largest[k] = simd.max_f64s(largest[k], squares);
+                k += 2;
             }
         }
         SquaredResiduals {
-            sum: simd.reduce_sum_f64s(simd.add_f64s(total[0], total[1])),
-            max: simd.reduce_max_f64s(simd.max_f64s(largest[0], largest[1])),
+            sum: simd.reduce_sum_f64s(total),
+            max: simd.reduce_max_f64s(largest),
         }
     }
 
@@ -260,11 +382,13 @@ impl<const D: usize> Residuals<'_, D> {
     #[inline(always)]
     fn middle_squared(&self) -> f64 {
         let middle = self.points.count / 2;
+        let (block, at) = (middle / BLOCK, middle % BLOCK);
+        let rows = &self.rows.even[BLOCK * self.even.len() * block..];
         let mut squared = 0.0;
         for axis in 0..D {
             let mut u = self.points.sums[axis][middle];
-            for (row, e) in self.rows.even.chunks_exact(self.rows.stride).zip(self.even) {
-                u += row[middle] * e[axis];
+            for (row, e) in rows.chunks_exact(BLOCK).zip(self.even) {
+                u += row[at] * e[axis];
             }
             squared += 0.25 * u * u;
         }
@@ -275,48 +399,24 @@ impl<const D: usize> Residuals<'_, D> {
 /// Two vectors at a time: a coefficient is loaded once for both.
 type Pair<S> = [<S as Simd>::f64s; 2];
 
-#[inline(always)]
-fn pairs<S: Simd>(numbers: &[f64]) -> &[Pair<S>] {
-    // Padded to whole pairs, so nothing is left over.
-    S::as_simd_f64s(numbers).0.as_chunks().0
-}
-
-// No `map` and no `from_fn` here: they are not compiled for the kernel's machine.
-#[inline(always)]
-fn pairs_of<S: Simd, const D: usize>(columns: &[Vec<f64>; D]) -> [&[Pair<S>]; D] {
-    let mut out: [&[Pair<S>]; D] = [&[]; D];
-    for (out, column) in out.iter_mut().zip(columns) {
-        *out = pairs::<S>(column);
-    }
-    out
-}
-
-/// The first `length` vectors of each column.
-#[inline(always)]
-fn vectors<S: Simd, const D: usize>(columns: &[Vec<f64>; D], length: usize) -> [&[S::f64s]; D] {
-    let mut out: [&[S::f64s]; D] = [&[]; D];
-    for (out, column) in out.iter_mut().zip(columns) {
-        *out = &S::as_simd_f64s(column).0[..length];
-    }
-    out
-}
-
-/// `points[i] + Σⱼ negated[j] · rows[j][i]`, each axis.
+/// `points + Σⱼ negated[j] · rows[j]`, each axis, of the pair of vectors from the `k`th of a block.
 #[inline(always)]
 fn minus_curve<S: Simd, const D: usize>(
     simd: S,
-    rows: &[Pair<S>],
-    i: usize,
+    rows: &[f64],
+    block: usize,
+    k: usize,
     negated: &[[f64; D]],
-    points: &[&[Pair<S>]; D],
+    points: &[Vec<f64>; D],
 ) -> [Pair<S>; D] {
-    let length = points[0].len();
-    let mut rest = [points[0][i]; D];
-    for axis in 1..D {
-        rest[axis] = points[axis][i];
+    let from = k * S::F64_LANES;
+    let mut rest = [[simd.splat_f64s(0.0); 2]; D];
+    for axis in 0..D {
+        let pair = S::as_simd_f64s(&points[axis][BLOCK * block + from..][..2 * S::F64_LANES]).0;
+        rest[axis] = [pair[0], pair[1]];
     }
-    for (row, c) in rows.chunks_exact(length).zip(negated) {
-        let b = row[i];
+    for (row, c) in rows.chunks_exact(BLOCK).zip(negated) {
+        let b = S::as_simd_f64s(&row[from..][..2 * S::F64_LANES]).0;
         for axis in 0..D {
             let c = simd.splat_f64s(c[axis]);
             for k in 0..2 {

@@ -5,7 +5,7 @@ use crate::condition;
 use crate::error::FitterError;
 use crate::fitter::MAX_COORDINATE_PX;
 use crate::folded::{Points, Rows};
-use crate::kernel::{Load, Residuals, SquaredResiduals};
+use crate::kernel::{Describe, Fit, Load, Residuals, SquaredResiduals};
 use crate::options::{Options, Solver};
 use crate::solve::{Halves, QrOfB, Solve};
 use crate::system::{self, Estimator, System};
@@ -110,6 +110,11 @@ impl<const D: usize> Linear<D> {
         lanes: &mut Points<D>,
         control_points: &mut [[f64; D]],
     ) -> Option<SquaredResiduals> {
+        let curve = &self.curve;
+        if let Solve::Pinv { rows } = &self.solve {
+            let describe = describe(rows, &mut self.halves, points, lanes, control_points);
+            return arch.dispatch(Fit { describe, curve });
+        }
         let inside = arch.dispatch(Load {
             points,
             bound: MAX_COORDINATE_PX,
@@ -120,14 +125,48 @@ impl<const D: usize> Linear<D> {
         }
         self.solve
             .solve(arch, points, lanes, &mut self.halves, control_points);
-        let (even, odd) = self.halves.of(&self.curve);
-        self.curve.fold_negated(control_points, even, odd);
+        let (even, odd) = self.halves.of(curve);
+        curve.fold_negated(control_points, even, odd);
         Some(arch.dispatch(Residuals {
-            rows: &self.curve,
+            rows: curve,
             points: lanes,
             even,
             odd,
         }))
+    }
+
+    /// As [`Linear::fit`], without a look at the curve; `None` also with a solver that has no product to be so fast by.
+    pub(crate) fn describe(
+        &mut self,
+        arch: pulp::Arch,
+        points: &[[f64; D]],
+        lanes: &mut Points<D>,
+        control_points: &mut [[f64; D]],
+    ) -> Option<()> {
+        let Solve::Pinv { rows } = &self.solve else {
+            return None;
+        };
+        let describe = describe(rows, &mut self.halves, points, lanes, control_points);
+        arch.dispatch(describe).then_some(())
+    }
+}
+
+fn describe<'a, const D: usize>(
+    rows: &'a Rows,
+    halves: &'a mut Halves<D>,
+    points: &'a [[f64; D]],
+    into: &'a mut Points<D>,
+    control_points: &'a mut [[f64; D]],
+) -> Describe<'a, D> {
+    let (even, odd) = halves.of(rows);
+    Describe {
+        points,
+        bound: MAX_COORDINATE_PX,
+        into,
+        rows,
+        even,
+        odd,
+        control_points,
     }
 }
 

@@ -59,6 +59,7 @@ fn a_fit_allocates_nothing() {
             let before = allocations();
             for _ in 0..3 {
                 std::hint::black_box(fitter.fit(&rope).unwrap());
+                std::hint::black_box(fitter.control_points(&rope).unwrap());
             }
             assert_eq!(
                 allocations(),

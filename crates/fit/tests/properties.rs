@@ -77,6 +77,16 @@ proptest! {
     }
 
     #[test]
+    fn control_points_alone_are_those_of_the_fit((order, points) in problem()) {
+        for solver in [Solver::Pinv, Solver::Qr] {
+            let options = Options { points: points.len(), solver, ..Options::bezier(order) };
+            let mut fitter = Fitter::new(options).unwrap();
+            let alone = fitter.control_points(&points).unwrap().to_vec();
+            prop_assert_eq!(&alone, &fitter.fit(&points).unwrap().control_points);
+        }
+    }
+
+    #[test]
     fn the_residuals_are_those_of_the_curve((order, points) in problem()) {
         let found = fit(order, &points);
         let curve = sampled(&found.control_points, points.len());
