@@ -10,7 +10,7 @@ use crate::linear::Linear;
 use crate::options::{Options, Rho, Weights};
 use crate::solve::QrOfB;
 use crate::system::System;
-use crate::weighted::Weighted;
+use crate::weighted::{Problem, Weighted};
 use faer::linalg::triangular_inverse::invert_upper_triangular;
 use faer::{Mat, Par};
 
@@ -79,17 +79,21 @@ impl<const D: usize> Adaptive<D> {
         if options.rho == Rho::Measured {
             self.measure(points)?;
         }
-        let weights = weights.unwrap_or(&self.ones);
-        let (b, r_inverse) = (&self.b[..], Some(&self.r_inverse[..]));
-        let (pins, ridge) = (options.pin_ends, self.ridge.as_deref());
+        let problem = Problem {
+            b: &self.b,
+            r_inverse: &self.r_inverse,
+            points,
+            weights: weights.unwrap_or(&self.ones),
+            pins: options.pin_ends,
+            ridge: self.ridge.as_deref(),
+        };
         let weighted = &mut self.weighted;
         let (fit, variance) = if options.weights == Weights::Robust {
-            let robust =
-                weighted.huber(b, r_inverse, points, weights, pins, ridge, control_points)?;
+            let robust = weighted.huber(&problem, control_points)?;
             // The points that are far off count in the sum of squares, but not in the median.
             (robust.fit, robust.sigma_px * robust.sigma_px)
         } else {
-            let fit = weighted.solve(b, r_inverse, points, weights, pins, ridge, control_points)?;
+            let fit = weighted.solve(&problem, control_points)?;
             let freedom = D as f64 * fit.degrees_of_freedom;
             // Rounding may leave a trifle of nothing.
             let variance = if freedom > 1e-6 {

@@ -142,34 +142,20 @@ impl<const D: usize> Weighted<D> {
     ///
     /// # Panics
     /// If a slice has not the size that the fitter was made for.
-    #[expect(clippy::too_many_arguments, reason = "what the problem consists of")]
     pub(crate) fn huber(
         &mut self,
-        b: &[f64],
-        r_inverse: Option<&[f64]>,
-        points: &[[f64; D]],
-        weights: &[f64],
-        pins: bool,
-        ridge: Option<&[f64]>,
+        problem: &Problem<'_, D>,
         control_points: &mut [[f64; D]],
     ) -> Result<HuberFit, WeightedError> {
         const { assert!(0 < D && D <= GAUSSIAN.len()) };
-        let problem = Problem {
-            b,
-            r_inverse,
-            points,
-            weights,
-            pins,
-            ridge,
-        };
-        let seen = self.load(&problem)?;
-        self.factor(&problem)?;
+        let seen = self.load(problem)?;
+        self.factor(problem)?;
         let [largest, _] = self.residuals();
         self.robust
             .given
             .copy_from_slice(&self.weights.all()[..self.points]);
         let gaussian = GAUSSIAN[D - 1];
-        let mut median = self.start(&problem, largest.sqrt() * gaussian.median / SUSPECT);
+        let mut median = self.start(problem, largest.sqrt() * gaussian.median / SUSPECT);
         let spare = (seen - self.count).max(1) as f64;
         let correction = (seen as f64 / spare).sqrt() / gaussian.median;
         let gross = GROSS / gaussian.tuning;
@@ -184,7 +170,7 @@ impl<const D: usize> Weighted<D> {
                 || room.reweigh(squared, weights, gaussian.tuning * sigma_px, gross),
             );
             if settled || rounds == MAX_ROUNDS {
-                let fit = self.finish(&problem, seen, control_points)?;
+                let fit = self.finish(problem, seen, control_points)?;
                 return Ok(HuberFit {
                     fit,
                     sigma_px,
@@ -193,7 +179,7 @@ impl<const D: usize> Weighted<D> {
             }
             weights.copy_from_slice(&room.next);
             rounds += 1;
-            self.factor(&problem)?;
+            self.factor(problem)?;
             self.residuals();
             let squared = &self.squared.all()[..self.points];
             median = self.robust.median_distance(squared);

@@ -90,14 +90,21 @@ pub enum WeightedError {
     },
 }
 
-/// What [`Weighted::solve`] is given.
+/// What is minimized, `Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs`, with `N` points and `m` control points.
 #[derive(Clone, Copy)]
 pub(crate) struct Problem<'a, const D: usize> {
+    /// `B`, N × m, row by row.
     pub(crate) b: &'a [f64],
-    pub(crate) r_inverse: Option<&'a [f64]>,
+    /// `R⁻¹` of the QR of a nominal `B` (with ridge: of `B` upon `√λD`), m × m, row by row, zero below its
+    /// diagonal. With another matrix a fit is only as good as `cond(B)²` leaves it.
+    pub(crate) r_inverse: &'a [f64],
     pub(crate) points: &'a [[f64; D]],
+    /// How much each of the points counts. Where it is 0, the point does not matter, not even NaN.
     pub(crate) weights: &'a [f64],
+    /// The curve's ends are the first and the last point exactly, whatever they weigh. Bases are meant whose first and
+    /// last rows in `b` are 1, 0, …, 0 and 0, …, 0, 1; `m` is at least 2.
     pub(crate) pins: bool,
+    /// `K = λDᵀD`, m × m, symmetric.
     pub(crate) ridge: Option<&'a [f64]>,
 }
 
@@ -184,17 +191,7 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// The curve that minimizes `Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs`. Allocates nothing.
-    ///
-    /// With `N` points and `m` control points:
-    /// - `b` is N × m, row by row.
-    /// - `r_inverse` is `R⁻¹` of the QR of a nominal `B` (with ridge: of `B` upon `√λD`), m × m, row by row,
-    ///   zero below its diagonal. Without it a fit is only as good as `cond(B)²` leaves it.
-    /// - `weights` says how much each of `points` counts. Where it is 0, the point does not matter, not even
-    ///   NaN.
-    /// - `pins`: the curve's ends are the first and the last point exactly, whatever they weigh. Bases are
-    ///   meant whose first and last rows in `b` are 1, 0, …, 0 and 0, …, 0, 1; `m` is at least 2.
-    /// - `ridge` is `K = λDᵀD`, m × m, symmetric.
+    /// The curve of least weighted squares. Allocates nothing.
     ///
     /// # Errors
     /// A weight that is none, fewer points that weigh than control points, or points that do not determine the
@@ -202,28 +199,14 @@ impl<const D: usize> Weighted<D> {
     ///
     /// # Panics
     /// If a slice has not the size that the fitter was made for.
-    #[expect(clippy::too_many_arguments, reason = "what the problem consists of")]
     pub(crate) fn solve(
         &mut self,
-        b: &[f64],
-        r_inverse: Option<&[f64]>,
-        points: &[[f64; D]],
-        weights: &[f64],
-        pins: bool,
-        ridge: Option<&[f64]>,
+        problem: &Problem<'_, D>,
         control_points: &mut [[f64; D]],
     ) -> Result<WeightedFit, WeightedError> {
-        let problem = Problem {
-            b,
-            r_inverse,
-            points,
-            weights,
-            pins,
-            ridge,
-        };
-        let seen = self.load(&problem)?;
-        self.factor(&problem)?;
-        self.finish(&problem, seen, control_points)
+        let seen = self.load(problem)?;
+        self.factor(problem)?;
+        self.finish(problem, seen, control_points)
     }
 
     /// `C`, m × m, row by row: the control points' covariance is `σ²C` for each coordinate, where the noise of
@@ -261,29 +244,20 @@ impl<const D: usize> Weighted<D> {
             stride,
         });
         let (a, c) = self.a.all_mut().split_at_mut(count * stride);
-        if let Some(r_inverse) = problem.r_inverse {
-            assert_eq!(r_inverse.len(), count * count, "R⁻¹ is m × m");
-            for (j, row) in self.lower.chunks_exact_mut(count).enumerate() {
-                for (k, number) in row[..=j].iter_mut().enumerate() {
-                    *number = r_inverse[k * count + j];
-                }
+        assert_eq!(problem.r_inverse.len(), count * count, "R⁻¹ is m × m");
+        for (j, row) in self.lower.chunks_exact_mut(count).enumerate() {
+            for (k, number) in row[..=j].iter_mut().enumerate() {
+                *number = problem.r_inverse[k * count + j];
             }
-            self.arch.dispatch(Triangular {
-                from: self.b.all(),
-                lower: &self.lower,
-                lower_stride: count,
-                count,
-                stride,
-                to: a,
-            });
-        } else {
-            self.lower.fill(0.0);
-            self.lower
-                .iter_mut()
-                .step_by(count + 1)
-                .for_each(|d| *d = 1.0);
-            a.copy_from_slice(self.b.all());
         }
+        self.arch.dispatch(Triangular {
+            from: self.b.all(),
+            lower: &self.lower,
+            lower_stride: count,
+            count,
+            stride,
+            to: a,
+        });
         self.arch.dispatch(Transpose {
             rows: problem.points.as_flattened(),
             width: D,

@@ -28,19 +28,29 @@ impl<const D: usize> Setting<D> {
         pins: bool,
     ) -> Result<(Vec<[f64; D]>, HuberFit), WeightedError> {
         let mut s = vec![[f64::NAN; D]; self.count];
-        let inverse = Some(&self.r_inverse[..]);
-        let fit = self
-            .fitter
-            .huber(&self.b, inverse, points, weights, pins, None, &mut s)?;
+        let problem = Problem {
+            b: &self.b,
+            r_inverse: &self.r_inverse,
+            points,
+            weights,
+            pins,
+            ridge: None,
+        };
+        let fit = self.fitter.huber(&problem, &mut s)?;
         Ok((s, fit))
     }
 
     fn least_squares(&mut self, points: &[[f64; D]], weights: &[f64]) -> Vec<[f64; D]> {
         let mut s = vec![[f64::NAN; D]; self.count];
-        let inverse = Some(&self.r_inverse[..]);
-        self.fitter
-            .solve(&self.b, inverse, points, weights, false, None, &mut s)
-            .unwrap();
+        let problem = Problem {
+            b: &self.b,
+            r_inverse: &self.r_inverse,
+            points,
+            weights,
+            pins: false,
+            ridge: None,
+        };
+        self.fitter.solve(&problem, &mut s).unwrap();
         s
     }
 }

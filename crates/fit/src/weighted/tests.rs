@@ -48,19 +48,25 @@ impl<const D: usize> Case<D> {
         self
     }
 
+    fn ridge(&self) -> Vec<f64> {
+        gram(&self.penalty, self.count)
+    }
+
+    fn problem<'a>(&'a self, ridge: &'a [f64]) -> Problem<'a, D> {
+        Problem {
+            b: &self.b,
+            r_inverse: &self.r_inverse,
+            points: &self.points,
+            weights: &self.weights,
+            pins: self.pins,
+            ridge: (!self.penalty.is_empty()).then_some(ridge),
+        }
+    }
+
     fn fit(&self) -> Result<(Vec<[f64; D]>, WeightedFit, Weighted<D>), WeightedError> {
         let mut weighted = Weighted::new(self.points.len(), self.count);
         let mut control_points = vec![[f64::NAN; D]; self.count];
-        let ridge = gram(&self.penalty, self.count);
-        let fit = weighted.solve(
-            &self.b,
-            Some(&self.r_inverse),
-            &self.points,
-            &self.weights,
-            self.pins,
-            (!self.penalty.is_empty()).then_some(&ridge),
-            &mut control_points,
-        )?;
+        let fit = weighted.solve(&self.problem(&self.ridge()), &mut control_points)?;
         Ok((control_points, fit, weighted))
     }
 
@@ -317,9 +323,7 @@ proptest! {
         let mut weighted = Weighted::new(case.points.len(), case.count);
         weighted.arch = pulp::Arch::Scalar;
         let mut narrow = wide.clone();
-        let ridge = gram(&case.penalty, case.count);
-        let other = weighted.solve(&case.b, Some(&case.r_inverse), &case.points, &case.weights, case.pins,
-            (!case.penalty.is_empty()).then_some(&ridge), &mut narrow).unwrap();
+        let other = weighted.solve(&case.problem(&case.ridge()), &mut narrow).unwrap();
         prop_assert!(apart(&wide, &narrow) < 1e-7);
         prop_assert!((fit.noise_gain - other.noise_gain).abs() < 1e-9);
     }
@@ -355,17 +359,12 @@ fn without_a_preconditioner_low_orders_are_the_same() {
     let (expected, ..) = case.fit().unwrap();
     let mut weighted = Weighted::new(120, 9);
     let mut control_points = vec![[0.0; 3]; 9];
-    weighted
-        .solve(
-            &case.b,
-            None,
-            &case.points,
-            &case.weights,
-            false,
-            None,
-            &mut control_points,
-        )
-        .unwrap();
+    let identity: Vec<f64> = (0..81).map(|k| f64::from(u8::from(k % 10 == 0))).collect();
+    let problem = Problem {
+        r_inverse: &identity,
+        ..case.problem(&[])
+    };
+    weighted.solve(&problem, &mut control_points).unwrap();
     assert!(apart(&control_points, &expected) < 1e-8);
 }
 
@@ -486,27 +485,17 @@ fn a_refused_fit_leaves_nothing_behind() {
     hidden[60..].fill(0.0);
     let nothing = vec![[f64::NAN; 2]; 120];
     for (points, weights) in [(&nothing, &hidden), (&case.points, &hidden)] {
-        let refused = weighted.solve(
-            &case.b,
-            Some(&case.r_inverse),
+        let problem = Problem {
             points,
             weights,
-            true,
-            None,
-            &mut control_points,
-        );
+            pins: true,
+            ..case.problem(&[])
+        };
+        let refused = weighted.solve(&problem, &mut control_points);
         assert!(refused.is_err());
         assert_eq!(control_points, [[4.0, 2.0]; 9]);
     }
-    let again = weighted.solve(
-        &case.b,
-        Some(&case.r_inverse),
-        &case.points,
-        &case.weights,
-        false,
-        None,
-        &mut control_points,
-    );
+    let again = weighted.solve(&case.problem(&[]), &mut control_points);
     assert_eq!(again.unwrap(), fit);
     assert_eq!(control_points, expected);
 }
@@ -541,17 +530,12 @@ fn the_covariance_of_a_partly_hidden_rope_is_that_of_noisy_draws() {
                     }
                 });
             }
-            let fit = weighted
-                .solve(
-                    &case.b,
-                    Some(&case.r_inverse),
-                    &case.points,
-                    &case.weights,
-                    pins,
-                    ridge.map(|_| &gram[..]),
-                    &mut s,
-                )
-                .unwrap();
+            let problem = Problem {
+                pins,
+                ridge: ridge.map(|_| &gram[..]),
+                ..case.problem(&[])
+            };
+            let fit = weighted.solve(&problem, &mut s).unwrap();
             if draw == 0 {
                 bias_w_r2 = fit.sum_w_r2;
                 continue;
