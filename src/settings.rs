@@ -53,6 +53,8 @@ pub(crate) struct Run {
     pub(crate) frames: Option<u64>,
     /// The folder for the report; without it, none is written.
     pub(crate) out: Option<PathBuf>,
+    /// The file for the timeline of the last frames; without it, none is written.
+    pub(crate) trace: Option<PathBuf>,
     /// The latency that counts as a miss; without it, the frame period.
     pub(crate) deadline: Option<Duration>,
 }
@@ -76,6 +78,7 @@ impl Default for Run {
             duration: None,
             frames: None,
             out: None,
+            trace: None,
             deadline: None,
         }
     }

@@ -82,6 +82,9 @@ pub(crate) struct ChainArgs {
     /// Write the report into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Write when each stage worked on the last 1,000 frames into this file, for ui.perfetto.dev
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) trace: Option<PathBuf>,
     /// Size of the rendered picture, for instance 640x480
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<String>,
@@ -125,6 +128,7 @@ impl ChainArgs {
             ("--lossless", "run", "lossless", yes(self.lossless)),
             ("--deadline", "run", "deadline_us", deadline_us),
             ("--out", "run", "out", self.out.as_ref().map(path)),
+            ("--trace", "run", "trace", self.trace.as_ref().map(path)),
             (
                 "--points",
                 "extract",

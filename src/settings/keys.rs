@@ -83,6 +83,14 @@ pub(super) const KEYS: &[Key] = &[
     },
     Key {
         section: "run",
+        name: "trace",
+        about: "Write when each stage worked on each of the last 1,000 frames into this file, for ui.perfetto.dev.",
+        example: "\"timeline.json\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.trace = Some(PathBuf::from(text))),
+        get: |s| s.run.trace.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
         name: "deadline_us",
         about: "A descriptor later than this after its image counts as a miss, in microseconds; if not \
                 set,\nthe time between two frames.",

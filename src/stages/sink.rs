@@ -52,6 +52,9 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
     if let Some(dir) = &settings.run.out {
         report.write_to(dir)?;
     }
+    if let Some(file) = &settings.run.trace {
+        report.write_timeline_to(file)?;
+    }
     Ok(())
 }
 

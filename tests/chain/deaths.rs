@@ -131,6 +131,8 @@ fn stages_by_hand_are_as_good_citizens() {
     crate::rig::send(killed.id() as i32, Signal::KILL);
     killed.wait().unwrap();
     for stage in &mut stages {
+        // A signal that comes before a process can be told ends it like any other.
+        crate::rig::wait_until_told_by_signals(stage.id());
         crate::rig::send(stage.id() as i32, Signal::TERM);
         assert!(stage.wait().unwrap().success());
     }

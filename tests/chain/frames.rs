@@ -183,6 +183,24 @@ fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
 }
 
 #[test]
+fn the_timeline_shows_each_stage_at_work_on_each_frame() {
+    let bench = Bench::new();
+    let flags = ["run", "--lossless", "--fps", "max", "--frames", "40"];
+    let ended = bench.run(&[&flags[..], &["--trace", "timeline.json"]].concat());
+    assert!(ended.status.success());
+    let bytes = std::fs::read(bench.path("timeline.json")).unwrap();
+    let timeline: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+    let events = timeline["traceEvents"].as_array().unwrap();
+    for stage in 0..4 {
+        let slices = events
+            .iter()
+            .filter(|event| event["ph"] == "X" && event["tid"] == stage);
+        assert_eq!(slices.count(), 40, "stage {stage}");
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn two_rigs_run_side_by_side() {
     let bench = Bench::new();
     let arguments = |rig, out| ["--rig", rig, "--fps", "50", "--frames", "50", "--out", out];

@@ -206,6 +206,25 @@ pub(crate) fn send(id: i32, signal: Signal) {
     kill_process(Pid::from_raw(id).expect("a process id"), signal).expect("the process is there");
 }
 
+/// Waits until a process has a handler for SIGTERM.
+pub(crate) fn wait_until_told_by_signals(id: u32) {
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    let handles_term = || {
+        let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap_or_default();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+        // Signal n is bit n − 1.
+        caught.is_some_and(|mask| mask >> (Signal::TERM.as_raw() - 1) & 1 == 1)
+    };
+    while !handles_term() {
+        assert!(
+            std::time::Instant::now() < deadline,
+            "process {id} never got ready"
+        );
+        std::thread::yield_now();
+    }
+}
+
 /// Waits until a process is gone.
 pub(crate) fn wait_until_gone(id: i32) {
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);

@@ -32,6 +32,7 @@ mod report;
 mod sink;
 mod summary;
 mod table;
+mod timeline;
 mod times;
 mod truth;
 

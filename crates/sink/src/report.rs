@@ -2,6 +2,7 @@
 
 use crate::error::Comparison;
 use crate::latency::{Latency, Row};
+use crate::timeline::Timeline;
 use crate::{FinalCounts, Restarts, Summary, hgrm, table};
 use std::fmt;
 use std::fs::{File, create_dir_all, remove_file, rename};
@@ -13,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct Report {
     pub(crate) summary: Summary,
     pub(crate) latency: Latency,
+    pub(crate) timeline: Timeline,
     pub(crate) centerline: Comparison,
     pub(crate) curve: Comparison,
     pub(crate) facts: Facts,
@@ -82,6 +84,18 @@ impl Report {
             serde_json::to_writer_pretty(&mut *out, &self.summary)?;
             writeln!(out)
         })
+    }
+}
+
+impl Report {
+    /// Writes when each stage worked on each of the last 1,000 frames, as a trace that Perfetto and Chrome show.
+    ///
+    /// # Errors
+    /// The file cannot be written; one that was there is then as it was.
+    pub fn write_timeline_to(&self, file: &Path) -> Result<(), ReportError> {
+        let dir = file.parent().unwrap_or(Path::new(""));
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        put(dir, &name, |out| self.timeline.write(out))
     }
 }
 

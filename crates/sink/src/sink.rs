@@ -5,6 +5,7 @@ use crate::live::Live;
 use crate::losses::{Arrival, Ledger};
 use crate::report::Facts;
 use crate::summary::{Deadline, Errors, Frames, Latencies, Summary};
+use crate::timeline::Timeline;
 use crate::times::to_hundredths;
 use crate::truth::{Truth, is_seen};
 use crate::{FinalCounts, Machine, Options, Report};
@@ -19,6 +20,7 @@ pub struct Sink {
     options: Options,
     ledger: Ledger,
     latency: Latency,
+    timeline: Timeline,
     truth: Truth,
     with_curve: u64,
     missed: u64,
@@ -34,6 +36,7 @@ impl Sink {
             options,
             ledger: Ledger::new(options.from_start),
             latency: Latency::new(),
+            timeline: Timeline::new(),
             truth: Truth::new(),
             with_curve: 0,
             missed: 0,
@@ -62,6 +65,9 @@ impl Sink {
         } else {
             None
         };
+        if timed {
+            self.timeline.add(&message.trace, received_ns);
+        }
         if let (Some(total_ns), Some(deadline_ns)) = (total_ns, self.options.deadline_ns()) {
             self.missed += u64::from(total_ns > deadline_ns);
         }
@@ -117,6 +123,7 @@ impl Sink {
         Report {
             summary: self.summary(machine),
             latency: self.latency.clone(),
+            timeline: self.timeline.clone(),
             centerline: self.truth.centerline.clone(),
             curve: self.truth.curve.clone(),
             facts: Facts {

@@ -74,7 +74,52 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
         }
         writeln!(f)?;
     }
+    limit(report, f)?;
     writeln!(f)
+}
+
+/// What limits it, in one line: the most of the way, and how many frames a second that would allow.
+fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
+    let medians = |rows: &[(Row, &'static str)]| -> Vec<(f64, &'static str)> {
+        let known = |&(row, name)| Some((median_us(report, row)?, name));
+        rows.iter().filter_map(known).collect()
+    };
+    let stages = medians(&[
+        (Row::Capture, "capture"),
+        (Row::Extract, "extract"),
+        (Row::Fit, "fit"),
+    ]);
+    let waits = medians(&[
+        (Row::WaitExtract, ""),
+        (Row::WaitFit, ""),
+        (Row::WaitSink, ""),
+    ]);
+    let slowest = stages.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some((work, stage)), Some(whole)) = (slowest, median_us(report, Row::Total)) else {
+        return Ok(());
+    };
+    let waiting: f64 = waits.iter().map(|wait| wait.0).sum();
+    let period = report.facts.period_ns.map(|ns| ns as f64 / 1e3);
+    if let Some(period) = period.filter(|&period| work > period) {
+        return writeln!(
+            f,
+            "what limits it: {stage} takes {} µs a frame, and one comes every {} µs",
+            Figure(Some(work)),
+            Figure(Some(period))
+        );
+    }
+    let (most, name) = if waiting > work {
+        (waiting, "waiting for the next stage")
+    } else {
+        (work, stage)
+    };
+    writeln!(
+        f,
+        "what limits it: {name}, {} of {} µs; {stage} alone could do {} frames/s",
+        Figure(Some(most)),
+        Figure(Some(whole)),
+        Figure(Some(1e6 / work.max(0.001)))
+    )
 }
 
 /// A row's label and its five figures.

@@ -244,6 +244,35 @@ fn the_files_hold_the_table_the_summary_and_every_histogram() {
 }
 
 #[test]
+fn the_timeline_has_every_frame_that_was_timed() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("timeline.json");
+    report().write_timeline_to(&file).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let events = json["traceEvents"].as_array().unwrap();
+    let received = events
+        .iter()
+        .filter(|event| event["ph"] == "X" && event["tid"] == 3);
+    assert_eq!(received.count(), 235);
+    let nowhere = dir.path().join("missing").join("timeline.json");
+    let error = report().write_timeline_to(&nowhere).unwrap_err();
+    assert!(error.to_string().contains("missing"), "{error}");
+}
+
+#[test]
+fn a_stage_slower_than_the_source_is_named_as_what_limits_it() {
+    let mut sink = Sink::new(Options {
+        period_ns: Some(100_000),
+        ..options()
+    });
+    let trace = Chain::default().frame(None).unwrap();
+    sink.descriptors(&descriptors(trace, &[]), received_ns(&trace));
+    let table = sink.report_on(machine()).to_string();
+    assert!(table.contains("what limits it: extract takes"), "{table}");
+    assert!(table.contains("one comes every 100 µs"), "{table}");
+}
+
+#[test]
 fn a_folder_that_cannot_be_made_is_said_in_a_sentence() {
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("file");
