@@ -6,19 +6,13 @@
 mod blocks;
 #[allow(dead_code, reason = "who orders the centers is not here yet")]
 mod cells;
+mod kmeans;
 mod nearest;
 mod pixels;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
 mod random;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
 mod seeding;
 
+pub use kmeans::KMeans;
 pub use pixels::{Pixels, Run};
 
 /// Where the centers come from.
