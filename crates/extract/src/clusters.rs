@@ -14,6 +14,7 @@ mod seeding;
 
 pub use kmeans::KMeans;
 pub use pixels::{Pixels, Run};
+pub use seeding::seed_centers;
 
 /// Where the centers come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
