@@ -3,19 +3,24 @@
 //! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
+mod aligned;
+mod exponential;
+mod extent;
+mod fuzzy;
+mod mixture;
 mod pixels;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
+#[allow(dead_code, reason = "k-means is not here yet")]
 mod random;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
+#[cfg(test)]
+mod references;
 mod seeding;
+mod som;
+mod tiles;
 
+pub use fuzzy::FuzzyMeans;
+pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
+pub use som::Som;
 
 /// Where the centers come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
