@@ -4,12 +4,16 @@
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
 mod aligned;
+mod blocks;
+#[allow(dead_code, reason = "who orders the centers is not here yet")]
+mod cells;
 mod exponential;
 mod extent;
 mod fuzzy;
+mod kmeans;
 mod mixture;
+mod nearest;
 mod pixels;
-#[allow(dead_code, reason = "k-means is not here yet")]
 mod random;
 #[cfg(test)]
 mod references;
@@ -18,6 +22,7 @@ mod som;
 mod tiles;
 
 pub use fuzzy::FuzzyMeans;
+pub use kmeans::KMeans;
 pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
 pub use som::Som;

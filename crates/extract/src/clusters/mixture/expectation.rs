@@ -65,6 +65,7 @@ impl Memory {
         self.most.resize(padded, 0.0);
         self.densities.resize(padded * LANES, 0.0);
         self.moments.resize(padded * LANES * MOMENTS, 0.0);
+        self.candidates.clear();
         self.candidates.reserve(padded);
     }
 }
