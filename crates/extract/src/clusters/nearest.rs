@@ -151,15 +151,26 @@ impl Nearest {
         }
         let bound = SPARE * simd.reduce_min_f32s(bound);
         let mut count = 0;
-        let squares = self.squares.as_flattened().iter();
-        let places = self.xs.as_flattened().iter().zip(self.ys.as_flattened());
-        for (rank, (&square, (&x, &y))) in squares.zip(places).enumerate() {
-            self.near[count] = Near {
-                x,
-                y,
-                rank: rank as u32,
-            };
-            count += usize::from(square <= bound && x < NOWHERE);
+        // From left to right most centers are far off: whole vectors of them are passed by.
+        let width = size_of::<S::f32s>() / size_of::<f32>();
+        let vectors = S::as_simd_f32s(self.squares.as_flattened()).0.iter();
+        let squares = self.squares.as_flattened().chunks_exact(width);
+        let xs = self.xs.as_flattened().chunks_exact(width);
+        let ys = self.ys.as_flattened().chunks_exact(width);
+        for (part, (((&vector, squares), xs), ys)) in
+            vectors.zip(squares).zip(xs).zip(ys).enumerate()
+        {
+            if simd.reduce_min_f32s(vector) > bound {
+                continue;
+            }
+            for i in 0..width {
+                self.near[count] = Near {
+                    x: xs[i],
+                    y: ys[i],
+                    rank: (part * width + i) as u32,
+                };
+                count += usize::from(squares[i] <= bound && xs[i] < NOWHERE);
+            }
         }
         count
     }

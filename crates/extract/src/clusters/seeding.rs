@@ -206,12 +206,16 @@ impl Block {
                 sums[i] += squares[i];
             }
         }
-        let (mut largest, mut sum) = (0.0, 0.0);
-        for i in 0..LANES {
-            largest = larger(most[i], largest);
-            sum += sums[i];
+        // In halves: sixteen one after the other would be waited for.
+        let mut half = LANES / 2;
+        while half > 0 {
+            for i in 0..half {
+                most[i] = larger(most[i], most[i + half]);
+                sums[i] += sums[i + half];
+            }
+            half /= 2;
         }
-        (largest, sum)
+        (most[0], sums[0])
     }
 }
 
