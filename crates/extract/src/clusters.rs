@@ -3,9 +3,30 @@
 //! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
+mod aligned;
+mod blocks;
+#[allow(dead_code, reason = "who orders the centers is not here yet")]
+mod cells;
+mod exponential;
+mod extent;
+mod fuzzy;
+mod kmeans;
+mod mixture;
+mod nearest;
 mod pixels;
+mod random;
+#[cfg(test)]
+mod references;
+mod seeding;
+mod som;
+mod tiles;
 
+pub use fuzzy::FuzzyMeans;
+pub use kmeans::KMeans;
+pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
+pub use seeding::seed_centers;
+pub use som::Som;
 
 /// Where the centers come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
