@@ -20,8 +20,9 @@ use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
 use membership::{Distortion, Memory, Moved, Round};
 
-/// Rounds at most, of the paper's comparison, and the change of all memberships together, the root of the sum of their
-/// squares, below which it ends: scikit-fuzzy's example's.
+/// Rounds at most: by then J mostly falls by less than a ten-thousandth a round. And the change of all memberships
+/// together, the root of the sum of their squares, below which it ends: that of scikit-fuzzy's own examples (the
+/// function has no default).
 pub(super) const MOST_ROUNDS: u32 = 300;
 const TOLERANCE: f64 = 0.005;
 /// Rounds at most from the last frame's centers. They follow a rope that moved by 4 px to where J is within a thousandth

@@ -40,7 +40,7 @@ pub(super) struct Training {
 }
 
 impl Training {
-    /// From a start that knows nothing. The rounds are the paper's comparison's; the rate is MiniSom's default. Its
+    /// From a start that knows nothing. Each of 120 nodes wins some 80 rounds; the rate is MiniSom's default. Its
     /// default of σ = 1 is too narrow to straighten a line of 120 nodes that begins in no order: nodes whose neighbors lie
     /// on other parts of the rope stay between them, on the table. From 4 on the nodes are drawn together, and stand
     /// farther from the pixels in the end.
