@@ -25,6 +25,7 @@ pub use fuzzy::FuzzyMeans;
 pub use kmeans::KMeans;
 pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
+pub use seeding::seed_centers;
 pub use som::Som;
 
 /// Where the centers come from.

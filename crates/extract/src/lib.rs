@@ -122,7 +122,7 @@ mod whole;
 mod widths;
 mod zones;
 
-pub use clusters::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start};
+pub use clusters::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start, seed_centers};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};
