@@ -112,7 +112,7 @@ fn the_maps_line_runs_along_the_rope() {
 fn centers_lie_on_the_rope_and_follow_it() {
     for (name, mut run) in methods() {
         let mut centers = [[0.0; 2]; 30];
-        run(&arc(0), Start::Seeded(2), &mut centers);
+        let cold = run(&arc(0), Start::Seeded(2), &mut centers);
         let off = |centers: &[[f32; 2]], middle: f32| {
             let off = |c: &[f32; 2]| (distance(*c, [middle, 100.0]) - 60.0).abs();
             centers.iter().map(off).sum::<f32>() / centers.len() as f32
@@ -123,12 +123,22 @@ fn centers_lie_on_the_rope_and_follow_it() {
             off(&centers, 100.0)
         );
         // From one frame to the next by 3 px.
-        run(&arc(3), Start::Given, &mut centers);
+        let warm = run(&arc(3), Start::Given, &mut centers);
         assert!(
             off(&centers, 103.0) < 2.0,
             "{name}: {}",
             off(&centers, 103.0)
         );
+        // All but the mixture make theirs small.
+        let worse = match name {
+            "mixture" => cold.objective - warm.objective,
+            _ => warm.objective - cold.objective,
+        };
+        assert!(
+            worse < 0.01 * cold.objective.abs(),
+            "{name}: {cold:?} {warm:?}"
+        );
+        assert!(warm.rounds < cold.rounds, "{name}: {cold:?} {warm:?}");
         assert!(centers.iter().any(|c| c[0] < 60.0) && centers.iter().any(|c| c[0] > 146.0));
     }
 }

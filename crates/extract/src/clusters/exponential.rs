@@ -1,11 +1,11 @@
 //! Powers of two and their logarithms, as many at a time as a register holds.
 //!
 //! ```text
-//! 2^z    z = n + f, |f| ≤ ½, n whole     →  p(f), its exponent raised by n;  p of degree 6
-//! log₂ s s = 2ⁿ m, √½ ≤ m < √2           →  n + 2/ln 2 · (t + t³/3 + t⁵/5 + t⁷/7),  t = (m − 1)/(m + 1)
+//! 2^z     z = n + f, |f| ≤ ½, n whole     →  p(f), its exponent raised by n;  p of degree 6
+//! log₂ s  s = 2ⁿ m, √½ ≤ m < √2           →  n + 2/ln 2 · (t + t³/3 + t⁵/5 + t⁷/7),  t = (m − 1)/(m + 1)
 //! ```
 //!
-//! The first is within 3·10⁻⁷ of the power, relatively; the second within 3·10⁻⁷ of the logarithm's larger of size and 1.
+//! The first is off by 3·10⁻⁷ of the power at most, the second by 3·10⁻⁷, or that part of logarithms beyond 1.
 
 use pulp::Simd;
 
@@ -44,10 +44,10 @@ pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
 /// The logarithm to base 2 of each `s`, a normal number above 0.
 #[inline(always)]
 pub(crate) fn logarithm<S: Simd>(simd: S, s: S::f32s) -> S::f32s {
-    // √½ as bits: what is added to the exponent's zero so that mantissas from √½ on count as the next power.
+    // √½: mantissas from there on, not from 1 on, begin the next power.
     const HALF_ROOT: u32 = 0x3F35_04F3;
     let bits = simd.sub_u32s(simd.transmute_u32s_f32s(s), simd.splat_u32s(HALF_ROOT));
-    // Shifted as a number from 0 on: 2¹²⁷ is added to the exponent and taken off again.
+    // 127 is added to the exponent, so that none is below 0, and taken off again.
     let bits = simd.add_u32s(bits, simd.splat_u32s(127 << MANTISSA));
     let n = simd.wrapping_dyn_shr_u32s(bits, simd.splat_u32s(MANTISSA));
     let mantissa = simd.and_u32s(bits, simd.splat_u32s((1 << MANTISSA) - 1));

@@ -300,3 +300,85 @@ fn square<S: Simd>(simd: S, x: S::f32s, y: S::f32s, center: [S::f32s; 2]) -> S::
     let square = simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy));
     simd.max_f32s(square, simd.splat_f32s(LEAST_SQUARE))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Run;
+    use proptest::prelude::*;
+    use pulp::Arch;
+
+    /// The definition of one round, in doubles: the memberships and J before it, and the centers after it.
+    fn defined(pixels: &Pixels, centers: &[[f32; 2]]) -> (Vec<Vec<f64>>, f64, Vec<[f64; 2]>) {
+        let mut memberships = Vec::new();
+        let mut objective = 0.0;
+        let mut sums = vec![[0.0; MOMENTS]; centers.len()];
+        for (&x, &y) in pixels.xs().iter().zip(pixels.ys()) {
+            let [x, y] = [x, y].map(f64::from);
+            let weight = |c: &[f32; 2]| {
+                let (dx, dy) = (x - f64::from(c[0]), y - f64::from(c[1]));
+                1.0 / (dx * dx + dy * dy).max(f64::from(LEAST_SQUARE))
+            };
+            let all: f64 = centers.iter().map(weight).sum();
+            let u: Vec<f64> = centers.iter().map(|c| weight(c) / all).collect();
+            for (sums, u) in sums.iter_mut().zip(&u) {
+                sums[0] += u * u;
+                sums[1] += u * u * x;
+                sums[2] += u * u * y;
+            }
+            memberships.push(u);
+            objective += 1.0 / all;
+        }
+        let centers = sums.iter().map(|[weight, x, y]| [x / weight, y / weight]);
+        (memberships, objective, centers.collect())
+    }
+
+    proptest! {
+        #[test]
+        fn a_round_is_the_definitions(
+            runs in prop::collection::vec((0..70u16, 0..80u16, 1..30u16), 1..40),
+            centers in prop::collection::vec([0.0..90.0f32, 0.0..70.0f32], 1..30),
+            on_pixel in any::<bool>(),
+        ) {
+            let mut pixels = Pixels::default();
+            for (y, from, length) in runs {
+                pixels.push(Run { y, from, to: from + length });
+            }
+            let mut centers = centers;
+            if on_pixel {
+                centers[0] = [pixels.xs()[0], pixels.ys()[0]];
+            }
+            let (before, objective, expected) = defined(&pixels, &centers);
+            for arch in [Arch::new(), Arch::Scalar] {
+                let mut memory = Memory::default();
+                memory.take(&pixels, [45.0, 35.0], centers.len());
+                let memory = &mut memory;
+                let found = arch.dispatch(Distortion { memory, centers: &centers });
+                prop_assert!((found / objective - 1.0).abs() < 1e-5, "{} {}", found, objective);
+
+                let mut after = centers.clone();
+                arch.dispatch(Round { memory, centers: &mut after });
+                for (found, expected) in after.iter().zip(&expected) {
+                    for axis in 0..2 {
+                        let off = f64::from(found[axis]) - expected[axis];
+                        prop_assert!(off.abs() < 1e-4, "{:?} {:?}", found, expected);
+                    }
+                }
+
+                let (now, _, _) = defined(&pixels, &after);
+                let changes = now.iter().flatten().zip(before.iter().flatten());
+                let change: f64 = changes.map(|(a, b)| (a - b) * (a - b)).sum();
+                // Below that, rounding of all memberships together is a part of it.
+                let change = change.sqrt().max(3e-3);
+                for (tolerance, moved) in [(0.99 * change, change > 3e-3), (1.01 * change, false)] {
+                    let found = arch.dispatch(Moved {
+                        memory,
+                        centers: [&centers, &after],
+                        tolerance,
+                    });
+                    prop_assert_eq!(found, moved);
+                }
+            }
+        }
+    }
+}

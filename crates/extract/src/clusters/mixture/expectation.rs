@@ -227,3 +227,114 @@ impl Sums {
             + count * (middle_x * middle_x + middle_y * middle_y);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pixels, Run};
+    use proptest::prelude::*;
+    use pulp::Arch;
+
+    /// The definition: every pixel asked about every Gaussian, in doubles. The log-likelihood, the largest logarithm of a
+    /// density in it, and the sums.
+    fn defined(pixels: &Pixels, gaussians: &[Gaussian]) -> (f64, f64, Vec<Sums>) {
+        let (mut likelihood, mut largest) = (0.0, 0.0f64);
+        let mut sums = vec![Sums::default(); gaussians.len()];
+        for (&x, &y) in pixels.xs().iter().zip(pixels.ys()) {
+            let place = [x, y].map(f64::from);
+            let density = |g: &Gaussian| {
+                let [level, fall] = g.shape();
+                let (dx, dy) = (place[0] - g.mean[0], place[1] - g.mean[1]);
+                level - fall * (dx * dx + dy * dy)
+            };
+            let most = gaussians.iter().map(density).fold(f64::MIN, f64::max);
+            let part = |g: &Gaussian| (density(g) - most).exp2();
+            let all: f64 = gaussians.iter().map(part).sum();
+            likelihood += most + all.log2();
+            largest = largest.max(most.abs());
+            for (sums, gaussian) in sums.iter_mut().zip(gaussians) {
+                let r = part(gaussian) / all;
+                sums.count += r;
+                sums.first[0] += r * place[0];
+                sums.first[1] += r * place[1];
+                sums.second += r * (place[0] * place[0] + place[1] * place[1]);
+            }
+        }
+        (likelihood, largest, sums)
+    }
+
+    fn gaussian() -> impl Strategy<Value = Gaussian> {
+        // From a hundredth of a pixel to wider than all tiles.
+        let variance = (-4.0..3.5f64).prop_map(|power| 10f64.powf(power));
+        (0.0..90.0, 0.0..70.0, variance, 1e-4..1.0).prop_map(|(x, y, variance, weight)| Gaussian {
+            weight,
+            mean: [x, y],
+            variance,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_left_out_is_less_than_rounding(
+            runs in prop::collection::vec((0..70u16, 0..80u16, 1..10u16), 1..20),
+            gaussians in prop::collection::vec(gaussian(), 1..40),
+        ) {
+            let mut pixels = Pixels::default();
+            for (y, from, length) in runs {
+                pixels.push(Run { y, from, to: from + length });
+            }
+            let (likelihood, largest, expected) = defined(&pixels, &gaussians);
+            let mut tiles = Tiles::default();
+            tiles.fill(&pixels);
+            for arch in [Arch::new(), Arch::Scalar] {
+                let mut sums = vec![Sums::default(); gaussians.len()];
+                let mut memory = Memory::default();
+                memory.take(&gaussians);
+                let found = arch.dispatch(Expectation {
+                    tiles: &tiles,
+                    gaussians: &gaussians,
+                    memory: &mut memory,
+                    sums: &mut sums,
+                });
+                // A logarithm's last bits are what is off, of narrow Gaussians far away by much.
+                let off = 5e-7 * (20.0 + largest) * pixels.len() as f64;
+                prop_assert!((found - likelihood).abs() < off, "{} {}", found, likelihood);
+                for (found, expected) in sums.iter().zip(&expected) {
+                    prop_assert!((found.count - expected.count).abs() < off);
+                    for axis in 0..2 {
+                        let moved = found.first[axis] - expected.first[axis];
+                        prop_assert!(moved.abs() < 100.0 * off, "{:?} {:?}", found, expected);
+                    }
+                    prop_assert!((found.second - expected.second).abs() < 1e4 * off);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_tile_is_only_asked_about_what_reaches_it() {
+        let mut pixels = Pixels::default();
+        for (y, from) in [(8, 5), (400, 500)] {
+            let to = from + 6;
+            pixels.push(Run { y, from, to });
+        }
+        let gaussians = [[8.0, 8.0], [505.0, 401.0]].map(|mean| Gaussian {
+            weight: 0.5,
+            mean,
+            variance: 30.0,
+        });
+        let mut tiles = Tiles::default();
+        tiles.fill(&pixels);
+        let mut memory = Memory::default();
+        memory.take(&gaussians);
+        let mut sums = [Sums::default(); 2];
+        Arch::new().dispatch(Expectation {
+            tiles: &tiles,
+            gaussians: &gaussians,
+            memory: &mut memory,
+            sums: &mut sums,
+        });
+        let asked: Vec<usize> = memory.candidates.iter().map(|c| c.index).collect();
+        assert_eq!(asked, [1]);
+    }
+}
