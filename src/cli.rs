@@ -51,11 +51,14 @@ pub(crate) fn run() -> Result<ExitCode> {
     let cli = Cli::parse();
     log_to_stderr();
     match cli.command {
-        None => chain::run(&SHOW.map(OsString::from)),
+        None => {
+            let settings = Settings::resolve(&ChainArgs::default())?;
+            chain::run(&SHOW.map(OsString::from), &settings.run.arrangement)
+        }
         Some(Command::Run(args)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
-            Settings::resolve(&args)?;
-            chain::run(&after_the_command())
+            let settings = Settings::resolve(&args)?;
+            chain::run(&after_the_command(), &settings.run.arrangement)
         }
         Some(Command::Capture(args)) => stage(&args, stages::capture::run),
         Some(Command::Extract(args)) => stage(&args, stages::extract::run),
