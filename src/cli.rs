@@ -7,6 +7,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::config_command::{self, ConfigArgs};
+use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
@@ -41,6 +42,8 @@ enum Command {
     Pick(PickArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
+    /// What of this machine makes lariat slower than it could be, and what to type
+    Doctor(DoctorArgs),
 }
 
 /// What is asked of the chain when nothing was asked.
@@ -68,6 +71,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Config(args)) => config_command::run(args),
+        Some(Command::Doctor(args)) => doctor::run(args),
     }
 }
 

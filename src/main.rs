@@ -4,6 +4,7 @@ mod chain;
 mod cli;
 mod config_command;
 mod descriptor_json;
+mod doctor;
 mod doubts;
 mod fit_lines;
 mod pick;

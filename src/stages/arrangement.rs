@@ -147,40 +147,43 @@ pub(crate) fn check(wanted: &Arrangement) -> anyhow::Result<()> {
 /// # Errors
 /// The settings name a core that is not there.
 pub(crate) fn apply(wanted: &Arrangement, place: usize) -> anyhow::Result<Lacks> {
-    let mut lacks = Lacks::default();
+    let mut lacks = Lacks {
+        priority: wanted.is_fifo() && !run_before_others(wanted.priority + place as u8),
+        memory: wanted.locks_memory() && !lock_memory(),
+        core: false,
+    };
     match wanted.cpus {
         Cpus::Cores(cores) => {
             if let Some(core) = cores[place] {
                 pin(core)?;
             }
         }
-        Cpus::Auto if wanted.realtime && wanted.wake == Wake::Event => {
-            if let Some(core) = chosen_core(place) {
+        // Without priority another program on that core would hold the whole chain up.
+        Cpus::Auto if wanted.realtime && !lacks.priority && wanted.wake == Wake::Event => {
+            if let Some(core) = chosen_core() {
                 lacks.core = pin(core).is_err();
             }
         }
         Cpus::Auto | Cpus::Anywhere => {}
     }
-    if wanted.locks_memory() {
-        lacks.memory = !lock_memory();
-    }
-    if wanted.is_fifo() {
-        lacks.priority = !run_before_others(wanted.priority + place as u8);
-    }
     Ok(lacks)
 }
 
-/// The core that was measured to be best for the stage at this place: ARCHITECTURE.md, "Arrangement".
-fn chosen_core(place: usize) -> Option<usize> {
+/// The core that was measured to be best for the stages: one for all (ARCHITECTURE.md, "Arrangement").
+fn chosen_core() -> Option<usize> {
     let isolated = fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
-    let isolated = core_list(&isolated);
-    let usable: Vec<usize> = match sched_getaffinity(None) {
+    let usable = match sched_getaffinity(None) {
         Ok(set) => (0..CpuSet::MAX_CPU)
             .filter(|&core| set.is_set(core))
             .collect(),
         Err(_) => Vec::new(),
     };
-    chosen_cores(&isolated, &usable)[place]
+    last_core(&core_list(&isolated), &usable)
+}
+
+/// The last core that is kept from others, or the last there is: the first serves interrupts unless told otherwise.
+fn last_core(isolated: &[usize], usable: &[usize]) -> Option<usize> {
+    isolated.last().or(usable.last()).copied()
 }
 
 /// Core numbers as the kernel writes them: `0-2,5`.
@@ -190,20 +193,6 @@ pub(crate) fn core_list(text: &str) -> Vec<usize> {
         Some(first.trim().parse().ok()?..=last.trim().parse().ok()?)
     };
     text.trim().split(',').filter_map(range).flatten().collect()
-}
-
-/// The cores of the stages on a machine with these.
-fn chosen_cores(isolated: &[usize], usable: &[usize]) -> [Option<usize>; STAGES.len()] {
-    let from = if isolated.is_empty() {
-        usable
-    } else {
-        isolated
-    };
-    match *from {
-        [] => [None; STAGES.len()],
-        // Interrupts are served by the first core unless told otherwise.
-        [.., last] => [Some(last); STAGES.len()],
-    }
 }
 
 fn count(cores: &CpuSet) -> usize {
@@ -237,7 +226,10 @@ fn lock_memory() -> bool {
             return false;
         }
     }
-    mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok()
+    // What is never touched stays unmade: with it the chain would be half as large again. What a stage works with it has
+    // touched in its rehearsal, and the pages of channels were made with them.
+    let wanted = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT;
+    mlockall(wanted).is_ok()
 }
 
 /// Gives this thread realtime priority, and no more of it than [`KILLED_AFTER`] at a time.
@@ -332,8 +324,8 @@ mod tests {
 
     #[test]
     fn isolated_cores_are_taken_before_others() {
-        assert_eq!(chosen_cores(&[2, 3], &[0, 1])[1], Some(3));
-        assert_eq!(chosen_cores(&[], &[0, 1])[1], Some(1));
-        assert_eq!(chosen_cores(&[], &[]), [None; 4]);
+        assert_eq!(last_core(&[2, 3], &[0, 1]), Some(3));
+        assert_eq!(last_core(&[], &[0, 1]), Some(1));
+        assert_eq!(last_core(&[], &[]), None);
     }
 }

@@ -86,6 +86,9 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
     let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
     chain.wait_for_frames();
     let found = chain.ids.map(scheduling);
+    let cores = chain
+        .ids
+        .map(|id| status_of(&id.to_string(), "Cpus_allowed_list:"));
     chain.signal_chain(Signal::INT);
     let ended = chain.end();
     assert!(ended.status.success(), "{}", ended.stderr);
@@ -93,10 +96,15 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
     if introduction.contains(lacking) {
         assert_eq!(introduction.matches("may not have").count(), 1);
         assert!(found.iter().flatten().all(|thread| *thread == (0, 0)));
+        // Where others may go before them, one core for all would be a trap.
+        let own = status_of("self", "Cpus_allowed_list:");
+        assert!(cores.iter().all(|stage| *stage == own), "{cores:?}");
     } else {
         for (priority, threads) in (7..).zip(&found) {
             assert_eq!(threads[..], [(1, priority)]);
         }
+        assert!(cores.iter().all(|stage| *stage == cores[0]), "{cores:?}");
+        assert!(cores[0].parse::<usize>().is_ok(), "{cores:?}");
     }
 }
 
