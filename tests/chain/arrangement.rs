@@ -86,6 +86,9 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
     let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
     chain.wait_for_frames();
     let found = chain.ids.map(scheduling);
+    let limits = chain
+        .ids
+        .map(|id| fs::read_to_string(format!("/proc/{id}/limits")).expect("it lives"));
     let cores = chain
         .ids
         .map(|id| status_of(&id.to_string(), "Cpus_allowed_list:"));
@@ -104,6 +107,14 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
             assert_eq!(threads[..], [(1, priority)]);
         }
         assert!(cores.iter().all(|stage| *stage == cores[0]), "{cores:?}");
+        // The kernel ends what runs on and on.
+        for of_stage in &limits {
+            let bound = of_stage
+                .lines()
+                .find_map(|line| line.strip_prefix("Max realtime timeout"));
+            let soft = bound.and_then(|line| line.split_whitespace().next());
+            assert_ne!(soft, Some("unlimited"), "{of_stage}");
+        }
         assert!(cores[0].parse::<usize>().is_ok(), "{cores:?}");
     }
 }
