@@ -69,6 +69,7 @@ mod difference;
 mod doubt;
 mod edge;
 mod ends;
+mod extender;
 mod extractor;
 mod faint;
 mod follow;
