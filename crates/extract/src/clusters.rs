@@ -4,6 +4,16 @@
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
 mod pixels;
+#[allow(
+    dead_code,
+    reason = "the first method that begins with it is not here yet"
+)]
+mod random;
+#[allow(
+    dead_code,
+    reason = "the first method that begins with it is not here yet"
+)]
+mod seeding;
 
 pub use pixels::{Pixels, Run};
 
