@@ -3,6 +3,11 @@
 //! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
+mod cells;
+mod clusterer;
+mod kmeans;
+mod method;
+mod nerve;
 mod pixels;
 #[allow(
     dead_code,
@@ -15,6 +20,9 @@ mod random;
 )]
 mod seeding;
 
+pub(crate) use clusterer::{Center, Clusterer};
+pub use kmeans::KMeans;
+pub use method::{Method, UnknownMethod};
 pub use pixels::{Pixels, Run};
 
 /// Where the centers come from.

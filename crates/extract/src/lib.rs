@@ -89,6 +89,7 @@ mod neighbors;
 mod notice;
 mod onward;
 mod options;
+mod ordering;
 mod over;
 mod overlaps;
 mod pairing;
@@ -123,7 +124,7 @@ mod whole;
 mod widths;
 mod zones;
 
-pub use clusters::{Outcome, Pixels, Run, Start};
+pub use clusters::{KMeans, Method, Outcome, Pixels, Run, Start, UnknownMethod};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};

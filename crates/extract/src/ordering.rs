@@ -31,10 +31,15 @@ const OWN_HALVES: f32 = 1.0;
 /// The centers are smoothed over so many widths: as far as those that lie abreast take turns.
 const SMOOTH_WIDTHS: f32 = 0.5;
 const SMOOTH_PX: f32 = 2.5;
-/// Half-widths of the way's ends that are laid anew when the line is smooth.
-const CUT_HALVES: f32 = 0.7;
+/// Half-widths of the way's ends that are laid anew: where thinning has bent them, then where they are run on straight.
+const CUTS_HALVES: [f32; 2] = [1.0, 1.0];
+const LAST_CUT_HALVES: f32 = 0.7;
+/// The weight of a place in an open stretch where no center is: of no account, but not nothing, as in a crossing.
+const NO_CENTER: f32 = 1e-4;
 /// Times the strand's width that a section is at most; a wider one is not of this strand alone.
 const WIDEST: f32 = 1.6;
+/// Half-widths from the middle of an overlap that its sides are sought.
+const MOST_OVERLAP: f32 = 2.5;
 /// Step in which the sides of the mask are sought, in pixels.
 const SIDE_STEP_PX: f32 = 0.5;
 
@@ -80,12 +85,15 @@ impl Orderer {
         }
         line.space(step_px, &mut self.spaced);
         self.smoother.smooth(line, reach_px(half_px) / step_px);
+        set_apart(line, mask, half_px);
         let difference = source.difference;
-        (self.extender).extend(difference, line, half_px, step_px, 0.0);
-        self.take_centers(line, centers, half_px, step_px);
-        self.smoother.smooth(line, reach_px(half_px) / step_px);
+        for cut in CUTS_HALVES {
+            (self.extender).extend(difference, line, half_px, step_px, cut * half_px);
+            self.take_centers(line, centers, half_px, step_px);
+            self.smoother.smooth(line, reach_px(half_px) / step_px);
+        }
         half_px = 0.5 * self.measure_widths(line, mask, half_px);
-        let cut_px = CUT_HALVES * half_px;
+        let cut_px = LAST_CUT_HALVES * half_px;
         (self.extender).extend(difference, line, half_px, step_px, cut_px);
         if line.closed {
             line.space(step_px, &mut self.spaced);
@@ -113,13 +121,11 @@ impl Orderer {
         let between = 2.0 * half_px * step_px;
         for (sample, &[x, y, weight]) in line.samples.iter_mut().zip(&self.sums) {
             // In a crossing a center is both strands', in an overlap neither's own.
-            if sample.weight >= 1.0 {
-                sample.weight = weight / between;
+            if sample.weight > 0.0 && sample.side == 0.0 {
+                sample.weight = (weight / between).max(NO_CENTER);
                 if weight > 0.0 {
                     sample.at = [x / weight, y / weight];
                 }
-            } else if sample.weight > 0.0 {
-                sample.weight = OVERLAP;
             }
         }
     }
@@ -132,7 +138,8 @@ impl Orderer {
         for i in 0..line.samples.len() {
             let across = vec2::unit_or(vec2::normal(line.slope(i, 2)), [1.0, 0.0]);
             let at = line.samples[i].at;
-            let sides = [across, vec2::scale(across, -1.0)].map(|way| side_px(mask, at, way, widest_px));
+            let sides =
+                [across, vec2::scale(across, -1.0)].map(|way| side_px(mask, at, way, widest_px));
             let width_px = sides[0] + sides[1];
             let sample = &mut line.samples[i];
             sample.width_px = width_px;
@@ -153,7 +160,11 @@ impl Orderer {
         self.widths.samples.clear();
         (self.widths.samples).extend(line.samples.iter().map(|sample| Sample {
             at: [0.0; 2],
-            width_px: if sample.weight > 0.0 { sample.width_px } else { width_px },
+            width_px: if sample.weight > 0.0 {
+                sample.width_px
+            } else {
+                width_px
+            },
             // What is not known is not far from the median.
             weight: sample.weight.max(0.01),
             side: 0.0,
@@ -163,6 +174,33 @@ impl Orderer {
             sample.width_px = width.width_px.max(0.5);
             sample.weight = 1.0;
         }
+    }
+}
+
+/// Tells apart what a way's samples lie in: a crossing (weight 0), an overlap (a side), or the open; and puts those in an
+/// overlap half a strand's width beside its edge on their side.
+fn set_apart(line: &mut Line, mask: &BitPlane, half_px: f32) {
+    for i in 0..line.samples.len() {
+        let across = vec2::unit_or(vec2::normal(line.slope(i, 2)), [1.0, 0.0]);
+        let sample = &mut line.samples[i];
+        if sample.weight >= 1.0 || sample.weight == 0.0 {
+            sample.side = 0.0;
+            continue;
+        }
+        let sides = [1.0, -1.0].map(|way| {
+            side_px(
+                mask,
+                sample.at,
+                vec2::scale(across, way),
+                MOST_OVERLAP * half_px,
+            ) - half_px
+        });
+        let share = 0.5 * (sample.side + 1.0);
+        let aside_px = share * sides[0].max(0.0) - (1.0 - share) * sides[1].max(0.0);
+        sample.at = vec2::along(sample.at, across, aside_px);
+        sample.weight = OVERLAP;
+        // Where it changes sides it is still an overlap.
+        sample.side = sample.side.abs().max(f32::MIN_POSITIVE);
     }
 }
 

@@ -378,7 +378,6 @@ impl Strips {
     }
 }
 
-#[cfg(test)]
 impl Strips {
     /// The same pixels row by row.
     pub(crate) fn plane(&self) -> BitPlane {

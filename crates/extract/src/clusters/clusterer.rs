@@ -57,6 +57,7 @@ impl Clusterer {
             places.reserve(pieces * count);
         }
         self.taken.reserve(pieces);
+        self.nerve.reserve(count);
         self.centers.reserve(pieces * count);
     }
 
@@ -146,7 +147,9 @@ impl Clusterer {
             centers.iter().filter(|at| self.is_on_piece(**at)).count()
         };
         let free = (0..self.taken.len()).filter(|&set| !self.taken[set]);
-        let (most, set) = free.map(|set| (on_piece(set), set)).max_by_key(|&(on, _)| on)?;
+        let (most, set) = free
+            .map(|set| (on_piece(set), set))
+            .max_by_key(|&(on, _)| on)?;
         let is_same = most as f32 >= SAME * count as f32;
         self.taken[set] |= is_same;
         is_same.then_some(set)

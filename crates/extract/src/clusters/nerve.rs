@@ -1,81 +1,196 @@
 //! Which centers lie side by side in the mask: the nerve of their cells, drawn.
 //!
-//! A center's cell are the pixels nearest to it. Two centers are joined where their cells touch, three span a triangle where
-//! theirs meet in one place: the induced Delaunay triangulation of Martinetz and Schulten ("Topology representing networks",
-//! Neural Networks 7, 1994) with its triangles. Its edges do not cross, and where cells and the borders between them are in
-//! one piece each, it is connected as the mask is, holes included (the nerve theorem; Edelsbrunner and Shah,
+//! A center's cell are the pixels nearest to it. Two centers are joined where their cells touch, three where theirs meet in
+//! one place: the induced Delaunay triangulation of Martinetz and Schulten ("Topology representing networks", Neural
+//! Networks 7, 1994). It is drawn as its barycentric subdivision: a line runs from one center to the other through the middle
+//! of the border between their cells, which on a rope is the rope's own middle, and around a place where three cells meet all
+//! is filled that lies between such lines. Each stroke stays within one cell, so none cross. Where every cell is in one
+//! piece without holes, the drawing is connected as the mask is, holes included (the nerve theorem; Edelsbrunner and Shah,
 //! "Triangulating topological spaces", 1994). So it needs no case of its own for centers that lie in single file, in zigzag
-//! or two abreast: thinned, all of them become one line through their middle.
-//!
-//! It is not connected as the mask is where a hole lies between two cells, or within one: a hole smaller than the
-//! distance between centers is not seen.
+//! or two abreast: thinned, all of them become one line through their middle. A hole within one cell is not seen.
 
 use super::cells::Cell;
 use crate::bits::BitPlane;
+use crate::skeleton::NONE as LAST;
 
-/// The most centers of one piece.
-pub(crate) const MOST_CENTERS: usize = 256;
 /// No cell.
 const NONE: u16 = u16::MAX;
+/// Parts of a border that lie this near to each other, in pixels, are one: the edge of a mask is ragged.
+const NEAR_PX: f32 = 3.0;
+/// How much less than a side two pixels' common corner tells of where a border lies.
+const CORNER: f32 = 0.01;
+
+/// A stretch along which two cells touch.
+#[derive(Clone, Copy, Debug)]
+struct Border {
+    /// The second cell; the list that it stands in is the first's.
+    other: u16,
+    /// The next in that list.
+    next: u32,
+    /// What it covers, and the sum of its places with their number.
+    least: [f32; 2],
+    most: [f32; 2],
+    sum: [f32; 3],
+}
+
+impl Border {
+    fn middle(&self) -> [f32; 2] {
+        let [x, y, count] = self.sum;
+        [x / count, y / count]
+    }
+
+    fn is_near(&self, [x, y]: [f32; 2], reach_px: f32) -> bool {
+        x >= self.least[0] - reach_px
+            && x <= self.most[0] + reach_px
+            && y >= self.least[1] - reach_px
+            && y <= self.most[1] + reach_px
+    }
+}
+
+/// A place where three cells meet.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    cells: [u16; 3],
+    at: [f32; 2],
+}
 
 /// Centers side by side, as a picture: lines between two, areas between three.
 #[derive(Debug, Default)]
 pub(crate) struct Nerve {
     pub(crate) plane: BitPlane,
-    /// For each center those that it is joined with.
-    joined: Vec<[u64; MOST_CENTERS / 64]>,
+    borders: Vec<Border>,
+    /// For each cell the first of its borders to cells behind it.
+    first: Vec<u32>,
+    meetings: Vec<Meeting>,
 }
 
 impl Nerve {
+    /// Makes the memory for so many centers.
+    pub(crate) fn reserve(&mut self, centers: usize) {
+        // A planar graph has fewer than 3 edges a corner and 2 areas, which a ragged mask shows more than once.
+        self.borders.reserve(6 * centers);
+        self.meetings.reserve(8 * centers);
+        self.first.reserve(centers);
+    }
+
     /// Begins a picture of this size.
     pub(crate) fn begin(&mut self, width: usize, height: usize) {
         self.plane.resize(width, height);
-        self.joined.reserve(MOST_CENTERS);
     }
 
-    /// Draws what lies between these centers, at most [`MOST_CENTERS`], of which the cells are given row by row.
+    /// Draws what lies between these centers, of which the cells are given row by row.
     pub(crate) fn add(&mut self, cells: &[Cell], centers: &[[f32; 2]]) {
-        self.joined.clear();
-        self.joined.resize(centers.len(), Default::default());
+        self.borders.clear();
+        self.meetings.clear();
+        self.first.clear();
+        self.first.resize(centers.len(), LAST);
         let mut above: &[Cell] = &[];
         for row in cells.chunk_by(|a, b| a.y == b.y) {
             let touches = above.first().is_some_and(|cell| cell.y + 1 == row[0].y);
-            let upper = if touches { above } else { &[] };
-            each_meeting(upper, row, |corners| self.meet(corners, centers));
+            self.sweep(if touches { above } else { &[] }, row);
             above = row;
+        }
+        self.draw(centers);
+    }
+
+    /// Finds the borders in a row and between it and the one above, from left to right.
+    fn sweep(&mut self, upper: &[Cell], lower: &[Cell]) {
+        let y = f32::from(lower[0].y);
+        let (mut upper, mut lower) = (upper.iter().peekable(), lower.iter().peekable());
+        let (mut x, mut left) = (0, [NONE; 2]);
+        while x < u16::MAX {
+            let (above, above_to) = at(&mut upper, x);
+            let (below, below_to) = at(&mut lower, x);
+            let to = above_to.min(below_to);
+            let edge = f32::from(x) - 0.5;
+            // The longest part first: by it the others are seen to belong to the row above.
+            if above != below && above != NONE && below != NONE {
+                let half = 0.5 * f32::from(to - x);
+                self.touch(above, below, [edge + half, y - 0.5], half, 2.0 * half);
+            }
+            self.touch(left[1], below, [edge, y], 0.0, 1.0);
+            self.meet([left[0], above, left[1], below], [edge, y - 0.5]);
+            left = [above, below];
+            x = to;
         }
     }
 
-    /// Draws what lies between the centers of two pixels above (left, right) and two below.
-    fn meet(&mut self, [ul, ur, ll, lr]: [u16; 4], centers: &[[f32; 2]]) {
-        for (a, b) in [(ul, ur), (ll, lr), (ul, ll), (ur, lr), (ul, lr), (ur, ll)] {
-            self.join(a, b, centers);
-        }
-        // All four cells in one corner span two triangles.
-        for corners in [[ul, ur, ll], [ur, ll, lr], [ul, ur, lr], [ul, ll, lr]] {
-            let [a, b, c] = corners;
-            if a != b && b != c && a != c && !corners.contains(&NONE) {
-                let at = corners.map(|center| self.pixel(centers[usize::from(center)]));
-                self.fill(at);
+    /// Looks at the corner of four pixels, two above and two below.
+    fn meet(&mut self, [ul, ur, ll, lr]: [u16; 4], at: [f32; 2]) {
+        self.touch(ul, lr, at, 0.0, CORNER);
+        self.touch(ur, ll, at, 0.0, CORNER);
+        for cells in [[ul, ur, ll], [ur, ll, lr], [ul, ur, lr], [ul, ll, lr]] {
+            let [a, b, c] = cells;
+            if a != b && b != c && a != c && !cells.contains(&NONE) {
+                self.meetings.push(Meeting { cells, at });
             }
         }
     }
 
-    /// Draws the line between two centers, once.
-    fn join(&mut self, a: u16, b: u16, centers: &[[f32; 2]]) {
+    /// Adds a place, and `half_px` to its left and right, to the border between two cells.
+    fn touch(&mut self, a: u16, b: u16, [x, y]: [f32; 2], half_px: f32, count: f32) {
         if a == b || a == NONE || b == NONE {
             return;
         }
-        let (a, b) = (usize::from(a.min(b)), usize::from(a.max(b)));
-        let bit = 1u64 << (b % 64);
-        if self.joined[a][b / 64] & bit == 0 {
-            self.joined[a][b / 64] |= bit;
-            let [from, to] = [a, b].map(|center| self.pixel(centers[center]));
-            self.draw(from, to);
+        let (a, other) = (a.min(b), a.max(b));
+        let found = self.border(a, other, [x, y], NEAR_PX + half_px);
+        let i = found.unwrap_or_else(|| {
+            let first = &mut self.first[usize::from(a)];
+            self.borders.push(Border {
+                other,
+                next: *first,
+                least: [x, y],
+                most: [x, y],
+                sum: [0.0; 3],
+            });
+            *first = self.borders.len() as u32 - 1;
+            self.borders.len() - 1
+        });
+        let border = &mut self.borders[i];
+        border.least = [border.least[0].min(x - half_px), border.least[1].min(y)];
+        border.most = [border.most[0].max(x + half_px), border.most[1].max(y)];
+        let [sum_x, sum_y, sum] = border.sum;
+        border.sum = [sum_x + count * x, sum_y + count * y, sum + count];
+    }
+
+    /// The border between two cells, the first before the second, that comes near to a place.
+    fn border(&self, a: u16, other: u16, at: [f32; 2], reach_px: f32) -> Option<usize> {
+        let mut i = self.first[usize::from(a)];
+        while i != LAST {
+            let border = &self.borders[i as usize];
+            if border.other == other && border.is_near(at, reach_px) {
+                return Some(i as usize);
+            }
+            i = border.next;
+        }
+        None
+    }
+
+    fn draw(&mut self, centers: &[[f32; 2]]) {
+        for (a, &center) in centers.iter().enumerate() {
+            let mut i = self.first[a];
+            while i != LAST {
+                let border = self.borders[i as usize];
+                let other = centers[usize::from(border.other)];
+                self.line(center, border.middle());
+                self.line(border.middle(), other);
+                i = border.next;
+            }
+        }
+        for k in 0..self.meetings.len() {
+            let Meeting { cells, at } = self.meetings[k];
+            let [a, b, c] = cells;
+            for (a, b) in [(a, b), (b, c), (c, a)] {
+                if let Some(i) = self.border(a.min(b), a.max(b), at, NEAR_PX) {
+                    let middle = self.borders[i].middle();
+                    self.fill([at, centers[usize::from(a)], middle]);
+                    self.fill([at, middle, centers[usize::from(b)]]);
+                }
+            }
         }
     }
 
-    /// The pixel in which a center lies.
+    /// The pixel in which a place lies.
     fn pixel(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let (right, bottom) = (self.plane.width() - 1, self.plane.height() - 1);
         [
@@ -84,7 +199,8 @@ impl Nerve {
         ]
     }
 
-    fn draw(&mut self, from: [f32; 2], to: [f32; 2]) {
+    fn line(&mut self, from: [f32; 2], to: [f32; 2]) {
+        let (from, to) = (self.pixel(from), self.pixel(to));
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let steps = dx.abs().max(dy.abs()) as usize;
         let share = 1.0 / steps.max(1) as f32;
@@ -98,46 +214,29 @@ impl Nerve {
 
     /// Fills a triangle, row by row.
     fn fill(&mut self, corners: [[f32; 2]; 3]) {
-        let [a, b, c] = corners;
+        let [a, b, c] = corners.map(|corner| self.pixel(corner));
         let top = a[1].min(b[1]).min(c[1]) as usize;
         let bottom = a[1].max(b[1]).max(c[1]) as usize;
         for y in top..=bottom {
             let (mut from, mut to) = (f32::INFINITY, f32::NEG_INFINITY);
             for (a, b) in [(a, b), (b, c), (c, a)] {
                 let (upper, lower) = if a[1] <= b[1] { (a, b) } else { (b, a) };
-                let below = y as f32 - upper[1];
-                let height = lower[1] - upper[1];
-                if below < 0.0 || below > height || height == 0.0 {
+                let (below, height) = (y as f32 - upper[1], lower[1] - upper[1]);
+                if below < 0.0 || below > height {
                     continue;
                 }
-                let x = upper[0] + below / height * (lower[0] - upper[0]);
+                let share = below / height.max(1.0);
+                let x = upper[0] + share * (lower[0] - upper[0]);
                 (from, to) = (from.min(x), to.max(x));
             }
-            if from <= to {
-                self.plane.fill(y, from.ceil() as usize, to as usize + 1, true);
-            }
+            let (from, to) = (from.ceil() as usize, to as usize + 1);
+            self.plane.fill(y, from.min(to), to, true);
         }
     }
 }
 
-/// Calls `meeting` wherever four pixels, two of the upper row and two of the lower, change from those to their left.
-fn each_meeting(upper: &[Cell], lower: &[Cell], mut meeting: impl FnMut([u16; 4])) {
-    let (mut upper, mut lower) = (upper.iter().peekable(), lower.iter().peekable());
-    let (mut x, mut left) = (0, [NONE; 2]);
-    while x < u16::MAX {
-        let (above, above_to) = at(&mut upper, x);
-        let (below, below_to) = at(&mut lower, x);
-        meeting([left[0], above, left[1], below]);
-        left = [above, below];
-        x = above_to.min(below_to);
-    }
-}
-
 /// Whose pixel column `x` of a row is, and up to where nothing changes.
-fn at<'a>(
-    row: &mut std::iter::Peekable<impl Iterator<Item = &'a Cell>>,
-    x: u16,
-) -> (u16, u16) {
+fn at<'a>(row: &mut std::iter::Peekable<impl Iterator<Item = &'a Cell>>, x: u16) -> (u16, u16) {
     while row.next_if(|cell| cell.to <= x).is_some() {}
     match row.peek() {
         Some(cell) if cell.from <= x => (cell.center, cell.to),
