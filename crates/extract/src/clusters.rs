@@ -3,21 +3,15 @@
 //! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
+mod blocks;
 mod cells;
 mod clusterer;
 mod kmeans;
 mod method;
+mod nearest;
 mod nerve;
 mod pixels;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
 mod random;
-#[allow(
-    dead_code,
-    reason = "the first method that begins with it is not here yet"
-)]
 mod seeding;
 
 pub(crate) use clusterer::{Center, Clusterer};

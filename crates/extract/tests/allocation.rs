@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use drawing::{Rope, Table, extractor};
-use lariat_extract::{Image, PixelFormat};
+use lariat_extract::{Image, KMeans, PixelFormat, Pixels, Run, Start};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -126,4 +126,36 @@ fn no_frame_without_a_clear_rope_allocates_after_preparation() {
         let grown = COUNT.get() - before;
         assert_eq!((scene.curves.len(), grown), (0, 0), "{:?}", scene.notice);
     }
+}
+
+#[test]
+fn no_clustering_allocates_once_warm() {
+    // A bar that turns, and then fewer pixels than centers.
+    let frames: Vec<Pixels> = (0..12u16)
+        .map(|frame| {
+            let mut pixels = Pixels::default();
+            for y in 0..if frame == 11 { 1 } else { 180 } {
+                let from = 40 + y * frame / 12;
+                let to = from + 20 + frame;
+                pixels.push(Run { y, from, to });
+            }
+            pixels
+        })
+        .collect();
+    let mut kmeans = KMeans::default();
+    let mut centers = vec![[0.0; 2]; 120];
+    let mut run = || {
+        for pixels in &frames {
+            kmeans.run(pixels, Start::Seeded(1), &mut centers);
+        }
+        // Where all are on one place, the others are empty.
+        centers.fill([100.0, 100.0]);
+        for pixels in &frames {
+            kmeans.run(pixels, Start::Given, &mut centers);
+        }
+    };
+    run();
+    let before = COUNT.get();
+    run();
+    assert_eq!(COUNT.get() - before, 0);
 }
