@@ -7,7 +7,10 @@
 //! is filled that lies between such lines. Each stroke stays within one cell, so none cross. Where every cell is in one
 //! piece without holes, the drawing is connected as the mask is, holes included (the nerve theorem; Edelsbrunner and Shah,
 //! "Triangulating topological spaces", 1994). So it needs no case of its own for centers that lie in single file, in zigzag
-//! or two abreast: thinned, all of them become one line through their middle. A hole within one cell is not seen.
+//! or two abreast: thinned, all of them become one line through their middle.
+//!
+//! A cell that comes to the mask's edge in three places or more is one in which ways part: its center says nothing of where.
+//! All of its pixels are drawn. So it is only a hole within a cell of a plain stretch that is not seen.
 
 use super::cells::Cell;
 use crate::bits::BitPlane;
@@ -17,6 +20,8 @@ use crate::skeleton::NONE as LAST;
 const NONE: u16 = u16::MAX;
 /// Parts of a border that lie this near to each other, in pixels, are one: the edge of a mask is ragged.
 const NEAR_PX: f32 = 3.0;
+/// Places at which a cell of a plain stretch does not come to the mask's edge: it has two sides.
+const PARTING: i32 = 3;
 /// How much less than a side two pixels' common corner tells of where a border lies.
 const CORNER: f32 = 0.01;
 
@@ -62,6 +67,8 @@ pub(crate) struct Nerve {
     /// For each cell the first of its borders to cells behind it.
     first: Vec<u32>,
     meetings: Vec<Meeting>,
+    /// In how many places each cell comes to the mask's edge: between two borders, but where these meet in a third cell.
+    edges: Vec<i32>,
 }
 
 impl Nerve {
@@ -71,6 +78,7 @@ impl Nerve {
         self.borders.reserve(6 * centers);
         self.meetings.reserve(8 * centers);
         self.first.reserve(centers);
+        self.edges.reserve(centers);
     }
 
     /// Begins a picture of this size.
@@ -91,6 +99,37 @@ impl Nerve {
             above = row;
         }
         self.draw(centers);
+        self.count_edges(centers.len());
+        for cell in cells {
+            if self.edges[usize::from(cell.center)] >= PARTING {
+                let [y, from, to] = [cell.y, cell.from, cell.to].map(usize::from);
+                self.plane.fill(y, from, to, true);
+            }
+        }
+    }
+
+    fn count_edges(&mut self, cells: usize) {
+        self.edges.clear();
+        self.edges.resize(cells, 0);
+        for a in 0..cells {
+            let mut i = self.first[a];
+            while i != LAST {
+                let border = &self.borders[i as usize];
+                self.edges[a] += 1;
+                self.edges[usize::from(border.other)] += 1;
+                i = border.next;
+            }
+        }
+        // A ragged border shows the same meeting several times.
+        self.meetings
+            .iter_mut()
+            .for_each(|m| m.cells.sort_unstable());
+        self.meetings.sort_unstable_by_key(|m| m.cells);
+        for same in self.meetings.chunk_by(|a, b| a.cells == b.cells) {
+            for cell in same[0].cells {
+                self.edges[usize::from(cell)] -= 1;
+            }
+        }
     }
 
     /// Finds the borders in a row and between it and the one above, from left to right.
