@@ -9,8 +9,9 @@
 //! "Triangulating topological spaces", 1994). So it needs no case of its own for centers that lie in single file, in zigzag
 //! or two abreast: thinned, all of them become one line through their middle.
 //!
-//! A cell that comes to the mask's edge in three places or more is one in which ways part: its center says nothing of where.
-//! All of its pixels are drawn. So it is only a hole within a cell of a plain stretch that is not seen.
+//! A cell of a plain stretch comes to the mask's edge in two places at most, its sides. In one that comes there in three, or
+//! between three that meet and come there in two each, ways part: the centers say nothing of where, and all of their
+//! pixels are drawn. So it is only a hole within a cell of a plain stretch that is not seen.
 
 use super::cells::Cell;
 use crate::bits::BitPlane;
@@ -20,8 +21,6 @@ use crate::skeleton::NONE as LAST;
 const NONE: u16 = u16::MAX;
 /// Parts of a border that lie this near to each other, in pixels, are one: the edge of a mask is ragged.
 const NEAR_PX: f32 = 3.0;
-/// Places at which a cell of a plain stretch does not come to the mask's edge: it has two sides.
-const PARTING: i32 = 3;
 /// How much less than a side two pixels' common corner tells of where a border lies.
 const CORNER: f32 = 0.01;
 
@@ -69,6 +68,8 @@ pub(crate) struct Nerve {
     meetings: Vec<Meeting>,
     /// In how many places each cell comes to the mask's edge: between two borders, but where these meet in a third cell.
     edges: Vec<i32>,
+    /// The cells to be drawn whole.
+    partings: Vec<bool>,
 }
 
 impl Nerve {
@@ -79,6 +80,7 @@ impl Nerve {
         self.meetings.reserve(8 * centers);
         self.first.reserve(centers);
         self.edges.reserve(centers);
+        self.partings.reserve(centers);
     }
 
     /// Begins a picture of this size.
@@ -99,15 +101,32 @@ impl Nerve {
             above = row;
         }
         self.draw(centers);
-        self.count_edges(centers.len());
+        self.find_partings(centers.len());
         for cell in cells {
-            if self.edges[usize::from(cell.center)] >= PARTING {
+            if self.partings[usize::from(cell.center)] {
                 let [y, from, to] = [cell.y, cell.from, cell.to].map(usize::from);
                 self.plane.fill(y, from, to, true);
             }
         }
     }
 
+    /// Finds the cells in which ways part, or three of which meet.
+    fn find_partings(&mut self, cells: usize) {
+        self.count_edges(cells);
+        self.partings.clear();
+        self.partings
+            .extend(self.edges.iter().map(|&edges| edges >= 3));
+        for same in self.meetings.chunk_by(|a, b| a.cells == b.cells) {
+            let cells = same[0].cells.map(usize::from);
+            if cells.iter().all(|&cell| self.edges[cell] >= 2) {
+                cells
+                    .into_iter()
+                    .for_each(|cell| self.partings[cell] = true);
+            }
+        }
+    }
+
+    /// Counts the places in which each cell comes to the mask's edge, and sorts the meetings.
     fn count_edges(&mut self, cells: usize) {
         self.edges.clear();
         self.edges.resize(cells, 0);
