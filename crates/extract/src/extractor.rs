@@ -398,30 +398,5 @@ impl Extractor {
         body.strips.take(&body.rows);
         self.skeleton
             .list(&self.thinner.thin, &body.strips, &body.rows);
-        // DEBUGDUMP
-        if let Ok(p) = std::env::var("DUMP") {
-            let (w, h) = (rows.width(), rows.height());
-            let mut out = format!("P5 {w} {h} 255\n").into_bytes();
-            let thin = self.thinner.thin.plane();
-            for y in 0..h as i32 {
-                for x in 0..w as i32 {
-                    out.push(if thin.get(x, y) {
-                        255
-                    } else if nerve.get(x, y) {
-                        180
-                    } else if rows.get(x, y) {
-                        90
-                    } else {
-                        0
-                    });
-                }
-            }
-            for c in &self.clusterer.centers {
-                let (x, y) = (c.at[0].round() as usize, c.at[1].round() as usize);
-                let n = out.len() - w * h;
-                out[n + y * w + x] = 20;
-            }
-            std::fs::write(p, out).unwrap();
-        } // ENDDUMP
     }
 }

@@ -27,12 +27,12 @@ use crate::zones::quantile_of_positive;
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
 /// Half-widths from the way within which a center is the strand's: beyond lies its side.
-const OWN_HALVES: f32 = 1.0;
+const OWN_HALVES: f32 = 1.25;
 /// The centers are smoothed over so many widths: as far as those that lie abreast take turns.
 const SMOOTH_WIDTHS: f32 = 0.5;
 const SMOOTH_PX: f32 = 2.5;
 /// Half-widths of the way's ends that are laid anew: where thinning has bent them, then where they are run on straight.
-const CUTS_HALVES: [f32; 2] = [1.0, 1.0];
+const CUTS_HALVES: [f32; 2] = [2.5, 1.0];
 const LAST_CUT_HALVES: f32 = 0.7;
 /// The weight of a place in an open stretch where no center is: of no account, but not nothing, as in a crossing.
 const NO_CENTER: f32 = 1e-4;

@@ -378,6 +378,7 @@ impl Strips {
     }
 }
 
+#[cfg(test)]
 impl Strips {
     /// The same pixels row by row.
     pub(crate) fn plane(&self) -> BitPlane {
