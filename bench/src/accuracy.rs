@@ -41,7 +41,7 @@ pub(crate) struct Args {
     dataset: Option<PathBuf>,
     #[command(flatten)]
     rendered: rendered::Args,
-    /// How the mask becomes a centerline: skeleton, or kmeans, … (`extract.method` of the settings)
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
     #[arg(long, value_name = "NAME", default_value_t)]
     method: Method,
     /// Also writes one line for each image, with all its figures

@@ -33,7 +33,7 @@ pub(crate) struct ShapeArgs {
     /// Let points far off the curve weigh less, and hidden ones nothing
     #[arg(long)]
     pub(crate) robust: bool,
-    /// How the mask becomes a centerline: skeleton or kmeans
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm
     #[arg(long, value_name = "NAME")]
     pub(crate) method: Option<String>,
     /// Points of a centerline

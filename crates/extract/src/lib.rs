@@ -124,7 +124,10 @@ mod whole;
 mod widths;
 mod zones;
 
-pub use clusters::{KMeans, Method, Outcome, Pixels, Run, Start, UnknownMethod};
+pub use clusters::{
+    FuzzyMeans, KMeans, Method, Mixture, Outcome, Pixels, Run, Som, Start, UnknownMethod,
+    seed_centers,
+};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};

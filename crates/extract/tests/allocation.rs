@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use drawing::{Rope, Table, extractor};
-use lariat_extract::{Image, KMeans, PixelFormat, Pixels, Run, Start};
+use lariat_extract::{FuzzyMeans, Image, KMeans, Mixture, PixelFormat, Pixels, Run, Som, Start};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -143,6 +143,8 @@ fn no_clustering_allocates_once_warm() {
         })
         .collect();
     let mut kmeans = KMeans::default();
+    let (mut som, mut mixture) = (Som::default(), Mixture::default());
+    let mut fuzzy = FuzzyMeans::default();
     let mut centers = vec![[0.0; 2]; 120];
     let mut run = || {
         for pixels in &frames {
@@ -153,6 +155,14 @@ fn no_clustering_allocates_once_warm() {
         for pixels in &frames {
             kmeans.run(pixels, Start::Given, &mut centers);
         }
+        for pixels in [&frames[5], &frames[11], &frames[7]] {
+            for start in [Start::Seeded(1), Start::Given] {
+                som.run(pixels, start, &mut centers);
+                mixture.run(pixels, start, &mut centers);
+            }
+            fuzzy.run(pixels, Start::Given, &mut centers);
+        }
+        fuzzy.run(&frames[11], Start::Seeded(1), &mut centers);
     };
     run();
     let before = COUNT.get();

@@ -4,9 +4,8 @@
 //! ended that lie on the piece, or else, by the same seed every time, among its pixels.
 
 use super::cells::Cells;
-use super::kmeans::KMeans;
 use super::nerve::Nerve;
-use super::{Method, Pixels, Run, Start};
+use super::{FuzzyMeans, KMeans, Method, Mixture, Pixels, Run, Som, Start};
 use crate::bits::BitPlane;
 use crate::components::{Components, budget};
 
@@ -35,6 +34,9 @@ pub(crate) struct Clusterer {
     names: Vec<u32>,
     pixels: Pixels,
     kmeans: KMeans,
+    som: Som,
+    mixture: Mixture,
+    fuzzy_means: FuzzyMeans,
     cells: Cells,
     /// K positions for each piece, of this frame and of the last.
     places: Vec<[f32; 2]>,
@@ -100,7 +102,8 @@ impl Clusterer {
                 let centers = &self.former[set * count..][..count];
                 self.places.extend_from_slice(centers);
                 self.cluster(method, Start::Given, from);
-                if self.is_uneven() {
+                // Of the others uneven cells are the way.
+                if method == Method::KMeans && self.is_uneven() {
                     self.cluster(method, Start::Seeded(SEED), from);
                 }
             }
@@ -123,6 +126,9 @@ impl Clusterer {
         match method {
             // The skeleton has none; nobody asks.
             Method::Skeleton | Method::KMeans => self.kmeans.run(pixels, start, centers),
+            Method::Som => self.som.run(pixels, start, centers),
+            Method::Mixture => self.mixture.run(pixels, start, centers),
+            Method::FuzzyMeans => self.fuzzy_means.run(pixels, start, centers),
         };
         self.cells.assign(pixels, centers);
         self.counts.clear();

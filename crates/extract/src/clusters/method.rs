@@ -17,12 +17,23 @@ pub enum Method {
     Skeleton,
     /// Centers by [`KMeans`](crate::KMeans).
     KMeans,
+    /// Centers by [`Som`](crate::Som).
+    Som,
+    /// Centers by [`Mixture`](crate::Mixture).
+    Mixture,
+    /// Centers by [`FuzzyMeans`](crate::FuzzyMeans).
+    FuzzyMeans,
 }
 
 impl Method {
     /// All of them, by name.
-    pub const ALL: [(&'static str, Self); 2] =
-        [("skeleton", Self::Skeleton), ("kmeans", Self::KMeans)];
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("skeleton", Self::Skeleton),
+        ("kmeans", Self::KMeans),
+        ("som", Self::Som),
+        ("gmm", Self::Mixture),
+        ("fcm", Self::FuzzyMeans),
+    ];
 }
 
 impl fmt::Display for Method {

@@ -44,6 +44,12 @@ pub(crate) struct Seeding {
     sums: Vec<f32>,
 }
 
+/// Makes `centers` those that [`Start::Seeded`] begins with: pixels drawn by k-means++. Without pixels they are left as
+/// they are. For handing the same start to others: allocates.
+pub fn seed_centers(pixels: &Pixels, seed: u64, centers: &mut [[f32; 2]]) {
+    Seeding::default().begin(pixels, Start::Seeded(seed), centers);
+}
+
 /// Whether a center is where a pixel could be near it.
 fn is_place(center: &[f32; 2]) -> bool {
     center.iter().all(|c| c.abs() <= FAR)
