@@ -33,6 +33,9 @@
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
 //!
+//! With another [`Method`] than the skeleton, centers of a clustering stand in its place (`clusters`, in order by its `nerve`)
+//! and the points are theirs (`ordering`).
+//!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
 //! at each of its points (`pursue`), as long as nothing else happens; [`Scene::followed`] says so.
 //!

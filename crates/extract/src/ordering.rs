@@ -7,10 +7,12 @@
 //! two abreast. Nothing of the image is measured again but the tips and, for the widths, the sides of the mask.
 //!
 //! Where it cannot be right:
-//! - a hole smaller than the distance between centers is not seen: strands that enclose one are one there;
-//! - strands along each other share centers: their middle is known, not the strands';
-//! - ropes that cross are one piece of the mask and share its K centers;
-//! - a bend tighter than the distance between centers is cut short.
+//! - a hole within a single cell is not seen: strands that enclose one are one there;
+//! - strands along each other share centers: each is laid half its width beside the mask's edge on its side, as long as
+//!   the overlap is known for one;
+//! - ropes that cross are one piece of the mask and share its K centers, whatever their colors;
+//! - a bend tighter than the distance between centers is cut short;
+//! - centers that keep off the mask's middle, or leave a part of the rope without any, draw the line with them.
 
 use crate::bits::BitPlane;
 use crate::centerline::{Source, mean_half};

@@ -200,7 +200,7 @@ proptest! {
         let mask: Vec<u8> = (0..width * height)
             .map(|i| {
                 let (x, y) = (i % width / block, i / width / block);
-                let word = (x as u64 * 0x9E37_79B9 ^ (y as u64) << 17 ^ seed).wrapping_mul(0xD129_0D3B_8A15_7A2D);
+                let word = ((x as u64 * 0x9E37_79B9) ^ ((y as u64) << 17) ^ seed).wrapping_mul(0xD129_0D3B_8A15_7A2D);
                 if word >> 40 & 7 < density { 255 } else { 0 }
             })
             .collect();

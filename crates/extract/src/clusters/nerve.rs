@@ -13,6 +13,9 @@
 //! between three that meet and come there in two each, ways part: the centers say nothing of where, and all of their
 //! pixels are drawn. So it is only a hole within a cell of a plain stretch that is not seen.
 
+#[cfg(test)]
+mod tests;
+
 use super::cells::Cell;
 use crate::bits::BitPlane;
 use crate::skeleton::NONE as LAST;
@@ -41,6 +44,22 @@ impl Border {
     fn middle(&self) -> [f32; 2] {
         let [x, y, count] = self.sum;
         [x / count, y / count]
+    }
+
+    fn is_beside(&self, other: &Self) -> bool {
+        (0..2).all(|c| {
+            other.least[c] <= self.most[c] + NEAR_PX && self.least[c] <= other.most[c] + NEAR_PX
+        })
+    }
+
+    fn take(&mut self, part: &Self) {
+        for c in 0..2 {
+            self.least[c] = self.least[c].min(part.least[c]);
+            self.most[c] = self.most[c].max(part.most[c]);
+        }
+        for (sum, more) in self.sum.iter_mut().zip(part.sum) {
+            *sum += more;
+        }
     }
 
     fn is_near(&self, [x, y]: [f32; 2], reach_px: f32) -> bool {
@@ -100,6 +119,7 @@ impl Nerve {
             self.sweep(if touches { above } else { &[] }, row);
             above = row;
         }
+        self.unite();
         self.draw(centers);
         self.find_partings(centers.len());
         for cell in cells {
@@ -222,6 +242,28 @@ impl Nerve {
             i = border.next;
         }
         None
+    }
+
+    /// Makes one of the parts of a border that have come near to each other since they were begun.
+    fn unite(&mut self) {
+        for a in 0..self.first.len() {
+            let mut i = self.first[a];
+            while i != LAST {
+                let mut before = i;
+                let mut j = self.borders[i as usize].next;
+                while j != LAST {
+                    let (border, part) = (self.borders[i as usize], self.borders[j as usize]);
+                    if part.other == border.other && border.is_beside(&part) {
+                        self.borders[i as usize].take(&part);
+                        self.borders[before as usize].next = part.next;
+                    } else {
+                        before = j;
+                    }
+                    j = part.next;
+                }
+                i = self.borders[i as usize].next;
+            }
+        }
     }
 
     fn draw(&mut self, centers: &[[f32; 2]]) {
