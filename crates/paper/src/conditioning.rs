@@ -10,7 +10,7 @@ use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke};
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
 use crate::spread::median;
-use crate::words::{digits, list, px};
+use crate::words::{digits, list};
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=24;
 /// Noise of each coordinate of each point, px.
@@ -180,10 +180,13 @@ impl Conditioning {
             .iter()
             .filter_map(|&s| {
                 let best = self.best(|row| row.noise_px(s))?;
-                Some(format!("n = {best} for {}", px(s)))
+                Some(format!("n = {best} for {s} px"))
             })
             .collect();
-        let best_drawn = self.best(|row| row.curve_noise_px(sigma)).unwrap_or(0);
+        let least = match self.best(|row| row.curve_noise_px(sigma)) {
+            Some(best) if best < *ORDERS.end() => format!("the sum is least at n = {best}"),
+            _ => format!("up to n = {} the sum only falls", ORDERS.end()),
+        };
         let verdict = match self.best(|row| row.noise_px(sigma)) {
             Some(best) if best < 8 => {
                 "For control points as a feature the paper's 8 is already too much"
@@ -194,9 +197,8 @@ impl Conditioning {
             _ => "For control points as a feature the paper's 8 is the best",
         };
         format!(
-            "{verdict}: at a noise of {} the noise in the control points is more than the model's error {}, and their sum is \
-             least at {}. The curve itself hardly knows: along it noise overtakes {}, and the sum is least at n = {best_drawn}.",
-            px(sigma),
+            "{verdict}: at a noise of {sigma} px the noise in the control points is more than the model's error {}, and their sum is \
+             least at {}. The curve itself hardly knows: along it noise overtakes {}, and {least}.",
             crossing(self.overtaken(|row| row.noise_px(sigma))),
             list(&bests),
             crossing(self.overtaken(|row| row.curve_noise_px(sigma))),
@@ -345,9 +347,8 @@ impl Conditioning {
             shows: format!(
                 "Median error of the Bezier curve over {} ropes, and its root sum of squares with what noise of the points \
                  does: left to the least certain control point, right to the curve. Rings: the least of each. Upright line: \
-                 where noise of {} overtakes the model's error.",
-                self.shapes,
-                px(SIGMAS_PX[MAIN])
+                 where noise of {} px overtakes the model's error.",
+                self.shapes, SIGMAS_PX[MAIN]
             ),
             found: self.total_finding(),
             table: Some(self.table()),

@@ -37,12 +37,6 @@ pub(crate) fn curve(fit: &Fit) -> Result<Curve<'_>, PaperError> {
     )?)
 }
 
-/// Root of the mean squared distance of the points of `reference` from the nearest points of the curve, px: a
-/// measure that is the same for every family, whatever its ρ.
-pub(crate) fn off_px(fit: &Fit, reference: &[[f64; 2]]) -> Result<f64, PaperError> {
-    Ok(curve(fit)?.distance_to(reference).rms)
-}
-
 /// Root of the mean squared distance between the curve and `reference` at the same even steps of ρ, px: what the
 /// paper's Q is made of.
 pub(crate) fn off_at_rho_px(fit: &Fit, reference: &[[f64; 2]]) -> Result<f64, PaperError> {
@@ -73,7 +67,6 @@ mod tests {
         for basis in [Basis::Bezier { order: 4 }, bspline(5), bspline(2)] {
             let mut fitter = fitter(basis).unwrap();
             let fit = fitter.fit(&line).unwrap();
-            assert!((off_px(fit, &moved).unwrap() - 2.0).abs() < 1e-6);
             assert!((off_at_rho_px(fit, &moved).unwrap() - 2.0).abs() < 1e-6);
             assert!((sampled(fit, 3).unwrap()[1][0] - 178.5).abs() < 1e-6);
         }

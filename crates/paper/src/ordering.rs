@@ -11,7 +11,7 @@ use crate::polyline::{apart_px, at, rms_from_line_px};
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
 use crate::spread::{Spread, median};
-use crate::words::{digits, px};
+use crate::words::px;
 
 /// The largest step between neighbours by the least.
 const RATIOS: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
@@ -174,7 +174,7 @@ impl Ordering {
         format!(
             "{verdict}: steps that drift along the rope, the largest {} times the least, move the curve by {} with even ρ \
              and by {} with measured. Steps that vary from point to point do less: {} and {}.",
-            digits(RATIOS[A_RATIO]),
+            RATIOS[A_RATIO],
             px(drift[0]),
             px(drift[1]),
             px(jitter[0]),
@@ -282,7 +282,7 @@ impl Ordering {
             Axis::names("", names),
         );
         chart.left_px = 160;
-        chart.height_px = 280;
+        chart.height_px = 260;
         let looks = [0, 1].map(|k| {
             let marker = [Marker::Circle, Marker::Square][k];
             Look::nth(k).stroke(Stroke::Solid).marker(marker)

@@ -296,7 +296,8 @@ pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure
             title: format!("n = {order}: {} off", px(fit.rms_px)),
             picture: 0,
             strokes: vec![
-                stroke(control_points.clone(), "#0072B2", 1.2, "5 3", false),
+                stroke(control_points.clone(), "#fff", 3.0, "", false),
+                stroke(control_points.clone(), "#0072B2", 1.3, "5 3", false),
                 stroke(curve.clone(), "#fff", 5.0, "", false),
                 stroke(curve, "#D55E00", 2.6, "", false),
                 stroke(control_points, "#0072B2", 6.0, "", true),
@@ -313,7 +314,7 @@ pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure
         match outside[3] {
             0 => "All control points of order 8 lie within the picture.".to_owned(),
             n => format!(
-                "Of the nine control points of order 8 {n} {} outside the picture: they are no places on the rope.",
+                "Of order 8, {n} of the nine control points {} outside the picture: they are no places on the rope.",
                 if n == 1 { "lies" } else { "lie" }
             ),
         }

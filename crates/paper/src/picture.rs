@@ -12,6 +12,9 @@ const SHOWN_PX: u32 = 480;
 /// Levels between two shades of a shown picture: a camera's noise disappears in them, and a PNG of it is small.
 const SHADE_STEP: u8 = 6;
 
+/// How much of the darkness is left.
+const PALENESS: f32 = 0.55;
+
 /// A picture: red, green and blue of each pixel, row by row, without padding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -62,7 +65,7 @@ impl Picture {
         let side = |px: u32| ((f64::from(px) * scale).round() as u32).max(1);
         let mut small = imageops::resize(&whole, side(width), side(height), Resampling::Triangle);
         for value in small.iter_mut() {
-            let pale = 255.0 - 0.75 * (255.0 - f32::from(*value));
+            let pale = 255.0 - PALENESS * (255.0 - f32::from(*value));
             let shade = (pale / f32::from(SHADE_STEP)).round() * f32::from(SHADE_STEP);
             *value = shade.clamp(0.0, 255.0) as u8;
         }

@@ -59,7 +59,7 @@ impl Chart {
             x,
             y,
             marks: Vec::new(),
-            height_px: 300,
+            height_px: 262,
             left_px: 62,
         }
     }

@@ -17,7 +17,7 @@ use crate::orders::{self, Orders};
 use crate::rivals::Rivals;
 use crate::robustness::{Lights, Missing, Noise, Outliers};
 use crate::shapes::{self, POINTS, Shapes};
-use crate::words::{count, time};
+use crate::words::{count, list, time};
 use crate::{Csv, Options, PaperError, Ropes};
 
 /// What came of a run.
@@ -191,8 +191,9 @@ fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)>
             (
                 "ropes",
                 format!(
-                    "{}: without a crossing, with one, two and three in turn; drawn from seeds {} on; not seen as they lie: {}",
+                    "{}: {} in turn; seeds {} on; not seen as they lie: {}",
                     shapes.all.len(),
+                    list(&shapes.kinds().iter().map(|kind| (*kind).to_owned()).collect::<Vec<_>>()),
                     options.seed.wrapping_mul(100_000),
                     shapes.unseen
                 ),
@@ -201,7 +202,7 @@ fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)>
             (
                 "at rest",
                 format!(
-                    "{} ropes, {} frames each, filter at its defaults",
+                    "{} ropes, {} frames each; filters at their defaults but for the acceleration where it is said",
                     effort.ropes_at_rest, effort.frames_at_rest
                 ),
             ),

@@ -137,7 +137,7 @@ impl Rivals {
             Axis::linear("numbers that describe the curve", [1.0, 33.0], 4.0),
             Axis::log_around("distance from the rope, px", all),
         );
-        chart.height_px = 360;
+        chart.height_px = 300;
         chart.marks.push(Mark::Rule {
             x: PAPERS_NUMBERS as f64,
             text: "n = 8".to_owned(),

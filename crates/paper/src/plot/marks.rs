@@ -168,12 +168,16 @@ pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn 
             let style = SOFT.stroke_width(FINE as u32);
             let (dash, gap) = (4 * FINE, 3 * FINE);
             root.draw(&DashedPathElement::new([top, bottom], dash, gap, style))?;
-            let style = letters(SOFT, false).pos(Pos::new(HPos::Left, VPos::Top));
-            root.draw(&Text::new(
-                text.clone(),
-                (top.0 + 4 * FINE, top.1 + 3 * FINE),
-                style,
-            ))
+            // On the side where there is room.
+            let is_right = top.0 > at([chart.x.last(), chart.y.last()]).0 - 60 * FINE;
+            let (side, dx) = if is_right {
+                (HPos::Right, -4 * FINE)
+            } else {
+                (HPos::Left, 4 * FINE)
+            };
+            let style = letters(SOFT, false).pos(Pos::new(side, VPos::Top));
+            let place = (top.0 + dx, top.1 + 3 * FINE);
+            root.draw(&Text::new(text.clone(), place, style))
         }
         Mark::Key { .. } => Ok(()),
     }

@@ -143,7 +143,7 @@ impl Lights {
             Axis::names("", names),
         );
         chart.left_px = 112;
-        chart.height_px = 360;
+        chart.height_px = 320;
         let looks = [Look::nth(0), Look::nth(1)].map(|look| look.stroke(Stroke::Solid));
         let keys = [
             "points, from the true centerline",

@@ -173,7 +173,7 @@ impl Missing {
     }
 
     pub(crate) fn figure(&self) -> Result<Figure, PaperError> {
-        let all = || self.rows.iter().flat_map(|row| medians(&row.2));
+        let all = || self.rows.iter().flat_map(|row| medians(&row.2[1..]));
         let mut charts = Vec::new();
         let mut csv = Csv::new(
             "figure-5-missing.csv",
@@ -195,7 +195,10 @@ impl Missing {
             .titled(loss.name());
             let rows = self.rows.iter().filter(|row| row.0 == loss);
             for (i, (_, way, spreads)) in rows.enumerate() {
-                let line = SHARES.iter().zip(spreads);
+                let line = SHARES
+                    .iter()
+                    .zip(spreads)
+                    .filter(|(share, _)| **share > 0.0);
                 let line = line.map(|(share, s)| [100.0 * share, s.median]);
                 chart.line(way.name(), Look::nth(i), line.collect());
                 for (share, s) in SHARES.iter().zip(spreads) {

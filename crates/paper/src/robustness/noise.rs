@@ -108,7 +108,7 @@ impl Noise {
             px(theirs),
             px(bezier.off_px[0].median),
             px(points.off_px[0].median),
-            px(SIGMAS_PX[last]),
+            format_args!("{} px", SIGMAS_PX[last]),
             px(by_noise
                 .first()
                 .map_or(f64::NAN, |row| row.off_px[last].median)),
