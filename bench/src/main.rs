@@ -3,6 +3,7 @@
 mod accuracy;
 mod families;
 mod fit_rivals;
+mod methods;
 mod rivals;
 mod time;
 
@@ -26,6 +27,8 @@ enum Command {
     Rivals(rivals::Args),
     /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
     FitRivals(fit_rivals::Args),
+    /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
+    Methods(methods::Args),
     /// The chain with each basis and option: its curves against the true rope
     Families(families::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::run(&args),
         Command::Rivals(args) => rivals::run(&args),
         Command::FitRivals(args) => fit_rivals::run(&args),
+        Command::Methods(args) => methods::run(&args),
         Command::Families(args) => families::run(&args),
         Command::Time(args) => time::run(&args),
     };

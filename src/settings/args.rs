@@ -33,6 +33,9 @@ pub(crate) struct ShapeArgs {
     /// Let points far off the curve weigh less, and hidden ones nothing
     #[arg(long)]
     pub(crate) robust: bool,
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm
+    #[arg(long, value_name = "NAME")]
+    pub(crate) method: Option<String>,
     /// Points of a centerline
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) points: Option<i64>,
@@ -125,6 +128,7 @@ impl ChainArgs {
             ("--lossless", "run", "lossless", yes(self.lossless)),
             ("--deadline", "run", "deadline_us", deadline_us),
             ("--out", "run", "out", self.out.as_ref().map(path)),
+            ("--method", "extract", "method", text(&self.shape.method)),
             (
                 "--points",
                 "extract",

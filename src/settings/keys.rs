@@ -2,6 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::{Settings, meaning};
+use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
 use toml::Value;
@@ -175,6 +176,18 @@ pub(super) const KEYS: &[Key] = &[
             let us = s.extract.mask_deadline.as_nanos() as f64 / 1e3;
             Some(meaning::number_value(us))
         },
+    },
+    Key {
+        section: "extract",
+        name: "method",
+        about: "How the mask becomes a centerline: \"skeleton\", the most accurate and the fastest by far, or the centers of a\n\
+                clustering, put in order, to compare with it: \"kmeans\", \"som\",\n\
+                \"gmm\" or \"fcm\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("methods", &Method::ALL, v).map(|method| s.extract.method = method)
+        },
+        get: |s| Some(Value::String(s.extract.method.to_string())),
     },
     Key {
         section: "extract",

@@ -3,9 +3,34 @@
 //! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
 //! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
 
+mod aligned;
+mod blocks;
+mod cells;
+mod clusterer;
+mod exponential;
+mod extent;
+mod fuzzy;
+mod kmeans;
+mod method;
+mod mixture;
+mod nearest;
+mod nerve;
 mod pixels;
+mod random;
+#[cfg(test)]
+mod references;
+mod seeding;
+mod som;
+mod tiles;
 
+pub(crate) use clusterer::{Center, Clusterer};
+pub use fuzzy::FuzzyMeans;
+pub use kmeans::KMeans;
+pub use method::{Method, UnknownMethod};
+pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
+pub use seeding::seed_centers;
+pub use som::Som;
 
 /// Where the centers come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

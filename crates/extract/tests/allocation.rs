@@ -9,7 +9,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use drawing::{Rope, Table, extractor};
-use lariat_extract::{Image, PixelFormat};
+use lariat_extract::{
+    Extractor, FuzzyMeans, Image, KMeans, Method, Mixture, Options, PixelFormat, Pixels, Run, Som,
+    Start,
+};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -45,11 +48,11 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-#[test]
-fn no_frame_of_a_moving_rope_allocates_once_warm() {
+/// Two ropes that move, one of them through itself.
+fn film() -> Vec<Vec<u8>> {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;
-    let frames: Vec<Vec<u8>> = (0..40)
+    (0..40)
         .map(|frame| {
             let phase = frame as f32 * std::f32::consts::TAU / 40.0;
             let (sin, cos) = (0.3 * phase.sin()).sin_cos();
@@ -67,7 +70,12 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
             table.seed = frame;
             table.draw(&[first, second])
         })
-        .collect();
+        .collect()
+}
+
+#[test]
+fn no_frame_of_a_moving_rope_allocates_once_warm() {
+    let frames = film();
     let mut extractor = extractor();
     // As a mask made elsewhere the green of the picture, turned around, is as good as any.
     let masks: Vec<Vec<u8>> = frames
@@ -104,6 +112,35 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
 }
 
 #[test]
+fn no_frame_of_a_clustering_allocates_after_preparation() {
+    let frames = film();
+    for method in [
+        Method::KMeans,
+        Method::Som,
+        Method::Mixture,
+        Method::FuzzyMeans,
+    ] {
+        // The last one is slow: its first frame takes 300 rounds.
+        let most = if method == Method::FuzzyMeans { 4 } else { 40 };
+        let options = Options {
+            method,
+            ..Options::default()
+        };
+        let mut extractor = Extractor::new(options).expect("the options are valid");
+        extractor.prepare(320, 240);
+        let before = COUNT.get();
+        let mut curves = 0;
+        for rgb in &frames[..most] {
+            let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
+            curves += extractor.extract(&image).curves.len();
+        }
+        let grown = COUNT.get() - before;
+        assert!(curves >= 2 * most, "{method}: {curves}");
+        assert_eq!(grown, 0, "{method}");
+    }
+}
+
+#[test]
 fn no_frame_without_a_clear_rope_allocates_after_preparation() {
     let mut frames = Vec::new();
     for contrast in [0.0, 5.0, 8.0] {
@@ -126,4 +163,46 @@ fn no_frame_without_a_clear_rope_allocates_after_preparation() {
         let grown = COUNT.get() - before;
         assert_eq!((scene.curves.len(), grown), (0, 0), "{:?}", scene.notice);
     }
+}
+
+#[test]
+fn no_clustering_allocates_once_warm() {
+    // A bar that turns, and then fewer pixels than centers.
+    let frames: Vec<Pixels> = (0..12u16)
+        .map(|frame| {
+            let mut pixels = Pixels::default();
+            for y in 0..if frame == 11 { 1 } else { 180 } {
+                let from = 40 + y * frame / 12;
+                let to = from + 20 + frame;
+                pixels.push(Run { y, from, to });
+            }
+            pixels
+        })
+        .collect();
+    let mut kmeans = KMeans::default();
+    let (mut som, mut mixture) = (Som::default(), Mixture::default());
+    let mut fuzzy = FuzzyMeans::default();
+    let mut centers = vec![[0.0; 2]; 120];
+    let mut run = || {
+        for pixels in &frames {
+            kmeans.run(pixels, Start::Seeded(1), &mut centers);
+        }
+        // Where all are on one place, the others are empty.
+        centers.fill([100.0, 100.0]);
+        for pixels in &frames {
+            kmeans.run(pixels, Start::Given, &mut centers);
+        }
+        for pixels in [&frames[5], &frames[11], &frames[7]] {
+            for start in [Start::Seeded(1), Start::Given] {
+                som.run(pixels, start, &mut centers);
+                mixture.run(pixels, start, &mut centers);
+            }
+            fuzzy.run(pixels, Start::Given, &mut centers);
+        }
+        fuzzy.run(&frames[11], Start::Seeded(1), &mut centers);
+    };
+    run();
+    let before = COUNT.get();
+    run();
+    assert_eq!(COUNT.get() - before, 0);
 }

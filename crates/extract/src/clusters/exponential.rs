@@ -1,0 +1,155 @@
+//! Powers of two and their logarithms, as many at a time as a register holds.
+//!
+//! ```text
+//! 2^z    z = n + f, |f| ≤ ½, n whole     →  p(f), its exponent raised by n;  p of degree 6
+//! log₂ s s = 2ⁿ m, √½ ≤ m < √2           →  n + 2/ln 2 · (t + t³/3 + t⁵/5 + t⁷/7),  t = (m − 1)/(m + 1)
+//! ```
+//!
+//! The first is within 3·10⁻⁷ of the power, relatively; the second within 3·10⁻⁷ of the logarithm's larger of size and 1.
+
+use pulp::Simd;
+
+/// Below this, powers are taken to be 2 to this: they and their sums stay normal numbers.
+const LEAST: f32 = -120.0;
+/// A float of this size has nothing behind the point, and the whole number in its last bits, negative ones as well.
+const WHOLE: f32 = 12_582_912.0;
+/// Bits of a float behind its exponent.
+const MANTISSA: u32 = 23;
+/// 2^f where |f| ≤ ½, interpolated at Chebyshev's points: within 2·10⁻⁸, before rounding.
+const POWERS: [f32; 7] = [
+    1.0,
+    std::f32::consts::LN_2,
+    0.240_226_5,
+    0.055_503_27,
+    0.009_618_025,
+    0.001_340_043_3,
+    0.000_154_697_32,
+];
+
+/// 2 to each `z` of 0 or less; what is below −120 counts as −120.
+#[inline(always)]
+pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
+    let z = simd.max_f32s(z, simd.splat_f32s(LEAST));
+    let whole = simd.splat_f32s(WHOLE);
+    let n = simd.add_f32s(z, whole);
+    let f = simd.sub_f32s(z, simd.sub_f32s(n, whole));
+    let mut power = simd.splat_f32s(POWERS[6]);
+    for k in 0..6 {
+        power = simd.mul_add_e_f32s(power, f, simd.splat_f32s(POWERS[5 - k]));
+    }
+    let raised = simd.wrapping_dyn_shl_u32s(simd.transmute_u32s_f32s(n), simd.splat_u32s(MANTISSA));
+    simd.transmute_f32s_u32s(simd.add_u32s(simd.transmute_u32s_f32s(power), raised))
+}
+
+/// The logarithm to base 2 of each `s`, a normal number above 0.
+#[inline(always)]
+pub(crate) fn logarithm<S: Simd>(simd: S, s: S::f32s) -> S::f32s {
+    // √½ as bits: what is added to the exponent's zero so that mantissas from √½ on count as the next power.
+    const HALF_ROOT: u32 = 0x3F35_04F3;
+    let bits = simd.sub_u32s(simd.transmute_u32s_f32s(s), simd.splat_u32s(HALF_ROOT));
+    // Shifted as a number from 0 on: 2¹²⁷ is added to the exponent and taken off again.
+    let bits = simd.add_u32s(bits, simd.splat_u32s(127 << MANTISSA));
+    let n = simd.wrapping_dyn_shr_u32s(bits, simd.splat_u32s(MANTISSA));
+    let mantissa = simd.and_u32s(bits, simd.splat_u32s((1 << MANTISSA) - 1));
+    let m = simd.transmute_f32s_u32s(simd.add_u32s(mantissa, simd.splat_u32s(HALF_ROOT)));
+    let n = simd.or_u32s(n, simd.splat_u32s(WHOLE.to_bits()));
+    let n = simd.sub_f32s(simd.transmute_f32s_u32s(n), simd.splat_f32s(WHOLE + 127.0));
+    let one = simd.splat_f32s(1.0);
+    let t = simd.div_f32s(simd.sub_f32s(m, one), simd.add_f32s(m, one));
+    let square = simd.mul_f32s(t, t);
+    let twice = 2.0 * std::f32::consts::LOG2_E;
+    let mut series = simd.splat_f32s(twice / 7.0);
+    for odd in [5.0, 3.0, 1.0] {
+        series = simd.mul_add_e_f32s(series, square, simd.splat_f32s(twice / odd));
+    }
+    simd.mul_add_e_f32s(series, t, n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pulp::{Arch, WithSimd};
+
+    struct Powers<'a>(&'a mut [f32]);
+
+    impl WithSimd for Powers<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            for z in S::as_mut_simd_f32s(self.0).0 {
+                *z = power_of_two(simd, *z);
+            }
+        }
+    }
+
+    struct Logarithms<'a>(&'a mut [f32]);
+
+    impl WithSimd for Logarithms<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            for s in S::as_mut_simd_f32s(self.0).0 {
+                *s = logarithm(simd, *s);
+            }
+        }
+    }
+
+    const COUNT: usize = 1 << 18;
+
+    #[test]
+    fn powers_are_within_their_bound() {
+        let arguments: Vec<f32> = (0..COUNT)
+            .map(|i| -120.0 * i as f32 / (COUNT - 1) as f32)
+            .collect();
+        let mut powers = arguments.clone();
+        Arch::new().dispatch(Powers(&mut powers));
+        for (z, found) in arguments.iter().zip(powers) {
+            let expected = f64::from(*z).exp2();
+            let off = (f64::from(found) / expected - 1.0).abs();
+            assert!(off < 3e-7, "2^{z}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn powers_of_the_least_numbers_are_small_and_above_zero() {
+        let mut powers = vec![
+            f32::NEG_INFINITY,
+            -1e30,
+            -1e9,
+            f32::MIN,
+            0.0,
+            -0.0,
+            -150.0,
+            -121.0,
+        ];
+        powers.resize(16, -1e6);
+        Arch::new().dispatch(Powers(&mut powers));
+        assert_eq!(powers[4..6], [1.0, 1.0]);
+        for (i, &power) in powers.iter().enumerate() {
+            assert!(
+                (4..6).contains(&i) || (power > 0.0 && power < 1e-36),
+                "{power}"
+            );
+        }
+    }
+
+    #[test]
+    fn logarithms_are_within_their_bound() {
+        let mut arguments: Vec<f32> = (0..COUNT)
+            .map(|i| (-40.0 + 80.0 * i as f32 / COUNT as f32).exp2())
+            .collect();
+        arguments.extend((0..COUNT).map(|i| 0.5 + 2.0 * i as f32 / COUNT as f32));
+        let mut logarithms = arguments.clone();
+        Arch::new().dispatch(Logarithms(&mut logarithms));
+        for (s, found) in arguments.iter().zip(logarithms) {
+            let expected = f64::from(*s).log2();
+            let off = (f64::from(found) - expected).abs();
+            assert!(
+                off < 3e-7 * expected.abs().max(1.0),
+                "log₂ {s}: {found} {expected}"
+            );
+        }
+    }
+}
