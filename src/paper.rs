@@ -37,10 +37,7 @@ pub(crate) struct PaperArgs {
 /// # Errors
 /// Pictures that cannot be read or show no rope, a folder that cannot be written. Nothing is written then.
 pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
-    let (files, wrong) = inputs::pictures(&args.images);
-    if let Some(error) = wrong.into_iter().next() {
-        return Err(error);
-    }
+    let files = pictures(&args.images)?;
     // Before the work, so that nobody waits for it in vain.
     let folder = Folder::make(&args.out)?;
     let options = Options {
@@ -76,6 +73,23 @@ pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
         args.out.join("report.html").display()
     );
     Ok(ExitCode::SUCCESS)
+}
+
+/// The pictures that the user named; of a data set's folder those in its `images`.
+fn pictures(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in paths {
+        let (mut found, mut wrong) = inputs::pictures(std::slice::from_ref(path));
+        let images = path.join("images");
+        if !wrong.is_empty() && images.is_dir() {
+            (found, wrong) = inputs::pictures(&[images]);
+        }
+        if let Some(error) = wrong.into_iter().next() {
+            return Err(error);
+        }
+        files.append(&mut found);
+    }
+    Ok(files)
 }
 
 fn load(file: &Path) -> Result<lariat_paper::Picture, String> {

@@ -46,6 +46,9 @@ impl Row {
     }
 }
 
+/// How far noise of a standard deviation moves something of a row, px.
+type NoiseOf = fn(&Row, f64) -> f64;
+
 /// Conditions, gains and errors by order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Conditioning {
@@ -275,7 +278,7 @@ impl Conditioning {
     }
 
     fn figure_11(&self) -> Result<Figure, PaperError> {
-        let panels: [(&str, fn(&Row, f64) -> f64); 2] = [
+        let panels: [(&str, NoiseOf); 2] = [
             ("control points", Row::noise_px),
             ("the curve", Row::curve_noise_px),
         ];
@@ -404,7 +407,7 @@ mod tests {
         let found = growing.total_finding();
         assert!(found.contains("already too much"), "{found}");
         assert!(
-            found.contains("more than the model's error from n = 8 on"),
+            found.contains("more than the model's error from n = 6 on"),
             "{found}"
         );
         let level = conditioning(1.0, 0.6);

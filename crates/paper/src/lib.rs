@@ -20,6 +20,7 @@
 //! that say what was found.
 
 mod at_rest;
+mod clusterings;
 mod conditioning;
 mod cost;
 mod csv;

@@ -9,6 +9,7 @@ use lariat_fit::{
 use thiserror::Error;
 
 use crate::Picture;
+use crate::words::count;
 
 /// What a report is made from, beside pictures.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +57,7 @@ impl Default for Effort {
         Self {
             size_px: [640, 480],
             shapes: 120,
-            pictures: 6,
+            pictures: 20,
             lights: 8,
             ropes_at_rest: 4,
             frames_at_rest: 150,
@@ -93,8 +94,8 @@ pub enum Ropes<'a> {
 pub enum PaperError {
     /// No open rope was seen in any picture.
     #[error(
-        "no open rope that is wholly seen was found in the {pictures} pictures: choose pictures of one rope whose both \
-         ends are seen, and see what `lariat trace` says of them"
+        "no open rope that is wholly seen was found in the {pictures}: choose pictures of one rope whose both ends are seen, \
+         and see what `lariat trace` says of them", pictures = count(*.pictures, "picture", "pictures")
     )]
     NoRope {
         /// How many were looked at.

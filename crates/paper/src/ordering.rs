@@ -194,7 +194,7 @@ impl Ordering {
         let (backwards_px, moved_px) = of(Disorder::Reversed);
         let (loop_px, _) = of(Disorder::LoopBackwards);
         let (shuffled_px, _) = of(Disorder::Shuffled);
-        let verdict = if loop_px > 2.0 * right_px {
+        let verdict = if loop_px > 1.2 * right_px && shuffled_px > 2.0 * right_px {
             "The order is half of the method, and the paper leaves it out"
         } else {
             "The order hardly matters here"
@@ -416,10 +416,9 @@ mod tests {
                 .map(move |(rho, off)| (unevenness, rho, vec![Spread::of([off]); RATIOS.len()]))
         });
         let orders = Disorder::ALL.map(|disorder| {
-            let off = if disorder == Disorder::LoopBackwards {
-                looped_px
-            } else {
-                1.0
+            let off = match disorder {
+                Disorder::LoopBackwards | Disorder::Shuffled => looped_px,
+                _ => 1.0,
             };
             (disorder, 0, Spread::of([off]), 70.0)
         });

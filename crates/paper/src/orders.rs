@@ -6,7 +6,7 @@ use crate::PaperError;
 use crate::csv::Csv;
 use crate::curves::{PAPERS, fitter, off_at_rho_px, sampled};
 use crate::figure::{Figure, Table};
-use crate::overlay::{self, Panel, Stroke};
+use crate::overlay::{self, Drawn, Panel, Stroke};
 use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke as Dash};
 use crate::shapes::{POINTS, Shape, Shapes};
 use crate::spread::{Spread, median};
@@ -283,12 +283,12 @@ pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure
         let size = [picture.width as f64, picture.height as f64];
         let is_outside = |p: &&[f64; 2]| (0..2).any(|k| p[k] < 0.0 || p[k] > size[k]);
         outside.push(fit.control_points.iter().filter(is_outside).count());
-        let stroke = |points: Vec<[f64; 2]>, color, width, dashes, dots| Stroke {
+        let stroke = |points: Vec<[f64; 2]>, color, width, dashes, drawn| Stroke {
             points,
             color,
             width,
             dashes,
-            dots,
+            drawn,
         };
         let control_points = fit.control_points.clone();
         let curve = sampled(fit, 200)?;
@@ -296,11 +296,11 @@ pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure
             title: format!("n = {order}: {} off", px(fit.rms_px)),
             picture: 0,
             strokes: vec![
-                stroke(control_points.clone(), "#fff", 3.0, "", false),
-                stroke(control_points.clone(), "#0072B2", 1.3, "5 3", false),
-                stroke(curve.clone(), "#fff", 5.0, "", false),
-                stroke(curve, "#D55E00", 2.6, "", false),
-                stroke(control_points, "#0072B2", 6.0, "", true),
+                stroke(control_points.clone(), "#fff", 3.0, "", Drawn::Line),
+                stroke(control_points.clone(), "#0072B2", 1.3, "5 3", Drawn::Line),
+                stroke(curve.clone(), "#fff", 5.0, "", Drawn::Line),
+                stroke(curve, "#D55E00", 2.6, "", Drawn::Line),
+                stroke(control_points, "#0072B2", 7.0, "", Drawn::Rings),
             ],
         });
     }
@@ -319,10 +319,11 @@ pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure
             ),
         }
     );
+    let columns = if picture.height > picture.width { 4 } else { 2 };
     Ok(Some(Figure {
         number: 2,
         title: "Fits of order 2, 4, 6 and 8".to_owned(),
-        svg: overlay::draw("fits", &[picture], &panels, 2, 0.18)?,
+        svg: overlay::draw("fits", &[picture], &panels, columns, overlay::around(picture, 0.18))?,
         shows: "Bezier curves (orange) fitted to the points that the extractor found in the picture, with their control \
                 points (rings) and control polygons (dashed). Of the shown ropes the one whose error at order 8 is nearest \
                 to the median."

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use crate::report::escaped;
 use crate::{PaperError, Picture};
 
-/// Lines and dots are of these sizes in a panel that is this wide.
-const PANEL_UNITS: f64 = 360.0;
+/// Width of a whole figure, in its own units.
+const WIDTH: f64 = 734.0;
 /// Between panels, and room above each for its title.
 const APART: f64 = 14.0;
 const TITLE: f64 = 22.0;
@@ -17,12 +17,57 @@ pub(crate) struct Stroke {
     pub(crate) points: Vec<[f64; 2]>,
     /// As CSS has it.
     pub(crate) color: &'static str,
-    /// In units of a panel, of which it is 360 wide.
+    /// In units of the figure, which is 734 wide.
     pub(crate) width: f64,
     /// As SVG has it; empty for a line without gaps.
     pub(crate) dashes: &'static str,
-    /// Whether it is drawn as dots of that width.
-    pub(crate) dots: bool,
+    pub(crate) drawn: Drawn,
+}
+
+/// What is drawn of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Drawn {
+    Line,
+    /// Dots as wide as the stroke at its points.
+    Dots,
+    /// The same, white inside.
+    Rings,
+}
+
+/// The part of a picture that panels show, in the picture's pixels: left, top, width, height.
+pub(crate) type View = [f64; 4];
+
+/// The whole picture and `beyond`, a share of its sides, around it.
+pub(crate) fn around(picture: &Picture, beyond: f64) -> View {
+    let sides = [picture.width as f64, picture.height as f64];
+    let [left, top] = sides.map(|side| -0.5 - beyond * side);
+    let [width, height] = sides.map(|side| side * (1.0 + 2.0 * beyond));
+    [left, top, width, height]
+}
+
+/// A part of the shape of the whole picture, no larger than that, that holds all points and `margin_px` around them.
+pub(crate) fn close_up<'a>(
+    picture: &Picture,
+    points: impl Iterator<Item = &'a [f64; 2]>,
+    margin_px: f64,
+) -> View {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in points {
+        low = [0, 1].map(|k| low[k].min(p[k] - margin_px));
+        high = [0, 1].map(|k| high[k].max(p[k] + margin_px));
+    }
+    let sides = [picture.width as f64, picture.height as f64];
+    let share = |k: usize| (high[k] - low[k]) / sides[k];
+    let share = share(0).max(share(1));
+    if !(0.0..1.0).contains(&share) {
+        return around(picture, 0.0);
+    }
+    let size = sides.map(|side| share * side);
+    let from = [0, 1].map(|k| {
+        let centred = 0.5 * (low[k] + high[k] - size[k]);
+        centred.clamp(-0.5, sides[k] - 0.5 - size[k])
+    });
+    [from[0], from[1], size[0], size[1]]
 }
 
 /// One picture with shapes over it.
@@ -34,13 +79,13 @@ pub(crate) struct Panel {
     pub(crate) strokes: Vec<Stroke>,
 }
 
-/// Panels in rows of `columns`. Beyond the picture's edge shapes are shown as far as `beyond` (a share of its sides).
+/// Panels in rows of `columns`, each of the same part of its picture.
 pub(crate) fn draw(
     label: &str,
     pictures: &[&Picture],
     panels: &[Panel],
     columns: usize,
-    beyond: f64,
+    view: View,
 ) -> Result<String, PaperError> {
     let mut defined = String::new();
     for (i, picture) in pictures.iter().enumerate() {
@@ -53,28 +98,19 @@ pub(crate) fn draw(
             picture.data_uri()?
         );
     }
-    // All panels of a row are as high as its highest.
-    let heights: Vec<f64> = panels
-        .chunks(columns)
-        .map(|row| {
-            let tallest = row.iter().map(|panel| {
-                let picture = pictures[panel.picture];
-                picture.height as f64 / picture.width as f64
-            });
-            PANEL_UNITS * tallest.fold(0.0, f64::max)
-        })
-        .collect();
-    let columns_used = columns.min(panels.len());
-    let width = columns_used as f64 * (PANEL_UNITS + APART) - APART;
+    let panel_width = (WIDTH + APART) / columns as f64 - APART;
+    let [_, _, view_width, view_height] = view;
+    let panel_height = panel_width * view_height / view_width;
+    let heights: Vec<f64> = panels.chunks(columns).map(|_| panel_height).collect();
     let height: f64 = heights.iter().map(|height| height + TITLE + APART).sum();
     let mut svg = format!(
-        "<svg viewBox=\"0 0 {width:.0} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\" \
+        "<svg viewBox=\"0 0 {WIDTH:.0} {height:.0}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"sans-serif\" font-size=\"13\"><defs>{defined}</defs>"
     );
     let mut top = 0.0;
     for (row, height) in panels.chunks(columns).zip(&heights) {
         for (i, panel) in row.iter().enumerate() {
-            let left = i as f64 * (PANEL_UNITS + APART);
+            let left = i as f64 * (panel_width + APART);
             let picture = pictures[panel.picture];
             let _ = write!(
                 svg,
@@ -82,7 +118,8 @@ pub(crate) fn draw(
                 top + 15.0,
                 escaped(&panel.title)
             );
-            draw_panel(&mut svg, label, panel, picture, [left, top + TITLE], beyond);
+            let place = [left, top + TITLE, panel_width, panel_height];
+            draw_panel(&mut svg, label, panel, picture, place, view);
         }
         top += height + TITLE + APART;
     }
@@ -95,34 +132,28 @@ fn draw_panel(
     label: &str,
     panel: &Panel,
     picture: &Picture,
-    [left, top]: [f64; 2],
-    beyond: f64,
+    [left, top, panel_width, panel_height]: [f64; 4],
+    [from_x, from_y, view_width, view_height]: View,
 ) {
     let (width, height) = (picture.width as f64, picture.height as f64);
-    let margin = [beyond * width, beyond * height];
     let _ = write!(
         svg,
-        "<svg x=\"{left:.1}\" y=\"{top:.1}\" width=\"{PANEL_UNITS}\" height=\"{:.1}\" \
-         viewBox=\"{:.1} {:.1} {:.1} {:.1}\"><use href=\"#{label}-{}\"/>",
-        PANEL_UNITS * height / width,
-        -0.5 - margin[0],
-        -0.5 - margin[1],
-        width + 2.0 * margin[0],
-        height + 2.0 * margin[1],
+        "<svg x=\"{left:.1}\" y=\"{top:.1}\" width=\"{panel_width:.1}\" height=\"{panel_height:.1}\" \
+         viewBox=\"{from_x:.1} {from_y:.1} {view_width:.1} {view_height:.1}\"><use href=\"#{label}-{}\"/>",
         panel.picture
     );
     let _ = write!(
         svg,
         "<rect x=\"-0.5\" y=\"-0.5\" width=\"{width}\" height=\"{height}\" fill=\"none\" stroke=\"#bbb\" \
          stroke-width=\"{:.2}\"/>",
-        width / PANEL_UNITS
+        view_width / panel_width
     );
-    let unit = (width + 2.0 * margin[0]) / PANEL_UNITS;
+    let unit = view_width / panel_width;
     for stroke in &panel.strokes {
-        if stroke.dots {
-            dots(svg, stroke, unit);
-        } else {
-            line(svg, stroke, unit);
+        match stroke.drawn {
+            Drawn::Line => line(svg, stroke, unit),
+            Drawn::Dots => dots(svg, stroke, unit, stroke.color),
+            Drawn::Rings => dots(svg, stroke, unit, "#fff"),
         }
     }
     svg.push_str("</svg>");
@@ -157,15 +188,15 @@ fn line(svg: &mut String, stroke: &Stroke, unit: f64) {
     svg.push_str("/>");
 }
 
-fn dots(svg: &mut String, stroke: &Stroke, unit: f64) {
+fn dots(svg: &mut String, stroke: &Stroke, unit: f64, fill: &str) {
     let _ = write!(
         svg,
-        "<g fill=\"#fff\" stroke=\"{}\" stroke-width=\"{:.2}\">",
+        "<g fill=\"{fill}\" stroke=\"{}\" stroke-width=\"{:.2}\">",
         stroke.color,
-        1.2 * unit
+        0.2 * stroke.width * unit
     );
     for [x, y] in &stroke.points {
-        let r = 0.5 * unit * stroke.width;
+        let r = 0.4 * unit * stroke.width;
         let _ = write!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r:.2}\"/>");
     }
     svg.push_str("</g>");
@@ -188,7 +219,7 @@ mod tests {
             color: "#000",
             width: 2.0,
             dashes: "4 2",
-            dots: false,
+            drawn: Drawn::Line,
         };
         let panel = |title: &str| Panel {
             title: title.to_owned(),
@@ -196,16 +227,32 @@ mod tests {
             strokes: vec![
                 stroke.clone(),
                 Stroke {
-                    dots: true,
+                    drawn: Drawn::Rings,
                     ..stroke.clone()
                 },
             ],
         };
         let panels = [panel("a < b"), panel("c"), panel("d")];
-        let svg = draw("test", &[&picture], &panels, 2, 0.1).unwrap();
+        let svg = draw("test", &[&picture], &panels, 2, around(&picture, 0.1)).unwrap();
         assert_eq!(svg.matches("data:image/png").count(), 1);
         assert_eq!(svg.matches("<use").count(), 3);
         assert!(svg.contains("a &lt; b"));
         crate::report::check_tags(&svg).unwrap();
+    }
+
+    #[test]
+    fn a_close_up_has_the_picture_s_shape_and_stays_within_it() {
+        let picture = Picture {
+            name: String::new(),
+            width: 400,
+            height: 300,
+            rgb: Vec::new(),
+        };
+        let points = [[10.0, 20.0], [90.0, 30.0]];
+        let [x, y, width, height] = close_up(&picture, points.iter(), 20.0);
+        assert!((width - 120.0).abs() < 1e-9 && (height - 90.0).abs() < 1e-9);
+        assert!((x + 0.5).abs() < 20.0 && x >= -0.5 && y >= -0.5);
+        let [x, .., height] = close_up(&picture, [[0.0, 0.0], [399.0, 299.0]].iter(), 9.0);
+        assert_eq!([x, height], [-0.5, 300.0]);
     }
 }

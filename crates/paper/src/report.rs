@@ -9,6 +9,7 @@ pub(crate) use page::escaped;
 pub(crate) use tags::check_tags;
 
 use crate::at_rest::AtRest;
+use crate::clusterings::Clusterings;
 use crate::conditioning::Conditioning;
 use crate::cost::Cost;
 use crate::figure::{Figure, Section};
@@ -52,6 +53,8 @@ pub fn repeat(
             shapes::pictured(pictures, effort)?
         }
     };
+    let clusterings = Clusterings::run(&shapes, progress)?;
+    let centerlines: Vec<Figure> = clusterings.figure(&shapes)?.into_iter().collect();
     progress("fits of rising order");
     let orders = Orders::run(&shapes)?;
     let mut features: Vec<Figure> = orders::figure_2(&shapes, &orders)?.into_iter().collect();
@@ -78,7 +81,7 @@ pub fn repeat(
         progress("ropes at rest");
         beyond.push(AtRest::run(seed, effort)?.figure()?);
     }
-    let sections = sections(features, robustness, cost, rivals, beyond);
+    let sections = sections(centerlines, features, robustness, cost, rivals, beyond);
     let figures = || sections.iter().flat_map(|section| &section.figures);
     Ok(Report {
         html: page::write(
@@ -87,11 +90,12 @@ pub fn repeat(
             &parameters(options, &shapes),
         ),
         csvs: figures().map(|figure| figure.csv.clone()).collect(),
-        findings: figures().map(|figure| finding(figure)).collect(),
+        findings: figures().map(finding).collect(),
     })
 }
 
 fn sections(
+    centerlines: Vec<Figure>,
     features: Vec<Figure>,
     robustness: Vec<Figure>,
     cost: Vec<Figure>,
@@ -104,6 +108,13 @@ fn sections(
         figures,
     };
     vec![
+        section(
+            "Centerline detection",
+            "The paper takes four clusterings of the rope's pixels from elsewhere, shows what they make of one picture, and \
+             finds that k-means has the best ability to extract the centerline. How their centers become a line it does not \
+             say. Here each gets the same mask, and its centers are joined by where the mask is between them.",
+            centerlines,
+        ),
         section(
             "Feature extraction",
             "The paper fits Bezier curves of order n = 2, 4, 6 and 8 to N = 120 points, and finds that the error falls with \
@@ -222,6 +233,10 @@ fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)>
             "an extraction without knowledge from before",
             format!("{} (median)", time(shapes.extraction_us)),
         ),
+        (
+            "pictures for the clusterings",
+            shapes.pictures.len().to_string(),
+        ),
         ("rounds of each time", effort.rounds.to_string()),
     ]);
     rows
@@ -244,7 +259,7 @@ mod tests {
     fn the_page_is_whole_and_stands_alone() {
         let report = repeat(&least(2), Ropes::Drawn, &mut |_| {}).unwrap();
         check_tags(&report.html).unwrap();
-        for number in 2..=14 {
+        for number in 1..=14 {
             assert!(
                 report.html.contains(&format!("Figure {number}.")),
                 "{number}"

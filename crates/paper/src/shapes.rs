@@ -41,6 +41,8 @@ pub(crate) struct Shape {
     pub(crate) dense: Vec<[f64; 2]>,
     /// N points as the extractor saw them, from the same end on; nothing if it saw another rope than there is.
     pub(crate) seen: Option<Vec<[f64; 2]>>,
+    /// Its width, px.
+    pub(crate) width_px: f64,
     /// Its picture, as an index.
     pub(crate) picture: Option<usize>,
 }
@@ -81,7 +83,7 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
         let reference = even(&drawing.dense, POINTS);
         let seen = eye.look(&drawing.picture)?;
         let seen = match &seen[..] {
-            [seen] => along(seen, &reference, ASTRAY_WIDTHS * drawing.width_px),
+            [seen] => along(&seen.points, &reference, ASTRAY_WIDTHS * drawing.width_px),
             _ => None,
         };
         shapes.unseen += usize::from(seen.is_none());
@@ -92,6 +94,7 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
             reference,
             dense: drawing.dense,
             seen,
+            width_px: drawing.width_px,
             picture: is_kept.then_some(shapes.pictures.len()),
         });
         if is_kept {
@@ -184,7 +187,8 @@ pub(crate) fn pictured(
             shapes.pictures.push(picture.clone());
         }
         let several = seen.len() > 1;
-        for (i, points) in seen.into_iter().enumerate() {
+        for (i, seen) in seen.into_iter().enumerate() {
+            let points = seen.points;
             let dense = (0..2000).map(|k| at(&points, k as f64 / 1999.0)).collect();
             shapes.all.push(Shape {
                 name: if several {
@@ -196,6 +200,7 @@ pub(crate) fn pictured(
                 reference: points.clone(),
                 dense,
                 seen: Some(points),
+                width_px: seen.width_px,
                 picture: kept,
             });
         }
@@ -239,6 +244,12 @@ impl Shapes {
     }
 }
 
+/// A rope as the extractor saw it.
+pub(crate) struct Seen {
+    pub(crate) points: Vec<[f64; 2]>,
+    width_px: f64,
+}
+
 /// The extractor, looking at each picture as if it were the first.
 pub(crate) struct Eye {
     extractor: Extractor,
@@ -258,7 +269,7 @@ impl Eye {
     }
 
     /// The points of every open rope in the picture that is wholly seen.
-    pub(crate) fn look(&mut self, picture: &Picture) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
+    pub(crate) fn look(&mut self, picture: &Picture) -> Result<Vec<Seen>, PaperError> {
         let image = picture.image()?;
         self.extractor.reset();
         let began = Instant::now();
@@ -269,7 +280,10 @@ impl Eye {
             .iter()
             .filter(|curve| !curve.closed && curve.status == Status::Ok);
         Ok(whole
-            .map(|curve| curve.points.iter().map(|p| p.map(f64::from)).collect())
+            .map(|curve| Seen {
+                points: curve.points.iter().map(|p| p.map(f64::from)).collect(),
+                width_px: f64::from(curve.width_px),
+            })
             .collect())
     }
 

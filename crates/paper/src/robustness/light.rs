@@ -76,7 +76,7 @@ impl Lights {
                     let seen = eye.look(&picture)?;
                     let astray_px = ASTRAY_WIDTHS * rope.width_px;
                     let seen = match &seen[..] {
-                        [seen] => along(seen, &truth, astray_px),
+                        [seen] => along(&seen.points, &truth, astray_px),
                         _ => None,
                     };
                     let Some(seen) = seen else {

@@ -33,6 +33,9 @@ struct Row {
     moved_px: Vec<Spread>,
 }
 
+/// One of a row's two.
+type SpreadsOf = fn(&Row) -> &[Spread];
+
 /// Errors of each family at each noise.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
@@ -116,7 +119,7 @@ impl Noise {
     }
 
     pub(crate) fn figure(&self) -> Result<Figure, PaperError> {
-        let panels: [(&str, fn(&Row) -> &[Spread]); 2] = [
+        let panels: [(&str, SpreadsOf); 2] = [
             ("from the rope", |row| &row.off_px),
             ("from the curve without noise", |row| &row.moved_px),
         ];
