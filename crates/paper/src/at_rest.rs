@@ -163,6 +163,23 @@ impl AtRest {
     }
 
     pub(crate) fn figure(&self) -> Result<Figure, PaperError> {
+        Ok(Figure {
+            number: 14,
+            title: "A rope at rest".to_owned(),
+            svg: plot::draw("figure 14", &[self.chart()], 1)?,
+            shows: format!(
+                "{} drawn ropes lie still for {} frames (30 a second) of a camera with noise of {} levels, seen by the \
+                 extractor: root mean square distance of the control points from their mean place, the first {SETTLING} \
+                 frames left out; as fitted, and filtered.",
+                self.ropes, self.frames, self.noise
+            ),
+            found: self.finding(),
+            table: None,
+            csv: self.csv(),
+        })
+    }
+
+    fn chart(&self) -> Chart {
         let lines = || {
             self.rows.iter().enumerate().flat_map(|(i, row)| {
                 let look = Look::nth(i);
@@ -205,6 +222,10 @@ impl AtRest {
             let look = Look::nth(6).marker(Marker::None).stroke(Stroke::Dotted);
             chart.line("the Bezier curve itself", look, placed(curve_px));
         }
+        chart
+    }
+
+    fn csv(&self) -> Csv {
         let mut csv = Csv::new(
             "figure-14-at-rest.csv",
             &[
@@ -228,20 +249,7 @@ impl AtRest {
                 ]);
             }
         }
-        Ok(Figure {
-            number: 14,
-            title: "A rope at rest".to_owned(),
-            svg: plot::draw("figure 14", &[chart], 1)?,
-            shows: format!(
-                "{} drawn ropes lie still for {} frames (30 a second) of a camera with noise of {} levels, seen by the \
-                 extractor: root mean square distance of the control points from their mean place, the first {SETTLING} \
-                 frames left out; as fitted, and filtered.",
-                self.ropes, self.frames, self.noise
-            ),
-            found: self.finding(),
-            table: None,
-            csv,
-        })
+        csv
     }
 }
 

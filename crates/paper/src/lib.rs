@@ -27,6 +27,7 @@ mod csv;
 mod curves;
 mod family;
 mod figure;
+mod fits;
 mod options;
 mod ordering;
 mod orders;

@@ -1,12 +1,11 @@
-//! Figures 2 and 3 of the paper: fits of rising order, over a picture and in numbers.
+//! Figure 3 of the paper: the error of fits of rising order.
 
 use lariat_fit::Basis;
 
 use crate::PaperError;
 use crate::csv::Csv;
-use crate::curves::{PAPERS, fitter, off_at_rho_px, sampled};
+use crate::curves::{PAPERS, fitter, off_at_rho_px};
 use crate::figure::{Figure, Table};
-use crate::overlay::{self, Drawn, Panel, Stroke};
 use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke as Dash};
 use crate::shapes::{POINTS, Shape, Shapes};
 use crate::spread::{Spread, median};
@@ -72,7 +71,7 @@ impl Orders {
     }
 
     /// The shape whose error at order 8 is the median: to be shown.
-    fn typical(&self, shapes: &Shapes) -> Option<usize> {
+    pub(crate) fn typical(&self, shapes: &Shapes) -> Option<usize> {
         let middle = self.spread(8).median;
         let shown = (0..self.rows.len()).filter(|&i| shapes.all[i].picture.is_some());
         let off = |i: usize| (self.rows[i].residual_px[7] / middle).ln().abs();
@@ -252,86 +251,6 @@ impl Row {
             off_px: Vec::new(),
         }
     }
-}
-
-/// Figure 2: the paper's four orders over the picture, with their control polygons.
-pub(crate) fn figure_2(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure>, PaperError> {
-    let Some(index) = orders.typical(shapes) else {
-        return Ok(None);
-    };
-    let shape = &shapes.all[index];
-    let Some(picture) = shape.picture.map(|kept| &shapes.pictures[kept]) else {
-        return Ok(None);
-    };
-    let header = ["order", "control_point", "x_px", "y_px", "residual_rms_px"];
-    let mut csv = Csv::new("figure-2-fits.csv", &header);
-    let (mut panels, mut residuals) = (Vec::new(), Vec::new());
-    let mut outside = Vec::new();
-    for order in PAPERS {
-        let mut fitter = fitter(Basis::Bezier { order })?;
-        let fit = fitter.fit(shape.points())?;
-        for (j, [x, y]) in fit.control_points.iter().enumerate() {
-            csv.row(&[
-                order.into(),
-                j.into(),
-                (*x).into(),
-                (*y).into(),
-                fit.rms_px.into(),
-            ]);
-        }
-        residuals.push(fit.rms_px);
-        let size = [picture.width as f64, picture.height as f64];
-        let is_outside = |p: &&[f64; 2]| (0..2).any(|k| p[k] < 0.0 || p[k] > size[k]);
-        outside.push(fit.control_points.iter().filter(is_outside).count());
-        let stroke = |points: Vec<[f64; 2]>, color, width, dashes, drawn| Stroke {
-            points,
-            color,
-            width,
-            dashes,
-            drawn,
-        };
-        let control_points = fit.control_points.clone();
-        let curve = sampled(fit, 200)?;
-        panels.push(Panel {
-            title: format!("n = {order}: {} off", px(fit.rms_px)),
-            picture: 0,
-            strokes: vec![
-                stroke(control_points.clone(), "#fff", 3.0, "", Drawn::Line),
-                stroke(control_points.clone(), "#0072B2", 1.3, "5 3", Drawn::Line),
-                stroke(curve.clone(), "#fff", 5.0, "", Drawn::Line),
-                stroke(curve, "#D55E00", 2.6, "", Drawn::Line),
-                stroke(control_points, "#0072B2", 7.0, "", Drawn::Rings),
-            ],
-        });
-    }
-    let told: Vec<String> = (PAPERS.iter().zip(&residuals))
-        .map(|(n, off)| format!("{} for n = {n}", px(*off)))
-        .collect();
-    let found = format!(
-        "On this rope ({}) the error is {}. {}",
-        shape.name,
-        list(&told),
-        match outside[3] {
-            0 => "All control points of order 8 lie within the picture.".to_owned(),
-            n => format!(
-                "Of order 8, {n} of the nine control points {} outside the picture: they are no places on the rope.",
-                if n == 1 { "lies" } else { "lie" }
-            ),
-        }
-    );
-    let columns = if picture.height > picture.width { 4 } else { 2 };
-    Ok(Some(Figure {
-        number: 2,
-        title: "Fits of order 2, 4, 6 and 8".to_owned(),
-        svg: overlay::draw("fits", &[picture], &panels, columns, overlay::around(picture, 0.18))?,
-        shows: "Bezier curves (orange) fitted to the points that the extractor found in the picture, with their control \
-                points (rings) and control polygons (dashed). Of the shown ropes the one whose error at order 8 is nearest \
-                to the median."
-            .to_owned(),
-        found,
-        table: None,
-        csv,
-    }))
 }
 
 #[cfg(test)]

@@ -31,7 +31,10 @@ const TITLE_PX: i32 = 22;
 const BELOW_PX: i32 = 42;
 const MARGIN_PX: i32 = 10;
 
-pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// From the numbers of the axes to pixels of the drawing.
+type Place<'a> = &'a dyn Fn([f64; 2]) -> (i32, i32);
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 const INK: RGBColor = RGBColor(34, 34, 34);
 const SOFT: RGBColor = RGBColor(90, 90, 90);
@@ -107,7 +110,7 @@ pub(crate) fn draw(
         for (row, &(head, body)) in charts.chunks(columns as usize).zip(&rows) {
             for (i, chart) in row.iter().enumerate() {
                 let left = each * i as i32;
-                let place = Place {
+                let place = Spot {
                     left,
                     top,
                     width: each,
@@ -126,7 +129,7 @@ pub(crate) fn draw(
 
 /// Where a chart goes, in pixels of the drawing.
 #[derive(Clone, Copy)]
-struct Place {
+struct Spot {
     left: i32,
     top: i32,
     width: i32,
@@ -138,9 +141,9 @@ fn title_px(chart: &Chart) -> i32 {
     if chart.title.is_empty() { 0 } else { TITLE_PX }
 }
 
-fn draw_one(root: &Area, chart: &Chart, place: Place) -> Result<(), String> {
+fn draw_one(root: &Area, chart: &Chart, place: Spot) -> Result<(), String> {
     let said = |e: DrawingAreaErrorKind<_>| e.to_string();
-    let Place {
+    let Spot {
         left,
         top,
         width,
@@ -179,16 +182,7 @@ fn draw_one(root: &Area, chart: &Chart, place: Place) -> Result<(), String> {
     // The library's own corner of the plot, to map by.
     let plot = context.plotting_area().clone();
     let at = |p: [f64; 2]| plot.map_coordinate(&(x.place(p[0]), y.place(p[1])));
-    for minor in x.minor() {
-        let ends = [at([minor, y.first()]), at([minor, y.last()])];
-        root.draw(&PathElement::new(ends, FAINT.stroke_width(FINE as u32)))
-            .map_err(said)?;
-    }
-    for minor in y.minor() {
-        let ends = [at([x.first(), minor]), at([x.last(), minor])];
-        root.draw(&PathElement::new(ends, FAINT.stroke_width(FINE as u32)))
-            .map_err(said)?;
-    }
+    draw_minor(root, chart, &at).map_err(said)?;
     context
         .configure_mesh()
         .axis_style(SOFT.stroke_width(FINE as u32))
@@ -205,6 +199,24 @@ fn draw_one(root: &Area, chart: &Chart, place: Place) -> Result<(), String> {
         .map_err(said)?;
     for mark in &chart.marks {
         marks::draw(root, mark, &at, chart).map_err(said)?;
+    }
+    Ok(())
+}
+
+/// Faint lines between the ticks of logarithmic axes.
+fn draw_minor(root: &Area, chart: &Chart, at: Place) -> Drawn {
+    let (x, y) = (&chart.x, &chart.y);
+    let upright = x
+        .minor()
+        .into_iter()
+        .map(|m| [[m, y.first()], [m, y.last()]]);
+    let level = y
+        .minor()
+        .into_iter()
+        .map(|m| [[x.first(), m], [x.last(), m]]);
+    for ends in upright.chain(level) {
+        let style = FAINT.stroke_width(FINE as u32);
+        root.draw(&PathElement::new(ends.map(at), style))?;
     }
     Ok(())
 }

@@ -13,8 +13,9 @@ use crate::clusterings::Clusterings;
 use crate::conditioning::Conditioning;
 use crate::cost::Cost;
 use crate::figure::{Figure, Section};
+use crate::fits;
 use crate::ordering::Ordering;
-use crate::orders::{self, Orders};
+use crate::orders::Orders;
 use crate::rivals::Rivals;
 use crate::robustness::{Lights, Missing, Noise, Outliers};
 use crate::shapes::{self, POINTS, Shapes};
@@ -57,7 +58,7 @@ pub fn repeat(
     let centerlines: Vec<Figure> = clusterings.figure(&shapes)?.into_iter().collect();
     progress("fits of rising order");
     let orders = Orders::run(&shapes)?;
-    let mut features: Vec<Figure> = orders::figure_2(&shapes, &orders)?.into_iter().collect();
+    let mut features: Vec<Figure> = fits::figure(&shapes, &orders)?.into_iter().collect();
     features.push(orders.figure_3()?);
 
     progress("robustness");
@@ -112,7 +113,7 @@ fn sections(
             "Centerline detection",
             "The paper takes four clusterings of the rope's pixels from elsewhere, shows what they make of one picture, and \
              finds that k-means has the best ability to extract the centerline. How their centers become a line it does not \
-             say. Here each gets the same mask, and its centers are joined by where the mask is between them.",
+             say. Here each gets the same mask, and its centers are put in order by which of their cells touch within it.",
             centerlines,
         ),
         section(

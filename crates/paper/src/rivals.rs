@@ -155,6 +155,23 @@ impl Rivals {
             let look = Look::nth(of_lines().count());
             chart.line(Family::CenterOfMass.name(), look, vec![at]);
         }
+        Ok(Figure {
+            number: 9,
+            title: "Against its rivals, at an equal number of parameters".to_owned(),
+            svg: plot::draw("figure 9", &[chart], 1)?,
+            shows: format!(
+                "Median distance, over {} ropes, between the rope and the curve fitted to its exact points, by how many \
+                 numbers the curve takes: two a control point, and one a weight. The table is at the size of the paper's \
+                 order 8; the noise gain says how far a pixel of noise moves the least certain point or coefficient.",
+                self.shapes
+            ),
+            found: self.finding(),
+            table: Some(self.table()),
+            csv: self.csv(),
+        })
+    }
+
+    fn csv(&self) -> Csv {
         let mut csv = Csv::new(
             "figure-9-rivals.csv",
             &[
@@ -180,20 +197,7 @@ impl Rivals {
                 ]);
             }
         }
-        Ok(Figure {
-            number: 9,
-            title: "Against its rivals, at an equal number of parameters".to_owned(),
-            svg: plot::draw("figure 9", &[chart], 1)?,
-            shows: format!(
-                "Median distance, over {} ropes, between the rope and the curve fitted to its exact points, by how many \
-                 numbers the curve takes: two a control point, and one a weight. The table is at the size of the paper's \
-                 order 8; the noise gain says how far a pixel of noise moves the least certain point or coefficient.",
-                self.shapes
-            ),
-            found: self.finding(),
-            table: Some(self.table()),
-            csv,
-        })
+        csv
     }
 
     fn table(&self) -> Table {

@@ -4,7 +4,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::marks::{Look, Mark, Marker, Stroke, marker, stroke};
-use super::{Area, Chart, FINE, INK, LETTER_PX, letters};
+use super::{Area, Chart, Drawn, FINE, INK, LETTER_PX, letters};
 
 const ROW_PX: i32 = 19;
 /// The sample of a line, and the gap to its name.
@@ -75,12 +75,7 @@ pub(super) fn height_px(chart: &Chart, width_px: i32) -> i32 {
 }
 
 /// Draws it from a corner on, in pixels of the drawing; `room_px` wide.
-pub(super) fn draw(
-    root: &Area,
-    chart: &Chart,
-    [left, top]: [i32; 2],
-    room_px: i32,
-) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+pub(super) fn draw(root: &Area, chart: &Chart, [left, top]: [i32; 2], room_px: i32) -> Drawn {
     let entries = entries(chart);
     for (entry, [x, row]) in entries.iter().zip(places(&entries, room_px)) {
         let x = left + x * FINE;

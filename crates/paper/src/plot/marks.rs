@@ -4,7 +4,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Area, Chart, FINE, SOFT, letters};
+use super::{Area, Chart, Drawn, FINE, Place, SOFT, letters};
 use crate::spread::Spread;
 
 /// Okabe and Ito's colors; the yellow is left out, as it is too pale for lines on white.
@@ -17,8 +17,6 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
-
-type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// How a line goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,8 +113,6 @@ pub(crate) enum Mark {
     Key { name: String, look: Look },
 }
 
-type Place<'a> = &'a dyn Fn([f64; 2]) -> (i32, i32);
-
 pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn {
     match mark {
         Mark::Line { look, points, .. } => {
@@ -163,24 +159,27 @@ pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn 
             root.draw(&PathElement::new(ends(spread.p25, spread.p75), thick))?;
             marker(root, at([spread.median, y]), *look, 5)
         }
-        Mark::Rule { x, text } => {
-            let (top, bottom) = (at([*x, chart.y.last()]), at([*x, chart.y.first()]));
-            let style = SOFT.stroke_width(FINE as u32);
-            let (dash, gap) = (4 * FINE, 3 * FINE);
-            root.draw(&DashedPathElement::new([top, bottom], dash, gap, style))?;
-            // On the side where there is room.
-            let is_right = top.0 > at([chart.x.last(), chart.y.last()]).0 - 60 * FINE;
-            let (side, dx) = if is_right {
-                (HPos::Right, -4 * FINE)
-            } else {
-                (HPos::Left, 4 * FINE)
-            };
-            let style = letters(SOFT, false).pos(Pos::new(side, VPos::Top));
-            let place = (top.0 + dx, top.1 + 3 * FINE);
-            root.draw(&Text::new(text.clone(), place, style))
-        }
+        Mark::Rule { x, text } => rule(root, *x, text, at, chart),
         Mark::Key { .. } => Ok(()),
     }
+}
+
+/// An upright dashed line with words at its top.
+fn rule(root: &Area, x: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
+    let (top, bottom) = (at([x, chart.y.last()]), at([x, chart.y.first()]));
+    let style = SOFT.stroke_width(FINE as u32);
+    let (dash, gap) = (4 * FINE, 3 * FINE);
+    root.draw(&DashedPathElement::new([top, bottom], dash, gap, style))?;
+    // On the side where there is room.
+    let is_right = top.0 > at([chart.x.last(), chart.y.last()]).0 - 60 * FINE;
+    let (side, dx) = if is_right {
+        (HPos::Right, -4 * FINE)
+    } else {
+        (HPos::Left, 4 * FINE)
+    };
+    let style = letters(SOFT, false).pos(Pos::new(side, VPos::Top));
+    let place = (top.0 + dx, top.1 + 3 * FINE);
+    root.draw(&Text::new(text.to_owned(), place, style))
 }
 
 /// A line through pixels.
