@@ -180,9 +180,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "extract",
         name: "method",
-        about: "How the mask becomes a centerline: \"skeleton\", the most accurate and the fastest by far, or the centers of a\n\
-                clustering, put in order, to compare with it: \"kmeans\", \"som\",\n\
-                \"gmm\" or \"fcm\".",
+        about: "How the mask becomes a centerline: \"skeleton\", the most accurate and by far the fastest, or, to compare\n\
+                with it, the centers of a clustering, put in order: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
         example: "",
         set: |s, v| {
             meaning::named("methods", &Method::ALL, v).map(|method| s.extract.method = method)

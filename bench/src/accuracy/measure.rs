@@ -196,7 +196,7 @@ pub(in crate::accuracy) mod tests {
     #[test]
     fn ropes_that_are_plain_to_see_are_found_and_drawn_well() {
         let (photo, label) = picture(&bars());
-        let measured = Bench::new(Method::Skeleton)
+        let measured = Bench::new(lariat_extract::Method::Skeleton)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();
@@ -210,7 +210,7 @@ pub(in crate::accuracy) mod tests {
     fn a_wrong_count_is_counted() {
         let (photo, _) = picture(&bars());
         let (_, label) = picture(&bars()[..1]);
-        let measured = Bench::new(Method::Skeleton)
+        let measured = Bench::new(lariat_extract::Method::Skeleton)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();
@@ -220,7 +220,7 @@ pub(in crate::accuracy) mod tests {
 
     #[test]
     fn each_photograph_is_a_scene_of_its_own() {
-        let mut bench = Bench::new(Method::Skeleton).unwrap();
+        let mut bench = Bench::new(lariat_extract::Method::Skeleton).unwrap();
         let (photo, label) = picture(&bars());
         let first = bench.extract(&photo, &label).unwrap();
         let (empty, no_label) = picture(&[]);
