@@ -174,6 +174,11 @@ impl AtRest {
                 self.ropes, self.frames, self.noise
             ),
             found: self.finding(),
+            parameters: format!(
+                "control points {COUNTS:?}; noise {} levels; filter: {} and {CALM_PX_S2} px/s²",
+                self.noise,
+                FilterOptions::default().acceleration_px_s2
+            ),
             table: None,
             csv: self.csv(),
         })

@@ -164,6 +164,7 @@ impl Cost {
                  medians."
             ),
             found: self.finding(),
+            parameters: format!("n = {ORDERS:?}; batches of {} ms", 1e3 * BATCH_S),
             table: None,
             csv,
         })

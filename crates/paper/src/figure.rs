@@ -23,6 +23,8 @@ pub(crate) struct Figure {
     /// What was found: made from the numbers of this run.
     pub(crate) found: String,
     pub(crate) table: Option<Table>,
+    /// What its numbers depend on beside the parameters of the whole page.
+    pub(crate) parameters: String,
     pub(crate) csv: Csv,
 }
 

@@ -40,6 +40,7 @@ pub(crate) fn figure(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure>,
                 to the median."
             .to_owned(),
         found: finding(shape, picture, &fits),
+        parameters: format!("n = {}", list(&PAPERS.map(|n| n.to_string()))),
         table: None,
         csv: csv(&fits),
     }))

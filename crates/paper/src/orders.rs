@@ -202,6 +202,7 @@ impl Orders {
                 count(self.rows.len(), "rope", "ropes")
             ),
             found: format!("{} {}", self.finding(), self.caveat()),
+            parameters: format!("n = {} to {}; points as seen", ORDERS.start(), ORDERS.end()),
             table: Some(self.table()),
             csv: self.csv(),
         })

@@ -166,6 +166,11 @@ impl Rivals {
                 self.shapes
             ),
             found: self.finding(),
+            parameters: format!(
+                "{} to {} numbers; table: {PAPERS_NUMBERS}; noise 1 px",
+                NUMBERS.start(),
+                NUMBERS.end()
+            ),
             table: Some(self.table()),
             csv: self.csv(),
         })

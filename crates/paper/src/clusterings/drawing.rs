@@ -1,6 +1,6 @@
 //! The clusterings as a figure: panels over one picture, a table over all.
 
-use super::{Clusterings, SKELETON, WRONG_WIDTHS, short, title};
+use super::{Clusterings, SETTLING, SKELETON, WRONG_WIDTHS, short, title};
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::figure::{Figure, Table};
@@ -49,6 +49,10 @@ impl Clusterings {
                 shapes.measure()
             ),
             found: self.finding(),
+            parameters: format!(
+                "the first {} ropes; {SETTLING} frames before the warm ones; right order: {WRONG_WIDTHS} widths",
+                self.pictures
+            ),
             table: Some(self.table()),
             csv: self.csv(),
         }))

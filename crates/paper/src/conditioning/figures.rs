@@ -1,6 +1,6 @@
 //! Condition numbers, gains and total errors as figures.
 
-use super::{Conditioning, MAIN, NoiseOf, Row, SIGMAS_PX};
+use super::{Conditioning, DRAWS, MAIN, NoiseOf, ORDERS, Row, SIGMAS_PX};
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::figure::{Figure, Table};
@@ -69,6 +69,11 @@ impl Conditioning {
                  coordinate of the points."
             ),
             found: self.conditioning_finding(),
+            parameters: format!(
+                "n = {} to {}; {DRAWS} draws of noise",
+                ORDERS.start(),
+                ORDERS.end()
+            ),
             table: None,
             csv: self.csv_10(),
         })
@@ -134,6 +139,7 @@ impl Conditioning {
                 self.shapes, SIGMAS_PX[MAIN]
             ),
             found: self.total_finding(),
+            parameters: format!("noise {SIGMAS_PX:?} px, independent from point to point"),
             table: Some(self.table()),
             csv,
         })

@@ -64,6 +64,7 @@ impl Ordering {
                 self.shapes
             ),
             found: self.steps_finding(),
+            parameters: format!("n = 8; ratios {RATIOS:?}"),
             table: None,
             csv,
         })
@@ -105,6 +106,8 @@ impl Ordering {
                 self.shapes
             ),
             found: self.orders_finding(),
+            parameters: "n = 8; every tenth point with its neighbour; points 40 to 79 backwards"
+                .to_owned(),
             table: Some(self.orders_table()),
             csv: self.orders_csv(),
         })

@@ -60,13 +60,14 @@ pub(super) fn write(
             escaped(value)
         );
     }
-    html.push_str("</tbody>\n</table>\n<p>The numbers behind each figure lie beside this page:</p>\n<table>\n<tbody>\n");
+    html.push_str("</tbody>\n</table>\n<p>What each figure depends on besides, and the file beside this page with its numbers:</p>\n<table>\n<tbody>\n");
     for figure in sections.iter().flat_map(|section| &section.figures) {
         let _ = writeln!(
             html,
-            "<tr><th scope=\"row\">Figure {}</th><td>{}</td><td><code>{}</code></td></tr>",
+            "<tr><th scope=\"row\">Figure {}</th><td>{}</td><td>{}</td><td><code>{}</code></td></tr>",
             figure.number,
             escaped(&figure.title),
+            escaped(&figure.parameters),
             figure.csv.name
         );
     }

@@ -187,6 +187,7 @@ impl Lights {
                     95 % of the pictures."
                 .to_owned(),
             found: self.finding(),
+            parameters: format!("n = 8; {} pictures of a kind", self.rows[0].pictures),
             table: Some(table),
             csv,
         })

@@ -225,6 +225,7 @@ impl Missing {
                 self.shapes
             ),
             found: self.finding(),
+            parameters: format!("n = 8; shares {SHARES:?}; never an end"),
             table: None,
             csv,
         })

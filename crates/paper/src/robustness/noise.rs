@@ -150,6 +150,7 @@ impl Noise {
                 self.shapes
             ),
             found: self.finding(),
+            parameters: format!("{PAPERS_NUMBERS} numbers; standard deviations {SIGMAS_PX:?} px"),
             table: None,
             csv: self.csv(),
         })

@@ -139,6 +139,9 @@ impl Outliers {
                 format_args!("{SIGMA_PX} px")
             ),
             found: self.finding(),
+            parameters: format!(
+                "nine control points; shares {SHARES:?}; {FAR:?} of the length away; noise {SIGMA_PX} px"
+            ),
             table: None,
             csv,
         })
