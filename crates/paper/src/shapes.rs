@@ -1,6 +1,6 @@
 //! The ropes that the experiments are made on: drawn ones, whose centerlines are known, or those seen in pictures.
 
-use lariat_capture::scenes::{self, Class};
+use lariat_capture::scenes::{self, Class, SceneError, Still};
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_extract::{Extractor, Options, Status};
 use lariat_wire::Centerlines;
@@ -23,6 +23,11 @@ const KINDS: [(Option<Class>, &str); 5] = [
     (Some(Class::Crossings3), "three crossings"),
 ];
 pub(crate) const GENTLE: &str = "gentle";
+/// How often another seed is tried where no rope of a class fits into the picture, and which is the next.
+const TRIALS: usize = 16;
+const NEXT_SEED: u64 = 50_000;
+/// Pictures of others are kept to be shown and compared up to so many bytes in all, but for the first.
+const KEPT_BYTES: usize = 100_000_000;
 /// A gentle rope's motion repeats after this many seconds: any moment of it is a shape.
 const MOTION_S: f64 = 60.0;
 /// A centerline this many widths off the truth, in the mean at the same ρ, went another way than the rope.
@@ -75,10 +80,9 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
     for i in 0..effort.shapes {
         let (class, kind) = KINDS[i % KINDS.len()];
         let rope_seed = seed.wrapping_mul(100_000).wrapping_add(i as u64);
-        let name = format!("{kind}, seed {rope_seed}");
         let drawing = match class {
-            Some(class) => winding(class, name, rope_seed, effort)?,
-            None => gentle(name, rope_seed, effort)?,
+            Some(class) => winding(class, kind, rope_seed, effort)?,
+            None => gentle(kind, rope_seed, effort)?,
         };
         let reference = even(&drawing.dense, POINTS);
         let seen = eye.look(&drawing.picture)?;
@@ -112,14 +116,14 @@ struct Drawing {
     width_px: f64,
 }
 
-fn winding(class: Class, name: String, seed: u64, effort: &Effort) -> Result<Drawing, PaperError> {
+fn winding(class: Class, kind: &str, seed: u64, effort: &Effort) -> Result<Drawing, PaperError> {
     let [width, height] = effort.size_px;
-    let mut still = scenes::draw(class, seed, width, height)?;
+    let (mut still, seed) = still(class, seed, effort.size_px)?;
     // These classes show one rope.
     let rope = still.truth.ropes.swap_remove(0);
     Ok(Drawing {
         picture: Picture {
-            name,
+            name: format!("{kind}, seed {seed}"),
             width,
             height,
             rgb: still.rgb,
@@ -129,7 +133,24 @@ fn winding(class: Class, name: String, seed: u64, effort: &Effort) -> Result<Dra
     })
 }
 
-fn gentle(name: String, seed: u64, effort: &Effort) -> Result<Drawing, PaperError> {
+/// A picture of a class and the seed that it has: that which was asked for, or the next that has a rope which fits.
+pub(crate) fn still(
+    class: Class,
+    seed: u64,
+    [width, height]: [usize; 2],
+) -> Result<(Still, u64), PaperError> {
+    let mut seed = seed;
+    for _ in 0..TRIALS {
+        match scenes::draw(class, seed, width, height) {
+            // By an even number, as in one class two neighbouring seeds are of one rope.
+            Err(SceneError::NoRoom { .. }) => seed = seed.wrapping_add(NEXT_SEED),
+            drawn => return Ok((drawn?, seed)),
+        }
+    }
+    Ok((scenes::draw(class, seed, width, height)?, seed))
+}
+
+fn gentle(kind: &str, seed: u64, effort: &Effort) -> Result<Drawing, PaperError> {
     let [width, height] = effort.size_px;
     let options = RenderOptions {
         seed,
@@ -158,7 +179,7 @@ fn gentle(name: String, seed: u64, effort: &Effort) -> Result<Drawing, PaperErro
         .collect();
     Ok(Drawing {
         picture: Picture {
-            name,
+            name: format!("{kind}, seed {seed}"),
             width,
             height,
             rgb,
@@ -181,8 +202,10 @@ pub(crate) fn pictured(
         count += 1;
         let seen = eye.look(&picture)?;
         shapes.unseen += usize::from(seen.is_empty());
-        let kept = (shapes.pictures.len() < effort.pictures && !seen.is_empty())
-            .then_some(shapes.pictures.len());
+        let bytes: usize = shapes.pictures.iter().map(|p| p.rgb.len()).sum();
+        let fits = shapes.pictures.is_empty() || bytes + picture.rgb.len() <= KEPT_BYTES;
+        let is_kept = fits && shapes.pictures.len() < effort.pictures && !seen.is_empty();
+        let kept = is_kept.then_some(shapes.pictures.len());
         if kept.is_some() {
             shapes.pictures.push(picture.clone());
         }

@@ -1,6 +1,6 @@
 //! Light, noise and blur in the picture itself, through the extractor.
 
-use lariat_capture::scenes::{Class, draw};
+use lariat_capture::scenes::Class;
 use lariat_fit::Basis;
 
 use crate::csv::Csv;
@@ -8,7 +8,7 @@ use crate::curves::{fitter, sampled};
 use crate::figure::{Figure, Table};
 use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke};
 use crate::polyline::{even, rms_apart_px, rms_from_line_px};
-use crate::shapes::{Eye, POINTS, along};
+use crate::shapes::{Eye, POINTS, along, still};
 use crate::spread::{Spread, median};
 use crate::words::{digits, px};
 use crate::{Effort, PaperError, Picture};
@@ -64,7 +64,7 @@ impl Lights {
                 // Even seeds of the class are in full light, odd ones the same in half.
                 let picture_seed = seed.wrapping_mul(100_000).wrapping_add(2 * i + 1);
                 let mut look = |picture_seed| -> Result<_, PaperError> {
-                    let still = draw(class, picture_seed, width, height)?;
+                    let (still, _) = still(class, picture_seed, effort.size_px)?;
                     let rope = &still.truth.ropes[0];
                     let truth = even(&rope.points, POINTS);
                     let picture = Picture {
