@@ -14,6 +14,9 @@ use crate::{Effort, PaperError};
 /// Numbers that describe a curve, at most.
 const NUMBERS: std::ops::RangeInclusive<usize> = 2..=32;
 
+/// A fit is faster if it takes less than this share: times of a fraction of a microsecond vary from run to run.
+const FASTER: f64 = 0.8;
+
 /// A family at one size.
 #[derive(Debug, Clone, PartialEq)]
 struct Size {
@@ -86,18 +89,16 @@ impl Rivals {
             return String::new();
         };
         let rivals = || self.entries.iter().filter(|e| e.family.is_rival());
-        let better = |of: fn(&Entry) -> f64| -> Vec<String> {
-            let by = rivals().filter(|rival| of(rival) <= of(bezier));
+        let better = |of: fn(&Entry) -> f64, margin: f64| -> Vec<String> {
+            let by = rivals().filter(|rival| of(rival) <= margin * of(bezier));
             by.map(|rival| rival.family.name().to_owned()).collect()
         };
-        let (accurate, noisy, quick) = (
-            better(|e| e.off_px),
-            better(|e| e.noisy_px),
-            better(|e| e.fit_us),
-        );
+        let accurate = better(|e| e.off_px, 1.0);
+        let noisy = better(|e| e.noisy_px, 1.0);
+        let quick = better(|e| e.fit_us, FASTER);
         let claim = |what: &str, beaten_by: &[String]| {
             if beaten_by.is_empty() {
-                format!("in {what} it is ahead of all rivals that the paper names")
+                format!("in {what} no rival that the paper names is ahead of it")
             } else {
                 format!("in {what} it is behind {}", list(beaten_by))
             }
@@ -300,11 +301,8 @@ mod tests {
     #[test]
     fn the_sentence_follows_the_numbers() {
         let found = rivals(5.0, 9.0).finding();
-        assert!(
-            found.contains("in accuracy it is ahead of all rivals"),
-            "{found}"
-        );
-        assert!(found.contains("in speed it is ahead"), "{found}");
+        assert!(found.contains("in accuracy no rival"), "{found}");
+        assert!(found.contains("in speed no rival"), "{found}");
         assert!(
             found.contains("the cubic B-spline 0.800 px and the Bezier 1.00 px off"),
             "{found}"
