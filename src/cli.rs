@@ -8,6 +8,7 @@ use clap::{Parser, Subcommand};
 
 use crate::config_command::{self, ConfigArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::trace::{self, TraceArgs};
@@ -39,6 +40,8 @@ enum Command {
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
     Pick(PickArgs),
+    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
+    Paper(PaperArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
 }
@@ -64,6 +67,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
+        Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Config(args)) => config_command::run(args),
     }
 }

@@ -6,6 +6,8 @@ mod config_command;
 mod descriptor_json;
 mod doubts;
 mod fit_lines;
+mod inputs;
+mod paper;
 mod pick;
 mod picture;
 mod settings;
