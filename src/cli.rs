@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 use crate::config_command::{self, ConfigArgs};
 use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::trace::{self, TraceArgs};
@@ -40,6 +41,8 @@ enum Command {
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
     Pick(PickArgs),
+    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
+    Paper(PaperArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -70,6 +73,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
+        Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
     }

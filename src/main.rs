@@ -7,6 +7,8 @@ mod descriptor_json;
 mod doctor;
 mod doubts;
 mod fit_lines;
+mod inputs;
+mod paper;
 mod pick;
 mod picture;
 mod settings;

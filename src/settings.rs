@@ -25,7 +25,7 @@ use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{Pace, RenderOptions, Source};
-use lariat_extract::Mask;
+use lariat_extract::{Mask, Method};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -159,6 +159,8 @@ pub(crate) struct Extract {
     pub(crate) mask: Mask,
     /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
     pub(crate) mask_deadline: Duration,
+    /// How the mask becomes a centerline.
+    pub(crate) method: Method,
     /// Points of a centerline.
     pub(crate) points: usize,
     /// The most ropes reported.
@@ -174,6 +176,7 @@ impl Default for Extract {
         Self {
             mask: Mask::Auto,
             mask_deadline: Duration::from_millis(50),
+            method: Method::Skeleton,
             points: 120,
             ropes: 8,
             start: None,
@@ -187,6 +190,7 @@ impl Extract {
     pub(crate) fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options {
             mask: self.mask.clone(),
+            method: self.method,
             points: self.points,
             ropes: self.ropes,
             start: self.start,

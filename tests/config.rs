@@ -78,7 +78,7 @@ fn the_examples_in_a_new_file_are_good() {
     std::fs::write(&path, examples).unwrap();
     let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
     assert_eq!(shown["run"].as_table().unwrap().len(), 14);
-    assert_eq!(shown["extract"].as_table().unwrap().len(), 6);
+    assert_eq!(shown["extract"].as_table().unwrap().len(), 7);
     assert_eq!(
         shown["extract"]["mask"].to_string(),
         "[{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]"

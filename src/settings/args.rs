@@ -33,6 +33,9 @@ pub(crate) struct ShapeArgs {
     /// Let points far off the curve weigh less, and hidden ones nothing
     #[arg(long)]
     pub(crate) robust: bool,
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm
+    #[arg(long, value_name = "NAME")]
+    pub(crate) method: Option<String>,
     /// Points of a centerline
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) points: Option<i64>,
@@ -159,6 +162,7 @@ impl ChainArgs {
             ("--lock-memory", "run", "lock_memory", yes(self.lock_memory)),
             ("--wake", "run", "wake", text(&self.wake)),
             ("--spin", "run", "spin_us", spin_us),
+            ("--method", "extract", "method", text(&self.shape.method)),
             (
                 "--points",
                 "extract",

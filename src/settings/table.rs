@@ -3,6 +3,7 @@
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
 use crate::settings::{arrangement, meaning};
+use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
 use toml::Value;
@@ -229,6 +230,17 @@ pub(super) const KEYS: &[Key] = &[
             let us = s.extract.mask_deadline.as_nanos() as f64 / 1e3;
             Some(meaning::number_value(us))
         },
+    },
+    Key {
+        section: "extract",
+        name: "method",
+        about: "How the mask becomes a centerline: \"skeleton\", the most accurate and by far the fastest, or, to compare\n\
+                with it, the centers of a clustering, put in order: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("methods", &Method::ALL, v).map(|method| s.extract.method = method)
+        },
+        get: |s| Some(Value::String(s.extract.method.to_string())),
     },
     Key {
         section: "extract",
