@@ -13,6 +13,7 @@ mod message;
 mod patience;
 mod reader;
 mod ready;
+mod relay;
 mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
@@ -22,4 +23,5 @@ pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use message::*;
 pub use reader::{Message, Reader, Woken, sleep_for_any};
+pub use relay::{RelayMessage, RelayReceiver, RelaySender};
 pub use writer::{Slot, Writer};
