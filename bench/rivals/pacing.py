@@ -8,6 +8,7 @@ was under way, from the moment it was due to the last process's hands, in nanose
 import ctypes
 import json
 import multiprocessing
+import os
 import signal
 import struct
 import sys
@@ -27,6 +28,7 @@ _libc = ctypes.CDLL(None)
 
 def settle():
     """Ends this process with its parent, and lets its sleeps end when they are due (the kernel's leeway is 50 µs)."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     _libc.prctl(1, signal.SIGTERM)
     _libc.prctl(29, 1)
 
@@ -39,11 +41,10 @@ def request():
 
 
 def frames(asked):
-    """The images, as one buffer each."""
+    """The images' bytes."""
     size = asked["width"] * asked["height"] * 3
     with open(asked["frames"], "rb") as file:
-        data = memoryview(file.read())
-    return [data[i * size : (i + 1) * size] for i in range(asked["count"])]
+        return [file.read(size) for _ in range(asked["count"])]
 
 
 def due(asked):
@@ -72,41 +73,75 @@ def four(asked, ends, versions):
     """
     context = multiprocessing.get_context("fork")
     ready = [context.Event() for _ in range(4)]
-    whole = context.SimpleQueue()
+    done = context.Event()
+    result, its_end = context.Pipe(duplex=False)
     total = WARM_UP + max(1, int(asked["seconds"] * asked["fps"]))
+    longest_s = asked["seconds"] + 2 * TIMEOUT_S
+
+    def source(send):
+        images = frames(asked)
+        for event in ready:
+            event.wait(TIMEOUT_S)
+        for number, due_ns in due(asked):
+            send(HEADER.pack(number, due_ns), images[number % len(images)])
+
+    def middle(receive, send, payload):
+        for _ in range(total):
+            send(receive(), payload)
+
+    def sink(receive):
+        took_ns = []
+        for _ in range(total):
+            _, due_ns = HEADER.unpack(receive())
+            took_ns.append(time.monotonic_ns() - due_ns)
+        its_end.send(took_ns)
 
     def stage(place):
         settle()
-        receive, send = ends(place)
-        ready[place].set()
-        if place == 0:
-            images = frames(asked)
-            for event in ready:
-                event.wait(TIMEOUT_S)
-            for number, due_ns in due(asked):
-                send(HEADER.pack(number, due_ns), images[number % len(images)])
-            return
-        payload = bytes([0, CENTERLINES, DESCRIPTORS, 0][place])
-        took_ns = []
-        for _ in range(total):
-            got = receive()
-            if got is None:
-                break
-            if send:
-                send(got, payload)
+        try:
+            receive, send = ends(place)
+            ready[place].set()
+            if not receive:
+                source(send)
+            elif send:
+                middle(receive, send, bytes({1: CENTERLINES, 2: DESCRIPTORS}[place]))
             else:
-                took_ns.append(time.monotonic_ns() - HEADER.unpack(got)[1])
-        if not send:
-            whole.put(took_ns)
+                sink(receive)
+            done.wait(longest_s)
+        except Exception as why:
+            sys.exit(f"process {place + 1} of 4: {why!r}")
 
     processes = [context.Process(target=stage, args=(place,)) for place in range(4)]
-    for process in reversed(processes):
-        process.start()
-    deadline = time.monotonic() + asked["seconds"] + 4 * TIMEOUT_S
-    for process in processes[:3]:
-        process.join(max(0.0, deadline - time.monotonic()))
-    took_ns = [] if whole.empty() and not processes[3].is_alive() else whole.get()
-    for process in processes:
-        process.terminate()
-        process.join()
+    # Asked to end, this process ends the others, too, and tidies up.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        for process in reversed(processes):
+            process.start()
+        took_ns = result.recv() if result.poll(longest_s) else []
+    finally:
+        remove = left_behind([process.pid for process in processes if process.pid])
+        done.set()
+        for process in processes:
+            if process.pid:
+                process.join(1.0)
+                process.kill()
+                process.join()
+        for path in remove:
+            if os.path.exists(path):
+                os.unlink(path)
+    if not took_ns:
+        sys.exit("the four processes did not pass every message on in time")
     answer(took_ns, versions)
+
+
+def left_behind(processes):
+    """The shared memory of these processes that zenoh leaves in /dev/shm when they end."""
+    found = set()
+    for process in processes:
+        try:
+            with open(f"/proc/{process}/maps", encoding="utf-8") as maps:
+                paths = (line.split()[-1] for line in maps)
+                found.update(p for p in paths if p.startswith("/dev/shm/") and p.endswith(".zenoh"))
+        except OSError:
+            pass
+    return found
