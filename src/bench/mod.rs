@@ -19,6 +19,7 @@ mod targets;
 mod usage;
 mod workplace;
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -115,9 +116,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
         std::fs::create_dir_all(dir)
             .with_context(|| format!("the report's folder {} cannot be made", dir.display()))?;
     }
-    let python = match args.python.canonicalize() {
-        Ok(path) if args.python.components().count() > 1 => absolute(&args.python).unwrap_or(path),
-        _ => args.python.clone(),
+    // A path is meant from here, and not from where the scripts run; symbolic links stay, as a virtual environment's
+    // Python is one.
+    let python = match args.python.components().count() {
+        1 => args.python.clone(),
+        _ => std::path::absolute(&args.python).unwrap_or_else(|_| args.python.clone()),
     };
     let workplace = Workplace::open(python)?;
     let mut plan = Plan::new(args, &workplace);
@@ -138,11 +141,6 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The path from the root, symbolic links as they are: a virtual environment's Python is one.
-fn absolute(path: &std::path::Path) -> Option<PathBuf> {
-    std::path::absolute(path).ok()
-}
-
 /// Measures everything, round after round; a signal ends it after the rounds that are whole.
 fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
     let mut whole = 0;
@@ -152,14 +150,14 @@ fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
             if !plan.is_wanted(job) {
                 continue;
             }
-            eprint!(
-                "\r\x1b[Kround {round} of {}: {}",
+            say(&format!(
+                "round {round} of {}: {}",
                 plan.rounds,
                 plan.item(job).title
-            );
+            ));
             let measured = plan.jobs[job].measure(workplace);
             if workplace.stop.asked() {
-                eprintln!();
+                say("");
                 ensure!(
                     whole > 0,
                     "stopped by a signal before anything was measured whole"
@@ -170,7 +168,7 @@ fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
                 Ok(outcome) => outcomes.push((job, outcome)),
                 Err(why) if plan.jobs[job].optional => plan.give_up(job, &format!("{why:#}")),
                 Err(why) => {
-                    eprintln!();
+                    say("");
                     bail!("{}: {why:#}", plan.item(job).title);
                 }
             }
@@ -180,6 +178,13 @@ fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
         }
         whole = round;
     }
-    eprint!("\r\x1b[K");
+    say("");
     Ok(whole)
+}
+
+/// Says in place what is measured just now, on a terminal.
+fn say(line: &str) {
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\x1b[K{line}");
+    }
 }

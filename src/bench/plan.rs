@@ -109,14 +109,14 @@ impl Plan {
         let rates = || setups.iter().filter_map(|&(_, rate)| rate);
         let fps = rates().find(|&fps| fps == FPS).or_else(|| rates().next());
         let mut plan = Self {
-            rounds: args.rounds.unwrap_or(if args.quick { 1 } else { 3 }),
+            rounds: args.rounds.unwrap_or(if args.quick { 1 } else { 5 }),
             jobs: Vec::new(),
             items: Vec::new(),
             base: (size, fps.unwrap_or(FPS)),
             stretch: match (args.quick, args.full) {
                 (true, _) => 0.15,
-                (_, true) => 4.0,
-                _ => 1.0,
+                (_, true) => 5.0,
+                _ => 0.5,
             },
         };
         plan.add_floors(args, workplace, &setups);
@@ -146,7 +146,7 @@ impl Plan {
         for [width, height] in sizes {
             let named = format!("{width}x{height}");
             let (read, copy) = (format!("read.{named}"), format!("copy.{named}"));
-            let frame = format!("a frame of {width}×{height}, RGB");
+            let frame = format!("{width}×{height}, RGB");
             let (note, size) = (
                 "one thread, by the widest loads, from the cache if it fits",
                 [width, height],
@@ -178,7 +178,7 @@ impl Plan {
                 continue;
             }
             for (sleep, kind) in [(Sleep::Futex, "futex"), (Sleep::Eventfd, "eventfd")] {
-                let title = format!("wake a thread {place}, {kind}");
+                let title = format!("wake {place}, {kind}");
                 let note = "from the one's call to the other's return, to and fro";
                 self.floor(
                     &format!("wake.{kind}.{id}"),
@@ -225,8 +225,8 @@ impl Plan {
                 let mut item = Item::new(
                     format!("floor.relay.{}@{fps}", arrangement.id()),
                     Group::Floor,
-                    format!("4 processes, 64 bytes, {fps}/s, {}", arrangement.title()),
-                    "three hops of bare iceoryx2, woken by its events; from when a message is due",
+                    format!("four processes, {fps}/s, {}", arrangement.title()),
+                    "64 bytes over three hops of bare iceoryx2, woken by its events; from when a message is due",
                 );
                 if let (true, Err(why)) = (arrangement.is_fifo(), &fifo) {
                     item.missing = Some(why.clone());
@@ -252,7 +252,7 @@ impl Plan {
             };
             let usual_s = match fps {
                 Some(fps) if fps == self.base.1 => 3.0,
-                Some(fps) if fps >= 1000.0 && args.full && size == SIZE => 5.0,
+                Some(fps) if fps >= 1000.0 && args.full && size == SIZE => 2.4,
                 _ => 2.0,
             };
             self.chain(setup(false, false), usual_s);

@@ -54,10 +54,10 @@ impl Arrangement {
 
     pub(super) fn title(self) -> &'static str {
         match self {
-            Self::Free => "where the kernel puts them",
+            Self::Free => "free",
             Self::OneCore { fifo: false } => "one core",
             Self::OneCore { fifo: true } => "one core, FIFO",
-            Self::Spread { fifo: false } => "spread over the cores",
+            Self::Spread { fifo: false } => "spread",
             Self::Spread { fifo: true } => "spread, FIFO",
         }
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use lariat_bench::Table;
 use lariat_sink::Figure as Digits;
 
-use super::figures::{Group, Item};
+use super::figures::{Figure, Group, Item};
 use super::plan::Plan;
 use super::summary::Summary;
 
@@ -14,7 +14,7 @@ pub(super) fn table(plan: &Plan, summary: &Summary) -> String {
     let machine = &summary.machine;
     let unknown = "unknown processor".to_owned();
     let mut text = format!(
-        "{}, {} cores, {}; medians of {} rounds in {} s\n",
+        "{}, {} cores, {}\nrounds: {} in {} s; each figure is the median of its rounds\n",
         machine.cpu.as_ref().unwrap_or(&unknown),
         machine.cores.unwrap_or(0),
         machine.kernel,
@@ -73,10 +73,14 @@ fn whole(plan: &Plan) -> Table {
 
 /// Half of the way from the least to the greatest median of a round.
 fn half_spread(item: &Item) -> String {
-    item.figure("p50_us").map_or_else(String::new, |figure| {
-        let (low, high) = figure.range();
-        Digits(Some((high - low) / 2.0)).to_string()
-    })
+    let rounds = |figure: &&Figure| figure.rounds.len() > 1;
+    item.figure("p50_us").filter(rounds).map_or_else(
+        || "–".to_owned(),
+        |figure| {
+            let (low, high) = figure.range();
+            Digits(Some((high - low) / 2.0)).to_string()
+        },
+    )
 }
 
 /// Where the time of the chain goes, by medians, and what it loses and uses.

@@ -6,8 +6,18 @@ use std::fs;
 pub(super) fn family(roots: &[u32]) -> Vec<u32> {
     let mut found = roots.to_vec();
     let mut next = 0;
+    // Some kernels are built without lists of children.
+    let listed = fs::exists("/proc/thread-self/children").unwrap_or(false);
     while let Some(&id) = found.get(next) {
         next += 1;
+        if !listed {
+            found.extend(
+                entries("/proc")
+                    .into_iter()
+                    .filter(|&other| parent(other) == Some(id)),
+            );
+            continue;
+        }
         for task in entries(&format!("/proc/{id}/task")) {
             let path = format!("/proc/{id}/task/{task}/children");
             let text = fs::read_to_string(path).unwrap_or_default();
@@ -18,6 +28,17 @@ pub(super) fn family(roots: &[u32]) -> Vec<u32> {
         }
     }
     found
+}
+
+/// A process's parent: the second field after its name, which stands in parentheses.
+fn parent(id: u32) -> Option<u32> {
+    let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    text.rsplit(')')
+        .next()?
+        .split_whitespace()
+        .nth(1)?
+        .parse()
+        .ok()
 }
 
 /// Nanoseconds that these processes have been on a core, all their threads together.
@@ -67,6 +88,10 @@ mod tests {
         let family = family(&[id]);
         assert_eq!(family[0], id);
         assert!(on_core_ns(&family) > 0);
+        assert_eq!(
+            parent(id),
+            rustix::process::getppid().map(|id| id.as_raw_pid() as u32)
+        );
         assert_eq!(on_core_ns(&[]), 0);
     }
 

@@ -47,6 +47,8 @@ pub(super) struct Measured {
     pub(super) value: f64,
     pub(super) low: f64,
     pub(super) high: f64,
+    /// Rounds that show the noise.
+    pub(super) rounds: usize,
     /// Whether it is lariat's, and not the machine's or a rival's.
     pub(super) ours: bool,
     pub(super) more_is_better: bool,
@@ -58,9 +60,15 @@ pub(super) struct Measured {
 
 impl Measured {
     pub(super) fn spread(&self) -> f64 {
-        (self.high - self.low).max(0.0)
+        let unsure = if self.rounds < 5 { 1.5 } else { 1.0 };
+        unsure * (self.high - self.low).max(0.0)
     }
 }
+
+/// The noise of a single run's percentile is worked out, not seen in rounds.
+const SINGLE: usize = usize::MAX;
+/// With fewer rounds nothing is known of the noise.
+const LEAST_ROUNDS: usize = 3;
 
 /// The least difference that can be told, by the figure's unit: 0.5 µs is what two stamps differ by; 0.2 % of a core, a
 /// tenth of a MB and a ms are what the kernel's own books leave open; a lost frame is a lost frame.
@@ -108,6 +116,11 @@ fn parse(text: &str) -> Result<Summary> {
     if measured.is_empty() {
         bail!("it holds no figure");
     }
+    if measured.iter().any(|figure| figure.rounds < LEAST_ROUNDS) {
+        bail!(
+            "it has fewer than {LEAST_ROUNDS} rounds, which do not show the noise: measure without --quick"
+        );
+    }
     let machine = &json["machine"];
     Ok(Summary {
         kind,
@@ -142,6 +155,7 @@ fn bench(json: &Value) -> Vec<Measured> {
                 value: figure["median"].as_f64()?,
                 low: figure["low"].as_f64()?,
                 high: figure["high"].as_f64()?,
+                rounds: figure["rounds"].as_array()?.len(),
                 ours: item["group"] == "chain",
                 more_is_better: name.ends_with("_per_s"),
                 least_change: 0.05,
@@ -171,6 +185,7 @@ fn run(json: &Value) -> Vec<Measured> {
         value: lost,
         low: lost,
         high: lost,
+        rounds: SINGLE,
         ours: true,
         more_is_better: false,
         least_change: 0.1,
@@ -197,6 +212,7 @@ fn percentile(
         // Below the median nothing is known; the way up stands for the way down.
         low: value - (high - value),
         high,
+        rounds: SINGLE,
         ours: true,
         more_is_better: false,
         least_change: 0.1,

@@ -36,6 +36,7 @@ mod tests {
             value,
             low,
             high,
+            rounds: 5,
             ours: true,
             more_is_better: false,
             least_change: 0.05,
@@ -51,6 +52,14 @@ mod tests {
             Verdict::Same
         );
         assert_eq!(verdict(&before, &measured(80.0, 75.0, 90.0)), Verdict::Same);
+    }
+
+    #[test]
+    fn fewer_rounds_show_less_of_the_noise() {
+        let (mut before, mut now) = (measured(100.0, 95.0, 105.0), measured(125.0, 120.0, 130.0));
+        assert_eq!(verdict(&before, &now), Verdict::Worse);
+        (before.rounds, now.rounds) = (3, 3);
+        assert_eq!(verdict(&before, &now), Verdict::Same);
     }
 
     #[test]
