@@ -24,8 +24,10 @@ pub(super) struct Setup {
     pub(super) size: [u32; 2],
     /// `None`: as fast as it goes, without losses.
     pub(super) fps: Option<f64>,
-    /// Flags of `lariat run` that hold for the chain.
+    /// Flags of `lariat run` that the user gave.
     pub(super) flags: Vec<String>,
+    /// Another flag of `lariat run`.
+    pub(super) variant: Option<&'static str>,
     /// Whether every core is kept busy by a program that only counts.
     pub(super) load: bool,
     /// Whether a second chain runs beside it.
@@ -46,6 +48,7 @@ impl Setup {
             None => words.extend(["--fps=max".to_owned(), "--lossless".to_owned()]),
         }
         words.extend(self.flags.iter().cloned());
+        words.extend(self.variant.map(|flag| format!("--{flag}")));
         words
     }
 }
@@ -128,15 +131,7 @@ pub(super) fn read(out: &Path, time: Duration, what: &str) -> Result<Outcome> {
         ("links", "links_p50_us", "links_p99_us"),
         ("jitter", "jitter_p50_us", "jitter_p99_us"),
     ] {
-        let times = times(row)?;
-        let figures = [
-            (p50, times.quantile_us(0.5)),
-            (p99, times.quantile_us(0.99)),
-        ];
-        let known = figures
-            .into_iter()
-            .filter_map(|(name, us)| Some((name, us?)));
-        outcome.figures.extend(known);
+        outcome.add_percentiles([(p50, 0.5), (p99, 0.99)], &times(row)?);
     }
     for (row, name) in [
         ("capture", "late_p50_us"),

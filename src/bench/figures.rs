@@ -44,17 +44,30 @@ impl Outcome {
         outcome
     }
 
-    /// Adds p50, p99, p99.9 and the longest, under these names.
-    pub(super) fn add_percentiles(&mut self, names: [&'static str; 4], times: &Times) {
-        for (name, quantile) in names.into_iter().zip([0.5, 0.99, 0.999, 1.0]) {
-            let us = times.quantile_us(quantile);
-            self.figures.extend(us.map(|us| (name, us)));
+    /// Adds percentiles under these names. One that no duration lies beyond would be another name of the longest.
+    pub(super) fn add_percentiles<const N: usize>(
+        &mut self,
+        names: [(&'static str, f64); N],
+        times: &Times,
+    ) {
+        for (name, quantile) in names {
+            let beyond = (1.0 - quantile) * times.count() as f64;
+            // 0.1 % of 1000 is 0.9999… of them.
+            if quantile == 1.0 || beyond > 0.999 {
+                self.figures
+                    .extend(times.quantile_us(quantile).map(|us| (name, us)));
+            }
         }
     }
 }
 
-/// The names of the percentiles of the whole of something.
-pub(super) const WHOLE: [&str; 4] = ["p50_us", "p99_us", "p999_us", "max_us"];
+/// The percentiles of the whole of something.
+const WHOLE: [(&str, f64); 4] = [
+    ("p50_us", 0.5),
+    ("p99_us", 0.99),
+    ("p999_us", 0.999),
+    ("max_us", 1.0),
+];
 
 /// A figure, round by round.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,5 +193,8 @@ mod tests {
         assert_eq!(heap.count(), 300);
         assert_eq!(heap.quantile_us(1.0), Some(30.0));
         assert_eq!(item.median("nothing"), None);
+        // Of a hundred there is a hundredth, and no thousandth.
+        assert_eq!(item.median("p99_us"), Some(20.0));
+        assert_eq!(item.median("p999_us"), None);
     }
 }

@@ -5,9 +5,11 @@
 //! A figure is the median of its rounds; between the least and the greatest round lies its noise.
 
 mod chain;
+mod choice;
 mod figures;
 mod floors;
 mod guard;
+mod job;
 mod plan;
 mod plot;
 mod relay;
@@ -48,11 +50,11 @@ pub(crate) struct BenchArgs {
     #[arg(long)]
     pub(crate) load: bool,
     /// Sizes of the picture, instead of the usual ones
-    #[arg(long, value_name = "WxH", num_args = 1.., value_parser = plan::size)]
+    #[arg(long, value_name = "WxH", num_args = 1.., value_parser = choice::size)]
     pub(crate) size: Vec<[u32; 2]>,
     /// Rates in frames per second, or `max`, instead of the usual ones
-    #[arg(long, value_name = "NUMBER", num_args = 1.., value_parser = plan::rate)]
-    pub(crate) fps: Vec<plan::Rate>,
+    #[arg(long, value_name = "NUMBER", num_args = 1.., value_parser = choice::rate)]
+    pub(crate) fps: Vec<choice::Rate>,
     /// How often everything is measured
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: Option<u32>,

@@ -2,94 +2,24 @@
 
 use std::time::Duration;
 
-use anyhow::Result;
-use clap::Args;
-
 use super::BenchArgs;
-use super::chain::{self, Setup};
+use super::chain::Setup;
+use super::choice::{Rate, knows, setups};
 use super::figures::{Group, Item, Outcome};
-use super::floors::{self, Pass, Sleep};
+use super::floors::{Pass, Sleep};
 use super::guard::fifo_allowed;
-use super::relay::{self, Arrangement};
-use super::rivals::{self, Script};
+use super::job::{Job, What};
+use super::relay::Arrangement;
+use super::rivals::Script;
 use super::workplace::Workplace;
-use crate::settings::ChainArgs;
-
-/// Frames a second; `None`: as fast as it goes.
-pub(crate) type Rate = Option<f64>;
 
 /// The size and the rate at which everything is compared.
 pub(super) const SIZE: [u32; 2] = [640, 480];
 pub(super) const FPS: f64 = 120.0;
+/// The size and the rate at which nothing may be lost.
+pub(super) const FAST: ([u32; 2], Rate) = (SIZE, Some(1000.0));
 /// What a script in Python can keep up with: one that cannot is ever later.
 const SCRIPT_FPS: f64 = 30.0;
-
-/// Reads a size.
-pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x');
-    let side = |text: &str| text.parse().ok().filter(|side| (32..=16384).contains(side));
-    sides
-        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
-        .ok_or_else(|| "a size is a width and a height in pixels, such as 640x480".to_owned())
-}
-
-/// Reads a rate.
-pub(crate) fn rate(text: &str) -> Result<Rate, String> {
-    match text {
-        "max" => Ok(None),
-        _ => match text.parse() {
-            Ok(fps) if fps > 0.0 && fps <= 100_000.0 => Ok(Some(fps)),
-            _ => Err("a rate is frames per second, such as 120, or `max`".to_owned()),
-        },
-    }
-}
-
-/// One measurement.
-pub(super) struct Job {
-    item: usize,
-    what: What,
-    time: Duration,
-    /// Whether it may be missing.
-    pub(super) optional: bool,
-}
-
-enum What {
-    Pass(Pass, [u32; 2]),
-    Wake(Sleep, [usize; 2]),
-    Timer,
-    Relay(Arrangement, f64),
-    Chain(Setup),
-    Start(Setup),
-    Idle,
-    Threads([u32; 2], f64),
-    Sockets([u32; 2], f64),
-    Script(Script, [u32; 2], f64),
-}
-
-impl Job {
-    pub(super) fn measure(&self, workplace: &Workplace) -> Result<Outcome> {
-        let time = self.time;
-        match &self.what {
-            What::Pass(pass, size) => Ok(floors::pass(*pass, *size, time)),
-            What::Wake(sleep, cores) => {
-                floors::wake(*sleep, *cores, (time.as_secs_f64() * 2e4) as usize)
-            }
-            What::Timer => {
-                let period = Duration::from_millis(1);
-                floors::timer(&workplace.stop, period, time.as_millis() as usize)
-            }
-            What::Relay(arrangement, fps) => relay::measure(workplace, *arrangement, *fps, time),
-            What::Chain(setup) => chain::measure(workplace, setup, time),
-            What::Start(setup) => chain::start(workplace, setup),
-            What::Idle => chain::idle(workplace, time),
-            What::Threads(size, fps) => rivals::threads(workplace, *size, *fps, time),
-            What::Sockets(size, fps) => rivals::sockets(workplace, *size, *fps, time),
-            What::Script(script, size, fps) => {
-                rivals::script(workplace, *script, *size, *fps, time)
-            }
-        }
-    }
-}
 
 /// All measurements, and what came out of them.
 pub(super) struct Plan {
@@ -242,50 +172,28 @@ impl Plan {
     }
 
     fn add_chains(&mut self, args: &BenchArgs, setups: &[([u32; 2], Rate)]) {
+        let plain = |size, fps| Setup {
+            size,
+            fps,
+            flags: args.flags.clone(),
+            variant: None,
+            load: false,
+            second: false,
+        };
         for &(size, fps) in setups {
-            let setup = |load, second| Setup {
-                size,
-                fps,
-                flags: args.flags.clone(),
-                load,
-                second,
-            };
             let usual_s = match fps {
                 Some(fps) if fps == self.base.1 => 3.0,
                 Some(fps) if fps >= 1000.0 && args.full && size == SIZE => 2.4,
                 _ => 2.0,
             };
-            self.chain(setup(false, false), usual_s);
-            if (size, fps) == (self.base.0, Some(self.base.1)) {
-                for flag in ["realtime", "fuse"] {
-                    // What this release knows of, and was not asked for anyway.
-                    let flag_text = format!("--{flag}");
-                    if knows(flag) && !args.flags.contains(&flag_text) && !args.quick {
-                        let mut with = setup(false, false);
-                        with.flags.push(flag_text);
-                        self.chain(with.clone(), usual_s);
-                        if args.load && flag == "realtime" {
-                            with.load = true;
-                            self.chain(with, usual_s);
-                        }
-                    }
-                }
-                if args.load {
-                    self.chain(setup(true, false), usual_s);
-                }
-                if !args.quick {
-                    self.chain(setup(false, true), usual_s);
-                }
+            self.chain(plain(size, fps), usual_s);
+            let is_base = (size, fps) == (self.base.0, Some(self.base.1));
+            if is_base || (size, fps) == FAST {
+                self.add_variants(args, &plain(size, fps), is_base, usual_s);
             }
         }
         let (size, fps) = self.base;
-        let base = Setup {
-            size,
-            fps: Some(fps),
-            flags: args.flags.clone(),
-            load: false,
-            second: false,
-        };
+        let base = plain(size, Some(fps));
         let item = Item::new(
             "chain.start".to_owned(),
             Group::Chain,
@@ -302,6 +210,52 @@ impl Plan {
         self.push(item, What::Idle, 2.0, false);
     }
 
+    /// The same in other ways, and under other circumstances.
+    fn add_variants(&mut self, args: &BenchArgs, plain: &Setup, is_base: bool, usual_s: f64) {
+        for variant in ["realtime", "fuse"] {
+            // What this release knows of, and was not asked for anyway.
+            let is_given = args
+                .flags
+                .iter()
+                .any(|flag| flag[..].trim_start_matches('-') == variant);
+            if !knows(variant) || is_given || args.quick || !(is_base || variant == "realtime") {
+                continue;
+            }
+            let varied = Setup {
+                variant: Some(variant),
+                ..plain.clone()
+            };
+            self.chain(varied.clone(), usual_s);
+            if args.load && variant == "realtime" {
+                self.chain(
+                    Setup {
+                        load: true,
+                        ..varied
+                    },
+                    usual_s,
+                );
+            }
+        }
+        if args.load {
+            self.chain(
+                Setup {
+                    load: true,
+                    ..plain.clone()
+                },
+                usual_s,
+            );
+        }
+        if is_base && !args.quick {
+            self.chain(
+                Setup {
+                    second: true,
+                    ..plain.clone()
+                },
+                usual_s,
+            );
+        }
+    }
+
     fn chain(&mut self, setup: Setup, usual_s: f64) {
         let [width, height] = setup.size;
         let rate = setup.fps.map_or("max".to_owned(), |fps| fps.to_string());
@@ -310,9 +264,9 @@ impl Plan {
             Some(fps) => format!("{width}×{height}, {fps}/s"),
             None => format!("{width}×{height}, as fast as it goes"),
         };
-        for flag in &setup.flags {
-            id += &format!(".{}", flag.trim_start_matches('-'));
-            title += &format!(" {flag}");
+        if let Some(variant) = setup.variant {
+            id += &format!(".{variant}");
+            title += &format!(" --{variant}");
         }
         if setup.load {
             id += ".load";
@@ -440,73 +394,14 @@ impl Plan {
         }
     }
 
-    /// The chain at the size and rate of the comparisons, with what stands behind its name.
-    pub(super) fn base_chain(&self, behind: &str) -> Option<&Item> {
-        let ([width, height], fps) = self.base;
+    /// The chain at this size and rate, with what stands behind its name.
+    pub(super) fn chain_at(
+        &self,
+        [width, height]: [u32; 2],
+        fps: f64,
+        behind: &str,
+    ) -> Option<&Item> {
         let id = format!("chain.{width}x{height}@{fps}{behind}");
         self.items.iter().find(|item| item.id == id)
-    }
-}
-
-/// The sizes and rates of the chain.
-fn setups(args: &BenchArgs) -> Vec<([u32; 2], Rate)> {
-    const SIZES: [[u32; 2]; 3] = [SIZE, [1280, 720], [1920, 1080]];
-    const RATES: [Rate; 6] = [
-        Some(FPS),
-        Some(30.0),
-        Some(60.0),
-        Some(500.0),
-        Some(1000.0),
-        None,
-    ];
-    let all = |sizes: &[[u32; 2]], rates: &[Rate]| {
-        let of = |&size: &[u32; 2]| {
-            rates
-                .iter()
-                .map(move |&rate| (size, rate))
-                .collect::<Vec<_>>()
-        };
-        sizes.iter().flat_map(of).collect::<Vec<_>>()
-    };
-    let (sizes, rates) = (&args.size[..], &args.fps[..]);
-    match (sizes.is_empty(), rates.is_empty()) {
-        (true, true) if args.full => all(&SIZES, &RATES),
-        (true, true) if args.quick => all(&[SIZE], &[Some(FPS), Some(1000.0)]),
-        (true, true) => {
-            let mut usual = all(&[SIZE], &[Some(FPS), Some(30.0), Some(1000.0), None]);
-            usual.extend(SIZES[1..].iter().map(|&size| (size, Some(30.0))));
-            usual
-        }
-        (true, false) => all(&[SIZE], rates),
-        (false, true) => all(sizes, &[Some(FPS)]),
-        (false, false) => all(sizes, rates),
-    }
-}
-
-/// Whether `lariat run` has this flag.
-fn knows(flag: &str) -> bool {
-    let command = ChainArgs::augment_args(clap::Command::new("run"));
-    command
-        .get_arguments()
-        .any(|known| known.get_long() == Some(flag))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_and_rates_are_read() {
-        assert_eq!(size("640x480"), Ok([640, 480]));
-        assert!(size("640").is_err() && size("0x480").is_err());
-        assert_eq!(rate("max"), Ok(None));
-        assert_eq!(rate("59.94"), Ok(Some(59.94)));
-        assert!(rate("-1").is_err() && rate("fast").is_err());
-    }
-
-    #[test]
-    fn the_flags_of_run_are_known() {
-        assert!(knows("lossless"));
-        assert!(!knows("no-such-flag"));
     }
 }

@@ -114,11 +114,7 @@ pub(super) fn measure(
     };
     let mut outcome = Outcome::of_times(read("relay.due")?);
     let sent = read("relay.sent")?;
-    for (name, quantile) in [("sent_p50_us", 0.5), ("sent_p99_us", 0.99)] {
-        outcome
-            .figures
-            .extend(sent.quantile_us(quantile).map(|us| (name, us)));
-    }
+    outcome.add_percentiles([("sent_p50_us", 0.5), ("sent_p99_us", 0.99)], &sent);
     Ok(outcome)
 }
 
