@@ -142,6 +142,8 @@ impl Plan {
         }
         let fifo = fifo_allowed();
         for fps in rates {
+            // Enough for a hundredth of them to be one or two.
+            let usual_s = (205.0 / fps).max(0.5);
             for arrangement in Arrangement::ALL {
                 // One of each kind is enough for a look.
                 if args.quick
@@ -164,7 +166,7 @@ impl Plan {
                 self.push(
                     item,
                     What::Relay(arrangement, fps),
-                    0.8,
+                    usual_s,
                     arrangement.is_fifo(),
                 );
             }
@@ -286,7 +288,7 @@ impl Plan {
         let (size, fps) = self.base;
         let mut rival = |id: &str, title: String, note, what, optional| {
             let item = Item::new(format!("rival.{id}"), Group::Rival, title, note);
-            self.push(item, what, 1.5, optional);
+            self.push(item, what, 2.0, optional);
         };
         rival(
             "threads",

@@ -15,27 +15,41 @@ const COLORS: [&str; 14] = [
 /// Outside and inside of the axes, px.
 const WIDTH: f64 = 1100.0;
 const HEIGHT: f64 = 460.0;
-const LEFT: f64 = 70.0;
+const LEFT: f64 = 84.0;
 const RIGHT: f64 = 700.0;
 const TOP: f64 = 20.0;
 const BOTTOM: f64 = 410.0;
 /// Points of a line on each decade of its axis.
 const STEPS: u32 = 24;
 
-/// A drawing of these distributions; each has a name.
-pub(super) fn percentiles(lines: &[(&str, &Times)]) -> String {
+/// A distribution to draw.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<'a> {
+    pub(super) name: &'a str,
+    pub(super) times: &'a Times,
+    /// What the others are held against or compared with.
+    pub(super) bold: bool,
+}
+
+/// A drawing of these distributions.
+pub(super) fn percentiles(lines: &[Line]) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-size=\"12\" \
          font-family=\"sans-serif\">\n"
     );
-    let filled = || lines.iter().filter(|(_, times)| times.count() > 0);
-    let longest = filled().filter_map(|(_, times)| times.quantile_us(1.0));
-    let shortest = filled().filter_map(|(_, times)| times.quantile_us(0.0));
+    let filled = || {
+        lines
+            .iter()
+            .map(|line| line.times)
+            .filter(|times| times.count() > 0)
+    };
+    let longest = filled().filter_map(|times| times.quantile_us(1.0));
+    let shortest = filled().filter_map(|times| times.quantile_us(0.0));
     let (low, high) = (
         shortest.fold(f64::MAX, f64::min),
         longest.fold(0.0, f64::max),
     );
-    let most = filled().map(|(_, times)| times.count()).max().unwrap_or(0);
+    let most = filled().map(Times::count).max().unwrap_or(0);
     if most == 0 || high <= 0.0 {
         return svg + "<text x=\"80\" y=\"40\">nothing was measured</text>\n</svg>\n";
     }
@@ -45,7 +59,7 @@ pub(super) fn percentiles(lines: &[(&str, &Times)]) -> String {
         high: high.log10().ceil(),
     };
     axes.draw(&mut svg);
-    for (index, (name, times)) in lines.iter().enumerate() {
+    for (index, line) in lines.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];
         let dash = if index < COLORS.len() {
             ""
@@ -54,8 +68,9 @@ pub(super) fn percentiles(lines: &[(&str, &Times)]) -> String {
         };
         let _ = writeln!(
             svg,
-            "<polyline fill=\"none\" stroke=\"{color}\" stroke-width=\"1.6\"{dash} points=\"{}\"/>",
-            axes.line(times)
+            "<polyline fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{dash} points=\"{}\"/>",
+            if line.bold { 2.6 } else { 1.3 },
+            axes.line(line.times)
         );
         let y = TOP + 14.0 * (index as f64 + 0.5);
         let _ = writeln!(
@@ -66,7 +81,7 @@ pub(super) fn percentiles(lines: &[(&str, &Times)]) -> String {
             RIGHT + 34.0,
             RIGHT + 40.0,
             y + 4.0,
-            escaped(name)
+            escaped(line.name)
         );
     }
     svg + "</svg>\n"
@@ -168,7 +183,11 @@ mod tests {
     fn a_line_rises_to_its_longest_and_stays_inside() {
         let mut times = Times::default();
         (1..=2000).for_each(|us| times.add(us * 1000));
-        let svg = percentiles(&[("a < b", &times)]);
+        let svg = percentiles(&[Line {
+            name: "a < b",
+            times: &times,
+            bold: true,
+        }]);
         assert!(svg.contains("a &lt; b"), "{svg}");
         assert!(svg.contains("99.9 %"), "{svg}");
         let points = svg
@@ -197,6 +216,11 @@ mod tests {
     #[test]
     fn nothing_measured_is_said() {
         assert!(percentiles(&[]).contains("nothing was measured"));
-        assert!(percentiles(&[("x", &Times::default())]).contains("nothing was measured"));
+        let empty = Line {
+            name: "x",
+            times: &Times::default(),
+            bold: false,
+        };
+        assert!(percentiles(&[empty]).contains("nothing was measured"));
     }
 }

@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use lariat_sink::{Figure as Digits, Times};
+use lariat_sink::Figure as Digits;
 
 use super::figures::{Group, Item};
 use super::plan::Plan;
-use super::plot::{escaped, percentiles};
+use super::plot::{Line, escaped, percentiles};
 use super::summary::Summary;
 use super::table;
 use crate::whole_file::{self, Existing};
@@ -46,23 +46,7 @@ fn html(plan: &Plan, summary: &Summary) -> String {
          <style>{STYLE}</style></head><body>\n<h1>lariat bench</h1>\n<pre>{}</pre>\n",
         escaped(&table::table(plan, summary))
     );
-    let (size, fps) = plan.base;
-    let base = format!("{}×{}, {fps}/s", size[0], size[1]);
-    let compared = |item: &&Item| match item.group {
-        Group::Chain => item.title.starts_with(&base),
-        _ => !item.id.starts_with("floor.read") && !item.id.starts_with("floor.copy"),
-    };
-    let is_chain = |item: &&Item| item.group == Group::Chain;
-    for (title, lines) in [
-        (
-            format!("At {base}: the chain, floors, others"),
-            lines(plan, compared),
-        ),
-        (
-            "The chain at every size and rate".to_owned(),
-            lines(plan, is_chain),
-        ),
-    ] {
+    for (title, lines) in drawings(plan) {
         let _ = write!(
             page,
             "<h2>{}</h2>\n{}",
@@ -119,9 +103,45 @@ fn html(plan: &Plan, summary: &Summary) -> String {
     page + "</table>\n</body></html>\n"
 }
 
-fn lines(plan: &Plan, wanted: impl Fn(&&Item) -> bool) -> Vec<(&str, &Times)> {
-    let items = plan.items.iter().filter(wanted);
-    items
-        .filter_map(|item| Some((&item.title[..], item.times.as_ref()?)))
-        .collect()
+/// What is drawn: the comparison, the chain everywhere, the floor in all its arrangements.
+fn drawings(plan: &Plan) -> [(String, Vec<Line<'_>>); 3] {
+    let ([width, height], fps) = plan.base;
+    let floor = plan.relay_floor(Some(fps)).map(|item| &item.id);
+    let base = format!("chain.{width}x{height}@{fps}");
+    let is_relay = |item: &Item| item.id.starts_with("floor.relay.");
+    let compared = |item: &Item| match item.group {
+        // Also in another way, or beside something.
+        Group::Chain => {
+            let behind = item.id.strip_prefix(&base[..]);
+            behind.is_some_and(|behind| behind.is_empty() || behind.starts_with('.'))
+        }
+        Group::Floor if is_relay(item) => Some(&item.id) == floor,
+        Group::Floor => item.id.starts_with("floor.wake.futex") || item.id == "floor.timer",
+        Group::Rival => true,
+    };
+    let lines = |wanted: &dyn Fn(&Item) -> bool| {
+        let items = plan.items.iter().filter(|item| wanted(item));
+        let drawn = items.filter_map(|item| {
+            Some(Line {
+                name: &item.title,
+                times: item.times.as_ref()?,
+                bold: item.id == base || Some(&item.id) == floor,
+            })
+        });
+        drawn.collect()
+    };
+    [
+        (
+            format!("At {width}×{height}, {fps}/s: the chain, its floors, others"),
+            lines(&compared),
+        ),
+        (
+            "The chain at every size and rate".to_owned(),
+            lines(&|item| item.group == Group::Chain),
+        ),
+        (
+            "Four processes that pass 64 bytes on, in every arrangement".to_owned(),
+            lines(&is_relay),
+        ),
+    ]
 }
