@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
+use crate::bench::{self, BenchArgs, PartArgs};
+use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
@@ -47,6 +49,13 @@ enum Command {
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
     Doctor(DoctorArgs),
+    /// How long a frame is under way on this machine, beside its floors and beside others
+    Bench(BenchArgs),
+    /// What got better or worse from one summary.json to another
+    Compare(CompareArgs),
+    /// A program that `bench` starts
+    #[command(hide = true)]
+    BenchPart(PartArgs),
 }
 
 /// What is asked of the chain when nothing was asked.
@@ -76,6 +85,9 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
+        Some(Command::Bench(args)) => bench::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::BenchPart(args)) => bench::run_part(&args),
     }
 }
 

@@ -1,7 +1,9 @@
 //! lariat: from a camera's images to the shape of the rope in them, through shared memory.
 
+mod bench;
 mod chain;
 mod cli;
+mod compare;
 mod config_command;
 mod descriptor_json;
 mod doctor;

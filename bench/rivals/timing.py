@@ -16,6 +16,8 @@ PACKAGES = {
     "numpy": "numpy",
     "scipy": "scipy",
     "skimage": "scikit-image",
+    "zenoh": "eclipse-zenoh",
+    "zmq": "pyzmq",
 }
 NAMES = {"cv2": "OpenCV", "numpy": "NumPy", "scipy": "SciPy", "skimage": "scikit-image"}
 
@@ -32,14 +34,19 @@ def need(*modules):
         library = module.split(".")[0]
         try:
             found.append(importlib.import_module(module))
-            version = importlib.import_module(library).__version__
+            version = getattr(importlib.import_module(library), "__version__", "")
         except ImportError:
             print(json.dumps({"missing": PACKAGES[library]}))
             sys.exit(0)
-        _versions[NAMES[library]] = version
+        _versions[NAMES.get(library, library)] = version
         if module == "cv2":
             found[-1].setNumThreads(1)
     return found
+
+
+def versions():
+    """The versions of what was needed so far."""
+    return dict(_versions)
 
 
 def run(prepare, work, describe=None):

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 
 /// Three significant digits, and no exponent: `0.123`, `4.56`, `78.9`, `1230`. Nothing is `–`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Figure(pub(crate) Option<f64>);
+pub struct Figure(pub Option<f64>);
 
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

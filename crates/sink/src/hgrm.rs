@@ -47,3 +47,31 @@ pub(crate) fn write(times: &Times, out: &mut impl Write) -> Result<()> {
         1u64 << (64 - (2 * 10u64.pow(histogram.sigfig().into()) - 1).leading_zeros())
     )
 }
+
+/// Reads a heap of durations. The mean is that of the steps.
+pub(crate) fn read(text: &str) -> Option<Times> {
+    let mut times = Times::default();
+    let mut before = 0;
+    let mut lines = text.lines();
+    lines.find(|line| line.trim_start().starts_with("Value"))?;
+    for line in lines {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            None => {}
+            Some("#[Max") => {
+                let total = line.rsplit('=').next()?;
+                let total: u64 = total.trim().trim_end_matches(']').parse().ok()?;
+                return (total == before).then_some(times);
+            }
+            Some(word) if word.starts_with('#') => {}
+            Some(value_us) => {
+                let value_us: f64 = value_us.parse().ok()?;
+                let count: u64 = words.nth(1)?.parse().ok()?;
+                times.add_many((value_us * 1e3).round() as u64, count.checked_sub(before)?);
+                before = count;
+            }
+        }
+    }
+    // The end is missing.
+    None
+}

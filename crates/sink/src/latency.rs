@@ -4,7 +4,7 @@
 //! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
 //! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
 
-use crate::times::Times;
+use crate::times::{LONGEST_NS, Times};
 use lariat_wire::Trace;
 
 /// A row of the table.
@@ -26,13 +26,17 @@ pub(crate) enum Row {
     Fit,
     /// Fitted → received.
     WaitSink,
+    /// The whole way without the work of extraction and fit: what the chain itself costs.
+    Overhead,
+    /// The three waits together: the overhead without how late capture was.
+    Links,
     /// How unevenly descriptors come.
     Jitter,
 }
 
 impl Row {
     /// All rows, as they stand in the table.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Total,
         Self::Fitted,
         Self::Capture,
@@ -41,6 +45,8 @@ impl Row {
         Self::WaitFit,
         Self::Fit,
         Self::WaitSink,
+        Self::Overhead,
+        Self::Links,
         Self::Jitter,
     ];
 
@@ -55,21 +61,17 @@ impl Row {
             Self::WaitFit => "wait_fit",
             Self::Fit => "fit",
             Self::WaitSink => "wait_sink",
+            Self::Overhead => "overhead",
+            Self::Links => "links",
             Self::Jitter => "jitter",
         }
     }
 }
 
-/// Longest time told from longer ones: 100 s. Of longer ones the longest is known, and how many there were.
-const LONGEST_NS: u64 = 100_000_000_000;
-
-/// Three significant digits: the error of a percentile is below 0.1 %, at 200 kB a histogram.
-const DIGITS: u8 = 3;
-
 /// The histograms of all rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Latency {
-    rows: [Times; 9],
+    rows: [Times; Row::ALL.len()],
     saturated: u64,
     backwards: u64,
     previous: Option<(u64, u64)>,
@@ -78,7 +80,7 @@ pub(crate) struct Latency {
 impl Latency {
     pub(crate) fn new() -> Self {
         Self {
-            rows: std::array::from_fn(|_| Times::new(LONGEST_NS, DIGITS)),
+            rows: std::array::from_fn(|_| Times::default()),
             saturated: 0,
             backwards: 0,
             previous: None,
@@ -124,8 +126,35 @@ impl Latency {
             }
         }
         self.backwards += u64::from(backwards);
+        self.without_work(trace, received_ns);
         self.jitter(trace.exposed_ns, received_ns);
         (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
+    }
+
+    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is none
+    /// of the differences.
+    fn without_work(&mut self, trace: &Trace, received_ns: u64) {
+        let stamps = [
+            trace.exposed_ns,
+            trace.captured_ns,
+            trace.extract_started_ns,
+            trace.extracted_ns,
+            trace.fit_started_ns,
+            trace.fitted_ns,
+        ];
+        if stamps.contains(&0) {
+            return;
+        }
+        let work_ns = trace.extracted_ns.saturating_sub(trace.extract_started_ns)
+            + trace.fitted_ns.saturating_sub(trace.fit_started_ns);
+        for (row, from_ns) in [
+            (Row::Overhead, trace.exposed_ns),
+            (Row::Links, trace.captured_ns),
+        ] {
+            let way_ns = received_ns.saturating_sub(from_ns);
+            // Longer than a histogram reaches: counted with the whole way already.
+            self.rows[row as usize].add(way_ns.saturating_sub(work_ns));
+        }
     }
 
     /// Records the period jitter: how much the time between two receptions differs from the time between their

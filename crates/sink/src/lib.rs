@@ -36,9 +36,11 @@ mod timeline;
 mod times;
 mod truth;
 
+pub use figure::Figure;
 pub use losses::Restarts;
 pub use machine::Machine;
 pub use options::{FinalCounts, Options};
 pub use report::{Report, ReportError};
 pub use sink::Sink;
 pub use summary::{Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary};
+pub use times::Times;

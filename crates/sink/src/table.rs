@@ -62,7 +62,7 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
             Row::WaitFit => "    wait for fit",
             Row::Fit => "  fit",
             Row::WaitSink => "    wait for sink",
-            Row::Jitter => continue,
+            Row::Overhead | Row::Links | Row::Jitter => continue,
         };
         spread(report, row, label, f)?;
         let median = median_us(report, row);

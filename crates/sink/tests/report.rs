@@ -227,6 +227,8 @@ fn the_files_hold_the_table_the_summary_and_every_histogram() {
             "fit.hgrm",
             "fitted.hgrm",
             "jitter.hgrm",
+            "links.hgrm",
+            "overhead.hgrm",
             "report.txt",
             "summary.json",
             "total.hgrm",

@@ -14,6 +14,7 @@ mod message;
 mod patience;
 mod reader;
 mod ready;
+mod relay;
 mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
@@ -24,4 +25,5 @@ pub use error::WireError;
 pub use leftovers::{Leftover, leftovers};
 pub use message::*;
 pub use reader::{Message, Reader, Woken, sleep_for_any};
+pub use relay::{RelayMessage, RelayReceiver, RelaySender};
 pub use writer::{Slot, Writer};

@@ -1,0 +1,147 @@
+"""What the rivals in latency share: frames when they are due, four processes in a row, a line of JSON at the end.
+
+A script is given a request, `{"frames": "FILE", "width": 640, "height": 480, "count": 60, "fps": 120, "seconds": 2}`: the
+file holds `count` RGB images, which are sent one after the other, again and again. It prints for each frame how long it
+was under way, from the moment it was due to the last process's hands, in nanoseconds of CLOCK_MONOTONIC.
+"""
+
+import ctypes
+import json
+import multiprocessing
+import os
+import signal
+import struct
+import sys
+import time
+
+# Bytes of lariat's own messages after the frame: what the later links carry.
+CENTERLINES, DESCRIPTORS = 26272, 15200
+# Frames at the beginning that are not counted: connections are made, caches filled.
+WARM_UP = 10
+# A link that carries nothing for this long is broken.
+TIMEOUT_S = 5.0
+
+HEADER = struct.Struct("=qq")
+
+_libc = ctypes.CDLL(None)
+
+
+def settle():
+    """Ends this process with its parent, and lets its sleeps end when they are due (the kernel's leeway is 50 µs)."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    _libc.prctl(1, signal.SIGTERM)
+    _libc.prctl(29, 1)
+
+
+def request():
+    if len(sys.argv) != 2:
+        sys.exit(f"usage: {sys.argv[0]} REQUEST.json (see the README beside it)")
+    with open(sys.argv[1], encoding="utf-8") as file:
+        return json.load(file)
+
+
+def frames(asked):
+    """The images' bytes."""
+    size = asked["width"] * asked["height"] * 3
+    with open(asked["frames"], "rb") as file:
+        return [file.read(size) for _ in range(asked["count"])]
+
+
+def due(asked):
+    """Each frame's number and the moment it is due, at that moment."""
+    period_ns = 1e9 / asked["fps"]
+    start_ns = time.monotonic_ns() + 50_000_000
+    for number in range(WARM_UP + max(1, int(asked["seconds"] * asked["fps"]))):
+        due_ns = int(start_ns + number * period_ns)
+        left_ns = due_ns - time.monotonic_ns()
+        if left_ns > 0:
+            time.sleep(left_ns / 1e9)
+        yield number, due_ns
+
+
+def answer(whole_ns, versions, work_ns=None):
+    line = {"whole_ns": whole_ns[WARM_UP:], "versions": versions}
+    if work_ns is not None:
+        line["work_ns"] = work_ns[WARM_UP:]
+    print(json.dumps(line), flush=True)
+
+
+def four(asked, ends, versions):
+    """Four processes in a row: the first sends frames, two pass on messages of the sizes of lariat's, the last counts.
+
+    `ends(place)` makes a process's receive() -> (header, buffer) and send(header, buffer); either is None at an end.
+    """
+    context = multiprocessing.get_context("fork")
+    ready = [context.Event() for _ in range(4)]
+    done = context.Event()
+    result, its_end = context.Pipe(duplex=False)
+    total = WARM_UP + max(1, int(asked["seconds"] * asked["fps"]))
+    longest_s = asked["seconds"] + 2 * TIMEOUT_S
+
+    def source(send):
+        images = frames(asked)
+        for event in ready:
+            event.wait(TIMEOUT_S)
+        for number, due_ns in due(asked):
+            send(HEADER.pack(number, due_ns), images[number % len(images)])
+
+    def middle(receive, send, payload):
+        for _ in range(total):
+            send(receive(), payload)
+
+    def sink(receive):
+        took_ns = []
+        for _ in range(total):
+            _, due_ns = HEADER.unpack(receive())
+            took_ns.append(time.monotonic_ns() - due_ns)
+        its_end.send(took_ns)
+
+    def stage(place):
+        settle()
+        try:
+            receive, send = ends(place)
+            ready[place].set()
+            if not receive:
+                source(send)
+            elif send:
+                middle(receive, send, bytes({1: CENTERLINES, 2: DESCRIPTORS}[place]))
+            else:
+                sink(receive)
+            done.wait(longest_s)
+        except Exception as why:
+            sys.exit(f"process {place + 1} of 4: {why!r}")
+
+    processes = [context.Process(target=stage, args=(place,)) for place in range(4)]
+    # Asked to end, this process ends the others, too, and tidies up.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        for process in reversed(processes):
+            process.start()
+        took_ns = result.recv() if result.poll(longest_s) else []
+    finally:
+        remove = left_behind([process.pid for process in processes if process.pid])
+        done.set()
+        for process in processes:
+            if process.pid:
+                process.join(1.0)
+                process.kill()
+                process.join()
+        for path in remove:
+            if os.path.exists(path):
+                os.unlink(path)
+    if not took_ns:
+        sys.exit("the four processes did not pass every message on in time")
+    answer(took_ns, versions)
+
+
+def left_behind(processes):
+    """The shared memory of these processes that zenoh leaves in /dev/shm when they end."""
+    found = set()
+    for process in processes:
+        try:
+            with open(f"/proc/{process}/maps", encoding="utf-8") as maps:
+                paths = (line.split()[-1] for line in maps)
+                found.update(p for p in paths if p.startswith("/dev/shm/") and p.endswith(".zenoh"))
+        except OSError:
+            pass
+    return found

@@ -1,0 +1,149 @@
+//! The floor of every chain: 64 bytes passed on by bare iceoryx2, one publisher, one subscriber and one event a link.
+//!
+//! No slots taken in advance, no history, no counting, no second descriptor to wait for: what remains is the
+//! transport's own loan, send, notify, wake and receive. For measurements; nothing of lariat travels here.
+
+use std::fmt;
+use std::time::Duration;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::*;
+
+use crate::{Domain, WireError};
+
+/// What is passed on: 64 bytes, one cache line.
+pub type RelayMessage = [u64; 8];
+
+/// Messages that wait for the receiver.
+const WAITING: usize = 16;
+
+fn name(link: usize, what: &str) -> Result<ServiceName, WireError> {
+    let name = format!("lariat/relay/{link}{what}");
+    ServiceName::new(&name).map_err(|cause| WireError::transport(format!("naming {name}"), cause))
+}
+
+fn failed<E: fmt::Debug>(cause: E) -> WireError {
+    WireError::transport("passing 64 bytes on", cause)
+}
+
+/// The sending end of a link.
+#[derive(Debug)]
+pub struct RelaySender {
+    publisher: Publisher<ipc::Service, RelayMessage, ()>,
+    notifier: Notifier<ipc::Service>,
+}
+
+impl RelaySender {
+    /// The sender of this link.
+    ///
+    /// # Errors
+    /// What the transport says.
+    pub fn create(domain: &Domain, link: usize) -> Result<Self, WireError> {
+        let (publisher, notifier) = {
+            let data = data(domain, link)?;
+            let event = event(domain, link)?;
+            (
+                data.publisher_builder().create().map_err(failed)?,
+                event.notifier_builder().create().map_err(failed)?,
+            )
+        };
+        Ok(Self {
+            publisher,
+            notifier,
+        })
+    }
+
+    /// Sends a message and wakes the receiver.
+    ///
+    /// # Errors
+    /// What the transport says.
+    pub fn send(&self, message: RelayMessage) -> Result<(), WireError> {
+        let sample = self.publisher.loan_uninit().map_err(failed)?;
+        sample.write_payload(message).send().map_err(failed)?;
+        // A receiver that has gone is seen by what does not arrive.
+        let _ = self.notifier.notify();
+        Ok(())
+    }
+}
+
+/// The receiving end of a link.
+#[derive(Debug)]
+pub struct RelayReceiver {
+    subscriber: Subscriber<ipc::Service, RelayMessage, ()>,
+    listener: Listener<ipc::Service>,
+}
+
+impl RelayReceiver {
+    /// The receiver of this link.
+    ///
+    /// # Errors
+    /// What the transport says.
+    pub fn create(domain: &Domain, link: usize) -> Result<Self, WireError> {
+        let listener = event(domain, link)?.listener_builder().create();
+        let subscriber = data(domain, link)?.subscriber_builder().create();
+        Ok(Self {
+            subscriber: subscriber.map_err(failed)?,
+            listener: listener.map_err(failed)?,
+        })
+    }
+
+    /// The next message, slept for until `timeout` is over; `None` if none came.
+    ///
+    /// # Errors
+    /// What the transport says.
+    pub fn next(&self, timeout: Duration) -> Result<Option<RelayMessage>, WireError> {
+        if let Some(sample) = self.subscriber.receive().map_err(failed)? {
+            return Ok(Some(*sample.payload()));
+        }
+        self.listener.timed_wait(|_| {}, timeout).map_err(failed)?;
+        let sample = self.subscriber.receive().map_err(failed)?;
+        Ok(sample.map(|sample| *sample.payload()))
+    }
+}
+
+type Data =
+    iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, RelayMessage, ()>;
+type Event = iceoryx2::service::port_factory::event::PortFactory<ipc::Service>;
+
+fn data(domain: &Domain, link: usize) -> Result<Data, WireError> {
+    let service = domain.node.service_builder(&name(link, "")?);
+    let service = service
+        .publish_subscribe::<RelayMessage>()
+        .subscriber_max_buffer_size(WAITING)
+        .max_publishers(1)
+        .max_subscribers(1)
+        .enable_safe_overflow(true);
+    service.open_or_create().map_err(failed)
+}
+
+fn event(domain: &Domain, link: usize) -> Result<Event, WireError> {
+    let service = domain.node.service_builder(&name(link, "-ready")?);
+    service.event().open_or_create().map_err(failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_sent_arrives_in_order() {
+        let name = format!("r{}", std::process::id());
+        let domain = Domain::named(&name).expect("a domain");
+        let receiver = RelayReceiver::create(&domain, 0).expect("a receiver");
+        let sender = RelaySender::create(&domain, 0).expect("a sender");
+        for number in 0..3 {
+            sender.send([number; 8]).expect("sent");
+        }
+        for number in 0..3 {
+            let received = receiver.next(Duration::from_secs(10)).expect("readable");
+            assert_eq!(received, Some([number; 8]));
+        }
+        let none = receiver.next(Duration::from_millis(1)).expect("readable");
+        assert_eq!(none, None);
+        drop((sender, receiver, domain));
+        let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{name}"));
+    }
+}

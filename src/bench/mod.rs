@@ -1,0 +1,192 @@
+//! `lariat bench`: how long a frame is under way on this machine, beside what it cannot be faster than and what others
+//! take.
+//!
+//! Everything is measured in rounds, one thing after the other, and again: what drifts on a machine drifts for all.
+//! A figure is the median of its rounds; between the least and the greatest round lies its noise.
+
+mod chain;
+mod choice;
+mod figures;
+mod floors;
+mod guard;
+mod job;
+mod plan;
+mod plot;
+mod relay;
+mod report;
+mod rivals;
+mod summary;
+mod table;
+mod targets;
+mod usage;
+mod workplace;
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Args, Subcommand};
+
+use crate::stop::Stop;
+use plan::Plan;
+pub(crate) use summary::KIND;
+use workplace::Workplace;
+
+/// What to measure.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct BenchArgs {
+    /// Write report.html, summary.json and a histogram (.hgrm) of everything into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// A look in a few seconds: one short round
+    #[arg(long, conflicts_with = "full")]
+    pub(crate) quick: bool,
+    /// Every size at every rate, 640×480 at 1000 frames/s for a minute: takes half an hour
+    #[arg(long)]
+    pub(crate) full: bool,
+    /// Also with every core kept busy by another program
+    #[arg(long)]
+    pub(crate) load: bool,
+    /// Sizes of the picture, instead of the usual ones
+    #[arg(long, value_name = "WxH", num_args = 1.., value_parser = choice::size)]
+    pub(crate) size: Vec<[u32; 2]>,
+    /// Rates in frames per second, or `max`, instead of the usual ones
+    #[arg(long, value_name = "NUMBER", num_args = 1.., value_parser = choice::rate)]
+    pub(crate) fps: Vec<choice::Rate>,
+    /// How often everything is measured
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) rounds: Option<u32>,
+    /// The Python that has the rivals' packages
+    #[arg(long, value_name = "PATH", default_value = "python3")]
+    pub(crate) python: PathBuf,
+    /// Flags of `lariat run` that the chain is measured with, after `--`
+    #[arg(last = true, value_name = "FLAGS")]
+    pub(crate) flags: Vec<String>,
+}
+
+/// A program that a measurement is made of. Not for users.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct PartArgs {
+    #[command(subcommand)]
+    part: Part,
+}
+
+#[derive(Debug, Clone, Subcommand)]
+enum Part {
+    /// Becomes another program, which ends with the bench
+    Guard(guard::GuardArgs),
+    /// One of four processes that pass 64 bytes on
+    Relay(relay::RelayArgs),
+    /// The four stages as threads
+    Threads(rivals::ThreadsArgs),
+    /// One of four stages over sockets
+    SocketStage(rivals::StageArgs),
+    /// Keeps a core busy
+    Spin,
+}
+
+/// Is a part of a measurement.
+pub(crate) fn run_part(args: &PartArgs) -> Result<ExitCode> {
+    match &args.part {
+        Part::Guard(args) => return guard::run(args),
+        Part::Relay(args) => relay::run(args)?,
+        Part::Threads(args) => rivals::run_threads(args)?,
+        Part::SocketStage(args) => rivals::socket_stage(args)?,
+        Part::Spin => spin()?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Counts until a signal comes.
+fn spin() -> Result<()> {
+    let stop = Stop::on_signals()?;
+    while !stop.asked() {
+        std::hint::spin_loop();
+    }
+    Ok(())
+}
+
+/// Runs `lariat bench`.
+///
+/// # Errors
+/// The chain does not run here, or the report cannot be written. Rivals that are not there are said to be missing.
+pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
+    // Asked before the minutes pass.
+    if let Some(dir) = &args.out {
+        std::fs::create_dir_all(dir)
+            .with_context(|| format!("the report's folder {} cannot be made", dir.display()))?;
+    }
+    // A path is meant from here, and not from where the scripts run; symbolic links stay, as a virtual environment's
+    // Python is one.
+    let python = match args.python.components().count() {
+        1 => args.python.clone(),
+        _ => std::path::absolute(&args.python).unwrap_or_else(|_| args.python.clone()),
+    };
+    let workplace = Workplace::open(python)?;
+    let mut plan = Plan::new(args, &workplace);
+    let begin = Instant::now();
+    let rounds = measure(&mut plan, &workplace)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    drop(workplace);
+    plan.compare_with_the_floor();
+    let summary = summary::Summary::new(&plan, args, rounds, seconds);
+    print!("{}", table::table(&plan, &summary));
+    if let Some(dir) = &args.out {
+        report::write(dir, &plan, &summary)?;
+        eprintln!(
+            "lariat: the report is {}",
+            dir.join("report.html").display()
+        );
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Measures everything, round after round; a signal ends it after the rounds that are whole.
+fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
+    let mut whole = 0;
+    for round in 1..=plan.rounds {
+        let mut outcomes = Vec::new();
+        for job in 0..plan.jobs.len() {
+            if !plan.is_wanted(job) {
+                continue;
+            }
+            say(&format!(
+                "round {round} of {}: {}",
+                plan.rounds,
+                plan.item(job).title
+            ));
+            let measured = plan.jobs[job].measure(workplace);
+            if workplace.stop.asked() {
+                say("");
+                ensure!(
+                    whole > 0,
+                    "stopped by a signal before anything was measured whole"
+                );
+                return Ok(whole);
+            }
+            match measured {
+                Ok(outcome) => outcomes.push((job, outcome)),
+                Err(why) if plan.jobs[job].optional => plan.give_up(job, &format!("{why:#}")),
+                Err(why) => {
+                    say("");
+                    bail!("{}: {why:#}", plan.item(job).title);
+                }
+            }
+        }
+        for (job, outcome) in outcomes {
+            plan.add(job, outcome);
+        }
+        whole = round;
+    }
+    say("");
+    Ok(whole)
+}
+
+/// Says in place what is measured just now, on a terminal.
+fn say(line: &str) {
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\x1b[K{line}");
+    }
+}

@@ -1,0 +1,115 @@
+//! What is to be reached, and whether it is.
+
+use serde::Serialize;
+
+use super::figures::{Figure, Item};
+use super::plan::{Plan, SIZE};
+
+/// A target and its figure.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Target {
+    pub(super) name: String,
+    pub(super) figure: String,
+    pub(super) met: bool,
+}
+
+/// The targets that something was measured for.
+pub(super) fn targets(plan: &Plan) -> Vec<Target> {
+    let [overhead, overhead_99] = over_floor(plan);
+    let fast = plan.chain_at(SIZE, 1000.0, "");
+    let by_id = |id: &str| plan.items.iter().find(|item| item.id == id);
+    [
+        overhead,
+        overhead_99,
+        fast.and_then(nothing_lost),
+        fast.and_then(steady),
+        loaded(plan),
+        by_id("chain.start")
+            .and_then(|item| at_most(item, "resident_mb", 64.0, "resident, the whole chain", "MB")),
+        by_id("chain.start")
+            .and_then(|item| at_most(item, "start_ms", 300.0, "start to first descriptor", "ms")),
+        // A tenth of a percent is what waking ten times a second for a look costs.
+        by_id("chain.idle").and_then(|item| {
+            at_most(
+                item,
+                "idle_cpu_percent",
+                0.1,
+                "CPU while no frames come",
+                "%",
+            )
+        }),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// The best of the default and the real-time chain against the floor.
+fn over_floor(plan: &Plan) -> [Option<Target>; 2] {
+    let (size, fps) = plan.base;
+    let base = |behind: &str| plan.chain_at(size, fps, behind);
+    [
+        ("overhead_to_floor_p50", "p50"),
+        ("overhead_to_floor_p99", "p99"),
+    ]
+    .map(|(figure, quantile)| {
+        let default = base("").and_then(|item| item.median(figure));
+        let realtime = base(".realtime").and_then(|item| item.median(figure));
+        let ratio = default?;
+        let best = realtime.map_or(ratio, |other| other.min(ratio));
+        let with = realtime.map_or(String::new(), |other| {
+            format!(", with --realtime {other:.2} ×")
+        });
+        Some(Target {
+            name: format!("overhead ≤ 1.5 × four processes of 64 bytes, {quantile}"),
+            figure: format!("{ratio:.2} ×{with}"),
+            met: best <= 1.5,
+        })
+    })
+}
+
+fn nothing_lost(item: &Item) -> Option<Target> {
+    let total = |name: &str| {
+        item.figure(name)
+            .map(|figure| figure.rounds.iter().sum::<f64>())
+    };
+    let (lost, frames) = (total("lost")?, total("frames")?);
+    Some(Target {
+        name: "640×480 at 1000 frames/s, nothing lost".to_owned(),
+        figure: format!("{lost} of {} lost", frames + lost),
+        met: lost == 0.0,
+    })
+}
+
+fn steady(item: &Item) -> Option<Target> {
+    let ratio = item.median("p999_us")? / item.median("p50_us")?;
+    Some(Target {
+        name: "the same, p99.9 ≤ 5 × p50".to_owned(),
+        figure: format!("{ratio:.1} ×"),
+        met: ratio <= 5.0,
+    })
+}
+
+/// At 1000 frames/s under load with `--realtime`, if this release has it; otherwise as it is.
+fn loaded(plan: &Plan) -> Option<Target> {
+    let at = |behind: &str| plan.chain_at(SIZE, 1000.0, behind);
+    let (load, idle, with) = match at(".realtime.load") {
+        Some(load) => (load, at(".realtime")?, " --realtime"),
+        None => (at(".load")?, at("")?, ""),
+    };
+    let ratio = load.median("p999_us")? / idle.median("p999_us")?;
+    Some(Target {
+        name: format!("the same{with}, every core busy: p99.9 ≤ 3 × the idle one"),
+        figure: format!("{ratio:.1} ×"),
+        met: ratio <= 3.0,
+    })
+}
+
+fn at_most(item: &Item, figure: &str, most: f64, name: &str, unit: &str) -> Option<Target> {
+    let value = item.figure(figure).map(Figure::median)?;
+    Some(Target {
+        name: format!("{name} ≤ {most} {unit}"),
+        figure: format!("{} {unit}", lariat_sink::Figure(Some(value))),
+        met: value <= most,
+    })
+}
