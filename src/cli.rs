@@ -14,6 +14,7 @@ use crate::fit_lines::{self, FitArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
+use crate::stages::Seat;
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
 
@@ -68,12 +69,12 @@ pub(crate) fn run() -> Result<ExitCode> {
     match cli.command {
         None => {
             let settings = Settings::resolve(&ChainArgs::default())?;
-            chain::run(&SHOW.map(OsString::from), &settings.run.arrangement)
+            chain::run(&SHOW.map(OsString::from), settings)
         }
         Some(Command::Run(args)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
             let settings = Settings::resolve(&args)?;
-            chain::run(&after_the_command(), &settings.run.arrangement)
+            chain::run(&after_the_command(), settings)
         }
         Some(Command::Capture(args)) => stage(&args, stages::capture::run),
         Some(Command::Extract(args)) => stage(&args, stages::extract::run),
@@ -91,8 +92,8 @@ pub(crate) fn run() -> Result<ExitCode> {
     }
 }
 
-fn stage(args: &ChainArgs, run: fn(&Settings) -> Result<()>) -> Result<ExitCode> {
-    run(&Settings::resolve(args)?).map(|()| ExitCode::SUCCESS)
+fn stage(args: &ChainArgs, run: fn(&Settings, Seat) -> Result<()>) -> Result<ExitCode> {
+    run(&Settings::resolve(args)?, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
 }
 
 /// The stages understand the flags of `lariat run`, and are given them as they were typed.

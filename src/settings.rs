@@ -60,6 +60,8 @@ pub(crate) struct Run {
     pub(crate) trace: Option<PathBuf>,
     /// The latency that counts as a miss; without it, the frame period.
     pub(crate) deadline: Option<Duration>,
+    /// Whether capture, extract and fit are threads of one process.
+    pub(crate) fuse: bool,
     /// How the stages are arranged on the machine.
     pub(crate) arrangement: Arrangement,
 }
@@ -85,6 +87,7 @@ impl Default for Run {
             out: None,
             trace: None,
             deadline: None,
+            fuse: false,
             arrangement: Arrangement::default(),
         }
     }

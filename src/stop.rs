@@ -1,5 +1,6 @@
 //! SIGINT and SIGTERM as a flag to look at and a descriptor to be woken by.
 
+use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use lariat_wire::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// The wish of a signal that this process come to its end.
+/// The wish of a signal that this process come to its end; or of a [`Stopper`] that a thread of it does.
 pub(crate) struct Stop {
     asked: Arc<AtomicBool>,
     /// Readable from the first signal on: it is never emptied.
@@ -35,6 +36,18 @@ impl Stop {
             register().context("signals could not be listened to")?;
         }
         Ok(Self { asked, pipe })
+    }
+
+    /// One that no signal touches, and who asks it.
+    pub(crate) fn by_another() -> anyhow::Result<(Self, Stopper)> {
+        let asked = Arc::new(AtomicBool::new(false));
+        let (pipe, write) =
+            UnixStream::pair().context("no pipe for the end of a stage could be made")?;
+        let stopper = Stopper {
+            asked: asked.clone(),
+            write,
+        };
+        Ok((Self { asked, pipe }, stopper))
     }
 
     /// Whether a signal came.
@@ -62,6 +75,22 @@ impl Stop {
             let _ = poll(&mut [PollFd::new(&self.pipe, PollFlags::IN)], Some(&left));
         }
         false
+    }
+}
+
+/// Asks a [`Stop`] of its own making.
+#[derive(Debug)]
+pub(crate) struct Stopper {
+    asked: Arc<AtomicBool>,
+    write: UnixStream,
+}
+
+impl Stopper {
+    /// Asks it.
+    pub(crate) fn stop(&mut self) {
+        self.asked.store(true, Ordering::Relaxed);
+        // A thread that has ended already need not be woken.
+        let _ = self.write.write_all(&[0]);
     }
 }
 

@@ -77,7 +77,7 @@ fn the_examples_in_a_new_file_are_good() {
         .replace("# [{", "mask = [{");
     std::fs::write(&path, examples).unwrap();
     let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
-    assert_eq!(shown["run"].as_table().unwrap().len(), 14);
+    assert_eq!(shown["run"].as_table().unwrap().len(), 15);
     assert_eq!(shown["extract"].as_table().unwrap().len(), 7);
     assert_eq!(
         shown["extract"]["mask"].to_string(),
@@ -185,7 +185,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[run]\nduration = 7\n"),
         "lariat: lariat.toml, line 2: [run] has no key \"duration\". Did you mean \"duration_s\"? Its keys \
-         are rig, lossless, duration_s, frames, out, trace, deadline_us, realtime, cpus, scheduling, priority, lock_memory, \
+         are rig, lossless, duration_s, frames, out, trace, deadline_us, fuse, realtime, cpus, scheduling, priority, lock_memory, \
          wake, spin_us\n"
     );
     assert_eq!(

@@ -3,17 +3,22 @@
 use std::ffi::OsString;
 use std::fmt;
 use std::io::{ErrorKind, Read, Write};
-use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::thread::JoinHandle;
 
 use anyhow::Context;
 use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
+use crate::settings::Settings;
+use crate::stages::Seat;
 use crate::stages::arrangement::Lacks;
-use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent};
+use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status};
+use crate::stop::{Stop, Stopper};
 
 /// How a stage ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,10 +55,23 @@ impl fmt::Display for Ending {
     }
 }
 
+/// What a stage does until it is told to stop.
+pub(crate) type Stage = fn(&Settings, Seat) -> anyhow::Result<()>;
+
+/// What a stage runs in.
+enum Host {
+    Process(std::process::Child),
+    /// A thread of this process. Its outcome is `None` once it was asked for.
+    Thread {
+        outcome: Option<JoinHandle<anyhow::Result<()>>>,
+        stopper: Stopper,
+    },
+}
+
 /// A stage that was started.
 pub(crate) struct Child {
     pub(crate) stage: &'static str,
-    process: std::process::Child,
+    host: Host,
     /// What it says; `None` once it has ended.
     line: Option<std::fs::File>,
     /// The part of a line that has not ended yet.
@@ -90,9 +108,35 @@ impl Child {
             .process_group(0)
             .spawn()
             .with_context(starting)?;
-        Ok(Self {
+        Ok(Self::new(stage, Host::Process(process), line))
+    }
+
+    /// Starts a stage as a thread of this process. It says what a process would, on a line of its own, and is told to stop
+    /// by itself, in its turn.
+    pub(crate) fn start_here(
+        stage: &'static str,
+        run: Stage,
+        settings: &Arc<Settings>,
+    ) -> anyhow::Result<Self> {
+        let starting = || format!("{stage} could not be started");
+        let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
+        rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
+        let (stop, stopper) = Stop::by_another()?;
+        let settings = settings.clone();
+        let status = Status::on(its_end);
+        let outcome = std::thread::Builder::new()
+            .name(stage.to_owned())
+            // The end of the line is dropped with the seat, also by a panic.
+            .spawn(move || run(&settings, Seat { stop, status }))
+            .with_context(starting)?;
+        let outcome = Some(outcome);
+        Ok(Self::new(stage, Host::Thread { outcome, stopper }, line))
+    }
+
+    fn new(stage: &'static str, host: Host, line: OwnedFd) -> Self {
+        Self {
             stage,
-            process,
+            host,
             line: Some(line.into()),
             unread: Vec::new(),
             ready: false,
@@ -103,12 +147,15 @@ impl Child {
             masks_late: None,
             ending: None,
             told_to_stop: false,
-        })
+        }
     }
 
-    /// Its process id.
+    /// The id of its process.
     pub(crate) fn id(&self) -> u32 {
-        self.process.id()
+        match &self.host {
+            Host::Process(process) => process.id(),
+            Host::Thread { .. } => std::process::id(),
+        }
     }
 
     /// Whether it can receive.
@@ -172,7 +219,10 @@ impl Child {
         // Its end of the line is closed: the process is gone, or will be in a moment.
         self.take_note();
         self.line = None;
-        self.ending = Some(self.process.wait().map_or(Ending::Failed(-1), ending));
+        self.ending = Some(match &mut self.host {
+            Host::Process(process) => process.wait().map_or(Ending::Failed(-1), ending),
+            Host::Thread { outcome, .. } => outcome.take().map_or(Ending::Well, ending_of_thread),
+        });
     }
 
     fn take_note(&mut self) {
@@ -202,7 +252,10 @@ impl Child {
 
     /// Writes to its standard input and closes it.
     pub(crate) fn tell(&mut self, word: &str) {
-        if let Some(mut stdin) = self.process.stdin.take() {
+        let Host::Process(process) = &mut self.host else {
+            return;
+        };
+        if let Some(mut stdin) = process.stdin.take() {
             // If it is gone, its ending says so.
             let _ = stdin.write_all(word.as_bytes());
         }
@@ -211,20 +264,42 @@ impl Child {
     /// Asks it to work off what waits, and end.
     pub(crate) fn tell_to_stop(&mut self) {
         self.told_to_stop = true;
-        self.signal(Signal::TERM);
+        match &mut self.host {
+            Host::Process(_) => self.signal(Signal::TERM),
+            Host::Thread { stopper, .. } => stopper.stop(),
+        }
     }
 
-    /// Ends it at once.
+    /// Ends it at once. A thread cannot be: it is given up, and ends with this process.
     pub(crate) fn kill(&mut self) {
-        self.signal(Signal::KILL);
+        match &self.host {
+            Host::Process(_) => self.signal(Signal::KILL),
+            Host::Thread { .. } => self.ending = Some(Ending::Killed(9)),
+        }
     }
 
     fn signal(&self, signal: Signal) {
+        let Host::Process(process) = &self.host else {
+            return;
+        };
         // Not waited for yet, so the number is still this process's.
-        let pid = i32::try_from(self.id()).ok().and_then(Pid::from_raw);
+        let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
         if let (None, Some(pid)) = (self.ending, pid) {
             let _ = kill_process(pid, signal);
         }
+    }
+}
+
+/// How a thread ended, said as its process would have.
+fn ending_of_thread(outcome: JoinHandle<anyhow::Result<()>>) -> Ending {
+    match outcome.join() {
+        Ok(Ok(())) => Ending::Well,
+        Ok(Err(cause)) => {
+            eprintln!("lariat: {cause:#}");
+            Ending::Failed(1)
+        }
+        // The panic has said itself why.
+        Err(_) => Ending::Failed(101),
     }
 }
 

@@ -5,16 +5,20 @@ mod child;
 use std::ffi::OsString;
 use std::os::fd::AsFd;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use lariat_wire::Domain;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::settings::{Arrangement, STAGES};
+use crate::settings::{STAGES, Settings};
+use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
 use crate::stop::Stop;
-use child::{Child, Ending};
+use child::{Child, Ending, Stage};
 
+/// Those that can be threads of the chain's own process: all but the one that reports on them.
+const FUSED: [Stage; 3] = [stages::capture::run, stages::extract::run, stages::fit::run];
 const CAPTURE: usize = 0;
 const EXTRACT: usize = 1;
 const SINK: usize = 3;
@@ -27,13 +31,19 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
 /// `arguments` are handed on to every stage, which take what concerns them.
-pub(crate) fn run(arguments: &[OsString], arrangement: &Arrangement) -> anyhow::Result<ExitCode> {
-    arrangement::check(arrangement)?;
+///
+/// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
+pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<ExitCode> {
+    arrangement::check(&settings.run.arrangement)?;
+    let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
     // From the end to the beginning, so that every message finds its reader there.
     for (place, stage) in STAGES.iter().enumerate().rev() {
-        let child = Child::start(stage, arguments)?;
+        let child = match FUSED.get(place) {
+            Some(run) if settings.run.fuse => Child::start_here(stage, *run, &settings)?,
+            _ => Child::start(stage, arguments)?,
+        };
         chain.children[place] = Some(child);
         if !chain.wait_until_ready(place, &stop)? {
             chain.stop_in_order(true);

@@ -97,6 +97,9 @@ pub(crate) struct ChainArgs {
     /// Filter the control points in time
     #[arg(long)]
     pub(crate) filter: bool,
+    /// Run capture, extract and fit in one process
+    #[arg(long)]
+    pub(crate) fuse: bool,
     /// For a robot: FIFO scheduling, locked memory and chosen cores, as far as this user may have them
     #[arg(long)]
     pub(crate) realtime: bool,
@@ -155,6 +158,7 @@ impl ChainArgs {
             ("--deadline", "run", "deadline_us", deadline_us),
             ("--out", "run", "out", self.out.as_ref().map(path)),
             ("--trace", "run", "trace", self.trace.as_ref().map(path)),
+            ("--fuse", "run", "fuse", yes(self.fuse)),
             ("--realtime", "run", "realtime", yes(self.realtime)),
             ("--cpus", "run", "cpus", text(&self.cpus)),
             ("--scheduling", "run", "scheduling", text(&self.scheduling)),

@@ -80,6 +80,14 @@ pub(super) const KEYS: &[Key] = &[
     },
     Key {
         section: "run",
+        name: "fuse",
+        about: "Run capture, extract and fit in one process (`lariat run`): waits are a fifth shorter, but a crash of one ends all.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.run.fuse = yes),
+        get: |s| Some(Value::Boolean(s.run.fuse)),
+    },
+    Key {
+        section: "run",
         name: "realtime",
         about: "For a robot: FIFO scheduling, locked memory, and the stages on cores as `cpus` says. What of it this user\n\
                 may not have is said in a sentence, and the chain runs without.",

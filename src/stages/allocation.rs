@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Reader, Rig, Writer};
 use rustix::process::{Signal, getpid, kill_process};
 
-use super::{capture, extract, fit, sink};
+use super::{Seat, capture, extract, fit, sink};
 use crate::settings::{Fps, Settings};
 
-type Stage = fn(&Settings) -> anyhow::Result<()>;
+type Stage = fn(&Settings, Seat) -> anyhow::Result<()>;
 
 const STAGES: [(&str, Stage); 4] = [
     ("sink", sink::run),
@@ -99,7 +99,7 @@ fn no_stage_allocates_per_frame_once_warm() {
             let settings = &settings;
             scope.spawn(move || {
                 STAGE.set(Some(index));
-                run(settings).expect("the stage runs");
+                run(settings, Seat::of_this_process().expect("a seat")).expect("the stage runs");
             });
         }
         let domain = Domain::open().expect("a domain");

@@ -4,13 +4,13 @@ use anyhow::Context;
 use lariat_capture::{FrameSource, Pacer};
 use lariat_wire::{Centerlines, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
 
-use super::Station;
 use super::status::Sent;
+use super::{Seat, Station};
 use crate::settings::{Fps, Settings};
 
 /// Sends frames until the source or its time ends, or a signal comes.
-pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "capture")?;
+pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, "capture", seat)?;
     let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
     let mut pacer = Pacer::new(settings.capture.pace())?;
     let Station {

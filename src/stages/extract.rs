@@ -8,13 +8,13 @@ use lariat_wire::{
 
 use super::masks::Masks;
 use super::status::Sent;
-use super::{Inbox, Station};
+use super::{Inbox, Seat, Station};
 use crate::doubts::{self, Doubts};
 use crate::settings::Settings;
 
 /// Extracts until a signal comes.
-pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "extract")?;
+pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, "extract", seat)?;
     let mut eye = Eye::new(settings)?;
     let mut masks = Masks::open(settings, &station)?;
     let Station {

@@ -10,13 +10,13 @@ use lariat_wire::{
 
 use super::extract::Warned;
 use super::status::Sent;
-use super::{Inbox, Station};
+use super::{Inbox, Seat, Station};
 use crate::settings::{self, Settings};
 use filters::Filters;
 
 /// Fits until a signal comes.
-pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "fit")?;
+pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, "fit", seat)?;
     let mut curves = CurveFitter::new(&settings.fit, settings.extract.points)?;
     let Station {
         domain,

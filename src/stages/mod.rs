@@ -31,11 +31,26 @@ pub(crate) struct Station {
     place: usize,
 }
 
+/// What ends a stage, and whom it tells how it is.
+pub(crate) struct Seat {
+    pub(crate) stop: Stop,
+    pub(crate) status: Status,
+}
+
+impl Seat {
+    /// Of a stage that is this process.
+    pub(crate) fn of_this_process() -> anyhow::Result<Self> {
+        Ok(Self {
+            stop: Stop::on_signals()?,
+            status: Status::of_the_chain()?,
+        })
+    }
+}
+
 impl Station {
     /// `stage`: one of [`STAGES`].
-    pub(crate) fn open(settings: &Settings, stage: &str) -> anyhow::Result<Self> {
-        let stop = Stop::on_signals()?;
-        let status = Status::of_the_chain()?;
+    pub(crate) fn open(settings: &Settings, stage: &str, seat: Seat) -> anyhow::Result<Self> {
+        let Seat { stop, status } = seat;
         let delivery = if settings.run.lossless {
             Delivery::Lossless { stop: stop.flag() }
         } else {

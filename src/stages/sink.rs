@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use lariat_sink::{FinalCounts, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Reader, TRUTH, now_ns, sleep_for_any};
 
-use super::Station;
+use super::{Seat, Station};
 use crate::settings::Settings;
 
 /// How often the live line is renewed in place on a terminal.
@@ -16,8 +16,8 @@ const ON_TERMINAL: Duration = Duration::from_millis(100);
 const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal comes, then reports.
-pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "sink")?;
+pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, "sink", seat)?;
     let supervised = station.status.is_supervised();
     let mut sink = Sink::new(settings.sink_options(supervised));
     let channels = Channels::open(&station)?;

@@ -6,6 +6,7 @@
 
 use std::fs::File;
 use std::io::Write;
+use std::os::fd::OwnedFd;
 
 use super::arrangement::Lacks;
 use anyhow::Context;
@@ -27,6 +28,11 @@ pub(crate) struct Sent {
 pub(crate) struct Status(Option<File>);
 
 impl Status {
+    /// The line of a stage that is a thread of the chain's own process.
+    pub(crate) fn on(line: OwnedFd) -> Self {
+        Self(Some(line.into()))
+    }
+
     /// Takes up the line, and asks the kernel to end this process with the chain's.
     pub(crate) fn of_the_chain() -> anyhow::Result<Self> {
         let Ok(number) = std::env::var(STATUS_FD) else {

@@ -64,6 +64,15 @@ impl Library {
 
 #[test]
 fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
+    every_descriptor_is_the_librarys_own(&[]);
+}
+
+#[test]
+fn every_descriptor_of_a_chain_in_one_process_is_the_same() {
+    every_descriptor_is_the_librarys_own(&["--fuse"]);
+}
+
+fn every_descriptor_is_the_librarys_own(options: &[&str]) {
     const FRAMES: u64 = 500;
     let bench = Bench::new();
     // This test is a reader in the chain's domain.
@@ -78,15 +87,17 @@ fn every_descriptor_of_a_lossless_chain_is_the_librarys_own() {
         Some(&delivery),
     )
     .unwrap();
-    let chain = bench.start(&[
+    let frames = FRAMES.to_string();
+    let arguments = [
         "--lossless",
         "--fps",
         "max",
         "--frames",
-        &FRAMES.to_string(),
+        &frames,
         "--out",
         "out",
-    ]);
+    ];
+    let chain = bench.start(&[&arguments, options].concat());
     let mut library = Library::new();
     for count in 1..=FRAMES {
         let (sequence, curves) = library.next();

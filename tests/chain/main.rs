@@ -4,6 +4,7 @@ mod arrangement;
 mod curves;
 mod deaths;
 mod frames;
+mod fused;
 mod masks;
 mod rig;
 mod sources;
