@@ -9,7 +9,9 @@ use clap::{Parser, Subcommand};
 use crate::bench::{self, BenchArgs, PartArgs};
 use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
+use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::trace::{self, TraceArgs};
@@ -41,6 +43,8 @@ enum Command {
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
     Pick(PickArgs),
+    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
+    Paper(PaperArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// How long a frame is under way on this machine, beside its floors and beside others
@@ -50,6 +54,8 @@ enum Command {
     /// A program that `bench` starts
     #[command(hide = true)]
     BenchPart(PartArgs),
+    /// What of this machine makes lariat slower than it could be, and what to type
+    Doctor(DoctorArgs),
 }
 
 /// What is asked of the chain when nothing was asked.
@@ -60,11 +66,14 @@ pub(crate) fn run() -> Result<ExitCode> {
     let cli = Cli::parse();
     log_to_stderr();
     match cli.command {
-        None => chain::run(&SHOW.map(OsString::from)),
+        None => {
+            let settings = Settings::resolve(&ChainArgs::default())?;
+            chain::run(&SHOW.map(OsString::from), &settings.run.arrangement)
+        }
         Some(Command::Run(args)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
-            Settings::resolve(&args)?;
-            chain::run(&after_the_command())
+            let settings = Settings::resolve(&args)?;
+            chain::run(&after_the_command(), &settings.run.arrangement)
         }
         Some(Command::Capture(args)) => stage(&args, stages::capture::run),
         Some(Command::Extract(args)) => stage(&args, stages::extract::run),
@@ -73,10 +82,12 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
+        Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::BenchPart(args)) => bench::run_part(&args),
+        Some(Command::Doctor(args)) => doctor::run(args),
     }
 }
 

@@ -1,18 +1,21 @@
 //! What the user wants, from three places: the defaults, `lariat.toml`, and the flags, each overruling the
 //! one before.
 //!
-//! Every setting is one entry of the table in `keys`: its section, name and comment, how it is read and how it
+//! Every setting is one entry of the table in `table`: its section, name and comment, how it is read and how it
 //! is written. The file's check, `config init`, `config show` and the flags all go by that table.
 
 mod args;
+mod arrangement;
 mod curve;
 mod duration;
 mod file;
 mod keys;
 mod meaning;
 mod problem;
+mod table;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
+pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
 pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
 pub(crate) use meaning::mask_text;
@@ -22,7 +25,7 @@ use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{Pace, RenderOptions, Source};
-use lariat_extract::Mask;
+use lariat_extract::{Mask, Method};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -57,6 +60,8 @@ pub(crate) struct Run {
     pub(crate) trace: Option<PathBuf>,
     /// The latency that counts as a miss; without it, the frame period.
     pub(crate) deadline: Option<Duration>,
+    /// How the stages are arranged on the machine.
+    pub(crate) arrangement: Arrangement,
 }
 
 impl Run {
@@ -80,6 +85,7 @@ impl Default for Run {
             out: None,
             trace: None,
             deadline: None,
+            arrangement: Arrangement::default(),
         }
     }
 }
@@ -153,6 +159,8 @@ pub(crate) struct Extract {
     pub(crate) mask: Mask,
     /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
     pub(crate) mask_deadline: Duration,
+    /// How the mask becomes a centerline.
+    pub(crate) method: Method,
     /// Points of a centerline.
     pub(crate) points: usize,
     /// The most ropes reported.
@@ -168,6 +176,7 @@ impl Default for Extract {
         Self {
             mask: Mask::Auto,
             mask_deadline: Duration::from_millis(50),
+            method: Method::Skeleton,
             points: 120,
             ropes: 8,
             start: None,
@@ -181,6 +190,7 @@ impl Extract {
     pub(crate) fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options {
             mask: self.mask.clone(),
+            method: self.method,
             points: self.points,
             ropes: self.ropes,
             start: self.start,
@@ -265,6 +275,7 @@ impl Resolved {
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {
             resolved.check_fit(&mut problems);
+            resolved.check_arrangement(&mut problems);
         }
         problems.into_result()?;
         Ok(resolved)
@@ -294,6 +305,16 @@ impl Resolved {
             .max()
             .unwrap_or(&Origin::Default);
         problems.add(said, error);
+    }
+
+    /// Whether the stages can be arranged so.
+    fn check_arrangement(&self, problems: &mut Problems) {
+        if let Some(why) = self.settings.run.arrangement.contradiction() {
+            let said = ["cpus", "wake"].into_iter();
+            let said = said.filter_map(|name| keys::position("run", name));
+            let said = said.map(|key| &self.origins[key]).max();
+            problems.add(said.unwrap_or(&Origin::Default), why);
+        }
     }
 
     /// All settings as the text of a `lariat.toml`, each with where it came from.

@@ -2,7 +2,6 @@
 //! shared memory.
 
 mod canvas;
-mod inputs;
 mod masks;
 mod overlay;
 mod report;
@@ -10,6 +9,7 @@ mod report;
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::doubts;
 use crate::fit_lines::is_closed;
+use crate::inputs;
 use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
 use crate::trace::masks::Masks;

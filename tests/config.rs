@@ -77,8 +77,8 @@ fn the_examples_in_a_new_file_are_good() {
         .replace("# [{", "mask = [{");
     std::fs::write(&path, examples).unwrap();
     let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
-    assert_eq!(shown["run"].as_table().unwrap().len(), 7);
-    assert_eq!(shown["extract"].as_table().unwrap().len(), 6);
+    assert_eq!(shown["run"].as_table().unwrap().len(), 14);
+    assert_eq!(shown["extract"].as_table().unwrap().len(), 7);
     assert_eq!(
         shown["extract"]["mask"].to_string(),
         "[{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]"
@@ -185,7 +185,8 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[run]\nduration = 7\n"),
         "lariat: lariat.toml, line 2: [run] has no key \"duration\". Did you mean \"duration_s\"? Its keys \
-         are rig, lossless, duration_s, frames, out, trace, deadline_us\n"
+         are rig, lossless, duration_s, frames, out, trace, deadline_us, realtime, cpus, scheduling, priority, lock_memory, \
+         wake, spin_us\n"
     );
     assert_eq!(
         complaint("[fit]\npoints = 7\n"),
@@ -303,6 +304,18 @@ fn values_that_cannot_be_are_refused() {
         "[fit]\nacceleration_px_s2 = 0",
         "[fit]\nrobust = 1",
         "[sink]\nlive = 1",
+        "[run]\ncpus = 1",
+        "[run]\ncpus = \"all\"",
+        "[run]\ncpus = [0, 1]",
+        "[run]\ncpus = [0, 0, 0, -1]",
+        "[run]\ncpus = { fits = 1 }",
+        "[run]\ncpus = {}",
+        "[run]\nscheduling = \"rr\"",
+        "[run]\npriority = 97",
+        "[run]\npriority = 0",
+        "[run]\nwake = \"poll\"",
+        "[run]\nspin_us = 10001",
+        "[run]\nrealtime = \"yes\"",
     ] {
         let complaint = complaint(text);
         assert!(
@@ -328,6 +341,31 @@ fn settings_that_do_not_go_together_are_refused() {
         complaint.starts_with("lariat: --solver: for a Bezier curve of order 24"),
         "{complaint}"
     );
+}
+
+#[test]
+fn a_reader_that_looks_and_its_writer_do_not_share_a_core() {
+    let complaint = complaint("[run]\nwake = \"spin\"\ncpus = { capture = 0, extract = 0 }\n");
+    assert!(
+        complaint.starts_with("lariat: lariat.toml, line 3: wake = \"spin\" lets extract look"),
+        "{complaint}"
+    );
+}
+
+#[test]
+fn cores_are_shown_as_they_were_given() {
+    let folder = TempDir::new().unwrap();
+    for (given, shown) in [
+        ("0,0,1,1", "cpus = [0, 0, 1, 1]"),
+        ("none", "cpus = \"none\""),
+        ("auto", "cpus = \"auto\""),
+    ] {
+        let text = outcome(&folder, &["config", "show", "--cpus", given]).unwrap();
+        assert!(text.contains(shown), "{text}");
+    }
+    write(&folder, "[run]\ncpus = { sink = 1, extract = 0 }\n");
+    let text = outcome(&folder, &["config", "show"]).unwrap();
+    assert!(text.contains("cpus = { extract = 0, sink = 1 }"), "{text}");
 }
 
 #[test]
@@ -385,6 +423,11 @@ fn a_flag_that_makes_no_sense_is_named() {
         ("--ridge", "-1"),
         ("--degree", "0"),
         ("--frames", "0"),
+        ("--cpus", "0,1"),
+        ("--cpus", "a,b,c,d"),
+        ("--priority", "0"),
+        ("--wake", "never"),
+        ("--spin", "1s"),
     ] {
         let complaint =
             outcome(&folder, &["config", "show", &format!("{flag}={value}")]).unwrap_err();

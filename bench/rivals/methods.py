@@ -28,7 +28,17 @@ def measured(work):
     return time.perf_counter_ns() - begin, result
 
 
-def kmeans(pixels, centers):
+def drawn(seed, rounds, count):
+    """Of `count`, those that lariat's map draws: by splitmix64."""
+    mask = (1 << 64) - 1
+    for _ in range(rounds):
+        seed = (seed + 0x9E3779B97F4A7C15) & mask
+        z = ((seed ^ (seed >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+        yield ((z ^ (z >> 31)) * count) >> 64
+
+
+def kmeans(pixels, centers, _):
     from sklearn.cluster import KMeans
 
     fit = KMeans(len(centers), init=centers, n_init=1, algorithm="lloyd", max_iter=300, tol=1e-4)
@@ -36,20 +46,19 @@ def kmeans(pixels, centers):
     return ns, fit.n_iter_, fit.inertia_
 
 
-def som(pixels, centers):
-    import numpy
+def som(pixels, centers, seed):
     from minisom import MiniSom
 
     rounds = 10_000
     map = MiniSom(1, len(centers), 2, sigma=3.0, learning_rate=0.5)
     map._weights = centers[None].copy()
     # Its own random order is that of the first 10,000 pixels: the top of the picture.
-    samples = pixels[numpy.random.default_rng(1).integers(len(pixels), size=rounds)]
+    samples = pixels[list(drawn(seed, rounds, len(pixels)))]
     ns, _ = measured(lambda: map.train(samples, rounds))
     return ns, rounds, map.quantization_error(pixels)
 
 
-def gmm(pixels, centers):
+def gmm(pixels, centers, _):
     from sklearn.mixture import GaussianMixture
 
     # The labels of the nearest center, as GaussianMixture begins with those of its own k-means.
@@ -70,7 +79,7 @@ def gmm(pixels, centers):
     return ns, fit.n_iter_, fit.lower_bound_
 
 
-def fcm(pixels, centers):
+def fcm(pixels, centers, _):
     from skfuzzy.cluster import cmeans
 
     def weights_to(centers):
@@ -95,7 +104,7 @@ def main(request):
             print(json.dumps({"missing": PACKAGES[library]}), flush=True)
             continue
         pixels, centers = masks[run["mask"]], numpy.array(run["centers"], float)
-        ns, rounds, objective = globals()[run["method"]](pixels, centers)
+        ns, rounds, objective = globals()[run["method"]](pixels, centers, request["seed"])
         line = {
             "run": index,
             "ns": float(ns),

@@ -27,6 +27,7 @@ mod whole_file;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use lariat_extract::Method;
 
 use measure::Bench;
 
@@ -40,6 +41,9 @@ pub(crate) struct Args {
     dataset: Option<PathBuf>,
     #[command(flatten)]
     rendered: rendered::Args,
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
+    #[arg(long, value_name = "NAME", default_value_t)]
+    method: Method,
     /// Also writes one line for each image, with all its figures
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -61,7 +65,10 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     match &args.dataset {
         Some(folder) => run_on_photographs(folder, args),
-        None => rendered::run(&args.rendered, args.csv.as_deref(), args.overlay.as_deref()),
+        None => {
+            let files = (args.csv.as_deref(), args.overlay.as_deref());
+            rendered::run(&args.rendered, args.method, files)
+        }
     }
 }
 
@@ -72,7 +79,7 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         .clone()
         .or_else(|| crossings::list_for(folder));
     let seen = list.map(|list| crossings::load(&list)).transpose()?;
-    let mut bench = Bench::new()?;
+    let mut bench = Bench::new(args.method)?;
     let mut measured = Vec::new();
     for set in &sets {
         let images: Result<_> = set.pairs.iter().map(|pair| bench.measure(pair)).collect();

@@ -108,6 +108,8 @@ struct Ended {
 struct Request<'a> {
     /// The pixels of each mask.
     masks: [Vec<[f32; 2]>; 2],
+    /// What the samples of a map are drawn from.
+    seed: u64,
     runs: Vec<Asked<'a>>,
 }
 
@@ -167,7 +169,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         for row in &mut rows {
             row.measure(&masks, args.seed);
         }
-        said.ask(&args.python, &masks, &start, pass, &mut rows)?;
+        said.ask(args, &masks, &start, pass, &mut rows)?;
     }
     print!("{}", table(&rows));
     let pixels = masks.each_ref().map(Pixels::len);
@@ -252,7 +254,7 @@ impl Said {
     /// The rivals' turn.
     fn ask(
         &mut self,
-        python: &Path,
+        args: &Args,
         masks: &[Pixels; 2],
         start: &[[f32; 2]],
         pass: usize,
@@ -282,7 +284,8 @@ impl Said {
             places.map(|(&x, &y)| [x, y]).collect()
         };
         let masks = masks.each_ref().map(places);
-        for line in script(python, &Request { masks, runs })? {
+        let seed = args.seed;
+        for line in script(&args.python, &Request { masks, seed, runs })? {
             match line {
                 Line::Missing { missing } if self.missing.contains(&missing) => {}
                 Line::Missing { missing } => self.missing.push(missing),

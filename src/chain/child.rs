@@ -12,6 +12,7 @@ use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
+use crate::stages::arrangement::Lacks;
 use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent};
 
 /// How a stage ended.
@@ -40,6 +41,7 @@ impl fmt::Display for Ending {
                     9 => " (SIGKILL)",
                     11 => " (SIGSEGV)",
                     15 => " (SIGTERM)",
+                    24 => " (SIGXCPU: with realtime priority it ran for seconds without sleeping)",
                     _ => "",
                 };
                 write!(f, "was killed by signal {signal}{name}")
@@ -57,6 +59,7 @@ pub(crate) struct Child {
     /// The part of a line that has not ended yet.
     unread: Vec<u8>,
     ready: bool,
+    lacks: Lacks,
     done: bool,
     told_by_another: bool,
     sent: Option<Sent>,
@@ -93,6 +96,7 @@ impl Child {
             line: Some(line.into()),
             unread: Vec::new(),
             ready: false,
+            lacks: Lacks::default(),
             done: false,
             told_by_another: false,
             sent: None,
@@ -110,6 +114,11 @@ impl Child {
     /// Whether it can receive.
     pub(crate) fn is_ready(&self) -> bool {
         self.ready
+    }
+
+    /// What it does without.
+    pub(crate) fn lacks(&self) -> Lacks {
+        self.lacks
     }
 
     /// Whether its work is done, rather than broken off.
@@ -171,6 +180,9 @@ impl Child {
             let line: Vec<u8> = self.unread.drain(..=end).collect();
             let line = String::from_utf8_lossy(&line);
             let mut words = line.split_whitespace();
+            if let Some(lacking) = line.strip_prefix("lacks ") {
+                self.lacks = Lacks::of_words(lacking.split_whitespace());
+            }
             match (words.next(), words.next(), words.next()) {
                 (Some("ready"), ..) => self.ready = true,
                 (Some("done"), ..) => self.done = true,

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use lariat_wire::Domain;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use crate::settings::{Arrangement, STAGES};
+use crate::stages::arrangement::{self, Lacks};
 use crate::stop::Stop;
 use child::{Child, Ending};
 
-/// The stages in the order of the data.
-const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 const CAPTURE: usize = 0;
 const EXTRACT: usize = 1;
 const SINK: usize = 3;
@@ -27,7 +27,8 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
 /// `arguments` are handed on to every stage, which take what concerns them.
-pub(crate) fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
+pub(crate) fn run(arguments: &[OsString], arrangement: &Arrangement) -> anyhow::Result<ExitCode> {
+    arrangement::check(arrangement)?;
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
     // From the end to the beginning, so that every message finds its reader there.
@@ -39,6 +40,13 @@ pub(crate) fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
             return Ok(chain.verdict());
         }
     }
+    let lacks = chain
+        .stages()
+        .map(Child::lacks)
+        .fold(Lacks::default(), Lacks::and);
+    if lacks.any() {
+        tracing::warn!("{lacks}");
+    }
     eprintln!("{}", chain.introduce());
     chain.watch(&stop)?;
     chain.stop_in_order(false);
@@ -47,7 +55,7 @@ pub(crate) fn run(arguments: &[OsString]) -> anyhow::Result<ExitCode> {
 
 #[derive(Default)]
 struct Chain {
-    children: [Option<Child>; 4],
+    children: [Option<Child>; STAGES.len()],
     /// The first that ended when it should not have.
     fallen: Option<usize>,
 }

@@ -33,6 +33,9 @@ pub(crate) struct ShapeArgs {
     /// Let points far off the curve weigh less, and hidden ones nothing
     #[arg(long)]
     pub(crate) robust: bool,
+    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm
+    #[arg(long, value_name = "NAME")]
+    pub(crate) method: Option<String>,
     /// Points of a centerline
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) points: Option<i64>,
@@ -94,6 +97,27 @@ pub(crate) struct ChainArgs {
     /// Filter the control points in time
     #[arg(long)]
     pub(crate) filter: bool,
+    /// For a robot: FIFO scheduling, locked memory and chosen cores, as far as this user may have them
+    #[arg(long)]
+    pub(crate) realtime: bool,
+    /// Core of each stage, for instance 0,0,1,1; or `none`, or `auto`
+    #[arg(long, value_name = "CORES")]
+    pub(crate) cpus: Option<String>,
+    /// Scheduling class of the stages: other or fifo
+    #[arg(long, value_name = "CLASS")]
+    pub(crate) scheduling: Option<String>,
+    /// Priority of capture under FIFO scheduling; each later stage has one more
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) priority: Option<i64>,
+    /// Keep the stages' memory from being paged out
+    #[arg(long)]
+    pub(crate) lock_memory: bool,
+    /// How a stage learns of a message: event, or spin
+    #[arg(long, value_name = "HOW")]
+    pub(crate) wake: Option<String>,
+    /// How long a stage looks before it sleeps, with --wake spin, for instance 50us
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub(crate) spin: Option<Duration>,
     /// Begin again after the last file
     #[arg(long = "loop")]
     pub(crate) looped: bool,
@@ -116,6 +140,8 @@ impl ChainArgs {
             (!self.source.is_empty()).then(|| Value::Array(self.source.iter().map(path).collect()));
         let duration_s = self.duration.map(|d| Value::Float(d.as_secs_f64()));
         let deadline_us = self.deadline.map(|d| Value::Float(1e6 * d.as_secs_f64()));
+        let spin_us = self.spin.map(|d| Value::Float(1e6 * d.as_secs_f64()));
+        let priority = self.priority.map(Value::Integer);
         [
             ("--source", "capture", "source", source),
             ("--fps", "capture", "fps", fps),
@@ -129,6 +155,14 @@ impl ChainArgs {
             ("--deadline", "run", "deadline_us", deadline_us),
             ("--out", "run", "out", self.out.as_ref().map(path)),
             ("--trace", "run", "trace", self.trace.as_ref().map(path)),
+            ("--realtime", "run", "realtime", yes(self.realtime)),
+            ("--cpus", "run", "cpus", text(&self.cpus)),
+            ("--scheduling", "run", "scheduling", text(&self.scheduling)),
+            ("--priority", "run", "priority", priority),
+            ("--lock-memory", "run", "lock_memory", yes(self.lock_memory)),
+            ("--wake", "run", "wake", text(&self.wake)),
+            ("--spin", "run", "spin_us", spin_us),
+            ("--method", "extract", "method", text(&self.shape.method)),
             (
                 "--points",
                 "extract",

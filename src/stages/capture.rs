@@ -10,7 +10,7 @@ use crate::settings::{Fps, Settings};
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings)?;
+    let mut station = Station::open(settings, "capture")?;
     let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
     let mut pacer = Pacer::new(settings.capture.pace())?;
     let Station {
@@ -26,7 +26,7 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         .transpose()?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
-    station.status.ready();
+    station.ready()?;
     let result = send_frames(
         settings,
         &station,
@@ -55,11 +55,16 @@ fn send_frames(
     let mut outcome = Ok(());
     let most = settings.run.frames.unwrap_or(u64::MAX);
     let mut end_ns = None;
+    let mut rest = station.rest();
     while sent.count < most && !station.stop.asked() {
-        match send_next(station, source, pacer, frames, truth, &mut sent, |due_ns| {
-            let duration_ns = settings.run.duration_ns()?;
-            Some(due_ns >= *end_ns.get_or_insert(due_ns + duration_ns))
-        }) {
+        rest.if_due(now_ns());
+        let mut wait_for = |due_ns| {
+            let duration_ns = settings.run.duration_ns();
+            let is_over = duration_ns
+                .is_some_and(|lasts_ns| due_ns >= *end_ns.get_or_insert(due_ns + lasts_ns));
+            !is_over && rest.while_waiting(|| station.stop.sleep_until(due_ns))
+        };
+        match send_next(source, pacer, frames, truth, &mut sent, &mut wait_for) {
             Ok(true) => {}
             Ok(false) => break,
             Err(cause) => {
@@ -72,14 +77,15 @@ fn send_frames(
 }
 
 /// Sends one frame; `false` when there is none, its time is over, or a signal came.
+///
+/// `wait_for`: sleeps until the frame is due; `false` if that is not to be waited for.
 fn send_next(
-    station: &Station,
     source: &mut dyn FrameSource,
     pacer: &mut Pacer,
     frames: &Writer<[u8]>,
     truth: Option<&Writer<Centerlines>>,
     sent: &mut Sent,
-    mut is_over: impl FnMut(u64) -> Option<bool>,
+    wait_for: &mut impl FnMut(u64) -> bool,
 ) -> anyhow::Result<bool> {
     let next = source.next().context("the source ended with a fault")?;
     while let Some(warning) = source.take_warning() {
@@ -97,7 +103,7 @@ fn send_next(
         }
     };
     let due_ns = pacer.next_due_ns(now_ns());
-    if is_over(due_ns) == Some(true) || !station.stop.sleep_until(due_ns) {
+    if !wait_for(due_ns) {
         return Ok(false);
     }
     sent.count += 1;

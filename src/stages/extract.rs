@@ -3,18 +3,18 @@
 use lariat_extract::{Extractor, Image, PixelFormat, Scene, Status};
 use lariat_wire::{
     CENTERLINES, Centerlines, Crossing, FRAMES, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS,
-    Message, Reader, Writer, now_ns,
+    Message, Writer, now_ns,
 };
 
 use super::masks::Masks;
 use super::status::Sent;
-use super::{Backlog, Station, receive};
+use super::{Inbox, Station};
 use crate::doubts::{self, Doubts};
 use crate::settings::Settings;
 
 /// Extracts until a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings)?;
+    let mut station = Station::open(settings, "extract")?;
     let mut eye = Eye::new(settings)?;
     let mut masks = Masks::open(settings, &station)?;
     let Station {
@@ -23,17 +23,11 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         delivery,
         ..
     } = &station;
-    let frames = Reader::create(domain, rig, &FRAMES, Some(delivery))?;
+    let mut frames = Inbox::open(&station, &FRAMES, |frame| frame.header().trace.captured)?;
     let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
     let mut sent = Sent::default();
-    let mut backlog = Backlog::default();
-    station.status.ready();
-    while let Some((frame, mut started_ns)) = receive(
-        &frames,
-        &mut backlog,
-        |frame| frame.header().trace.captured,
-        &station.stop,
-    )? {
+    station.ready()?;
+    while let Some((frame, mut started_ns)) = frames.receive(&station.stop)? {
         let header = frame.header();
         let mask = match &mut masks {
             None => None,

@@ -5,18 +5,18 @@ mod filters;
 use lariat_fit::{Fit, Fitter};
 use lariat_wire::{
     Basis, CENTERLINES, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
-    MAX_CONTROL_POINTS, MAX_POINTS, Reader, Status, Writer, now_ns,
+    MAX_CONTROL_POINTS, MAX_POINTS, Status, Writer, now_ns,
 };
 
 use super::extract::Warned;
 use super::status::Sent;
-use super::{Backlog, Station, receive};
+use super::{Inbox, Station};
 use crate::settings::{self, Settings};
 use filters::Filters;
 
 /// Fits until a signal comes.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings)?;
+    let mut station = Station::open(settings, "fit")?;
     let mut curves = CurveFitter::new(&settings.fit, settings.extract.points)?;
     let Station {
         domain,
@@ -24,18 +24,12 @@ pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
         delivery,
         ..
     } = &station;
-    let centerlines = Reader::create(domain, rig, &CENTERLINES, Some(delivery))?;
+    let mut centerlines = Inbox::open(&station, &CENTERLINES, |seen| seen.trace.extracted)?;
     let descriptors = Writer::<Descriptors>::create(domain, rig, &DESCRIPTORS, delivery)?;
-    station.status.ready();
+    station.ready()?;
     let mut sent = Sent::default();
-    let mut backlog = Backlog::default();
     let mut unfitted = Warned::default();
-    while let Some((message, started_ns)) = receive(
-        &centerlines,
-        &mut backlog,
-        |message| message.trace.extracted,
-        &station.stop,
-    )? {
+    while let Some((message, started_ns)) = centerlines.receive(&station.stop)? {
         let mut slot = descriptors.slot()?;
         slot.trace = message.trace;
         slot.trace.fit_started_ns = started_ns;

@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod allocation;
+pub(crate) mod arrangement;
 pub(crate) mod capture;
 pub(crate) mod extract;
 pub(crate) mod fit;
@@ -11,10 +12,11 @@ pub(crate) mod status;
 
 use std::os::fd::AsFd;
 
-use lariat_wire::{Delivery, Domain, Message, Payload, Reader, Rig, WireError, now_ns};
+use lariat_wire::{Channel, Delivery, Domain, Message, Payload, Reader, Rig, WireError, now_ns};
 
-use crate::settings::Settings;
+use crate::settings::{Arrangement, STAGES, Settings};
 use crate::stop::Stop;
+use arrangement::Rest;
 use status::Status;
 
 /// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
@@ -24,10 +26,14 @@ pub(crate) struct Station {
     pub(crate) delivery: Delivery,
     pub(crate) stop: Stop,
     pub(crate) status: Status,
+    arrangement: Arrangement,
+    /// Which of [`STAGES`] it is.
+    place: usize,
 }
 
 impl Station {
-    pub(crate) fn open(settings: &Settings) -> anyhow::Result<Self> {
+    /// `stage`: one of [`STAGES`].
+    pub(crate) fn open(settings: &Settings, stage: &str) -> anyhow::Result<Self> {
         let stop = Stop::on_signals()?;
         let status = Status::of_the_chain()?;
         let delivery = if settings.run.lossless {
@@ -41,7 +47,34 @@ impl Station {
             delivery,
             stop,
             status,
+            arrangement: settings.run.arrangement.clone(),
+            place: STAGES.iter().position(|name| *name == stage).unwrap_or(0),
         })
+    }
+
+    /// The stage can receive, and all its threads are there: it takes its place on the machine, and says so.
+    pub(crate) fn ready(&mut self) -> anyhow::Result<()> {
+        let lacks = arrangement::apply(&self.arrangement, self.place)?;
+        if lacks.any() {
+            self.status.lacks(lacks);
+        }
+        self.status.ready();
+        Ok(())
+    }
+
+    /// Has the stage rest when it must.
+    pub(crate) fn rest(&self) -> Rest {
+        Rest::new(&self.arrangement)
+    }
+
+    /// Becomes a reader that is woken as the settings say.
+    pub(crate) fn reader<P: Payload + ?Sized>(
+        &self,
+        channel: &Channel<P>,
+    ) -> Result<Reader<P>, WireError> {
+        let mut reader = Reader::create(&self.domain, &self.rig, channel, Some(&self.delivery))?;
+        reader.look_for(self.arrangement.spin());
+        Ok(reader)
     }
 }
 
@@ -63,28 +96,51 @@ impl Backlog {
     }
 }
 
-/// Receives the next message of a stage, sleeping until there is one; `None` when the stage is to end and nothing waits.
-///
-/// Returns the message with the moment it was in hand.
-pub(crate) fn receive<P: Payload + ?Sized>(
-    reader: &Reader<P>,
-    backlog: &mut Backlog,
-    count: impl Fn(&Message<P>) -> u64,
-    stop: &Stop,
-) -> Result<Option<(Message<P>, u64)>, WireError> {
-    loop {
-        // Asked before looking: what was sent before the signal is still received.
-        let last_look = stop.asked();
-        if let Some(mut message) = reader.next()? {
-            if backlog.overflowed(count(&message)) {
-                message = reader.newest_after(message)?;
-                backlog.last = Some(count(&message));
+/// Where a stage's messages come in.
+pub(crate) struct Inbox<P: Payload + ?Sized> {
+    reader: Reader<P>,
+    backlog: Backlog,
+    rest: Rest,
+    /// The counter of the stage before, in a message.
+    count: fn(&Message<P>) -> u64,
+}
+
+impl<P: Payload + ?Sized> Inbox<P> {
+    pub(crate) fn open(
+        station: &Station,
+        channel: &Channel<P>,
+        count: fn(&Message<P>) -> u64,
+    ) -> Result<Self, WireError> {
+        Ok(Self {
+            reader: station.reader(channel)?,
+            backlog: Backlog::default(),
+            rest: station.rest(),
+            count,
+        })
+    }
+
+    /// Receives the next message, sleeping until there is one; `None` when the stage is to end and nothing waits.
+    ///
+    /// Returns the message with the moment it was in hand.
+    pub(crate) fn receive(&mut self, stop: &Stop) -> Result<Option<(Message<P>, u64)>, WireError> {
+        loop {
+            // Asked before looking: what was sent before the signal is still received.
+            let last_look = stop.asked();
+            if let Some(mut message) = self.reader.next()? {
+                if self.backlog.overflowed((self.count)(&message)) {
+                    message = self.reader.newest_after(message)?;
+                    self.backlog.last = Some((self.count)(&message));
+                }
+                let now_ns = now_ns();
+                self.rest.if_due(now_ns);
+                return Ok(Some((message, now_ns)));
             }
-            return Ok(Some((message, now_ns())));
+            if last_look {
+                return Ok(None);
+            }
+            let reader = &self.reader;
+            self.rest
+                .while_waiting(|| reader.sleep(None, Some(stop.as_fd())))?;
         }
-        if last_look {
-            return Ok(None);
-        }
-        reader.sleep(None, Some(stop.as_fd()))?;
     }
 }

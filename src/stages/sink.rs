@@ -17,20 +17,24 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal comes, then reports.
 pub(crate) fn run(settings: &Settings) -> anyhow::Result<()> {
-    let mut station = Station::open(settings)?;
+    let mut station = Station::open(settings, "sink")?;
     let supervised = station.status.is_supervised();
     let mut sink = Sink::new(settings.sink_options(supervised));
     let channels = Channels::open(&station)?;
-    station.status.ready();
+    station.ready()?;
+    let mut rest = station.rest();
     let mut line = LiveLine::new(settings.sink.live);
     loop {
         let last_look = station.stop.asked();
-        channels.drain(&mut sink)?;
+        if channels.drain(&mut sink)? {
+            line.has_news();
+        }
         if last_look {
             break;
         }
         line.show_if_due(&mut sink);
-        channels.sleep(line.due(), &station)?;
+        rest.if_due(now_ns());
+        rest.while_waiting(|| channels.sleep(line.due(), &station))?;
     }
     line.end();
     // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
@@ -85,16 +89,19 @@ impl Channels {
             }
         };
         Ok(Self {
-            descriptors: Reader::create(domain, rig, &DESCRIPTORS, Some(delivery))?,
+            descriptors: station.reader(&DESCRIPTORS)?,
             centerlines: open(&CENTERLINES)?,
             truth: open(&TRUTH)?,
             lossless,
         })
     }
 
-    fn drain(&self, sink: &mut Sink) -> anyhow::Result<()> {
+    /// Takes in all that waits; `false` if there is no descriptor among it.
+    fn drain(&self, sink: &mut Sink) -> anyhow::Result<bool> {
+        let mut came = false;
         while let Some(message) = self.descriptors.next()? {
             sink.descriptors(&message, now_ns());
+            came = true;
         }
         while let Some(message) = self.centerlines.next()? {
             sink.centerlines(&message);
@@ -102,7 +109,7 @@ impl Channels {
         while let Some(message) = self.truth.next()? {
             sink.truth(&message);
         }
-        Ok(())
+        Ok(came)
     }
 
     fn sleep(&self, deadline: Option<Instant>, station: &Station) -> anyhow::Result<()> {
@@ -149,6 +156,8 @@ struct LiveLine {
     wanted: bool,
     in_place: bool,
     due: Instant,
+    /// How often it was shown since a message came.
+    stale: u32,
 }
 
 impl LiveLine {
@@ -158,19 +167,33 @@ impl LiveLine {
             wanted,
             in_place,
             due: Instant::now() + ELSEWHERE,
+            stale: 0,
         }
     }
 
-    /// When it is to be renewed.
+    /// Something to show has come.
+    fn has_news(&mut self) {
+        self.stale = 0;
+    }
+
+    /// When it is to be renewed. Without frames it soon says so, and then there is nothing to say until one comes.
     fn due(&self) -> Option<Instant> {
-        self.wanted.then_some(self.due)
+        let interval = if self.in_place {
+            ON_TERMINAL
+        } else {
+            ELSEWHERE
+        };
+        // Its figures are of the last second: two seconds on, they are of no frame.
+        let is_stale = interval * self.stale > 2 * ELSEWHERE;
+        (self.wanted && !is_stale).then_some(self.due)
     }
 
     fn show_if_due(&mut self, sink: &mut Sink) {
         let now = Instant::now();
-        if !self.wanted || now < self.due {
+        if self.due().is_none_or(|due| now < due) {
             return;
         }
+        self.stale = self.stale.saturating_add(1);
         self.due = now
             + if self.in_place {
                 ON_TERMINAL

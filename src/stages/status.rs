@@ -1,11 +1,13 @@
 //! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
 //!
-//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `ready` once, `done` if the source has ended,
+//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `lacks WORD…` if the stage may not have all that was wanted
+//! of the machine, `ready` once, `done` if the source has ended,
 //! `ending` if a signal came, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it waited for masks); its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
 
+use super::arrangement::Lacks;
 use anyhow::Context;
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
@@ -54,6 +56,15 @@ impl Status {
     /// The stage can receive: what is sent to it from now on arrives.
     pub(crate) fn ready(&mut self) {
         self.say("ready\n");
+    }
+
+    /// The stage does without this. Started by hand, it tells the user; else the chain does, for all of them.
+    pub(crate) fn lacks(&mut self, lacks: Lacks) {
+        if self.is_supervised() {
+            self.say(&format!("lacks {}\n", lacks.words()));
+        } else {
+            tracing::warn!("{lacks}");
+        }
     }
 
     /// The source has ended, or as much of it was sent as was asked.

@@ -1,5 +1,6 @@
 //! The whole chain, on the real binary: real processes, real shared memory, and what becomes of them.
 
+mod arrangement;
 mod curves;
 mod deaths;
 mod frames;

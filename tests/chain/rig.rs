@@ -73,6 +73,7 @@ impl Bench {
         Running {
             process,
             stderr,
+            introduction,
             ids,
         }
     }
@@ -145,6 +146,8 @@ impl Drop for Bench {
 pub(crate) struct Running {
     pub(crate) process: Child,
     stderr: BufReader<std::process::ChildStderr>,
+    /// What it said before the stages were up.
+    introduction: String,
     /// capture, extract, fit, sink.
     pub(crate) ids: [i32; 4],
 }
@@ -152,6 +155,8 @@ pub(crate) struct Running {
 /// How a chain ended.
 pub(crate) struct Ended {
     pub(crate) status: ExitStatus,
+    /// What it said before the stages were up.
+    pub(crate) introduction: String,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
@@ -196,6 +201,7 @@ impl Running {
         });
         Ended {
             status: self.process.wait().expect("waited for"),
+            introduction: self.introduction,
             stdout: out,
             stderr: err,
         }

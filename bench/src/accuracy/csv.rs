@@ -87,7 +87,10 @@ mod tests {
     fn each_line_has_a_value_under_each_head() {
         let rope = curve(&[[30.0, 50.0], [120.0, 54.0], [210.0, 50.0]], 11.0);
         let (photo, label) = picture(&[rope]);
-        let mut measured = Bench::new().unwrap().extract(&photo, &label).unwrap();
+        let mut measured = Bench::new(lariat_extract::Method::Skeleton)
+            .unwrap()
+            .extract(&photo, &label)
+            .unwrap();
         measured.name = "bar".into();
         let table = table(&[("one", vec![measured.clone()]), ("two", vec![measured])]);
         let lines: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use image::DynamicImage;
-use lariat_extract::{Crossing, Curve, Extractor, Image, Options, PixelFormat, Step};
+use lariat_extract::{Crossing, Curve, Extractor, Image, Method, Options, PixelFormat, Step};
 
 use super::causes::{self, Disagreement, Found};
 use super::coverage::{Coverage, coverage};
@@ -63,10 +63,14 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// One with the default options: the figures are those of lariat as it comes.
-    pub(super) fn new() -> Result<Self> {
+    /// One with the default options but for the method: with the default one, too, the figures are those of lariat as it
+    /// comes.
+    pub(super) fn new(method: Method) -> Result<Self> {
         Ok(Self {
-            extractor: Extractor::new(Options::default())?,
+            extractor: Extractor::new(Options {
+                method,
+                ..Options::default()
+            })?,
             prepared: (0, 0),
         })
     }
@@ -192,7 +196,10 @@ pub(in crate::accuracy) mod tests {
     #[test]
     fn ropes_that_are_plain_to_see_are_found_and_drawn_well() {
         let (photo, label) = picture(&bars());
-        let measured = Bench::new().unwrap().extract(&photo, &label).unwrap();
+        let measured = Bench::new(lariat_extract::Method::Skeleton)
+            .unwrap()
+            .extract(&photo, &label)
+            .unwrap();
         assert_eq!((measured.ropes, measured.is_miscounted()), (2, false));
         assert!(measured.dice > 0.97, "{}", measured.dice);
         assert_eq!(measured.coverage, Coverage::default());
@@ -203,14 +210,17 @@ pub(in crate::accuracy) mod tests {
     fn a_wrong_count_is_counted() {
         let (photo, _) = picture(&bars());
         let (_, label) = picture(&bars()[..1]);
-        let measured = Bench::new().unwrap().extract(&photo, &label).unwrap();
+        let measured = Bench::new(lariat_extract::Method::Skeleton)
+            .unwrap()
+            .extract(&photo, &label)
+            .unwrap();
         assert!(measured.is_miscounted());
         assert!((0.4..0.5).contains(&measured.dice), "{}", measured.dice);
     }
 
     #[test]
     fn each_photograph_is_a_scene_of_its_own() {
-        let mut bench = Bench::new().unwrap();
+        let mut bench = Bench::new(lariat_extract::Method::Skeleton).unwrap();
         let (photo, label) = picture(&bars());
         let first = bench.extract(&photo, &label).unwrap();
         let (empty, no_label) = picture(&[]);

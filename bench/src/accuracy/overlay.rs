@@ -172,7 +172,10 @@ mod tests {
     fn the_curve_is_coloured_along_the_rope_inside_its_outline() {
         let rope = curve(&[[30.0, 50.0], [120.0, 50.0], [210.0, 50.0]], 11.0);
         let (photo, label) = picture(&[rope]);
-        let measured = Bench::new().unwrap().extract(&photo, &label).unwrap();
+        let measured = Bench::new(lariat_extract::Method::Skeleton)
+            .unwrap()
+            .extract(&photo, &label)
+            .unwrap();
         let drawn = overlay(&photo.into_rgb8(), &label, &measured);
         assert_eq!((drawn.width(), drawn.height()), (480, 320));
         let at = |x: u32, y: u32| drawn.get_pixel(SCALE * x, SCALE * y).0;

@@ -1,6 +1,6 @@
 //! Curves against drawn ropes, whose centerlines are known: a table with a row for each class of picture.
 //!
-//! Every picture is a scene of its own to a fresh extractor with default options. A picture whose ropes are miscounted
+//! Every picture is a scene of its own to a fresh extractor with default options (but for the method that was asked for). A picture whose ropes are miscounted
 //! or wrongly connected is in every column all the same: what was missed is measured by its distance from what was seen.
 
 mod overlay;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
-use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
+use lariat_extract::{Extractor, Image, Method, Options, PixelFormat, Scene};
 
 /// Which pictures are drawn.
 #[derive(clap::Args)]
@@ -54,7 +54,11 @@ struct Measured {
 ///
 /// # Errors
 /// A picture does not fit the size, or a file cannot be written.
-pub(crate) fn run(args: &Args, csv: Option<&Path>, overlay: Option<&Path>) -> Result<()> {
+pub(crate) fn run(
+    args: &Args,
+    method: Method,
+    (csv, overlay): (Option<&Path>, Option<&Path>),
+) -> Result<()> {
     if args.seeds == 0 {
         bail!("no pictures were asked for: give --seeds 1 or more");
     }
@@ -67,7 +71,10 @@ pub(crate) fn run(args: &Args, csv: Option<&Path>, overlay: Option<&Path>) -> Re
     } else {
         args.class.clone()
     };
-    let mut extractor = Extractor::new(Options::default())?;
+    let mut extractor = Extractor::new(Options {
+        method,
+        ..Options::default()
+    })?;
     let mut measured = Vec::new();
     println!("{}", table::head());
     for class in classes {

@@ -6,10 +6,9 @@
 //! with the better normals, and the tips once more where they then lie. Inside of crossings nothing is measured: the line bridges them as the
 //! curve of least bending between the parts that are.
 
-use crate::abut::Body;
+use crate::extender::Extender;
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
-use crate::onward;
 use crate::path;
 use crate::plane::Plane;
 use crate::section::{Measure, Sections};
@@ -50,12 +49,9 @@ const SMOOTH_PX: f32 = 2.5;
 pub(crate) struct Centerliner {
     sections: Sections,
     smoother: Smoother,
+    extender: Extender,
     spaced: Vec<Sample>,
     widths: Vec<f32>,
-    /// What is laid beyond the first end.
-    tip: Vec<Sample>,
-    /// The strands that the line's ends lie against.
-    bodies: [Option<Body>; 2],
 }
 
 /// What a strand is made of.
@@ -73,7 +69,7 @@ impl Centerliner {
     /// Makes room for lines of so many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.spaced.reserve(samples);
-        self.tip.reserve(samples);
+        self.extender.reserve(samples);
         self.sections.reserve(samples);
     }
 
@@ -84,14 +80,14 @@ impl Centerliner {
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
         let step_px = step_px.max(source.least_step_px);
         path::lay(source, legs, strand.closed, half_px, line);
-        let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
-        self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];
+        self.extender.begin(source, legs);
         if line.samples.len() < 3 || line.length_px() < step_px {
             return false;
         }
-        self.space(line, step_px);
+        line.space(step_px, &mut self.spaced);
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
-        self.extend(source, line, half_px, step_px, 0.0);
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.0);
         let coarse = Measure {
             half_px,
             step_px,
@@ -102,7 +98,8 @@ impl Centerliner {
             half_px = 0.5 * width_px;
         }
         let shading = Shading::measure(line, source.difference, Measure { half_px, ..coarse });
-        self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.7 * half_px);
         let fine = Measure {
             half_px,
             step_px,
@@ -116,9 +113,10 @@ impl Centerliner {
         // They may be measured the next time.
         weigh_ends(line, held, 1.0);
         half_px = 0.5 * width_px;
-        self.extend(source, line, half_px, step_px, 0.7 * half_px);
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.7 * half_px);
         if line.closed {
-            self.space(line, step_px);
+            line.space(step_px, &mut self.spaced);
         } else {
             self.measure_tips(source, line, Measure { half_px, ..fine });
             line.cut_to(source.difference);
@@ -137,7 +135,9 @@ impl Centerliner {
         let anew = within(ANEW_HALVES).min(n / 4);
         weigh_ends(
             line,
-            self.bodies.map(|b| if b.is_none() { anew } else { 0 }),
+            self.extender
+                .is_free()
+                .map(|free| if free { anew } else { 0 }),
             1.0,
         );
         let count = within(TIP_HALVES);
@@ -150,82 +150,8 @@ impl Centerliner {
         self.fill_widths(line, 2.0 * half_px);
         self.smoother
             .smooth_ends(line, reach(half_px, step_px), count);
-        self.extend(source, line, half_px, step_px, cut_px);
-    }
-
-    /// Spaces the line's samples evenly, about `step_px` apart.
-    fn space(&mut self, line: &mut Line, step_px: f32) {
-        let steps = (line.length_px() / step_px).ceil().max(2.0) as usize;
-        let count = if line.closed { steps } else { steps + 1 };
-        line.resample(count, &mut self.spaced);
-        std::mem::swap(&mut line.samples, &mut self.spaced);
-    }
-
-    /// Cuts `cut_px` from each visible end and runs on to the tip.
-    fn extend(
-        &mut self,
-        source: &Source,
-        line: &mut Line,
-        half_px: f32,
-        step_px: f32,
-        cut_px: f32,
-    ) {
-        if !line.closed {
-            for end in [1, 0] {
-                self.extend_end(source, line, end, [half_px, step_px, cut_px]);
-            }
-        }
-    }
-
-    /// Works on the first (0) or the last (1) end of the line.
-    fn extend_end(
-        &mut self,
-        source: &Source,
-        line: &mut Line,
-        end: usize,
-        [half_px, step_px, cut_px]: [f32; 3],
-    ) {
-        let n = line.samples.len();
-        let cut = ((cut_px / step_px) as usize).min(n / 4);
-        let last = n - cut - 1;
-        // Counted from the other end.
-        let sample = |i: usize| &line.samples[if end == 1 { i } else { n - 1 - i }];
-        let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
-        let back = back.clamp(1, (last / 3).max(1)).min(last);
-        let places = [last, last - back, last.saturating_sub(2 * back)].map(|i| sample(i).at);
-        let path = onward::arc(places, last >= 2 * back);
-        // The rope's own contrast: the median along the piece that the direction comes from.
-        self.widths.clear();
-        let piece = (last - back..=last).map(|i| source.difference.sample(sample(i).at));
-        self.widths.extend(piece);
-        let level = 0.5 * quantile_of_positive(&mut self.widths, 0.5).max(2.0);
-        let limit_px = cut_px + 4.0 * half_px + 4.0;
-        let (far, border) = match self.bodies[end] {
-            Some(body) => {
-                let rope = (half_px, level, limit_px);
-                let far = body.tip(source.difference, &path, rope, &mut self.widths);
-                (far, false)
-            }
-            None => onward::tip(source.difference, &path, level, limit_px),
-        };
-        line.border[end] = border;
-        let count = (far / step_px).ceil() as usize;
-        let width_px = sample(last).width_px;
-        let share = far / count.max(1) as f32;
-        let beyond = (1..=count).map(|k| Sample {
-            at: path(share * k as f32),
-            weight: 1.0,
-            width_px,
-            side: 0.0,
-        });
-        if end == 1 {
-            line.samples.truncate(n - cut);
-            line.samples.extend(beyond);
-        } else {
-            self.tip.clear();
-            self.tip.extend(beyond);
-            line.samples.splice(..cut, self.tip.drain(..).rev());
-        }
+        self.extender
+            .extend(source.difference, line, half_px, step_px, cut_px);
     }
 
     /// Where more than `most` samples before a free end could not be measured, holds them where they are: a little, lest
@@ -240,7 +166,7 @@ impl Centerliner {
             line.samples.iter().rev().take_while(unmeasured).count(),
         ];
         let held = [0, 1].map(|end| {
-            let held = counts[end] > most && self.bodies[end].is_none();
+            let held = counts[end] > most && self.extender.is_free()[end];
             if held { counts[end] } else { 0 }
         });
         weigh_ends(line, held, HELD);
@@ -287,7 +213,7 @@ fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
 }
 
 /// Half the rope's width as the skeleton knows it, weighted by the lengths of the legs.
-fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
+pub(crate) fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for leg in legs {
         let length = source.graph.edges[leg.edge as usize].length_px + 0.1;

@@ -5,14 +5,16 @@
 
 mod aligned;
 mod blocks;
-#[allow(dead_code, reason = "who orders the centers is not here yet")]
 mod cells;
+mod clusterer;
 mod exponential;
 mod extent;
 mod fuzzy;
 mod kmeans;
+mod method;
 mod mixture;
 mod nearest;
+mod nerve;
 mod pixels;
 mod random;
 #[cfg(test)]
@@ -21,8 +23,10 @@ mod seeding;
 mod som;
 mod tiles;
 
+pub(crate) use clusterer::{Center, Clusterer};
 pub use fuzzy::FuzzyMeans;
 pub use kmeans::KMeans;
+pub use method::{Method, UnknownMethod};
 pub use mixture::Mixture;
 pub use pixels::{Pixels, Run};
 pub use seeding::seed_centers;

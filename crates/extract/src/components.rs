@@ -81,6 +81,33 @@ impl Components {
         Ok(())
     }
 
+    /// Finds the pieces of a plane and lists the largest `most` of them, the largest first, as their names.
+    pub(crate) fn largest(
+        &mut self,
+        plane: &BitPlane,
+        most: usize,
+        names: &mut Vec<u32>,
+    ) -> Result<(), TooManyRuns> {
+        names.clear();
+        self.label(plane, true)?;
+        let roots = (0..self.runs.len() as u32).filter(|&i| self.parent[i as usize] == i);
+        names.extend(roots);
+        let area = |&name: &u32| (std::cmp::Reverse(self.area[name as usize]), name);
+        names.sort_unstable_by_key(area);
+        names.truncate(most);
+        Ok(())
+    }
+
+    /// Calls `run` with each run of the piece of that name: row, first pixel, and behind the last. In the order of rows.
+    pub(crate) fn for_each_run_of(&mut self, name: u32, mut run: impl FnMut(u16, u16, u16)) {
+        for i in 0..self.runs.len() {
+            if find(&mut self.parent, i as u32) == name {
+                let Run { y, from, to } = self.runs[i];
+                run(y, from, to);
+            }
+        }
+    }
+
     fn paint(&self, plane: &mut BitPlane, run: usize, value: bool) {
         let Run { y, from, to } = self.runs[run];
         plane.fill(usize::from(y), usize::from(from), usize::from(to), value);

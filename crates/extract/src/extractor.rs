@@ -5,6 +5,7 @@ mod lines;
 use crate::bits::BitPlane;
 use crate::bridge::Bridger;
 use crate::centerline::Centerliner;
+use crate::clusters::Clusterer;
 use crate::color;
 use crate::cover::Cover;
 use crate::crossings::Crosser;
@@ -13,15 +14,17 @@ use crate::follow::{self, Follower};
 use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::mask::{MaskError, Masker};
+use crate::ordering::Orderer;
 use crate::overlaps::Overlaps;
 use crate::pursue::Pursuer;
 use crate::rehearse;
 use crate::skeleton::Skeleton;
 use crate::strands::Strands;
+use crate::strips::Strips;
 use crate::thin::Thinner;
 use crate::track::{Look, Tracker};
 use crate::zones::Zones;
-use crate::{Crossing, Curve, Image, Mask, Options, OptionsError, Scene};
+use crate::{Crossing, Curve, Image, Mask, Method, Options, OptionsError, Scene};
 
 /// The most pieces that are looked at.
 pub(crate) const MOST_PIECES: usize = 80;
@@ -41,12 +44,20 @@ pub enum Step {
     Follow,
     /// Pixels to one bit each: rope or not.
     Mask,
-    /// The mask thinned to lines of one pixel.
+    /// The mask thinned to lines of one pixel; with a clustering, its centers.
     Skeleton,
     /// Ends, crossings and the strands between them; crossings resolved into ropes.
     Graph,
-    /// Sub-pixel centers and widths, equal arc lengths, tracks.
+    /// Sub-pixel centers and widths, or a clustering's centers in order; equal arc lengths, tracks.
     Points,
+}
+
+/// A mask in rows and in strips, and lines to be thinned in it.
+#[derive(Debug, Default)]
+struct Body {
+    rows: BitPlane,
+    strips: Strips,
+    lines: Strips,
 }
 
 /// Turns images into centerlines, remembering the ropes from one image to the next.
@@ -63,6 +74,10 @@ pub struct Extractor {
     overlaps: Overlaps,
     strands: Strands,
     centerliner: Centerliner,
+    clusterer: Clusterer,
+    /// What a clustering's skeleton lies in: the mask, and what joins centers beside it.
+    body: Body,
+    orderer: Orderer,
     lines: Vec<Line>,
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
@@ -101,6 +116,9 @@ impl Extractor {
             overlaps: Overlaps::default(),
             strands: Strands::default(),
             centerliner: Centerliner::default(),
+            clusterer: Clusterer::default(),
+            body: Body::default(),
+            orderer: Orderer::default(),
             lines: Vec::new(),
             colors: Vec::new(),
             bridger: Bridger::default(),
@@ -247,7 +265,11 @@ impl Extractor {
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
         self.lengthen(joined);
-        let joined = self.follow(image, joined);
+        // A followed line is measured anew: the centers would be lost.
+        let joined = match self.options.method {
+            Method::Skeleton => self.follow(image, joined),
+            _ => joined,
+        };
         self.lengthen(joined);
         self.points(joined);
         let seen = self.count;
@@ -255,7 +277,9 @@ impl Extractor {
         self.count = self.tracker.update(curves, seen, looks, &self.options);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
-        self.anchor(image, seen);
+        if self.options.method == Method::Skeleton {
+            self.anchor(image, seen);
+        }
         after(Step::Points);
         self.scene(false)
     }
@@ -302,7 +326,14 @@ impl Extractor {
             line.samples.reserve(samples);
         }
         self.spaced.reserve(samples);
-        self.centerliner.reserve(samples);
+        match self.options.method {
+            Method::Skeleton => self.centerliner.reserve(samples),
+            _ => {
+                let Options { points, ropes, .. } = self.options;
+                self.clusterer.reserve(width, height, points, ropes);
+                self.orderer.reserve(samples);
+            }
+        }
         self.graph.reserve();
         self.overlaps.reserve();
         self.colors.reserve(MOST_PIECES);
@@ -333,6 +364,7 @@ impl Extractor {
         self.crossings.clear();
         self.pursuer.drop();
         self.plain_frames = 0;
+        self.clusterer.forget();
         self.tracker.reset();
     }
 
@@ -341,11 +373,30 @@ impl Extractor {
         &self.masker.mask
     }
 
-    /// Thins the mask and lists what is left.
+    /// Lists the skeleton of the mask: the mask thinned, or what joins the centers of a clustering.
     fn skeletonize(&mut self) {
-        let (mask, rows) = (&self.masker.strips, &self.masker.mask);
         let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
-        self.thinner.thin(mask, most_passes);
-        self.skeleton.list(&self.thinner.thin, mask, rows);
+        let (mask, rows) = (&self.masker.strips, &self.masker.mask);
+        let Options {
+            method,
+            points,
+            ropes,
+            ..
+        } = self.options;
+        if method == Method::Skeleton {
+            self.thinner.thin(mask, most_passes);
+            self.skeleton.list(&self.thinner.thin, mask, rows);
+            return;
+        }
+        self.clusterer.run(method, rows, points, ropes);
+        let (nerve, body) = (&self.clusterer.nerve.plane, &mut self.body);
+        body.lines.take(nerve);
+        self.thinner.thin(&body.lines, most_passes);
+        body.rows.copy_from(rows);
+        let words = body.rows.words_mut().iter_mut().zip(nerve.words());
+        words.for_each(|(word, lines)| *word |= lines);
+        body.strips.take(&body.rows);
+        self.skeleton
+            .list(&self.thinner.thin, &body.strips, &body.rows);
     }
 }

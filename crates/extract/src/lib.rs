@@ -33,6 +33,9 @@
 //! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
 //!
+//! With another [`Method`] than the skeleton, centers of a clustering stand in its place (`clusters`, in order by its `nerve`)
+//! and the points are theirs (`ordering`).
+//!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
 //! at each of its points (`pursue`), as long as nothing else happens; [`Scene::followed`] says so.
 //!
@@ -69,6 +72,7 @@ mod difference;
 mod doubt;
 mod edge;
 mod ends;
+mod extender;
 mod extractor;
 mod faint;
 mod follow;
@@ -88,6 +92,7 @@ mod neighbors;
 mod notice;
 mod onward;
 mod options;
+mod ordering;
 mod over;
 mod overlaps;
 mod pairing;
@@ -122,7 +127,10 @@ mod whole;
 mod widths;
 mod zones;
 
-pub use clusters::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start, seed_centers};
+pub use clusters::{
+    FuzzyMeans, KMeans, Method, Mixture, Outcome, Pixels, Run, Som, Start, UnknownMethod,
+    seed_centers,
+};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};

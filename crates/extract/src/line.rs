@@ -96,6 +96,14 @@ impl Line {
         });
     }
 
+    /// Spaces the samples evenly, about `step_px` apart.
+    pub(crate) fn space(&mut self, step_px: f32, spaced: &mut Vec<Sample>) {
+        let steps = (self.length_px() / step_px).ceil().max(2.0) as usize;
+        let count = if self.closed { steps } else { steps + 1 };
+        self.resample(count, spaced);
+        std::mem::swap(&mut self.samples, spaced);
+    }
+
     /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
     /// middle or, near an end, where it lies.
     #[inline(always)]

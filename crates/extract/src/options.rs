@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::Method;
+
 /// What counts as rope, by colour. Bounds are inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HsvRange {
@@ -33,6 +35,8 @@ pub enum Mask {
 pub struct Options {
     /// How the rope's pixels are told from the table's.
     pub mask: Mask,
+    /// How they become a centerline.
+    pub method: Method,
     /// N, the points of each centerline, 2 to 256.
     pub points: usize,
     /// The most curves reported (the longest ones), 1 to 64.
@@ -48,6 +52,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            method: Method::Skeleton,
             points: 120,
             ropes: 8,
             start: None,

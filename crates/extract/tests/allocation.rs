@@ -9,7 +9,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use drawing::{Rope, Table, extractor};
-use lariat_extract::{FuzzyMeans, Image, KMeans, Mixture, PixelFormat, Pixels, Run, Som, Start};
+use lariat_extract::{
+    Extractor, FuzzyMeans, Image, KMeans, Method, Mixture, Options, PixelFormat, Pixels, Run, Som,
+    Start,
+};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -45,11 +48,11 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-#[test]
-fn no_frame_of_a_moving_rope_allocates_once_warm() {
+/// Two ropes that move, one of them through itself.
+fn film() -> Vec<Vec<u8>> {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;
-    let frames: Vec<Vec<u8>> = (0..40)
+    (0..40)
         .map(|frame| {
             let phase = frame as f32 * std::f32::consts::TAU / 40.0;
             let (sin, cos) = (0.3 * phase.sin()).sin_cos();
@@ -67,7 +70,12 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
             table.seed = frame;
             table.draw(&[first, second])
         })
-        .collect();
+        .collect()
+}
+
+#[test]
+fn no_frame_of_a_moving_rope_allocates_once_warm() {
+    let frames = film();
     let mut extractor = extractor();
     // As a mask made elsewhere the green of the picture, turned around, is as good as any.
     let masks: Vec<Vec<u8>> = frames
@@ -101,6 +109,35 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
     let before = COUNT.get();
     assert_eq!(run(&frames), 80);
     assert_eq!(COUNT.get() - before, 0);
+}
+
+#[test]
+fn no_frame_of_a_clustering_allocates_after_preparation() {
+    let frames = film();
+    for method in [
+        Method::KMeans,
+        Method::Som,
+        Method::Mixture,
+        Method::FuzzyMeans,
+    ] {
+        // The last one is slow: its first frame takes 300 rounds.
+        let most = if method == Method::FuzzyMeans { 4 } else { 40 };
+        let options = Options {
+            method,
+            ..Options::default()
+        };
+        let mut extractor = Extractor::new(options).expect("the options are valid");
+        extractor.prepare(320, 240);
+        let before = COUNT.get();
+        let mut curves = 0;
+        for rgb in &frames[..most] {
+            let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
+            curves += extractor.extract(&image).curves.len();
+        }
+        let grown = COUNT.get() - before;
+        assert!(curves >= 2 * most, "{method}: {curves}");
+        assert_eq!(grown, 0, "{method}");
+    }
 }
 
 #[test]

@@ -137,7 +137,7 @@ impl Drop for LastOut {
 }
 
 /// The transport's settings for a domain of its own: its own prefix in `/dev/shm`, its own folder.
-fn config_of(name: &str) -> Result<Config, WireError> {
+pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     let unusable = || WireError::DomainName(name.into());
     if !is_plain(name, 16) {
         return Err(unusable());

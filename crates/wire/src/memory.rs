@@ -8,7 +8,7 @@ use rustix::fs::{FallocateFlags, fallocate, statvfs};
 
 use crate::WireError;
 
-const SHM: &str = "/dev/shm";
+pub(crate) const SHM: &str = "/dev/shm";
 /// What the transport itself keeps beside a channel's slots: tables of connections, of a few hundred kB.
 const BESIDE_SLOTS: u64 = 1 << 20;
 

@@ -1,6 +1,7 @@
 #![allow(unsafe_code)] // One descriptor is borrowed by number from the transport, which offers it no other way.
 //! The event service beside every channel: wakes a waiting reader, so that nothing polls or sleeps.
 
+use std::cell::Cell;
 use std::os::fd::BorrowedFd;
 use std::time::{Duration, Instant};
 
@@ -13,13 +14,15 @@ use rustix::io::Errno;
 
 use crate::{Domain, WireError};
 
-/// No sleep is longer than this.
+/// How long a bell must have been silent before it is trusted.
 ///
 /// In iceoryx2 0.10 a ring that comes while its listener empties the bell can be emptied too, and yet leave the bell
 /// marked as rung: then every later ring is taken for one that was already sent, and none arrives. Readers look for
-/// messages after emptying, so that this takes a ring that comes late, after its message was read; then this bound ends
-/// the sleep, and emptying the bell again mends it.
-const LONGEST_SLEEP: Duration = Duration::from_millis(100);
+/// messages after emptying, so that this takes a ring that comes late, after its message was read; and emptying the bell
+/// again mends it. So a reader empties until nothing is heard, and the first sleep after a ring is no longer than this.
+/// If nothing is heard after that either, no ring is on its way any more and none can be lost: the sleeps that follow
+/// are as long as nothing comes. A rig without frames does nothing at all.
+const TRUSTED_AFTER: Duration = Duration::from_millis(100);
 
 /// A message was sent.
 const MESSAGE: usize = 0;
@@ -77,10 +80,14 @@ impl Bell {
 
 /// The reader's side.
 #[derive(Debug)]
-pub(crate) struct Ear {
+pub struct Ear {
     listener: Listener<ipc::Service>,
     /// To answer with.
     bell: Bell,
+    /// When it last heard something, or was made.
+    heard: Cell<Instant>,
+    /// Whether it has heard nothing for [`TRUSTED_AFTER`].
+    trusted: Cell<bool>,
 }
 
 /// What an ear has heard.
@@ -99,7 +106,12 @@ impl Ear {
             .create()
             .map_err(|cause| WireError::transport(format!("listening to {channel}"), cause))?;
         let bell = Bell::new(domain, channel, readers)?;
-        Ok(Self { listener, bell })
+        Ok(Self {
+            listener,
+            bell,
+            heard: Cell::new(Instant::now()),
+            trusted: Cell::new(false),
+        })
     }
 
     /// Becomes readable when the bell was rung.
@@ -117,28 +129,51 @@ impl Ear {
     /// What was heard since the last time, without waiting.
     pub(crate) fn empty(&self) -> Result<Heard, WireError> {
         let mut heard = Heard::default();
-        self.listener
-            .try_wait(|event| match event.id.as_value() {
-                CALL => heard.called = true,
-                ANSWER => heard.answers += event.count as usize,
-                _ => {}
-            })
-            .map_err(|cause| WireError::transport("waiting for a message", cause))?;
+        let mut anything = false;
+        // A second time at most but for a bell that rings on and on: what comes then is heard at the next emptying.
+        for _ in 0..4 {
+            let rings = self
+                .listener
+                .try_wait(|event| match event.id.as_value() {
+                    CALL => heard.called = true,
+                    ANSWER => heard.answers += event.count as usize,
+                    _ => {}
+                })
+                .map_err(|cause| WireError::transport("waiting for a message", cause))?;
+            if rings == 0 {
+                break;
+            }
+            anything = true;
+        }
+        if anything {
+            self.trusted.set(false);
+            self.heard.set(Instant::now());
+        } else if !self.trusted.get() {
+            self.trusted
+                .set(self.heard.get().elapsed() >= TRUSTED_AFTER);
+        }
         Ok(heard)
+    }
+
+    /// The longest sleep on it; `None`: as long as it is silent.
+    pub(crate) fn longest_sleep(&self) -> Option<Duration> {
+        (!self.trusted.get()).then_some(TRUSTED_AFTER)
     }
 }
 
-/// Waits for a bell, for `also` to become readable, for a signal, for the deadline or [`LONGEST_SLEEP`], whichever is
-/// first.
+/// Waits for a bell, for `also` to become readable, for a signal, or for the deadline, whichever is first; and no longer
+/// than a bell allows.
 pub(crate) fn wait<const N: usize>(
-    ears: [Option<BorrowedFd>; N],
+    ears: [Option<&Ear>; N],
     deadline: Option<Instant>,
     also: Option<BorrowedFd>,
 ) -> Result<(), WireError> {
     /// More than any process listens to.
     const MOST: usize = 8;
     const { assert!(N < MOST) };
-    let mut descriptors = ears.into_iter().flatten().chain(also);
+    let bells = ears.iter().flatten();
+    let longest = bells.clone().filter_map(|ear| ear.longest_sleep()).min();
+    let mut descriptors = bells.map(|ear| ear.descriptor()).chain(also);
     let Some(first) = descriptors.next() else {
         return Ok(());
     };
@@ -149,12 +184,10 @@ pub(crate) fn wait<const N: usize>(
         polled[count] = PollFd::from_borrowed_fd(descriptor, PollFlags::IN);
         count += 1;
     }
-    let left = deadline.map_or(LONGEST_SLEEP, |deadline| {
-        deadline
-            .saturating_duration_since(Instant::now())
-            .min(LONGEST_SLEEP)
-    });
-    match poll(&mut polled[..count], Timespec::try_from(left).ok().as_ref()) {
+    let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+    let left = [left, longest].into_iter().flatten().min();
+    let left = left.and_then(|left| Timespec::try_from(left).ok());
+    match poll(&mut polled[..count], left.as_ref()) {
         Ok(_) | Err(Errno::INTR) => Ok(()),
         Err(cause) => Err(WireError::transport("waiting for a message", cause)),
     }

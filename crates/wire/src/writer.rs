@@ -252,7 +252,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         let mut answers = 0;
         while answers < readers && !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
             let look_up = deadline.min(Instant::now() + STOP_CHECK);
-            ready::wait([Some(ear.descriptor())], Some(look_up), None)?;
+            ready::wait([Some(ear)], Some(look_up), None)?;
             answers += ear.empty()?.answers;
         }
         gathered.set(readers);

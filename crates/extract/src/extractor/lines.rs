@@ -11,7 +11,7 @@ use crate::line::{Line, Sample};
 use crate::part::part;
 use crate::ray::LANES;
 use crate::track::Look;
-use crate::{Curve, Image, color, tips};
+use crate::{Curve, Image, Method, color, tips};
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
@@ -49,7 +49,14 @@ impl Extractor {
                 legs: &self.strands.legs,
                 least_step_px: ropes_px / MOST_SAMPLES as f32,
             };
-            if self.centerliner.build(&source, strand, line) {
+            let is_laid = match self.options.method {
+                Method::Skeleton => self.centerliner.build(&source, strand, line),
+                _ => {
+                    let centers = (&self.clusterer.centers[..], &self.masker.mask);
+                    self.orderer.build(&source, strand, centers, line)
+                }
+            };
+            if is_laid {
                 count += 1;
             }
             samples += line.samples.len();

@@ -7,7 +7,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 /// The pictures, in the user's order and a folder's in natural order; and what is wrong with the rest.
-pub(super) fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) {
+pub(crate) fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) {
     let (mut found, mut wrong) = (Vec::new(), Vec::new());
     for path in paths {
         if !path.is_dir() {

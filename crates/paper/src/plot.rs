@@ -1,0 +1,262 @@
+//! The style of all charts: one drawing routine for all of them, so that they look alike.
+//!
+//! Colors are those of Okabe and Ito (*Color Universal Design*, 2008), which are told apart also by those who see fewer
+//! colors; lines differ by dash and marker too, for print in grey. The library places on whole pixels: charts are drawn
+//! [`FINE`] times as large as they are meant, and scaled by whoever shows them.
+
+mod axis;
+mod legend;
+mod marks;
+
+pub(crate) use axis::Axis;
+pub(crate) use marks::{Look, Mark, Marker, Stroke};
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::PaperError;
+
+/// Pixels of the drawing for one of the page.
+const FINE: i32 = 4;
+/// Width of a figure, px of the page.
+const WIDTH_PX: i32 = 760;
+/// Size of letters, px of the page.
+const LETTER_PX: i32 = 13;
+/// The library divides sizes of letters by this.
+const LIBRARY_SCALE: f64 = 1.24;
+/// Room on both sides of a chart's title.
+const TITLE_PX: i32 = 22;
+/// Room below a chart for ticks and label.
+const BELOW_PX: i32 = 42;
+const MARGIN_PX: i32 = 10;
+
+/// From the numbers of the axes to pixels of the drawing.
+type Place<'a> = &'a dyn Fn([f64; 2]) -> (i32, i32);
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+const INK: RGBColor = RGBColor(34, 34, 34);
+const SOFT: RGBColor = RGBColor(90, 90, 90);
+const GRID: RGBColor = RGBColor(221, 221, 221);
+const FAINT: RGBColor = RGBColor(240, 240, 240);
+
+/// One chart: two axes and what is drawn between them.
+#[derive(Debug, Clone)]
+pub(crate) struct Chart {
+    /// What it is about, where a figure has several.
+    pub(crate) title: String,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) marks: Vec<Mark>,
+    /// Height without title and legend, px of the page.
+    pub(crate) height_px: i32,
+    /// Room for the labels left of it, px of the page.
+    pub(crate) left_px: i32,
+}
+
+impl Chart {
+    pub(crate) fn new(x: Axis, y: Axis) -> Self {
+        Self {
+            title: String::new(),
+            x,
+            y,
+            marks: Vec::new(),
+            height_px: 262,
+            left_px: 62,
+        }
+    }
+
+    pub(crate) fn titled(mut self, title: &str) -> Self {
+        title.clone_into(&mut self.title);
+        self
+    }
+
+    pub(crate) fn line(&mut self, name: &str, look: Look, points: Vec<[f64; 2]>) {
+        let name = name.to_owned();
+        self.marks.push(Mark::Line { name, look, points });
+    }
+}
+
+/// Draws charts beside each other, `columns` in a row, as one SVG without a size of its own.
+pub(crate) fn draw(
+    figure: &'static str,
+    charts: &[Chart],
+    columns: i32,
+) -> Result<String, PaperError> {
+    let width = WIDTH_PX * FINE;
+    let each = width / columns;
+    // Charts of one row have their axes side by side: the tallest legend counts.
+    let heads: Vec<i32> = charts
+        .iter()
+        .map(|chart| legend::height_px(chart, each / FINE) + title_px(chart))
+        .collect();
+    let rows: Vec<(i32, i32)> = charts
+        .chunks(columns as usize)
+        .zip(heads.chunks(columns as usize))
+        .map(|(row, heads)| {
+            let head = heads.iter().copied().max().unwrap_or(0);
+            let body = row.iter().map(|chart| chart.height_px).max().unwrap_or(0);
+            (head * FINE, body * FINE)
+        })
+        .collect();
+    let height: i32 = rows.iter().map(|(head, body)| head + body).sum();
+    let mut svg = String::new();
+    let drawn = {
+        let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32));
+        let root = root.into_drawing_area();
+        let mut top = 0;
+        let mut all = Ok(());
+        for (row, &(head, body)) in charts.chunks(columns as usize).zip(&rows) {
+            for (i, chart) in row.iter().enumerate() {
+                let left = each * i as i32;
+                let place = Spot {
+                    left,
+                    top,
+                    width: each,
+                    head,
+                    body,
+                };
+                all = all.and_then(|()| draw_one(&root, chart, place));
+            }
+            top += head + body;
+        }
+        all.and_then(|()| root.present().map_err(|e| e.to_string()))
+    };
+    drawn.map_err(|why| PaperError::Drawing { figure, why })?;
+    Ok(without_size(&svg))
+}
+
+/// Where a chart goes, in pixels of the drawing.
+#[derive(Clone, Copy)]
+struct Spot {
+    left: i32,
+    top: i32,
+    width: i32,
+    head: i32,
+    body: i32,
+}
+
+fn title_px(chart: &Chart) -> i32 {
+    if chart.title.is_empty() { 0 } else { TITLE_PX }
+}
+
+fn draw_one(root: &Area, chart: &Chart, place: Spot) -> Result<(), String> {
+    let said = |e: DrawingAreaErrorKind<_>| e.to_string();
+    let Spot {
+        left,
+        top,
+        width,
+        head,
+        body,
+    } = place;
+    let inner_left = left + chart.left_px * FINE;
+    if !chart.title.is_empty() {
+        let style = letters(INK, true).pos(Pos::new(HPos::Left, VPos::Top));
+        root.draw(&Text::new(
+            chart.title.clone(),
+            (inner_left, top + 2 * FINE),
+            style,
+        ))
+        .map_err(said)?;
+    }
+    legend::draw(
+        root,
+        chart,
+        [inner_left, top + title_px(chart) * FINE],
+        (width / FINE) - chart.left_px,
+    )
+    .map_err(said)?;
+
+    let area = root.clone().shrink((left, top + head), (width, body));
+    let mut builder = ChartBuilder::on(&area);
+    builder
+        .margin_top(MARGIN_PX * FINE)
+        .margin_right((MARGIN_PX + 6) * FINE)
+        .x_label_area_size(BELOW_PX * FINE)
+        .y_label_area_size(chart.left_px * FINE);
+    let (x, y) = (&chart.x, &chart.y);
+    let mut context = builder
+        .build_cartesian_2d(x.ruler(), y.ruler())
+        .map_err(said)?;
+    // The library's own corner of the plot, to map by.
+    let plot = context.plotting_area().clone();
+    let at = |p: [f64; 2]| plot.map_coordinate(&(x.place(p[0]), y.place(p[1])));
+    draw_minor(root, chart, &at).map_err(said)?;
+    context
+        .configure_mesh()
+        .axis_style(SOFT.stroke_width(FINE as u32))
+        .bold_line_style(GRID.stroke_width(FINE as u32))
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(3 * FINE)
+        .label_style(letters(INK, false))
+        .axis_desc_style(letters(INK, false))
+        .x_desc(x.label())
+        .y_desc(y.label())
+        .x_label_formatter(&|place| x.text(*place))
+        .y_label_formatter(&|place| y.text(*place))
+        .draw()
+        .map_err(said)?;
+    for mark in &chart.marks {
+        marks::draw(root, mark, &at, chart).map_err(said)?;
+    }
+    Ok(())
+}
+
+/// Faint lines between the ticks of logarithmic axes.
+fn draw_minor(root: &Area, chart: &Chart, at: Place) -> Drawn {
+    let (x, y) = (&chart.x, &chart.y);
+    let upright = x
+        .minor()
+        .into_iter()
+        .map(|m| [[m, y.first()], [m, y.last()]]);
+    let level = y
+        .minor()
+        .into_iter()
+        .map(|m| [[x.first(), m], [x.last(), m]]);
+    for ends in upright.chain(level) {
+        let style = FAINT.stroke_width(FINE as u32);
+        root.draw(&PathElement::new(ends.map(at), style))?;
+    }
+    Ok(())
+}
+
+fn letters(color: RGBColor, bold: bool) -> TextStyle<'static> {
+    let size = f64::from(LETTER_PX * FINE) * LIBRARY_SCALE;
+    let style = if bold {
+        FontStyle::Bold
+    } else {
+        FontStyle::Normal
+    };
+    FontDesc::new(FontFamily::SansSerif, size, style).color(&color)
+}
+
+/// Leaves the size to the page: an SVG with a `viewBox` alone is as wide as it is given room.
+fn without_size(svg: &str) -> String {
+    let Some((head, rest)) = svg.split_once("viewBox") else {
+        return svg.to_owned();
+    };
+    let tag = head.split_once("width").map_or(head, |(tag, _)| tag);
+    format!("{tag}viewBox{rest}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chart_is_one_svg_that_takes_the_room_it_is_given() {
+        let mut chart = Chart::new(
+            Axis::linear("order < n", [0.0, 10.0], 2.0),
+            Axis::log("error & px", [0.01, 100.0]),
+        );
+        let points = (1..10).map(|i| [f64::from(i), 10.0 / f64::from(i)]);
+        chart.line("Bezier", Look::nth(0), points.collect());
+        let svg = draw("a test", &[chart.clone(), chart.titled("another")], 2).unwrap();
+        assert!(svg.starts_with("<svg viewBox="), "{}", &svg[..60]);
+        assert_eq!(svg.matches("<svg").count(), 1);
+        assert!(svg.contains("order &lt; n") && svg.contains("error &amp; px"));
+        assert!(svg.contains("another"));
+        crate::report::check_tags(&svg).unwrap();
+    }
+}

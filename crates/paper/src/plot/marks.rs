@@ -1,0 +1,235 @@
+//! What is drawn between the axes: lines, bands, spreads, notes.
+
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::{Area, Chart, Drawn, FINE, Place, SOFT, letters};
+use crate::spread::Spread;
+
+/// Okabe and Ito's colors; the yellow is left out, as it is too pale for lines on white.
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+/// How a line goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stroke {
+    Solid,
+    Dashed,
+    Dotted,
+    LongDashed,
+}
+
+/// What marks a line's points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Marker {
+    None,
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+    Cross,
+}
+
+/// How a line looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Look {
+    /// Which of the palette's colors.
+    pub(crate) color: usize,
+    pub(crate) stroke: Stroke,
+    pub(crate) marker: Marker,
+}
+
+impl Look {
+    /// The look of a chart's `n`-th line: every one another color, dash and marker.
+    pub(crate) fn nth(n: usize) -> Self {
+        const STROKES: [Stroke; 4] = [
+            Stroke::Solid,
+            Stroke::Dashed,
+            Stroke::Dotted,
+            Stroke::LongDashed,
+        ];
+        const MARKERS: [Marker; 5] = [
+            Marker::Circle,
+            Marker::Square,
+            Marker::Triangle,
+            Marker::Diamond,
+            Marker::Cross,
+        ];
+        Self {
+            color: n % COLORS.len(),
+            stroke: STROKES[n % STROKES.len()],
+            marker: MARKERS[n % MARKERS.len()],
+        }
+    }
+
+    pub(crate) fn stroke(self, stroke: Stroke) -> Self {
+        Self { stroke, ..self }
+    }
+
+    pub(crate) fn marker(self, marker: Marker) -> Self {
+        Self { marker, ..self }
+    }
+
+    pub(super) fn rgb(self) -> RGBColor {
+        COLORS[self.color % COLORS.len()]
+    }
+}
+
+/// One thing in a chart.
+#[derive(Debug, Clone)]
+pub(crate) enum Mark {
+    /// A line through points, broken where one is no number or lies beyond the axes.
+    Line {
+        name: String,
+        look: Look,
+        points: Vec<[f64; 2]>,
+    },
+    /// What lies between two lines: x, lower and upper end.
+    Band {
+        name: String,
+        color: usize,
+        /// 0 to 1.
+        opacity: f64,
+        edges: Vec<[f64; 3]>,
+    },
+    /// The spread of numbers along x, at the height of the `row`-th name, moved by a share of a row.
+    Spread {
+        row: usize,
+        shift: f64,
+        look: Look,
+        spread: Spread,
+    },
+    /// An upright line at an x, with words at its top.
+    Rule { x: f64, text: String },
+    /// A name in the legend for marks that have none.
+    Key { name: String, look: Look },
+}
+
+pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn {
+    match mark {
+        Mark::Line { look, points, .. } => {
+            let fits = |p: &[f64; 2]| chart.x.holds(p[0]) && chart.y.holds(p[1]);
+            for run in points.split(|p| !fits(p)) {
+                let pixels: Vec<_> = run.iter().map(|&p| at(p)).collect();
+                stroke(root, &pixels, *look)?;
+            }
+            let seen = points.iter().filter(|p| fits(p));
+            seen.map(|&p| at(p))
+                .try_for_each(|p| marker(root, p, *look, 4))
+        }
+        Mark::Band {
+            color,
+            opacity,
+            edges,
+            ..
+        } => {
+            let known = || {
+                edges
+                    .iter()
+                    .filter(|e| e[1].is_finite() && e[2].is_finite())
+            };
+            let lower = known().map(|&[x, low, _]| at([x, low]));
+            let upper = known().rev().map(|&[x, _, high]| at([x, high]));
+            let outline: Vec<_> = lower.chain(upper).collect();
+            let fill = COLORS[color % COLORS.len()].mix(*opacity).filled();
+            root.draw(&Polygon::new(outline, fill))
+        }
+        Mark::Spread {
+            row,
+            shift,
+            look,
+            spread,
+        } => {
+            let y = *row as f64 + shift;
+            let ends = |low: f64, high: f64| [at([low, y]), at([high, y])];
+            if spread.count == 0 {
+                return Ok(());
+            }
+            let thin = look.rgb().stroke_width(FINE as u32 * 3 / 2);
+            let thick = look.rgb().stroke_width(FINE as u32 * 4);
+            root.draw(&PathElement::new(ends(spread.p5, spread.p95), thin))?;
+            root.draw(&PathElement::new(ends(spread.p25, spread.p75), thick))?;
+            marker(root, at([spread.median, y]), *look, 5)
+        }
+        Mark::Rule { x, text } => rule(root, *x, text, at, chart),
+        Mark::Key { .. } => Ok(()),
+    }
+}
+
+/// An upright dashed line with words at its top.
+fn rule(root: &Area, x: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
+    let (top, bottom) = (at([x, chart.y.last()]), at([x, chart.y.first()]));
+    let style = SOFT.stroke_width(FINE as u32);
+    let (dash, gap) = (4 * FINE, 3 * FINE);
+    root.draw(&DashedPathElement::new([top, bottom], dash, gap, style))?;
+    // On the side where there is room.
+    let is_right = top.0 > at([chart.x.last(), chart.y.last()]).0 - 60 * FINE;
+    let (side, dx) = if is_right {
+        (HPos::Right, -4 * FINE)
+    } else {
+        (HPos::Left, 4 * FINE)
+    };
+    let style = letters(SOFT, false).pos(Pos::new(side, VPos::Top));
+    let place = (top.0 + dx, top.1 + 3 * FINE);
+    root.draw(&Text::new(text.to_owned(), place, style))
+}
+
+/// A line through pixels.
+pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: Look) -> Drawn {
+    if pixels.len() < 2 {
+        return Ok(());
+    }
+    let style = look.rgb().stroke_width(FINE as u32 * 2);
+    let [dash, gap] = match look.stroke {
+        Stroke::Solid => return root.draw(&PathElement::new(pixels.to_vec(), style)),
+        Stroke::Dashed => [7, 4],
+        Stroke::Dotted => [2, 4],
+        Stroke::LongDashed => [14, 4],
+    };
+    root.draw(&DashedPathElement::new(
+        pixels.to_vec(),
+        dash * FINE,
+        gap * FINE,
+        style,
+    ))
+}
+
+/// A marker around a pixel, light inside so that it is told from a joint of the line.
+pub(super) fn marker(root: &Area, (x, y): (i32, i32), look: Look, radius_px: i32) -> Drawn {
+    let r = radius_px * FINE;
+    let line = look.rgb().stroke_width(FINE as u32 * 2);
+    let corners: Vec<(i32, i32)> = match look.marker {
+        Marker::None => return Ok(()),
+        Marker::Circle => {
+            root.draw(&Circle::new((x, y), r, WHITE.filled()))?;
+            return root.draw(&Circle::new((x, y), r, line));
+        }
+        Marker::Cross => {
+            let d = r * 3 / 4;
+            root.draw(&PathElement::new([(x - d, y - d), (x + d, y + d)], line))?;
+            return root.draw(&PathElement::new([(x - d, y + d), (x + d, y - d)], line));
+        }
+        Marker::Square => {
+            let d = r * 7 / 8;
+            vec![
+                (x - d, y - d),
+                (x + d, y - d),
+                (x + d, y + d),
+                (x - d, y + d),
+            ]
+        }
+        Marker::Triangle => vec![(x, y - r), (x + r, y + r * 3 / 4), (x - r, y + r * 3 / 4)],
+        Marker::Diamond => vec![(x, y - r), (x + r, y), (x, y + r), (x - r, y)],
+    };
+    root.draw(&Polygon::new(corners.clone(), WHITE.filled()))?;
+    let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
+    root.draw(&PathElement::new(closed, line))
+}

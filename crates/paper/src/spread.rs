@@ -1,0 +1,75 @@
+//! How a number is spread over many shapes: its median, quartiles, and where nine tenths of it lie.
+
+/// Quantiles of some numbers; NaN of none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spread {
+    /// How many numbers.
+    pub(crate) count: usize,
+    /// The 5 % quantile.
+    pub(crate) p5: f64,
+    /// The lower quartile.
+    pub(crate) p25: f64,
+    /// The median.
+    pub(crate) median: f64,
+    /// The upper quartile.
+    pub(crate) p75: f64,
+    /// The 95 % quantile.
+    pub(crate) p95: f64,
+}
+
+impl Spread {
+    /// Of these numbers, those that are not finite left out.
+    pub(crate) fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = numbers.into_iter().filter(|x| x.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        Self {
+            count: sorted.len(),
+            p5: quantile(&sorted, 0.05),
+            p25: quantile(&sorted, 0.25),
+            median: quantile(&sorted, 0.5),
+            p75: quantile(&sorted, 0.75),
+            p95: quantile(&sorted, 0.95),
+        }
+    }
+}
+
+/// Between the two nearest, by the rule of most programs (Hyndman and Fan's seventh).
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = share * last as f64;
+    let below = (place as usize).min(last);
+    let above = (below + 1).min(last);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// The mean; NaN of no numbers.
+pub(crate) fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    for number in numbers {
+        sum += number;
+        count += 1;
+    }
+    sum / count as f64
+}
+
+/// The median of some numbers; NaN of none.
+pub(crate) fn median(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    Spread::of(numbers).median
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_lie_between_the_numbers() {
+        let spread = Spread::of([4.0, 0.0, 1.0, 3.0, 2.0, f64::NAN]);
+        assert_eq!(spread.count, 5);
+        assert_eq!([spread.p25, spread.median, spread.p75], [1.0, 2.0, 3.0]);
+        assert!((spread.p5 - 0.2).abs() < 1e-12 && (spread.p95 - 3.8).abs() < 1e-12);
+        assert_eq!(median([5.0]), 5.0);
+        assert!(median([]).is_nan());
+    }
+}

@@ -1,0 +1,124 @@
+//! `lariat doctor`: what of this machine keeps lariat from being as fast as it could be, and what to type.
+//!
+//! What is found is judged by pure functions over the text of the kernel's files ([`checks`]); reading them is all that
+//! is done here.
+
+mod checks;
+
+use std::fs;
+use std::io::Write;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Args;
+use lariat_wire::{Domain, leftovers};
+use rustix::fs::statvfs;
+use rustix::thread::{CpuSet, sched_getaffinity};
+use serde::Serialize;
+
+use checks::{Finding, Verdict};
+
+/// Say what of this machine makes lariat slower than it could be, and what to type
+#[derive(Debug, Args)]
+pub(crate) struct DoctorArgs {
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Diagnosis {
+    schema: u32,
+    works: bool,
+    checks: Vec<Finding>,
+}
+
+/// Runs `lariat doctor`: fails only for what keeps lariat from working.
+///
+/// # Errors
+/// The findings cannot be written.
+pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
+    let checks = examine();
+    let works = checks.iter().all(|found| found.verdict != Verdict::Bad);
+    let mut out = std::io::stdout().lock();
+    let text = if args.json {
+        let diagnosis = Diagnosis {
+            schema: 1,
+            works,
+            checks,
+        };
+        serde_json::to_string_pretty(&diagnosis)? + "\n"
+    } else {
+        checks.iter().map(Finding::to_string).collect()
+    };
+    // A reader that has gone away is no fault.
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    Ok(if works {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+/// All that can be looked at here, in the order of its weight.
+fn examine() -> Vec<Finding> {
+    // Before the domain is joined, which sweeps it.
+    let left = leftovers();
+    let space =
+        statvfs("/dev/shm").map(|shm| (shm.f_blocks * shm.f_frsize, shm.f_bavail * shm.f_frsize));
+    let limits = read("/proc/self/limits");
+    let status = read("/proc/self/status");
+    let usable = sched_getaffinity(None).map_or(1, |set: CpuSet| set.count() as usize);
+    let commands = read("/proc/cmdline");
+    let cpu = |file: &str| read(&format!("/sys/devices/system/cpu/{file}"));
+    vec![
+        checks::shared_memory(space.ok()),
+        checks::domain(Domain::open().err().map(|cause| cause.to_string())),
+        checks::leftover(&left),
+        checks::cores(usable),
+        checks::realtime_priority(&limits, &status),
+        checks::locked_memory(&limits, &status),
+        checks::realtime_share(&read("/proc/sys/kernel/sched_rt_runtime_us")),
+        checks::preemption(
+            &read("/proc/version"),
+            &read("/sys/kernel/realtime"),
+            &commands,
+        ),
+        checks::governor(&of_each_core("cpufreq/scaling_governor")),
+        checks::idle_states(&idle_states()),
+        checks::isolated_cores(&cpu("isolated"), &cpu("nohz_full"), usable),
+        checks::swap(&read("/proc/swaps"), &read("/proc/sys/vm/swappiness")),
+        checks::huge_pages(&read("/sys/kernel/mm/transparent_hugepage/enabled")),
+        checks::clock(&read(
+            "/sys/devices/system/clocksource/clocksource0/current_clocksource",
+        )),
+        checks::timer_slack(&read("/proc/self/timerslack_ns")),
+        checks::virtual_machine(&read("/proc/cpuinfo")),
+    ]
+}
+
+/// A file's text; nothing, if it is not there.
+fn read(path: &str) -> String {
+    fs::read_to_string(path).unwrap_or_default()
+}
+
+/// The text of a file of each core.
+fn of_each_core(file: &str) -> Vec<String> {
+    (0..CpuSet::MAX_CPU)
+        .map(|core| read(&format!("/sys/devices/system/cpu/cpu{core}/{file}")))
+        .filter(|text| !text.is_empty())
+        .collect()
+}
+
+/// Name, latency (µs) and whether it is switched off, of each way in which the first core rests.
+fn idle_states() -> Vec<[String; 3]> {
+    let file = |state: usize, name: &str| {
+        read(&format!(
+            "/sys/devices/system/cpu/cpu0/cpuidle/state{state}/{name}"
+        ))
+    };
+    (0..16)
+        .map(|state| ["name", "latency", "disable"].map(|name| file(state, name)))
+        .take_while(|[name, ..]| !name.is_empty())
+        .collect()
+}

@@ -1,0 +1,410 @@
+//! The table of all settings.
+
+use crate::settings::curve::{Family, Order};
+use crate::settings::keys::Key;
+use crate::settings::{arrangement, meaning};
+use lariat_extract::Method;
+use lariat_fit::MAX_ORDER;
+use std::path::PathBuf;
+use toml::Value;
+
+pub(super) const KEYS: &[Key] = &[
+    Key {
+        section: "run",
+        name: "rig",
+        about: "Name of this camera chain, so that several run side by side: 1 to 32 of a-z, 0-9, _ and -.",
+        example: "",
+        set: |s, v| meaning::rig(v).map(|rig| s.run.rig = rig),
+        get: |s| Some(Value::String(s.run.rig.clone())),
+    },
+    Key {
+        section: "run",
+        name: "lossless",
+        about: "Let capture wait for slow readers instead of skipping frames (for files, not for a live robot).",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.run.lossless = yes),
+        get: |s| Some(Value::Boolean(s.run.lossless)),
+    },
+    Key {
+        section: "run",
+        name: "duration_s",
+        about: "Stop after this many seconds.",
+        example: "10",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.run.duration = Some(time)),
+        get: |s| {
+            s.run
+                .duration
+                .map(|time| meaning::number_value(time.as_secs_f64()))
+        },
+    },
+    Key {
+        section: "run",
+        name: "frames",
+        about: "Stop after this many frames.",
+        example: "1000",
+        set: |s, v| meaning::whole(v, 1, i64::MAX).map(|n| s.run.frames = Some(n.unsigned_abs())),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.run.frames?).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "run",
+        name: "out",
+        about: "Write the report (table, histograms, summary.json) into this folder.",
+        example: "\"report\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.out = Some(PathBuf::from(text))),
+        get: |s| s.run.out.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
+        name: "trace",
+        about: "Write when each stage worked on each of the last 1,000 frames into this file, for ui.perfetto.dev.",
+        example: "\"timeline.json\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.trace = Some(PathBuf::from(text))),
+        get: |s| s.run.trace.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
+        name: "deadline_us",
+        about: "A descriptor later than this after its image counts as a miss, in microseconds; if not \
+                set,\nthe time between two frames.",
+        example: "33000",
+        set: |s, v| meaning::time(v, 1e-6, "microseconds").map(|time| s.run.deadline = Some(time)),
+        get: |s| {
+            s.run
+                .deadline
+                .map(|time| meaning::number_value(time.as_nanos() as f64 / 1e3))
+        },
+    },
+    Key {
+        section: "run",
+        name: "realtime",
+        about: "For a robot: FIFO scheduling, locked memory, and the stages on cores as `cpus` says. What of it this user\n\
+                may not have is said in a sentence, and the chain runs without.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.run.arrangement.realtime = yes),
+        get: |s| Some(Value::Boolean(s.run.arrangement.realtime)),
+    },
+    Key {
+        section: "run",
+        name: "cpus",
+        about: "The cores of capture, extract, fit and sink: [0, 0, 1, 1], or of some of them: { extract = 1 }. \"none\": where\n\
+                the kernel likes. \"auto\": likewise; with realtime as was measured to be best.",
+        example: "",
+        set: |s, v| arrangement::cpus(v).map(|cpus| s.run.arrangement.cpus = cpus),
+        get: |s| Some(arrangement::cpus_value(&s.run.arrangement.cpus)),
+    },
+    Key {
+        section: "run",
+        name: "scheduling",
+        about: "The kernel's scheduling class of the stages: \"other\" as all programs, or \"fifo\", before all of them.",
+        example: "",
+        set: |s, v| {
+            meaning::named("classes", &arrangement::SCHEDULING, v)
+                .map(|class| s.run.arrangement.scheduling = class)
+        },
+        get: |s| meaning::name_of(&arrangement::SCHEDULING, s.run.arrangement.scheduling),
+    },
+    Key {
+        section: "run",
+        name: "priority",
+        about: "Capture's priority under FIFO, 1 to 96; extract, fit and sink have 1, 2 and 3 more, so that a frame on its way\n\
+                goes before the next one.",
+        example: "",
+        set: |s, v| {
+            meaning::whole(v, 1, arrangement::MAX_PRIORITY)
+                .map(|priority| s.run.arrangement.priority = priority as u8)
+        },
+        get: |s| Some(Value::Integer(s.run.arrangement.priority.into())),
+    },
+    Key {
+        section: "run",
+        name: "lock_memory",
+        about: "Keep the stages' memory from being paged out.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.run.arrangement.lock_memory = yes),
+        get: |s| Some(Value::Boolean(s.run.arrangement.lock_memory)),
+    },
+    Key {
+        section: "run",
+        name: "wake",
+        about: "How a stage learns of a message: woken (\"event\"), or looking for it for a while before it sleeps (\"spin\": faster,\n\
+                for a machine with a core for each stage and nothing else to do).",
+        example: "",
+        set: |s, v| {
+            meaning::named("ways", &arrangement::WAKES, v).map(|wake| s.run.arrangement.wake = wake)
+        },
+        get: |s| meaning::name_of(&arrangement::WAKES, s.run.arrangement.wake),
+    },
+    Key {
+        section: "run",
+        name: "spin_us",
+        about: "For how long it looks, in microseconds: at most 10000.",
+        example: "",
+        set: |s, v| arrangement::spin(v).map(|spin| s.run.arrangement.spin = spin),
+        get: |s| {
+            let us = s.run.arrangement.spin.as_nanos() as f64 / 1e3;
+            Some(meaning::number_value(us))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "source",
+        about: "\"rendered\" (a rope drawn by lariat), or a picture, a folder of pictures or a Y4M video, or a\n\
+                list of them.",
+        example: "",
+        set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
+        get: |s| {
+            Some(match &s.capture.source[..] {
+                [one] => path_value(one),
+                many => Value::Array(many.iter().map(|path| path_value(path)).collect()),
+            })
+        },
+    },
+    Key {
+        section: "capture",
+        name: "fps",
+        about: "Frames per second, or \"max\".",
+        example: "",
+        set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
+        get: |s| Some(meaning::fps_value(s.capture.fps)),
+    },
+    Key {
+        section: "capture",
+        name: "size",
+        about: "Width and height of the rendered picture in pixels, 64 to 8192.",
+        example: "",
+        set: |s, v| meaning::size(v).map(|size| s.capture.size = size),
+        get: |s| {
+            Some(Value::Array(
+                s.capture
+                    .size
+                    .map(|side| Value::Integer(side.into()))
+                    .into(),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "seed",
+        about: "Which of all rendered ropes: the same number makes the same frames on every machine.",
+        example: "",
+        set: |s, v| meaning::whole(v, 0, i64::MAX).map(|seed| s.capture.seed = seed.unsigned_abs()),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.capture.seed).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "loop",
+        about: "Begin again after the last file.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.looped = yes),
+        get: |s| Some(Value::Boolean(s.capture.looped)),
+    },
+    Key {
+        section: "extract",
+        name: "mask",
+        about: "What is rope. \"auto\" takes what differs from the background. Or colours, one range or more:\n\
+                [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]\n\
+                Hue in degrees, 0 to 360 (twice OpenCV's 0 to 179), and [350, 10] goes through red; saturation \
+                and\nvalue from 0 to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them.\n\
+                Or \"external\": another process writes each frame's mask to lariat/<rig>/masks.",
+        example: "",
+        set: |s, v| meaning::mask(v).map(|mask| s.extract.mask = mask),
+        get: |s| Some(meaning::mask_value(&s.extract.mask)),
+    },
+    Key {
+        section: "extract",
+        name: "mask_deadline_us",
+        about: "A frame whose external mask has not come this long after its capture is skipped, in microseconds.",
+        example: "",
+        set: |s, v| {
+            meaning::time(v, 1e-6, "microseconds").map(|time| s.extract.mask_deadline = time)
+        },
+        get: |s| {
+            let us = s.extract.mask_deadline.as_nanos() as f64 / 1e3;
+            Some(meaning::number_value(us))
+        },
+    },
+    Key {
+        section: "extract",
+        name: "method",
+        about: "How the mask becomes a centerline: \"skeleton\", the most accurate and by far the fastest, or, to compare\n\
+                with it, the centers of a clustering, put in order: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("methods", &Method::ALL, v).map(|method| s.extract.method = method)
+        },
+        get: |s| Some(Value::String(s.extract.method.to_string())),
+    },
+    Key {
+        section: "extract",
+        name: "points",
+        about: "Points of a centerline, at equal steps of arc length: more than the order, at most 256.",
+        example: "",
+        set: |s, v| set_count(v, 2, lariat_fit::MAX_POINTS, &mut s.extract.points),
+        get: |s| Some(Value::Integer(s.extract.points as i64)),
+    },
+    Key {
+        section: "extract",
+        name: "ropes",
+        about: "The most ropes reported, the longest first: 1 to 8.",
+        example: "",
+        set: |s, v| set_count(v, 1, 8, &mut s.extract.ropes),
+        get: |s| Some(Value::Integer(s.extract.ropes as i64)),
+    },
+    Key {
+        section: "extract",
+        name: "start",
+        about: "A rope's first point in the first frame is the end nearest to this position [x, y], in pixels; \
+                if not\nset, the end nearest to the top left.",
+        example: "[0, 0]",
+        set: |s, v| meaning::position(v).map(|at| s.extract.start = Some(at)),
+        get: |s| {
+            Some(Value::Array(
+                s.extract
+                    .start?
+                    .map(|c| meaning::number_value(c.into()))
+                    .into(),
+            ))
+        },
+    },
+    Key {
+        section: "extract",
+        name: "keep_lost_s",
+        about: "For how many seconds a rope that is out of sight is still reported, as lost.",
+        example: "",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.extract.keep_lost = time),
+        get: |s| Some(meaning::number_value(s.extract.keep_lost.as_secs_f64())),
+    },
+    Key {
+        section: "fit",
+        name: "order",
+        about: "Order of the curve, 1 to 31, or \"auto\": chosen for every curve by the Bayesian information criterion.\n\
+                A curve has one control point more, of whatever basis (a closed one at most as many numbers).",
+        example: "",
+        set: |s, v| meaning::order(v).map(|order| s.fit.order = order),
+        get: |s| {
+            Some(match s.fit.order {
+                Order::Named(order) => Value::Integer(order as i64),
+                Order::Auto => Value::String("auto".to_owned()),
+            })
+        },
+    },
+    Key {
+        section: "fit",
+        name: "max_order",
+        about: "The highest order that \"auto\" chooses. A fit then costs as much as one of each order up to it.",
+        example: "",
+        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.max_order),
+        get: |s| Some(Value::Integer(s.fit.max_order as i64)),
+    },
+    Key {
+        section: "fit",
+        name: "basis",
+        about: "The family of curves: \"bezier\", \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center).\n\
+                Closed ropes are always truncated Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
+        example: "",
+        set: |s, v| meaning::named("bases", &Family::ALL, v).map(|basis| s.fit.basis = basis),
+        get: |s| Some(Value::String(s.fit.basis.to_string())),
+    },
+    Key {
+        section: "fit",
+        name: "degree",
+        about: "Degree of a B-spline's pieces, 1 to 31.",
+        example: "",
+        set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.degree),
+        get: |s| Some(Value::Integer(s.fit.degree as i64)),
+    },
+    Key {
+        section: "fit",
+        name: "knots",
+        about: "Where a B-spline's pieces meet: at even steps (\"uniform\") or evenly among the points (\"averaged\").",
+        example: "",
+        set: |s, v| {
+            meaning::named("kinds of knots", &meaning::KNOTS, v).map(|knots| s.fit.knots = knots)
+        },
+        get: |s| meaning::name_of(&meaning::KNOTS, s.fit.knots),
+    },
+    Key {
+        section: "fit",
+        name: "solver",
+        about: "How it is computed: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("solvers", &meaning::SOLVERS, v).map(|solver| s.fit.solver = solver)
+        },
+        get: |s| Some(Value::String(s.fit.solver.to_string())),
+    },
+    Key {
+        section: "fit",
+        name: "ridge",
+        about: "What a bend of the control polygon costs, 0 or more: a little of it tames high orders.",
+        example: "",
+        set: |s, v| meaning::at_least_zero(v).map(|ridge| s.fit.ridge = ridge),
+        get: |s| Some(meaning::number_value(s.fit.ridge)),
+    },
+    Key {
+        section: "fit",
+        name: "pin_ends",
+        about: "Let curves begin and end exactly at the centerline's ends.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.pin_ends = yes),
+        get: |s| Some(Value::Boolean(s.fit.pin_ends)),
+    },
+    Key {
+        section: "fit",
+        name: "rho",
+        about: "The arc length that each point stands for: in \"even\" steps, or \"measured\" along the points, chord by chord.",
+        example: "",
+        set: |s, v| meaning::named("ways", &meaning::RHO, v).map(|rho| s.fit.rho = rho),
+        get: |s| meaning::name_of(&meaning::RHO, s.fit.rho),
+    },
+    Key {
+        section: "fit",
+        name: "robust",
+        about: "Let points far off the curve weigh less, and those of a rope that were covered nothing.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.robust = yes),
+        get: |s| Some(Value::Boolean(s.fit.robust)),
+    },
+    Key {
+        section: "fit",
+        name: "filter",
+        about: "Filter the control points in time (Kalman, constant velocity); descriptors then have velocities too.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.fit.filter = yes),
+        get: |s| Some(Value::Boolean(s.fit.filter)),
+    },
+    Key {
+        section: "fit",
+        name: "acceleration_px_s2",
+        about: "How much the filter thinks the rope's points accelerate, in px/s² over 1 s: the more, the less it smooths.",
+        example: "",
+        set: |s, v| meaning::above_zero(v).map(|a| s.fit.acceleration_px_s2 = a),
+        get: |s| Some(meaning::number_value(s.fit.acceleration_px_s2)),
+    },
+    Key {
+        section: "sink",
+        name: "live",
+        about: "Show a line of figures while the chain runs.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.sink.live = yes),
+        get: |s| Some(Value::Boolean(s.sink.live)),
+    },
+];
+
+fn set_count(value: &Value, low: usize, high: usize, to: &mut usize) -> Result<(), String> {
+    let number = meaning::whole(value, low as i64, high as i64)?;
+    *to = number.unsigned_abs() as usize;
+    Ok(())
+}
+
+fn path_value(path: &std::path::Path) -> Value {
+    Value::String(path.to_string_lossy().into_owned())
+}
