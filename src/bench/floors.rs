@@ -10,9 +10,10 @@ use lariat_bench::ReadPass;
 use lariat_sink::Times;
 use lariat_wire::now_ns;
 use rustix::event::{EventfdFlags, eventfd};
-use rustix::thread::{CpuSet, futex, sched_setaffinity};
+use rustix::thread::futex;
 
 use super::figures::Outcome;
+use crate::stages::arrangement::pin;
 use crate::stop::Stop;
 
 /// Wakes that are not counted: threads start, caches fill.
@@ -96,7 +97,7 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
     let sent_ns = AtomicU64::new(0);
     let times = std::thread::scope(|scope| {
         let woken = scope.spawn(|| -> Result<Times> {
-            let seated = sit(cores[1]);
+            let seated = pin(cores[1]);
             let mut times = Times::default();
             for k in 0..WARM_UP + count {
                 there.wait();
@@ -110,7 +111,7 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
         });
         // In a thread of its own, too: where the bench itself runs is not changed.
         let waker = scope.spawn(|| -> Result<()> {
-            let seated = sit(cores[0]);
+            let seated = pin(cores[0]);
             for _ in 0..WARM_UP + count {
                 sent_ns.store(now_ns(), Ordering::Release);
                 there.ring();
@@ -126,13 +127,6 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
             .map_err(|_| anyhow::anyhow!("a thread broke off"))?
     })?;
     Ok(Outcome::of_times(times))
-}
-
-/// Puts this thread on a core.
-fn sit(core: usize) -> Result<()> {
-    let mut set = CpuSet::new();
-    set.set(core);
-    sched_setaffinity(None, &set).with_context(|| format!("core {core} cannot be had"))
 }
 
 /// Times how late a thread wakes that sleeps until a moment, as capture does.

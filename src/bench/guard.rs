@@ -13,14 +13,14 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{
     Pid, PidfdFlags, Signal, getppid, kill_process, pidfd_open, set_parent_process_death_signal,
 };
-use rustix::thread::{CpuSet, sched_setaffinity};
 
+use crate::stages::arrangement;
 use crate::stop::Stop;
 
 /// How long a program may take to end when it is asked to.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// The priority of a program under FIFO scheduling: above what is not, below the kernel's own threads.
-const PRIORITY: &str = "50";
+const PRIORITY: u8 = 50;
 
 /// A program that ends with the value.
 pub(super) struct Guarded {
@@ -168,33 +168,27 @@ pub(super) fn run(args: &GuardArgs) -> Result<std::process::ExitCode> {
         "the bench that started this program is gone"
     );
     if let Some(core) = args.core {
-        let mut set = CpuSet::new();
-        set.set(core);
-        sched_setaffinity(None, &set).with_context(|| format!("core {core} cannot be had"))?;
+        arrangement::pin(core)?;
     }
-    let fifo = ["chrt", "--fifo", PRIORITY].map(std::ffi::OsString::from);
-    let mut words = fifo
-        .into_iter()
-        .filter(|_| args.fifo)
-        .chain(args.program.iter().cloned());
+    // Last, and kept by what it becomes.
+    ensure!(
+        !args.fifo || arrangement::run_before_others(PRIORITY),
+        "FIFO scheduling is not allowed"
+    );
+    let mut words = args.program.iter();
     let program = words.next().context("no program was named")?;
-    let cause = Command::new(&program).args(words).exec();
+    let cause = Command::new(program).args(words).exec();
     Err(cause).with_context(|| format!("{} cannot be run", program.display()))
 }
 
-/// Whether FIFO scheduling may be had, or a sentence why not.
+/// Whether FIFO scheduling may be had, or why not.
 pub(super) fn fifo_allowed() -> Result<(), String> {
-    let tried = Command::new("chrt")
-        .args(["--fifo", PRIORITY, "true"])
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::null())
-        .status();
+    // In a thread of its own: the bench itself stays as it is.
+    let tried = std::thread::spawn(|| arrangement::run_before_others(PRIORITY)).join();
     match tried {
-        Ok(status) if status.success() => Ok(()),
-        Ok(_) => Err(format!(
-            "FIFO scheduling is not allowed: raise the limit (`ulimit -r {PRIORITY}`, or `rtprio {PRIORITY}` for you in \
-             /etc/security/limits.conf)"
+        Ok(true) => Ok(()),
+        _ => Err(format!(
+            "FIFO scheduling is not allowed: `ulimit -r {PRIORITY}`, or see `lariat doctor`"
         )),
-        Err(_) => Err("`chrt` is missing: it comes with util-linux".to_owned()),
     }
 }

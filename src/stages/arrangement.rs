@@ -199,7 +199,8 @@ fn count(cores: &CpuSet) -> usize {
     cores.count() as usize
 }
 
-fn pin(core: usize) -> anyhow::Result<()> {
+/// Keeps this thread on a core.
+pub(crate) fn pin(core: usize) -> anyhow::Result<()> {
     let mut only = CpuSet::new();
     only.set(core);
     sched_setaffinity(None, &only).with_context(|| {
@@ -233,7 +234,7 @@ fn lock_memory() -> bool {
 }
 
 /// Gives this thread realtime priority, and no more of it than [`KILLED_AFTER`] at a time.
-fn run_before_others(priority: u8) -> bool {
+pub(crate) fn run_before_others(priority: u8) -> bool {
     let before = getrlimit(Resource::Rttime);
     let most = KILLED_AFTER.as_micros() as u64;
     let most = before.maximum.map_or(most, |already| most.min(already));
