@@ -4,13 +4,14 @@
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use lariat_bench::{Samples, Table, micros, multiple};
 use lariat_fit::{Basis, Fitter, Knots, Options, Rho, Solver, Weights};
 use serde::Deserialize;
+
+use crate::python;
 
 /// Fits between two looks at the clock.
 const BATCH: usize = 1000;
@@ -58,8 +59,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         "there is nothing to measure: give --passes of 1 or more"
     );
     let rope = rope();
-    let file = tempfile::NamedTempFile::new().context("cannot make a temporary file")?;
-    serde_json::to_writer(&file, &rope).context("cannot write the points for the script")?;
     let mut ours: Vec<(&str, Fitter, Samples)> = ways()
         .into_iter()
         .map(|(name, options)| Ok((name, Fitter::new(options)?, Samples::default())))
@@ -81,7 +80,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 let _ = black_box(fitter.control_points(black_box(&rope)));
             }));
         }
-        theirs.measure(&args.python, file.path())?;
+        theirs.measure(&args.python, &rope)?;
     }
     let (alone_ns, pinv_ns) = (alone.1.median(), ours[0].2.median());
     let ratios = |ns: f64| [multiple(ns / alone_ns), multiple(ns / pinv_ns)];
@@ -204,29 +203,9 @@ fn rope() -> Vec<[f64; 2]> {
 }
 
 impl Theirs {
-    fn measure(&mut self, python: &Path, points: &Path) -> Result<()> {
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("rivals/fit.py");
-        // No compiled copies beside the scripts.
-        let output = Command::new(python)
-            .arg("-B")
-            .arg(script)
-            .arg(points)
-            .output();
-        let output = output.with_context(|| {
-            format!(
-                "`{}` cannot be run: name a Python 3 by --python",
-                python.display()
-            )
-        })?;
-        if !output.status.success() {
-            let said = String::from_utf8_lossy(&output.stderr);
-            bail!(
-                "fit.py went wrong: {}",
-                said.trim().lines().last().unwrap_or("it says nothing")
-            );
-        }
-        for line in String::from_utf8_lossy(&output.stdout).lines() {
-            match serde_json::from_str(line).with_context(|| format!("fit.py printed {line:?}"))? {
+    fn measure(&mut self, python: &Path, points: &[[f64; 2]]) -> Result<()> {
+        for line in python::ask(python, "fit.py", &points)? {
+            match line {
                 Line::Missing { missing } if self.missing.contains(&missing) => {}
                 Line::Missing { missing } => self.missing.push(missing),
                 Line::Measured {

@@ -4,6 +4,7 @@ mod accuracy;
 mod families;
 mod fit_rivals;
 mod methods;
+mod python;
 mod rivals;
 mod time;
 

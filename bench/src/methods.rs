@@ -2,11 +2,10 @@
 //! (scikit-learn, MiniSom, scikit-fuzzy), on one thread, in turns, from the same start, in one table.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use lariat_bench::{Samples, Table, millis, rendered, times};
 use lariat_capture::RenderOptions;
 use lariat_extract::{
@@ -14,6 +13,8 @@ use lariat_extract::{
     seed_centers,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::python;
 
 /// Centers, as the paper has points.
 const CENTERS: usize = 120;
@@ -285,7 +286,7 @@ impl Said {
         };
         let masks = masks.each_ref().map(places);
         let seed = args.seed;
-        for line in script(&args.python, &Request { masks, seed, runs })? {
+        for line in python::ask(&args.python, "methods.py", &Request { masks, seed, runs })? {
             match line {
                 Line::Missing { missing } if self.missing.contains(&missing) => {}
                 Line::Missing { missing } => self.missing.push(missing),
@@ -308,35 +309,6 @@ impl Said {
         }
         Ok(())
     }
-}
-
-fn script(python: &Path, request: &Request) -> Result<Vec<Line>> {
-    let file = tempfile::NamedTempFile::new().context("cannot make a temporary file")?;
-    serde_json::to_writer(&file, request).context("cannot write the pixels for the script")?;
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("rivals/methods.py");
-    // No compiled copies beside the scripts.
-    let output = Command::new(python)
-        .arg("-B")
-        .arg(script)
-        .arg(file.path())
-        .output();
-    let output = output.with_context(|| {
-        format!(
-            "`{}` cannot be run: name a Python 3 by --python",
-            python.display()
-        )
-    })?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        bail!(
-            "methods.py went wrong: {}",
-            said.trim().lines().last().unwrap_or("it says nothing")
-        );
-    }
-    let lines = String::from_utf8_lossy(&output.stdout);
-    let read =
-        |line| serde_json::from_str(line).with_context(|| format!("methods.py printed {line:?}"));
-    lines.lines().map(read).collect()
 }
 
 fn table(rows: &[Row]) -> Table {
