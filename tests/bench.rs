@@ -211,6 +211,9 @@ fn a_bench(p50_us: [f64; 5]) -> Value {
             {"id": "chain.640x480@120", "group": "chain", "figures": {"p50_us": figure(1.0)}},
             {"id": "chain.640x480@max", "group": "chain", "figures": {"rate_per_s": figure(10.0)}},
             {"id": "floor.timer", "group": "floor", "figures": {"p50_us": figure(0.1)}},
+            // A percentile that only one round had enough frames for decides nothing.
+            {"id": "chain.640x480@30", "group": "chain", "figures": {
+                "p99_us": {"median": p50_us[0].powi(2), "low": 1.0, "high": 1.0, "rounds": [1.0]}}},
         ],
     })
 }

@@ -351,16 +351,16 @@ impl Plan {
         self.items[self.jobs[job].item].add(outcome);
     }
 
-    /// The four processes of 64 bytes in their best arrangement, at the rate nearest to this one.
-    pub(super) fn relay_floor(&self, rate: Rate) -> Option<&Item> {
+    /// The four processes of 64 bytes in the arrangement that is best in this figure, at the rate nearest to this one.
+    pub(super) fn relay_floor(&self, rate: Rate, figure: &str) -> Option<&Item> {
         let relays = self.jobs.iter().filter_map(|job| match job.what {
             What::Relay(_, fps) => Some((fps, &self.items[job.item])),
             _ => None,
         });
-        let relays = relays.filter(|(_, item)| item.figure("p50_us").is_some());
+        let relays = relays.filter(|(_, item)| item.figure(figure).is_some());
         // As fast as it goes is next to the highest rate.
         let wanted = rate.unwrap_or(f64::MAX).ln();
-        let median = |item: &Item| item.median("p50_us").unwrap_or(f64::INFINITY);
+        let median = |item: &Item| item.median(figure).unwrap_or(f64::INFINITY);
         relays
             .min_by(|(fps, item), (other_fps, other)| {
                 let apart = |fps: f64| (fps.ln() - wanted).abs();
@@ -377,13 +377,14 @@ impl Plan {
             let What::Chain(setup) = &job.what else {
                 continue;
             };
-            let (item, floor) = (&self.items[job.item], self.relay_floor(setup.fps));
+            let item = &self.items[job.item];
             for (ratio, ours, theirs) in [
                 ("overhead_to_floor_p50", "overhead_p50_us", "p50_us"),
                 ("overhead_to_floor_p99", "overhead_p99_us", "p99_us"),
                 ("links_to_floor_p50", "links_p50_us", "sent_p50_us"),
                 ("links_to_floor_p99", "links_p99_us", "sent_p99_us"),
             ] {
+                let floor = self.relay_floor(setup.fps, theirs);
                 let theirs = floor.and_then(|floor| floor.figure(theirs));
                 if let (Some(ours), Some(theirs)) = (item.figure(ours), theirs) {
                     let rounds = ours.rounds.iter().zip(&theirs.rounds);

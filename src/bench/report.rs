@@ -106,7 +106,7 @@ fn html(plan: &Plan, summary: &Summary) -> String {
 /// What is drawn: the comparison, the chain everywhere, the floor in all its arrangements.
 fn drawings(plan: &Plan) -> [(String, Vec<Line<'_>>); 3] {
     let ([width, height], fps) = plan.base;
-    let floor = plan.relay_floor(Some(fps)).map(|item| &item.id);
+    let floor = plan.relay_floor(Some(fps), "p50_us").map(|item| &item.id);
     let base = format!("chain.{width}x{height}@{fps}");
     let is_relay = |item: &Item| item.id.starts_with("floor.relay.");
     let compared = |item: &Item| match item.group {

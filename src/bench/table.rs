@@ -144,12 +144,12 @@ fn footing(plan: &Plan, summary: &Summary) -> String {
         ]);
     }
     let mut text = table.to_string();
-    if let Some(floor) = plan.relay_floor(Some(plan.base.1)) {
+    if let Some(floor) = plan.relay_floor(Some(plan.base.1), "p50_us") {
         let _ = write!(
             text,
-            "\noverhead: the whole way without the work of extract and fit. × floor: that, divided by \"{}\" of the same \
-             round.\n±: half of what lies between the least and the greatest round. late: how long after a frame was due \
-             it was sent.\n",
+            "\noverhead: the whole way without the work of extract and fit. × floor: that, divided by four processes in the \
+             arrangement that is best in the same percentile\n(\"{}\" for p50), round by round. ±: half of what lies \
+             between the least and the greatest round. late: how long after a frame was due it was sent.\n",
             floor.title
         );
     }

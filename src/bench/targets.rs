@@ -16,13 +16,12 @@ pub(super) struct Target {
 /// The targets that something was measured for.
 pub(super) fn targets(plan: &Plan) -> Vec<Target> {
     let [overhead, overhead_99] = over_floor(plan);
-    let fast = plan.chain_at(SIZE, 1000.0, "");
     let by_id = |id: &str| plan.items.iter().find(|item| item.id == id);
     [
         overhead,
         overhead_99,
-        fast.and_then(nothing_lost),
-        fast.and_then(steady),
+        nothing_lost(plan),
+        steady(plan),
         loaded(plan),
         by_id("chain.start")
             .and_then(|item| at_most(item, "resident_mb", 64.0, "resident, the whole chain", "MB")),
@@ -55,38 +54,52 @@ fn over_floor(plan: &Plan) -> [Option<Target>; 2] {
     .map(|(figure, quantile)| {
         let default = base("").and_then(|item| item.median(figure));
         let realtime = base(".realtime").and_then(|item| item.median(figure));
-        let ratio = default?;
-        let best = realtime.map_or(ratio, |other| other.min(ratio));
-        let with = realtime.map_or(String::new(), |other| {
-            format!(", with --realtime {other:.2} ×")
-        });
+        let (figure, best) = either(default?, realtime, |ratio| format!("{ratio:.2} ×"));
         Some(Target {
             name: format!("overhead ≤ 1.5 × four processes of 64 bytes, {quantile}"),
-            figure: format!("{ratio:.2} ×{with}"),
+            figure,
             met: best <= 1.5,
         })
     })
 }
 
-fn nothing_lost(item: &Item) -> Option<Target> {
-    let total = |name: &str| {
-        item.figure(name)
-            .map(|figure| figure.rounds.iter().sum::<f64>())
+/// What is best of a way to run the chain and the same with `--realtime`, if this release has it: their figures, and the
+/// lesser.
+fn either(plain: f64, realtime: Option<f64>, show: impl Fn(f64) -> String) -> (String, f64) {
+    match realtime {
+        None => (show(plain), plain),
+        Some(other) => {
+            let shown = format!("{}, with --realtime {}", show(plain), show(other));
+            (shown, plain.min(other))
+        }
+    }
+}
+
+fn nothing_lost(plan: &Plan) -> Option<Target> {
+    let lost = |behind: &str| {
+        let figure = plan.chain_at(SIZE, 1000.0, behind)?.figure("lost")?;
+        Some(figure.rounds.iter().sum::<f64>())
     };
-    let (lost, frames) = (total("lost")?, total("frames")?);
+    let (figure, best) = either(lost("")?, lost(".realtime"), |lost| format!("{lost} lost"));
     Some(Target {
         name: "640×480 at 1000 frames/s, nothing lost".to_owned(),
-        figure: format!("{lost} of {} lost", frames + lost),
-        met: lost == 0.0,
+        figure,
+        met: best == 0.0,
     })
 }
 
-fn steady(item: &Item) -> Option<Target> {
-    let ratio = item.median("p999_us")? / item.median("p50_us")?;
+fn steady(plan: &Plan) -> Option<Target> {
+    let ratio = |behind: &str| {
+        let item = plan.chain_at(SIZE, 1000.0, behind)?;
+        Some(item.median("p999_us")? / item.median("p50_us")?)
+    };
+    let (figure, best) = either(ratio("")?, ratio(".realtime"), |ratio| {
+        format!("{ratio:.1} ×")
+    });
     Some(Target {
         name: "the same, p99.9 ≤ 5 × p50".to_owned(),
-        figure: format!("{ratio:.1} ×"),
-        met: ratio <= 5.0,
+        figure,
+        met: best <= 5.0,
     })
 }
 
