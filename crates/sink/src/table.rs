@@ -78,47 +78,50 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     writeln!(f)
 }
 
-/// What limits it, in one line: the most of the way, and how many frames a second that would allow.
+/// What limits it, in one line: what takes the most of the way, and how many frames a second the slowest stage could do.
 fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
-    let medians = |rows: &[(Row, &'static str)]| -> Vec<(f64, &'static str)> {
-        let known = |&(row, name)| Some((median_us(report, row)?, name));
-        rows.iter().filter_map(known).collect()
-    };
-    let stages = medians(&[
-        (Row::Capture, "capture"),
-        (Row::Extract, "extract"),
-        (Row::Fit, "fit"),
-    ]);
-    let waits = medians(&[
-        (Row::WaitExtract, ""),
-        (Row::WaitFit, ""),
-        (Row::WaitSink, ""),
-    ]);
-    let slowest = stages.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    let (Some((work, stage)), Some(whole)) = (slowest, median_us(report, Row::Total)) else {
+    let (Some(whole), Some(capture), Some(extract), Some(fit)) = (
+        median_us(report, Row::Total),
+        median_us(report, Row::Capture),
+        median_us(report, Row::Extract),
+        median_us(report, Row::Fit),
+    ) else {
         return Ok(());
     };
-    let waiting: f64 = waits.iter().map(|wait| wait.0).sum();
+    let (slowest, stage) = if fit > extract {
+        (fit, "fit")
+    } else {
+        (extract, "extract")
+    };
     let period = report.facts.period_ns.map(|ns| ns as f64 / 1e3);
-    if let Some(period) = period.filter(|&period| work > period) {
+    if let Some(period) = period.filter(|&period| slowest > period) {
         return writeln!(
             f,
             "what limits it: {stage} takes {} µs a frame, and one comes every {} µs",
-            Figure(Some(work)),
+            Figure(Some(slowest)),
             Figure(Some(period))
         );
     }
-    let (most, name) = if waiting > work {
-        (waiting, "waiting for the next stage")
-    } else {
-        (work, stage)
+    let waits = [Row::WaitExtract, Row::WaitFit, Row::WaitSink];
+    let waiting = waits.into_iter().filter_map(|row| median_us(report, row));
+    // A paced frame is ready before it is due: what it takes until it is sent is the wake.
+    let sending = match period {
+        Some(_) => "sending a frame after it was due",
+        None => "capture",
     };
+    let pieces = [
+        (slowest, stage),
+        (waiting.sum(), "waiting for the next stage"),
+        (capture, sending),
+    ];
+    let most = pieces.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let (most, name) = most.unwrap_or(pieces[0]);
     writeln!(
         f,
-        "what limits it: {name}, {} of {} µs; {stage} alone could do {} frames/s",
+        "what limits it: {name}, {} of {} µs; {stage} could do {} frames/s",
         Figure(Some(most)),
         Figure(Some(whole)),
-        Figure(Some(1e6 / work.max(0.001)))
+        Figure(Some(1e6 / slowest.max(0.001)))
     )
 }
 
