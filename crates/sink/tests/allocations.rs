@@ -89,3 +89,41 @@ fn no_message_allocates() {
     assert_eq!(allocations() - before, 0);
     assert!(sink.frames().received > 300);
 }
+
+#[test]
+fn a_day_of_frames_costs_no_memory_and_each_is_counted() {
+    const DAY: u64 = 24 * 3600 * 30;
+    let mut sink = Sink::new(Options {
+        period_ns: Some(PERIOD_NS),
+        from_start: true,
+        ..Options::default()
+    });
+    let mut chain = Chain::default();
+    let mut descriptors = descriptors(lariat_wire::Trace::EMPTY, &[]);
+    let mut lost = 0;
+    let mut before = 0;
+    for number in 1..=DAY {
+        if number == 10 {
+            before = allocations();
+        }
+        let lost_before = number.is_multiple_of(1000).then_some(Stage::Extract);
+        let Some(trace) = chain.frame(lost_before) else {
+            lost += 1;
+            continue;
+        };
+        descriptors.trace = trace;
+        sink.descriptors(&descriptors, received_ns(&trace));
+        if number.is_multiple_of(30) {
+            sink.live_line(received_ns(&trace));
+        }
+    }
+    assert_eq!(allocations() - before, 0);
+    let frames = sink.frames();
+    // The last frame of the day is lost, and nothing after it has told so yet.
+    assert_eq!(
+        (frames.received, frames.lost.capture),
+        (DAY - lost, lost - 1)
+    );
+    let total = sink.report().summary().latency_us.total;
+    assert_eq!((total.p50, total.max), (Some(360.0), Some(360.0)));
+}
