@@ -15,6 +15,7 @@ mod pictures;
 mod rendered;
 pub mod scenes;
 mod source;
+mod v4l2;
 mod video;
 mod yuv;
 
