@@ -17,6 +17,7 @@ mod rendered;
 pub mod scenes;
 mod source;
 mod until;
+mod v4l2;
 mod video;
 mod yuv;
 
