@@ -1,0 +1,3 @@
+//! Cameras, by the kernel's Video4Linux2 interface.
+
+mod sys;
