@@ -4,7 +4,7 @@ use std::os::fd::AsFd;
 
 use anyhow::Context;
 use lariat_capture::{Frame, FrameSource, Next, Pacer, Until};
-use lariat_wire::{Centerlines, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
+use lariat_wire::{Centerlines, Delivery, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
 
 use super::arrangement::Rest;
 use super::feed::{self, Feed};
@@ -15,8 +15,9 @@ use crate::stop::Stop;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "capture", seat)?;
+    // Before this thread is given a place and a class: a thread that decodes ahead would inherit them, and hold up the chain.
     let source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let mut station = Station::open(settings, "capture", seat)?;
     let pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
@@ -35,6 +36,8 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         feed: Feed::new(source, &frames)?,
         truth: truth.as_ref(),
         pacer,
+        lossless: matches!(delivery, Delivery::Lossless { .. }),
+        missed: 0,
         sent: Sent::default(),
         lasts_ns: settings.run.duration_ns(),
         end_ns: None,
@@ -59,6 +62,10 @@ struct Sender<'w> {
     feed: Feed<'w>,
     truth: Option<&'w Writer<Centerlines>>,
     pacer: Pacer,
+    /// Whether each frame is sent, however late.
+    lossless: bool,
+    /// Moments that passed without a frame, as the source was too slow.
+    missed: u64,
     sent: Sent,
     /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
     lasts_ns: Option<u64>,
@@ -110,9 +117,13 @@ impl Sender<'_> {
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
-        let due_ns = frame
-            .exposed_ns
-            .unwrap_or_else(|| self.pacer.next_due_ns(now_ns()));
+        let due_ns = frame.exposed_ns.unwrap_or_else(|| {
+            let ready_ns = now_ns();
+            if !self.lossless {
+                self.missed += self.pacer.give_up(ready_ns);
+            }
+            self.pacer.next_due_ns(ready_ns)
+        });
         let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
         let is_over = self
             .lasts_ns
@@ -122,9 +133,10 @@ impl Sender<'_> {
             return Ok(false);
         }
         self.sent.count += 1;
-        self.sent.last_sequence = frame.sequence;
+        // A moment without a frame is a frame lost at the source.
+        self.sent.last_sequence = frame.sequence + self.missed;
         let trace = Trace {
-            sequence: frame.sequence,
+            sequence: self.sent.last_sequence,
             captured: self.sent.count,
             exposed_ns: due_ns,
             captured_ns: now_ns(),

@@ -1,5 +1,6 @@
 use std::sync::mpsc;
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use lariat_capture::{LentSlot, Pace, SourceError};
 use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Reader, Rig};
@@ -145,6 +146,8 @@ fn with_sender<T>(
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.
         pacer: Pacer::new(Pace::Fps(1e-7)).expect("a pace"),
+        lossless: false,
+        missed: 0,
         sent: Sent::default(),
         lasts_ns,
         end_ns: None,
@@ -228,4 +231,52 @@ fn a_source_without_frames_is_not_waited_for_longer_than_the_chain_lasts() {
         sender.send_all(&stop, &mut rest(), 9).expect("it ends");
         assert_eq!(sender.sent.count, 1);
     });
+}
+
+/// Takes a fifth of a second for its second frame.
+struct Slow(u64);
+
+impl FrameSource for Slow {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Files
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        BYTES
+    }
+
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
+        self.0 += 1;
+        if self.0 == 2 {
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        Ok(Next::Frame(grey(self.0)))
+    }
+
+    fn write(&mut self, _pixels: &mut [u8]) {}
+}
+
+#[test]
+fn moments_that_a_slow_source_lets_pass_are_frames_lost_at_the_source() {
+    for lossless in [false, true] {
+        let rig = format!("slow{}", u8::from(lossless));
+        with_sender(&rig, Box::new(Slow(0)), None, |sender, reader| {
+            sender.lossless = lossless;
+            sender.pacer = Pacer::new(Pace::Fps(1000.0)).expect("a pace");
+            let (stop, _stopper) = Stop::by_another().expect("a stop");
+            let mut sequences = [0; 2];
+            for (sent, sequence) in (1..).zip(&mut sequences) {
+                sender.send_all(&stop, &mut rest(), sent).expect("sent");
+                let frame = reader.next().expect("readable").expect("a frame");
+                *sequence = frame.header().trace.sequence;
+            }
+            assert_eq!(sequences[0], 1);
+            if lossless {
+                assert_eq!(sequences[1], 2);
+            } else {
+                assert!(sequences[1] >= 200, "{}", sequences[1]);
+            }
+            assert_eq!(sender.sent.last_sequence, sequences[1]);
+        });
+    }
 }
