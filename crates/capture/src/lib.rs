@@ -24,3 +24,8 @@ pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, SourceError};
+pub use v4l2::{
+    AboutCamera, CameraError, Control, ControlError, ControlKind, ControlSettings, DEFAULT_SIZE,
+    FormatOffer, FourCc, Interval, ListedCamera, NoCommonFormat, Rates, Request, SizeOffer,
+    SizeRange, list_cameras,
+};
