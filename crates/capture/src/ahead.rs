@@ -9,7 +9,8 @@ use std::thread;
 use crossbeam::channel::{Receiver, Sender, bounded};
 use lariat_wire::{PixelFormat, SourceKind};
 
-use crate::source::{Frame, FrameSource, SourceError};
+use crate::source::{Frame, FrameSource, Next, SourceError};
+use crate::until::Until;
 
 /// Frames that wait decoded; one more is in the making.
 const AHEAD: usize = 3;
@@ -119,12 +120,12 @@ impl Ahead {
             rounds: 0,
             has_ended: false,
         };
-        source.is_primed = source.advance()?;
+        source.is_primed = source.turn()?;
         Ok(source)
     }
 
     /// Makes the next picture the current one; `false` at the end.
-    fn advance(&mut self) -> Result<bool, SourceError> {
+    fn turn(&mut self) -> Result<bool, SourceError> {
         while self.round.is_none() {
             match self.ready.recv() {
                 Ok(Message::Picture(picture)) => {
@@ -182,16 +183,20 @@ impl FrameSource for Ahead {
         self.plan.native_fps
     }
 
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         if self.has_ended {
-            return Ok(None);
+            return Ok(Next::End);
         }
         if !std::mem::take(&mut self.is_primed) {
             // An error is an end too.
             self.has_ended = true;
-            self.has_ended = !self.advance()?;
+            self.has_ended = !self.turn()?;
         }
-        Ok((!self.has_ended).then(|| self.frame()))
+        Ok(if self.has_ended {
+            Next::End
+        } else {
+            Next::Frame(self.frame())
+        })
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
@@ -264,6 +269,8 @@ fn one_pass(
                     height,
                     stride,
                     format,
+                    exposed_ns: None,
+                    slot: None,
                 };
                 ready
                     .send(Message::Picture(Picture { frame, pixels }))
