@@ -134,6 +134,7 @@ pub(crate) fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result
         Some(Wire::Rgb8) => PixelFormat::Rgb8,
         Some(Wire::Bgr8) => PixelFormat::Bgr8,
         Some(Wire::Yuyv) => PixelFormat::Yuyv,
+        Some(Wire::Uyvy) => PixelFormat::Uyvy,
         Some(Wire::Nv12) => PixelFormat::Nv12,
         None => anyhow::bail!(
             "frames come in pixel format {}, which this release does not know: use the same release for all stages",
