@@ -45,6 +45,7 @@ impl Setup {
 fn pixel_format(code: FourCc) -> Option<PixelFormat> {
     Some(match code.0 {
         sys::PIX_YUYV => PixelFormat::Yuyv,
+        sys::PIX_UYVY => PixelFormat::Uyvy,
         sys::PIX_NV12 => PixelFormat::Nv12,
         sys::PIX_GREY => PixelFormat::Gray8,
         sys::PIX_RGB3 => PixelFormat::Rgb8,
