@@ -31,5 +31,5 @@ pub use until::{Until, Woken};
 pub use v4l2::{
     AboutCamera, CameraError, Control, ControlError, ControlKind, ControlSettings, DEFAULT_SIZE,
     FormatOffer, FourCc, Interval, ListedCamera, NoCommonFormat, Rates, Request, SizeOffer,
-    SizeRange, list_cameras,
+    SizeRange, list_cameras, names_a_camera,
 };
