@@ -279,7 +279,7 @@ fn values_that_cannot_be_are_refused() {
         "[capture]\npixel_format = \"colour\"",
         "[capture]\npixel_format = 3",
         "[capture]\ncontrols = 3",
-        "[capture.controls]\ngain = 1.5",
+        "[capture]\ncontrols = { gain = 1.5 }",
         "[capture]\nlock = 1",
         "[capture]\nsize = [640]",
         "[capture]\nsize = [640, 63]",
