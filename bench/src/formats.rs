@@ -9,7 +9,7 @@ use crate::Picture;
 pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
     let [width, height] = picture.size();
     let shared = match format {
-        PixelFormat::Yuyv => [2, 1],
+        PixelFormat::Yuyv | PixelFormat::Uyvy => [2, 1],
         PixelFormat::Nv12 => [2, 2],
         _ => [1, 1],
     };
@@ -40,11 +40,14 @@ pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
         PixelFormat::Gray8 => Picture::new(size, format, pixels, |bytes| {
             bytes.iter_mut().zip(luma).for_each(|(to, y)| *to = y);
         }),
-        PixelFormat::Yuyv => Picture::new(size, format, 2 * pixels, |bytes| {
+        PixelFormat::Yuyv | PixelFormat::Uyvy => Picture::new(size, format, 2 * pixels, |bytes| {
             for (i, to) in bytes.chunks_exact_mut(4).enumerate() {
                 let [u, v] = chroma(2 * i % width, 2 * i / width);
                 let [first, second] = [yuv[2 * i][0], yuv[2 * i + 1][0]].map(to_byte);
-                to.copy_from_slice(&[first, u, second, v]);
+                to.copy_from_slice(&match format {
+                    PixelFormat::Uyvy => [u, first, v, second],
+                    _ => [first, u, second, v],
+                });
             }
         }),
         PixelFormat::Nv12 => Picture::new(size, format, pixels + pixels / 2, |bytes| {
@@ -86,6 +89,8 @@ mod tests {
         assert_eq!(bytes(PixelFormat::Gray8), [76, 76, 255, 255].repeat(2));
         let yuyv = [76, 85, 76, 255, 255, 128, 255, 128];
         assert_eq!(bytes(PixelFormat::Yuyv), yuyv.repeat(2));
+        let uyvy = [85, 76, 255, 76, 128, 255, 128, 255];
+        assert_eq!(bytes(PixelFormat::Uyvy), uyvy.repeat(2));
         let nv12 = [[76, 76, 255, 255], [76, 76, 255, 255], [85, 255, 128, 128]];
         assert_eq!(bytes(PixelFormat::Nv12), nv12.concat());
         assert_eq!(bytes(PixelFormat::Bgr8)[..3], [0, 0, 255]);
@@ -96,6 +101,7 @@ mod tests {
     fn pixels_that_share_colour_come_in_pairs() {
         let odd = Picture::rgb([3, 1], &[0; 9]).unwrap();
         assert!(converted(&odd, PixelFormat::Yuyv).is_none());
+        assert!(converted(&odd, PixelFormat::Uyvy).is_none());
         assert!(converted(&odd, PixelFormat::Gray8).is_some());
     }
 }

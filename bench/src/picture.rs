@@ -77,7 +77,7 @@ impl Picture {
         let stride = match self.format {
             PixelFormat::Gray8 => self.width,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * self.width,
-            PixelFormat::Yuyv => 2 * self.width.next_multiple_of(2),
+            PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * self.width.next_multiple_of(2),
             PixelFormat::Nv12 => self.width.next_multiple_of(2),
         };
         Image::new(self.bytes(), self.width, self.height, stride, self.format).ok()

@@ -24,6 +24,7 @@ enum Format {
     Rgb8,
     Bgr8,
     Yuyv,
+    Uyvy,
     Nv12,
 }
 
@@ -73,12 +74,13 @@ impl Picture {
             Format::Rgb8 => PixelFormat::Rgb8,
             Format::Bgr8 => PixelFormat::Bgr8,
             Format::Yuyv => PixelFormat::Yuyv,
+            Format::Uyvy => PixelFormat::Uyvy,
             Format::Nv12 => PixelFormat::Nv12,
         };
         let row = match format {
             PixelFormat::Gray8 => width,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,
-            PixelFormat::Yuyv => 4 * width.div_ceil(2),
+            PixelFormat::Yuyv | PixelFormat::Uyvy => 4 * width.div_ceil(2),
             PixelFormat::Nv12 => 2 * width.div_ceil(2),
         };
         let stride = row + usize::from(self.gap);
@@ -194,6 +196,11 @@ impl Pixels {
                 let pair = row + 4 * (x / 2);
                 self.bytes[pair + 2 * (x % 2)] = a;
                 (self.bytes[pair + 1], self.bytes[pair + 3]) = (b, c);
+            }
+            PixelFormat::Uyvy => {
+                let pair = row + 4 * (x / 2);
+                self.bytes[pair + 2 * (x % 2) + 1] = a;
+                (self.bytes[pair], self.bytes[pair + 2]) = (b, c);
             }
             PixelFormat::Nv12 => {
                 self.bytes[row + x] = a;

@@ -10,10 +10,11 @@ use crate::case::{Case, Times, WHOLE, measure};
 
 /// Frames of the film: 1.3 s.
 const FRAMES: u64 = 40;
-const FORMATS: [PixelFormat; 5] = [
+const FORMATS: [PixelFormat; 6] = [
     PixelFormat::Rgb8,
     PixelFormat::Bgr8,
     PixelFormat::Yuyv,
+    PixelFormat::Uyvy,
     PixelFormat::Nv12,
     PixelFormat::Gray8,
 ];

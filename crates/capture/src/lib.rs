@@ -28,3 +28,8 @@ pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};
+pub use v4l2::{
+    AboutCamera, CameraError, Control, ControlError, ControlKind, ControlSettings, DEFAULT_SIZE,
+    FormatOffer, FourCc, Interval, ListedCamera, NoCommonFormat, Rates, Request, SizeOffer,
+    SizeRange, list_cameras, names_a_camera,
+};

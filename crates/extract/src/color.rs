@@ -16,6 +16,10 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
             let pair = 4 * (x / 2);
             [row[2 * x], row[pair + 1], row[pair + 3]]
         }
+        PixelFormat::Uyvy => {
+            let pair = 4 * (x / 2);
+            [row[2 * x + 1], row[pair], row[pair + 2]]
+        }
         PixelFormat::Nv12 => {
             let chroma = image.chroma_row(y);
             let pair = 2 * (x / 2);
@@ -45,6 +49,11 @@ pub(crate) fn at_places(image: &Image, y: usize, xs: &[usize], out: &mut [u32]) 
         }),
         PixelFormat::Yuyv => places.for_each(|(out, &x)| {
             let [first, u, second, v] = four(4 * (x / 2)).copied().unwrap_or([0; 4]);
+            let luma = if x % 2 == 0 { first } else { second };
+            *out = u32::from_le_bytes([luma, u, v, 0]);
+        }),
+        PixelFormat::Uyvy => places.for_each(|(out, &x)| {
+            let [u, first, v, second] = four(4 * (x / 2)).copied().unwrap_or([0; 4]);
             let luma = if x % 2 == 0 { first } else { second };
             *out = u32::from_le_bytes([luma, u, v, 0]);
         }),
@@ -88,6 +97,8 @@ pub(crate) fn down(
         }
         PixelFormat::Yuyv => (image.rows_from(4 * (x / 2), y).take(count).enumerate())
             .for_each(|(k, row)| put(k, [row[2 * (x % 2)], row[1], row[3]])),
+        PixelFormat::Uyvy => (image.rows_from(4 * (x / 2), y).take(count).enumerate())
+            .for_each(|(k, row)| put(k, [row[2 * (x % 2) + 1], row[0], row[2]])),
         PixelFormat::Nv12 => {
             // Two rows share their U and V.
             let chroma = image.rows_from(x & !1, image.height() + y / 2);
@@ -219,7 +230,10 @@ pub(crate) fn chroma_weight(format: PixelFormat) -> f32 {
 }
 
 pub(crate) fn is_yuv(format: PixelFormat) -> bool {
-    matches!(format, PixelFormat::Yuyv | PixelFormat::Nv12)
+    matches!(
+        format,
+        PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12
+    )
 }
 
 /// BT.601, full range.
@@ -251,11 +265,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const FORMATS: [PixelFormat; 5] = [
+    const FORMATS: [PixelFormat; 6] = [
         PixelFormat::Gray8,
         PixelFormat::Rgb8,
         PixelFormat::Bgr8,
         PixelFormat::Yuyv,
+        PixelFormat::Uyvy,
         PixelFormat::Nv12,
     ];
 
@@ -270,7 +285,7 @@ mod tests {
             let bytes_a_row = match format {
                 PixelFormat::Gray8 => width,
                 PixelFormat::Nv12 => width.next_multiple_of(2),
-                PixelFormat::Yuyv => 2 * width.next_multiple_of(2),
+                PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * width.next_multiple_of(2),
                 _ => 3 * width,
             };
             let stride = bytes_a_row + padding;

@@ -91,13 +91,11 @@ impl Differencer {
             least,
         };
         self.reserve_blocks(scene);
-        let three = matches!(image.format(), PixelFormat::Rgb8 | PixelFormat::Bgr8);
-        let kernel = if three {
-            Some(self.kernels.three_channel_band)
-        } else if image.format() == PixelFormat::Yuyv {
-            self.kernels.yuyv_band
-        } else {
-            None
+        let kernel = match image.format() {
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
+            PixelFormat::Yuyv => self.kernels.yuyv_band,
+            PixelFormat::Uyvy => self.kernels.uyvy_band,
+            PixelFormat::Gray8 | PixelFormat::Nv12 => None,
         };
         match (kernel, self.kernels.look) {
             (Some(kernel), Some(look)) if least <= MOST_NOISE => {
@@ -196,15 +194,16 @@ impl Differencer {
 
     /// Lays the table along a band, and looks for what is not just that.
     fn look_at(&mut self, scene: Scene, band: usize, look: fn(Look), levels: &mut Levels) {
-        let (image, least, strips) = (scene.image, scene.least, scene.blocks().1);
+        let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
         let (width, top) = (image.width(), BLOCK * band);
         self.lay_table(image, scene.background, top);
         let format = image.format();
         // U and V count double.
-        let odd = if color::is_yuv(format) {
-            least.div_ceil(2)
-        } else {
-            least
+        let half = least.div_ceil(2);
+        let least = match format {
+            PixelFormat::Yuyv => [least, half],
+            PixelFormat::Uyvy => [half, least],
+            _ => [least; 2],
         };
         look(Look {
             rows: image.rows(scene.band(top)),
@@ -212,7 +211,7 @@ impl Differencer {
             row: format.row_bytes(width),
             bytes: format.row_bytes(2) / 2,
             table: &self.luma,
-            least: [least, odd],
+            least,
             hits: &mut self.hits[(band + 1) * (strips + 2) + 1..][..strips],
         });
         for y in scene.band(top) {
@@ -221,7 +220,7 @@ impl Differencer {
             }
             let mut row = std::mem::take(&mut self.row);
             self.stretch(image, [0, y], &mut row);
-            levels.add_table(&row, least);
+            levels.add_table(&row, scene.least);
             self.row = row;
         }
     }
@@ -339,6 +338,7 @@ impl Differencer {
                 (self.kernels.three_channels)(&row[3 * x..], luma, out);
             }
             PixelFormat::Yuyv => planes::yuyv(&row[2 * x..], luma, out),
+            PixelFormat::Uyvy => planes::uyvy(&row[2 * x..], luma, out),
             PixelFormat::Nv12 => {
                 let uv = &image.chroma_row(y)[x..];
                 planes::nv12([&row[x..], uv], [luma, chroma], out);
@@ -399,7 +399,9 @@ mod tests {
             let kernels = Kernels { look: None, ..Kernels::detect() };
             let (mut sparse, mut whole) = (Differencer::default(), Differencer { kernels, ..Differencer::default() });
             let (mut out, mut other) = <(Plane, Plane)>::default();
-            for (format, spots) in [(PixelFormat::Rgb8, &spots[..]), (PixelFormat::Yuyv, &spots[..spots.len() / 2])] {
+            let fewer = &spots[..spots.len() / 2];
+            let formats = [PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Uyvy];
+            for (format, spots) in formats.into_iter().zip([&spots[..], fewer, fewer]) {
                 let stride = 3 * width + 5;
                 let mut bytes: Vec<u8> = (0..stride * height).map(|_| 90 + (next() % noise) as u8).collect();
                 for &(x, y, side, byte) in spots {

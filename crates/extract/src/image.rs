@@ -1,5 +1,6 @@
 //! A borrowed picture in the camera's own pixel format: the only thing the extractor reads.
 
+use crate::color;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -17,6 +18,8 @@ pub enum PixelFormat {
     Bgr8,
     /// Four bytes for two pixels side by side: Y₀ U Y₁ V (BT.601, full range).
     Yuyv,
+    /// The same in another order: U Y₀ V Y₁.
+    Uyvy,
     /// A plane of Y, then a plane of half the height of U V pairs, each for 2×2 pixels, both of the
     /// same stride (BT.601, full range).
     Nv12,
@@ -28,7 +31,7 @@ impl PixelFormat {
         match self {
             PixelFormat::Gray8 => width,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,
-            PixelFormat::Yuyv => 4 * width.div_ceil(2),
+            PixelFormat::Yuyv | PixelFormat::Uyvy => 4 * width.div_ceil(2),
             PixelFormat::Nv12 => 2 * width.div_ceil(2),
         }
     }
@@ -109,7 +112,7 @@ impl<'a> Image<'a> {
     /// A picture of `width` × `height` pixels in `bytes`, whose rows start `stride` bytes apart.
     ///
     /// Bytes after the last row's last pixel may be missing; more are ignored. Sides may be odd: a
-    /// `Yuyv` row then holds one pixel more than is used, as does an `Nv12` plane of U and V.
+    /// `Yuyv` or `Uyvy` row then holds one pixel more than is used, as does an `Nv12` plane of U and V.
     ///
     /// # Errors
     /// When a side is 0 or above 16,384, the stride is shorter than a row, or bytes are missing.
@@ -174,6 +177,13 @@ impl<'a> Image<'a> {
     /// How the bytes encode pixels.
     pub fn format(&self) -> PixelFormat {
         self.format
+    }
+
+    /// All pixels as red, green and blue, row after row: the colours that masks go by.
+    pub fn to_rgb(&self) -> Vec<u8> {
+        let rows = 0..self.height;
+        rows.flat_map(|y| (0..self.width).flat_map(move |x| color::rgb(self, x, y)))
+            .collect()
     }
 
     /// All bytes, those between the rows as well.

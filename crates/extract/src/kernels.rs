@@ -108,6 +108,8 @@ pub(crate) struct Kernels {
     pub(crate) three_channel_band: fn(Band),
     /// The same for pixels of Y₀ U Y₁ V, U and V counting double, if the machine has registers that make it worth while.
     pub(crate) yuyv_band: Option<fn(Band)>,
+    /// The same of U Y₀ V Y₁.
+    pub(crate) uyvy_band: Option<fn(Band)>,
     /// Where some rows are not just the table, if the machine has registers that make it worth while to ask before.
     pub(crate) look: Option<fn(Look)>,
     /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
@@ -132,6 +134,7 @@ impl Kernels {
             spread: spread::spread,
             three_channel_band: |band| pulp::Arch::new().dispatch(|| three_channel_band(band)),
             yuyv_band: None,
+            uyvy_band: None,
             look: None,
             collect,
             patch_at_least: |patch, cut, words| {
@@ -256,6 +259,7 @@ mod tests {
                 PixelFormat::Rgb8,
                 PixelFormat::Bgr8,
                 PixelFormat::Yuyv,
+                PixelFormat::Uyvy,
                 PixelFormat::Nv12,
             ];
             for (kernels, format) in all().into_iter().flat_map(|k| formats.map(|f| (k, f))) {
@@ -336,18 +340,19 @@ mod tests {
         }
 
         #[test]
-        fn a_band_of_yuyv_differs_as_its_pixels_do(
+        fn a_band_of_pairs_differs_as_its_pixels_do(
             bytes in prop::collection::vec(any::<u8>(), 2000),
             table in prop::collection::vec(any::<u8>(), 512),
-            width in 1usize..200, gap in 0usize..20, rows in 1usize..5, least: u8,
+            width in 1usize..200, gap in 0usize..20, rows in 1usize..5, least: u8, light in 0usize..2,
         ) {
             let (words, stride) = (width.div_ceil(64), 4 * width.div_ceil(2) + gap);
             let difference = |x: usize, y: usize| {
                 let off = |k: usize| bytes[y * stride + k].abs_diff(table[k]);
-                let color = off(4 * (x / 2) + 1).max(off(4 * (x / 2) + 3));
-                off(2 * x).max(color.saturating_mul(2))
+                let color = off(4 * (x / 2) + 1 - light).max(off(4 * (x / 2) + 3 - light));
+                off(2 * x + light).max(color.saturating_mul(2))
             };
-            for kernel in all().into_iter().filter_map(|kernels| kernels.yuyv_band) {
+            let band = |kernels: Kernels| [kernels.yuyv_band, kernels.uyvy_band][light];
+            for kernel in all().into_iter().filter_map(band) {
                 let (mut out, mut faint) = (vec![7; rows * width], vec![9; rows * words]);
                 kernel(Band {
                     rows: &bytes,

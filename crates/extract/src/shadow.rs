@@ -306,7 +306,7 @@ mod tests {
                     plane.fill(y, x, x + 1, next() % (1 << (2 * density)) == 0);
                 }
             }
-            for format in [Gray8, Rgb8, Bgr8, Yuyv, Nv12] {
+            for format in [Gray8, Rgb8, Bgr8, Yuyv, Uyvy, Nv12] {
                 let image = Image::new(&bytes, width, height, 4 * (width + 1), format).expect("whole");
                 let mut background = Background::default();
                 background.estimate(&image);

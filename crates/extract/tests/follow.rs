@@ -166,7 +166,7 @@ fn ropes_are_followed_in_every_pixel_format() {
     // An odd size: a pixel pair at the end is half outside.
     let mut table = Table::new(319, 239, WHITE);
     table.noise = 1.5;
-    for k in 0..5 {
+    for k in 0..6 {
         let mut extractor = extractor();
         let mut followed = 0;
         for frame in 0..24 {
@@ -179,7 +179,7 @@ fn ropes_are_followed_in_every_pixel_format() {
             followed += usize::from(scene.followed);
             let error = error(&scene.curves[0], &rope);
             let limits_px = match format {
-                PixelFormat::Yuyv | PixelFormat::Nv12 => (0.5, 1.5),
+                PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12 => (0.5, 1.5),
                 _ => (0.25, 1.0),
             };
             assert!(

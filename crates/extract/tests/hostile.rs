@@ -5,11 +5,12 @@ use lariat_extract::{
 };
 use proptest::prelude::*;
 
-const FORMATS: [PixelFormat; 5] = [
+const FORMATS: [PixelFormat; 6] = [
     PixelFormat::Gray8,
     PixelFormat::Rgb8,
     PixelFormat::Bgr8,
     PixelFormat::Yuyv,
+    PixelFormat::Uyvy,
     PixelFormat::Nv12,
 ];
 

@@ -169,12 +169,14 @@ fn a_pattern_is_seen_in_every_format() {
     let rgb = shaded(1.0, &[], checkered(20.0, 40.0, 0.2));
     let luma: Vec<u8> = rgb.chunks_exact(3).map(|pixel| pixel[1]).collect();
     let yuyv: Vec<u8> = luma.iter().flat_map(|&y| [y, 128]).collect();
+    let uyvy: Vec<u8> = luma.iter().flat_map(|&y| [128, y]).collect();
     let mut nv12 = luma.clone();
     nv12.resize(WIDTH * HEIGHT * 3 / 2, 128);
     for (bytes, stride, format) in [
         (&rgb, 3 * WIDTH, PixelFormat::Bgr8),
         (&luma, WIDTH, PixelFormat::Gray8),
         (&yuyv, 2 * WIDTH, PixelFormat::Yuyv),
+        (&uyvy, 2 * WIDTH, PixelFormat::Uyvy),
         (&nv12, WIDTH, PixelFormat::Nv12),
     ] {
         let image = Image::new(bytes, WIDTH, HEIGHT, stride, format).expect("whole");

@@ -309,6 +309,8 @@ fn formats(rgb: &[u8]) -> Vec<(PixelFormat, Vec<u8>, usize)> {
         let mean = |c: usize| (0.5 * (p[0][c] + p[1][c])) as u8;
         [p[0][0] as u8, mean(1), p[1][0] as u8, mean(2)]
     });
+    let yuyv: Vec<u8> = yuyv.collect();
+    let uyvy = yuyv.chunks_exact(2).flat_map(|p| [p[1], p[0]]).collect();
     let mut nv12 = gray.clone();
     for y in (0..SIDE).step_by(2) {
         for x in (0..SIDE).step_by(2) {
@@ -320,7 +322,8 @@ fn formats(rgb: &[u8]) -> Vec<(PixelFormat, Vec<u8>, usize)> {
     vec![
         (PixelFormat::Rgb8, rgb.to_vec(), 3 * SIDE),
         (PixelFormat::Bgr8, bgr.collect(), 3 * SIDE),
-        (PixelFormat::Yuyv, yuyv.collect(), 2 * SIDE),
+        (PixelFormat::Yuyv, yuyv, 2 * SIDE),
+        (PixelFormat::Uyvy, uyvy, 2 * SIDE),
         (PixelFormat::Nv12, nv12, SIDE),
         (PixelFormat::Gray8, gray, SIDE),
     ]

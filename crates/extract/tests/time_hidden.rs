@@ -240,13 +240,15 @@ fn another_pixel_format_is_the_same_scene() {
         .chunks_exact(6)
         .flat_map(|p| [p[1], 128 + (p[2] / 4) - (p[0] / 4), p[4], 120])
         .collect();
+    let uyvy: Vec<u8> = yuyv.chunks_exact(2).flat_map(|p| [p[1], p[0]]).collect();
     let formats = [
         (&rgb, 960, PixelFormat::Rgb8),
         (&gray, 320, PixelFormat::Gray8),
         (&yuyv, 640, PixelFormat::Yuyv),
+        (&uyvy, 640, PixelFormat::Uyvy),
         (&rgb, 960, PixelFormat::Bgr8),
     ];
-    for (bytes, stride, format) in formats.into_iter().cycle().take(12) {
+    for (bytes, stride, format) in formats.into_iter().cycle().take(15) {
         let image = Image::new(bytes, 320, 240, stride, format).expect("a whole image");
         let scene = extractor.extract(&image);
         assert_eq!(scene.curves.len(), 1, "{format:?}");

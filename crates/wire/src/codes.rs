@@ -15,6 +15,8 @@ pub enum PixelFormat {
     Yuyv = 4,
     /// A plane of Y, then at half the size a plane of U V pairs with the same stride.
     Nv12 = 5,
+    /// Two bytes a pixel: U Y₀ V Y₁ for each pair of pixels.
+    Uyvy = 6,
 }
 
 impl PixelFormat {
@@ -26,6 +28,7 @@ impl PixelFormat {
             3 => Self::Bgr8,
             4 => Self::Yuyv,
             5 => Self::Nv12,
+            6 => Self::Uyvy,
             _ => return None,
         })
     }
@@ -36,7 +39,7 @@ impl PixelFormat {
         match self {
             Self::Gray8 | Self::Nv12 => width,
             Self::Rgb8 | Self::Bgr8 => 3 * width,
-            Self::Yuyv => 4 * width.div_ceil(2),
+            Self::Yuyv | Self::Uyvy => 4 * width.div_ceil(2),
         }
     }
 

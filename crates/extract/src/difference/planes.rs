@@ -14,7 +14,12 @@ pub(super) fn gray(row: &[u8], table: &[u8], out: &mut [u8]) {
 
 /// The larger of the differences of Y, U and V, where Y₀ U Y₁ V stand for two pixels.
 pub(super) fn yuyv(row: &[u8], table: &[u8], out: &mut [u8]) {
-    Arch::new().dispatch(Yuyv { row, table, out });
+    Arch::new().dispatch(Pairs::<0> { row, table, out });
+}
+
+/// The same of U Y₀ V Y₁.
+pub(super) fn uyvy(row: &[u8], table: &[u8], out: &mut [u8]) {
+    Arch::new().dispatch(Pairs::<1> { row, table, out });
 }
 
 /// The same, where Y stands in one row and U V pairs in another.
@@ -39,13 +44,14 @@ impl WithSimd for Gray<'_> {
     }
 }
 
-struct Yuyv<'a> {
+/// Two pixels in four bytes, `LIGHT` being the place of the first Y: 0 or 1.
+struct Pairs<'a, const LIGHT: usize> {
     row: &'a [u8],
     table: &'a [u8],
     out: &'a mut [u8],
 }
 
-impl WithSimd for Yuyv<'_> {
+impl<const LIGHT: usize> WithSimd for Pairs<'_, LIGHT> {
     type Output = ();
 
     #[inline(always)]
@@ -57,15 +63,16 @@ impl WithSimd for Yuyv<'_> {
         for (out, (row, table)) in out.iter_mut().zip(blocks) {
             let (mut light, mut color) = ([0u8; BLOCK], [0u8; BLOCK]);
             for k in 0..BLOCK {
-                light[k] = row[2 * k].abs_diff(table[2 * k]);
-                color[k] = twice(row[2 * k + 1], table[2 * k + 1]);
+                let [y, c] = [2 * k + LIGHT, 2 * k + 1 - LIGHT];
+                light[k] = row[y].abs_diff(table[y]);
+                color[k] = twice(row[c], table[c]);
             }
             for k in 0..BLOCK {
                 out[k] = light[k].max(color[k].max(color[k ^ 1]));
             }
             done += 2 * BLOCK;
         }
-        plain_yuyv(&self.row[done..], &self.table[done..], last);
+        plain_pairs::<LIGHT>(&self.row[done..], &self.table[done..], last);
     }
 }
 
@@ -116,13 +123,15 @@ fn twice(p: u8, t: u8) -> u8 {
 }
 
 #[inline(always)]
-fn plain_yuyv(row: &[u8], table: &[u8], out: &mut [u8]) {
+fn plain_pairs<const LIGHT: usize>(row: &[u8], table: &[u8], out: &mut [u8]) {
     let pixels = row.chunks_exact(4).zip(table.chunks_exact(4));
     for (d, (p, t)) in out.chunks_mut(2).zip(pixels) {
-        let color = twice(p[1], t[1]).max(twice(p[3], t[3]));
-        d[0] = p[0].abs_diff(t[0]).max(color);
+        let light = |k: usize| p[2 * k + LIGHT].abs_diff(t[2 * k + LIGHT]);
+        let color = [1 - LIGHT, 3 - LIGHT].map(|c| twice(p[c], t[c]));
+        let color = color[0].max(color[1]);
+        d[0] = light(0).max(color);
         if let Some(second) = d.get_mut(1) {
-            *second = p[2].abs_diff(t[2]).max(color);
+            *second = light(1).max(color);
         }
     }
 }
@@ -158,11 +167,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rows_of_yuyv_differ_as_the_plain_loop_says((row, table, pixels) in rows(4)) {
+        fn rows_of_pairs_differ_as_the_plain_loop_says((row, table, pixels) in rows(4)) {
             let (mut found, mut expected) = (vec![0; pixels], vec![0; pixels]);
             yuyv(&row, &table, &mut found);
-            plain_yuyv(&row, &table, &mut expected);
-            prop_assert_eq!(found, expected);
+            plain_pairs::<0>(&row, &table, &mut expected);
+            prop_assert_eq!(&found, &expected);
+            uyvy(&row, &table, &mut found);
+            plain_pairs::<1>(&row, &table, &mut expected);
+            prop_assert_eq!(&found, &expected);
         }
 
         #[test]

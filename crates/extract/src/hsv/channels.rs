@@ -30,6 +30,7 @@ impl Channels {
                 (kernels.split_three)(row, [&mut c[..width], &mut b[..width], &mut a[..width]]);
             }
             PixelFormat::Yuyv => (kernels.split_yuyv)(row, [a, b, c]),
+            PixelFormat::Uyvy => (kernels.split_uyvy)(row, [a, b, c]),
             PixelFormat::Nv12 => {
                 // Two rows share their U and V.
                 if y.is_multiple_of(2) {
@@ -64,7 +65,7 @@ mod tests {
                 })
                 .collect();
             use PixelFormat::*;
-            for (format, kernels) in [Gray8, Rgb8, Bgr8, Yuyv, Nv12]
+            for (format, kernels) in [Gray8, Rgb8, Bgr8, Yuyv, Uyvy, Nv12]
                 .into_iter()
                 .flat_map(|format| kernels::all().into_iter().map(move |k| (format, k)))
             {

@@ -15,6 +15,8 @@ pub(super) struct Kernels {
     pub(super) split_three: fn(&[u8], [&mut [u8]; 3]),
     /// Y, U, Y, V of two pixels each into Y, U and V, a byte a pixel.
     pub(super) split_yuyv: fn(&[u8], [&mut [u8]; 3]),
+    /// The same of U, Y, V, Y.
+    pub(super) split_uyvy: fn(&[u8], [&mut [u8]; 3]),
     /// U and V of two pixels each, a byte a pixel.
     pub(super) split_uv: fn(&[u8], [&mut [u8]; 2]),
     /// One bit a pixel, given its channels, whether the cube holds its color; and a byte, 255 or 0.
@@ -40,7 +42,8 @@ impl Default for Kernels {
 
 const PLAIN: Kernels = Kernels {
     split_three,
-    split_yuyv: |row, out| pulp::Arch::new().dispatch(|| split_yuyv(row, out)),
+    split_yuyv: |row, out| pulp::Arch::new().dispatch(|| split_pairs::<0>(row, out)),
+    split_uyvy: |row, out| pulp::Arch::new().dispatch(|| split_pairs::<8>(row, out)),
     split_uv: |row, out| pulp::Arch::new().dispatch(|| split_uv(row, out)),
     select,
 };
@@ -60,14 +63,17 @@ fn split_three(row: &[u8], [a, b, c]: [&mut [u8]; 3]) {
     }
 }
 
+/// Two pixels a time whose first Y begins at bit `LIGHT` of their four bytes: 0 or 8.
 #[inline(always)]
-fn split_yuyv(row: &[u8], planes: [&mut [u8]; 3]) {
+fn split_pairs<const LIGHT: u32>(row: &[u8], planes: [&mut [u8]; 3]) {
+    let color = 8 - LIGHT;
     let [y, u, v] = planes.map(|plane| plane.as_chunks_mut::<2>().0);
     for (((y, u), v), pair) in y.iter_mut().zip(u).zip(v).zip(row.as_chunks::<4>().0) {
         let pair = u32::from_le_bytes(*pair);
-        *y = ((pair & 0xFF | pair >> 8 & 0xFF00) as u16).to_le_bytes();
-        *u = (0x0101 * (pair >> 8 & 0xFF) as u16).to_le_bytes();
-        *v = (0x0101 * (pair >> 24) as u16).to_le_bytes();
+        let (light, color) = (pair >> LIGHT, pair >> color);
+        *y = ((light & 0xFF | light >> 8 & 0xFF00) as u16).to_le_bytes();
+        *u = (0x0101 * (color & 0xFF) as u16).to_le_bytes();
+        *v = (0x0101 * (color >> 16 & 0xFF) as u16).to_le_bytes();
     }
 }
 

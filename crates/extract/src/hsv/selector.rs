@@ -85,7 +85,7 @@ mod tests {
         let (mut expected, mut expected_mask) = <(Plane, BitPlane)>::default();
         for ranges in &examples()[..2] {
             use PixelFormat::*;
-            for format in [Rgb8, Gray8, Bgr8, Yuyv, Nv12] {
+            for format in [Rgb8, Gray8, Bgr8, Yuyv, Uyvy, Nv12] {
                 let image = Image::new(&bytes, width, height, stride, format).expect("whole");
                 selector.run(&image, ranges, &mut inside, &mut mask);
                 expected.resize(width, height);

@@ -19,6 +19,9 @@ pub(super) fn spread(
         PixelFormat::Yuyv => fill(colors, luma, |[y, u, v]| {
             repeated::<{ 2 * BLOCK }>([y, u, y, v])
         }),
+        PixelFormat::Uyvy => fill(colors, luma, |[y, u, v]| {
+            repeated::<{ 2 * BLOCK }>([u, y, v, y])
+        }),
         PixelFormat::Nv12 => {
             fill(colors.clone(), luma, |[y, _, _]| [y; BLOCK]);
             fill(colors, chroma, |[_, u, v]| repeated::<BLOCK>([u, v, u, v]));

@@ -172,36 +172,46 @@ pub(super) fn three_channel_band(band: Band) {
     }
 }
 
-/// The larger of the differences of Y, U and V of 64 pixels, of which 32 stand in each of two registers: Y₀ U Y₁ V.
+/// The larger of the differences of Y, U and V of 64 pixels, of which 32 stand in each of two registers: Y₀ U Y₁ V if the
+/// `LIGHT` byte of each two is 0, U Y₀ V Y₁ if it is 1, which `every` gathers.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
-fn most_yuyv([p, q]: [__m512i; 2], [t, u]: [__m512i; 2], even: __m512i) -> __m512i {
-    _mm512_permutex2var_epi8(luma(p, t), even, luma(q, u))
+fn most_of_pairs<const LIGHT: usize>(
+    [p, q]: [__m512i; 2],
+    [t, u]: [__m512i; 2],
+    every: __m512i,
+) -> __m512i {
+    let (low, high) = (most_beside::<LIGHT>(p, t), most_beside::<LIGHT>(q, u));
+    _mm512_permutex2var_epi8(low, every, high)
 }
 
-/// The same in the even bytes of one of them.
+/// The same in the bytes of Y of one of them.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
-fn luma(p: __m512i, t: __m512i) -> __m512i {
+fn most_beside<const LIGHT: usize>(p: __m512i, t: __m512i) -> __m512i {
     let off = apart(p, t);
-    let color = _mm512_srli_epi16::<8>(off);
+    let color = if LIGHT == 0 {
+        _mm512_srli_epi16::<8>(off)
+    } else {
+        _mm512_slli_epi16::<8>(off)
+    };
     let color = _mm512_max_epu8(color, _mm512_rol_epi32::<16>(color));
     // U and V count double.
     _mm512_max_epu8(off, _mm512_adds_epu8(color, color))
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
-pub(super) fn yuyv_band(band: Band) {
-    const EVEN: [u8; 64] = {
-        let mut even = [0; 64];
+pub(super) fn pairs_band<const LIGHT: usize>(band: Band) {
+    let every = &const {
+        let mut every = [0; 64];
         let mut k = 0;
         while k < 64 {
-            even[k] = 2 * k as u8;
+            every[k] = (2 * k + LIGHT) as u8;
             k += 1;
         }
-        even
+        every
     };
-    let even = load(&EVEN);
+    let every = load(every);
     let least = _mm512_set1_epi8(band.least.cast_signed());
     let words = band.width.div_ceil(64);
     let out = band.out.chunks_mut(band.out_stride);
@@ -221,7 +231,7 @@ pub(super) fn yuyv_band(band: Band) {
             .zip(tables);
         for ((out, faint), (row, table)) in blocks.iter_mut().zip(&mut *faint).zip(rows) {
             let row = [load(&row[0]), load(&row[1])];
-            let most = most_yuyv(row, [load(&table[0]), load(&table[1])], even);
+            let most = most_of_pairs::<LIGHT>(row, [load(&table[0]), load(&table[1])], every);
             store(out, most);
             *faint = _mm512_cmpge_epu8_mask(most, least);
         }
@@ -231,7 +241,11 @@ pub(super) fn yuyv_band(band: Band) {
                 [load_some(low, low.len()), load_some(high, high.len())]
             };
             let row = &row[128 * done..];
-            let most = most_yuyv(two(row), two(&band.table[128 * done..][..row.len()]), even);
+            let most = most_of_pairs::<LIGHT>(
+                two(row),
+                two(&band.table[128 * done..][..row.len()]),
+                every,
+            );
             store_some(rest, most);
             faint[done] = _mm512_cmpge_epu8_mask(most, least) & first_lanes(rest.len());
         }
@@ -317,6 +331,7 @@ pub(super) fn spread(format: PixelFormat, levels: [&[u8]; 3], luma: &mut [u8], c
         PixelFormat::Rgb8 => spread_one(&const { sources::<3>(&[0, 1, 2]) }, levels, luma),
         PixelFormat::Bgr8 => spread_one(&const { sources::<3>(&[2, 1, 0]) }, levels, luma),
         PixelFormat::Yuyv => spread_one(&const { sources::<2>(&[0, 1, 0, 2]) }, levels, luma),
+        PixelFormat::Uyvy => spread_one(&const { sources::<2>(&[1, 0, 2, 0]) }, levels, luma),
         PixelFormat::Nv12 => {
             spread_one(&const { sources::<1>(&[0]) }, levels, luma);
             spread_one(&const { sources::<1>(&[1, 2]) }, levels, chroma);

@@ -33,7 +33,9 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         three_channel_band: |band| unsafe { wide::three_channel_band(band) },
         // SAFETY: as above.
-        yuyv_band: Some(|band| unsafe { wide::yuyv_band(band) }),
+        yuyv_band: Some(|band| unsafe { wide::pairs_band::<0>(band) }),
+        // SAFETY: as above.
+        uyvy_band: Some(|band| unsafe { wide::pairs_band::<1>(band) }),
         // SAFETY: as above.
         look: Some(|look| unsafe { wide::look(look) }),
         // SAFETY: as above.
@@ -50,6 +52,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         three_channel_band: |band| unsafe { three_channel_band_256(band) },
         yuyv_band: None,
+        uyvy_band: None,
         look: None,
         collect: super::collect,
         // SAFETY: as above.

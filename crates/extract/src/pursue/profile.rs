@@ -120,6 +120,11 @@ fn across(stretch: &Stretch, out: &mut [u8]) {
                     *d = pair([first, second], [u, v], [a, b, c]);
                 }
             }
+            PixelFormat::Uyvy => {
+                for (d, &[u, first, v, second]) in pairs.zip(row[2 * x..].as_chunks().0) {
+                    *d = pair([first, second], [u, v], [a, b, c]);
+                }
+            }
             PixelFormat::Nv12 => {
                 let light = row[x..].as_chunks().0;
                 let color = image.chroma_row(y)[x..].as_chunks().0;
@@ -155,11 +160,12 @@ mod tests {
     use crate::color;
     use proptest::prelude::*;
 
-    const FORMATS: [PixelFormat; 5] = [
+    const FORMATS: [PixelFormat; 6] = [
         PixelFormat::Gray8,
         PixelFormat::Rgb8,
         PixelFormat::Bgr8,
         PixelFormat::Yuyv,
+        PixelFormat::Uyvy,
         PixelFormat::Nv12,
     ];
 
@@ -194,7 +200,7 @@ mod tests {
             let bytes_a_row = match format {
                 PixelFormat::Gray8 => width,
                 PixelFormat::Nv12 => width.next_multiple_of(2),
-                PixelFormat::Yuyv => 2 * width.next_multiple_of(2),
+                PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * width.next_multiple_of(2),
                 _ => 3 * width,
             };
             let stride = bytes_a_row + padding;

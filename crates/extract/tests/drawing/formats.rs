@@ -27,6 +27,7 @@ pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u
             yuyv.extend([byte(a[0]), mean(1), byte(b[0]), mean(2)]);
         }
     }
+    let uyvy = yuyv.chunks_exact(2).flat_map(|p| [p[1], p[0]]).collect();
     let mut nv12 = Vec::new();
     for y in 0..h {
         nv12.extend((0..2 * pairs).map(|x| luma(x, y)));
@@ -43,6 +44,7 @@ pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u
         (PixelFormat::Bgr8, bgr, 3 * w),
         (PixelFormat::Gray8, gray, w),
         (PixelFormat::Yuyv, yuyv, 4 * pairs),
+        (PixelFormat::Uyvy, uyvy, 4 * pairs),
         (PixelFormat::Nv12, nv12, 2 * pairs),
     ]
 }

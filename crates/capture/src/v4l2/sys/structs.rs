@@ -13,7 +13,7 @@ pub(crate) struct Capability {
     pub(crate) capabilities: u32,
     /// Of this node, if [`CAP_DEVICE_CAPS`](super::CAP_DEVICE_CAPS) is among `capabilities`.
     pub(crate) device_caps: u32,
-    reserved: [u32; 3],
+    pub(crate) reserved: [u32; 3],
 }
 
 /// `v4l2_fmtdesc`.
@@ -26,7 +26,7 @@ pub(crate) struct FormatDescription {
     pub(crate) description: [u8; 32],
     pub(crate) pixelformat: u32,
     pub(crate) mbus_code: u32,
-    reserved: [u32; 3],
+    pub(crate) reserved: [u32; 3],
 }
 
 /// `v4l2_format`: a buffer type and, of a union of 200 bytes, what belongs to it. The union has pointers for types that
@@ -35,7 +35,7 @@ pub(crate) struct FormatDescription {
 #[repr(C)]
 pub(crate) struct Format {
     pub(crate) kind: u32,
-    padding: u32,
+    pub(crate) padding: u32,
     words: [u32; 50],
 }
 
@@ -189,7 +189,7 @@ pub(crate) struct RequestBuffers {
     pub(crate) memory: u32,
     pub(crate) capabilities: u32,
     pub(crate) flags: u8,
-    reserved: [u8; 3],
+    pub(crate) reserved: [u8; 3],
 }
 
 /// `v4l2_buffer`.
@@ -201,19 +201,19 @@ pub(crate) struct Buffer {
     pub(crate) bytesused: u32,
     pub(crate) flags: u32,
     pub(crate) field: u32,
-    padding: u32,
+    pub(crate) padding: u32,
     pub(crate) timestamp_s: i64,
     pub(crate) timestamp_us: i64,
-    timecode: [u32; 4],
+    pub(crate) timecode: [u32; 4],
     pub(crate) sequence: u32,
     pub(crate) memory: u32,
     /// The union `m` of the single-planar types: an offset for mmap (in its lower half), or an address.
     pub(crate) m: u64,
     /// Bytes of the single-planar types.
     pub(crate) length: u32,
-    reserved2: u32,
-    request_fd: i32,
-    padding2: u32,
+    pub(crate) reserved2: u32,
+    pub(crate) request_fd: i32,
+    pub(crate) padding2: u32,
 }
 
 impl Buffer {
@@ -250,7 +250,7 @@ pub(crate) struct Plane {
     /// The union `m`: an offset for mmap (in its lower half), or an address.
     pub(crate) m: u64,
     pub(crate) data_offset: u32,
-    reserved: [u32; 11],
+    pub(crate) reserved: [u32; 11],
 }
 
 impl Plane {
@@ -277,7 +277,7 @@ pub(crate) struct StreamParameters {
     pub(crate) timeperframe: [u32; 2],
     pub(crate) extendedmode: u32,
     pub(crate) readbuffers: u32,
-    rest: [u32; 44],
+    pub(crate) rest: [u32; 44],
 }
 
 impl StreamParameters {
@@ -304,7 +304,7 @@ pub(crate) struct SizeDescription {
     pub(crate) kind: u32,
     /// Discrete: width, height. Else least, largest and step of the width, then of the height.
     pub(crate) size: [u32; 6],
-    reserved: [u32; 2],
+    pub(crate) reserved: [u32; 2],
 }
 
 /// `v4l2_frmivalenum`.
@@ -318,7 +318,7 @@ pub(crate) struct IntervalDescription {
     pub(crate) kind: u32,
     /// Seconds as numerator and denominator. Discrete: the first. Else the least, the largest, the step.
     pub(crate) interval: [[u32; 2]; 3],
-    reserved: [u32; 2],
+    pub(crate) reserved: [u32; 2],
 }
 
 /// `v4l2_control`.
@@ -341,7 +341,7 @@ pub(crate) struct QueryControl {
     pub(crate) step: i32,
     pub(crate) default_value: i32,
     pub(crate) flags: u32,
-    reserved: [u32; 2],
+    pub(crate) reserved: [u32; 2],
 }
 
 /// `v4l2_query_ext_ctrl`.
@@ -360,7 +360,7 @@ pub(crate) struct QueryExtendedControl {
     pub(crate) elems: u32,
     pub(crate) nr_of_dims: u32,
     pub(crate) dims: [u32; 4],
-    reserved: [u32; 32],
+    pub(crate) reserved: [u32; 32],
 }
 
 /// `v4l2_querymenu`.
@@ -371,7 +371,7 @@ pub(crate) struct QueryMenu {
     pub(crate) index: u32,
     /// The entry's name; of a menu of integers the number, in the first 8 bytes.
     pub(crate) name: [u8; 32],
-    reserved: u32,
+    pub(crate) reserved: u32,
 }
 
 impl QueryMenu {
@@ -388,7 +388,7 @@ impl QueryMenu {
 pub(crate) struct ExtendedControl {
     pub(crate) id: u32,
     size: u32,
-    reserved: u32,
+    pub(crate) reserved: u32,
     value: [u32; 2],
 }
 
@@ -427,9 +427,9 @@ pub(super) struct ExtendedControls {
     which: u32,
     count: u32,
     error_idx: u32,
-    request_fd: i32,
-    reserved: u32,
-    padding: u32,
+    pub(crate) request_fd: i32,
+    pub(crate) reserved: u32,
+    pub(crate) padding: u32,
     controls: *mut ExtendedControl,
 }
 
@@ -457,15 +457,15 @@ impl ExtendedControls {
 #[repr(C)]
 pub(crate) struct Event {
     pub(crate) kind: u32,
-    padding: u32,
+    pub(crate) padding: u32,
     /// What belongs to the kind; of a change of the source its first word says of what (1: resolution).
     pub(crate) data: [u64; 8],
     pub(crate) pending: u32,
     pub(crate) sequence: u32,
-    timestamp: [i64; 2],
+    pub(crate) timestamp: [i64; 2],
     pub(crate) id: u32,
-    reserved: [u32; 8],
-    padding2: u32,
+    pub(crate) reserved: [u32; 8],
+    pub(crate) padding2: u32,
 }
 
 /// `v4l2_event_subscription`.
@@ -475,5 +475,5 @@ pub(crate) struct EventSubscription {
     pub(crate) kind: u32,
     pub(crate) id: u32,
     pub(crate) flags: u32,
-    reserved: [u32; 5],
+    pub(crate) reserved: [u32; 5],
 }

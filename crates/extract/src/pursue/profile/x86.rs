@@ -172,16 +172,12 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     set |= put(pixels, k, cut, out);
                 }
             }
-            PixelFormat::Yuyv => {
+            format @ (PixelFormat::Yuyv | PixelFormat::Uyvy) => {
                 let bytes = image.bytes().get(start + 2 * x..)?.get(..2 * count)?;
-                // The other pixel's Y stands beside this one's.
-                let keep = _mm512_setr4_epi32(
-                    0xFF00_FFFFu32.cast_signed(),
-                    -256,
-                    0xFF00_FFFFu32.cast_signed(),
-                    -256,
-                );
-                let double = all(0xFF00_FF00);
+                let ([first, second], double) = shared(format);
+                let [first, second] = [first, second].map(u32::cast_signed);
+                let keep = _mm512_setr4_epi32(first, second, first, second);
+                let double = all(double);
                 for (k, block) in bytes.as_chunks::<{ 2 * BLOCK }>().0.iter().enumerate() {
                     let pairs = _mm512_cvtepu32_epi64(_mm256_loadu_si256(block.as_ptr().cast()));
                     let bytes = _mm512_shuffle_epi32::<0b10_10_00_00>(pairs);
@@ -249,10 +245,9 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
     let (place, keep, double) = match format {
         PixelFormat::Gray8 => (x, 0xFF, 0),
         PixelFormat::Rgb8 | PixelFormat::Bgr8 => (3 * x, COLORS, 0),
-        PixelFormat::Yuyv => {
-            // The other pixel's Y stands beside this one's.
-            let keep = if x % 2 == 0 { 0xFF00_FFFF } else { 0xFFFF_FF00 };
-            (4 * (x / 2), keep, 0xFF00_FF00)
+        PixelFormat::Yuyv | PixelFormat::Uyvy => {
+            let (keep, double) = shared(format);
+            (4 * (x / 2), keep[x % 2], double)
         }
         PixelFormat::Nv12 => (x, COLORS, CHROMA),
     };
@@ -336,6 +331,18 @@ impl<'a> Column<'a> {
     }
 }
 
+/// What of the four bytes of two pixels counts for the first and for the second, as the other one's Y stands beside its
+/// own, and which of them count double.
+#[inline(always)]
+fn shared(format: PixelFormat) -> ([u32; 2], u32) {
+    match format {
+        // U Y V Y.
+        PixelFormat::Uyvy => ([0x00FF_FFFF, 0xFFFF_00FF], 0x00FF_00FF),
+        // Y U Y V.
+        _ => ([0xFF00_FFFF, 0xFFFF_FF00], 0xFF00_FF00),
+    }
+}
+
 /// A color as the four bytes of a pixel.
 #[inline(always)]
 fn laid(format: PixelFormat, color: u32) -> u32 {
@@ -343,6 +350,8 @@ fn laid(format: PixelFormat, color: u32) -> u32 {
         PixelFormat::Bgr8 => color.swap_bytes() >> 8,
         // Y U Y V.
         PixelFormat::Yuyv => color & 0xFFFF | (color & 0xFF) << 16 | (color & 0xFF_0000) << 8,
+        // U Y V Y.
+        PixelFormat::Uyvy => color >> 8 & 0xFF | color & 0xFF_0000 | ((color & 0xFF) * 0x0100_0100),
         _ => color,
     }
 }
