@@ -23,13 +23,13 @@ mod yuv;
 
 pub use lent::{LentSlot, SlotKey};
 pub use natural::natural_order;
-pub use open::{Source, open};
+pub use open::{Source, is_camera, open};
 pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};
 pub use v4l2::{
-    AboutCamera, CameraError, Control, ControlError, ControlKind, ControlSettings, DEFAULT_SIZE,
-    FormatOffer, FourCc, Interval, ListedCamera, NoCommonFormat, Rates, Request, SizeOffer,
-    SizeRange, list_cameras,
+    AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
+    DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
+    SizeOffer, SizeRange, list_cameras,
 };

@@ -1,11 +1,14 @@
 //! From what the user named to the source that it means.
 
 use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use crate::pictures::open_pictures;
 use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
+use crate::v4l2::{CameraOptions, open_camera};
 use crate::video::open_video;
 
 /// What to take frames from.
@@ -20,6 +23,15 @@ pub enum Source {
         /// Whether to begin again after the last frame.
         looped: bool,
     },
+    /// A camera.
+    Camera(CameraOptions),
+}
+
+/// Whether a path names a camera: a character device, or a name that only cameras have, be it there or not.
+pub fn is_camera(path: &Path) -> bool {
+    let is_device = || fs::metadata(path).is_ok_and(|meta| meta.file_type().is_char_device());
+    let name = path.as_os_str().as_encoded_bytes();
+    name.starts_with(b"/dev/video") || name.starts_with(b"/dev/v4l/") || is_device()
 }
 
 impl Source {
@@ -39,10 +51,12 @@ impl Source {
 /// Opens a source: everything that can be known to be wrong is said here, before the first frame.
 ///
 /// # Errors
-/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video.
+/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video, a camera that
+/// cannot be used.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Camera(options) => Ok(open_camera(options)?),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, looped } => match paths.iter().find(|path| is_video(path)) {
             None => Ok(Box::new(open_pictures(paths, *looped)?)),
