@@ -76,7 +76,7 @@ impl Eye {
     fn new(settings: &Settings) -> anyhow::Result<Self> {
         let mut extractor = Extractor::new(settings.extract.options())?;
         // Most likely the size that is coming. Another is prepared for with its first frame.
-        let [width, height] = settings.capture.size.map(|side| side as usize);
+        let [width, height] = settings.capture.likely_size().map(|side| side as usize);
         extractor.prepare(width, height);
         Ok(Self {
             extractor,
@@ -132,16 +132,23 @@ impl Eye {
     }
 }
 
+/// The extractor's own name for a pixel format.
+pub(crate) fn pixel_format(format: lariat_wire::PixelFormat) -> PixelFormat {
+    use lariat_wire::PixelFormat as Wire;
+    match format {
+        Wire::Gray8 => PixelFormat::Gray8,
+        Wire::Rgb8 => PixelFormat::Rgb8,
+        Wire::Bgr8 => PixelFormat::Bgr8,
+        Wire::Yuyv => PixelFormat::Yuyv,
+        Wire::Uyvy => PixelFormat::Uyvy,
+        Wire::Nv12 => PixelFormat::Nv12,
+    }
+}
+
 /// A frame as extraction sees it.
 pub(crate) fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<'a>> {
-    use lariat_wire::PixelFormat as Wire;
     let format = match header.format() {
-        Some(Wire::Gray8) => PixelFormat::Gray8,
-        Some(Wire::Rgb8) => PixelFormat::Rgb8,
-        Some(Wire::Bgr8) => PixelFormat::Bgr8,
-        Some(Wire::Yuyv) => PixelFormat::Yuyv,
-        Some(Wire::Uyvy) => PixelFormat::Uyvy,
-        Some(Wire::Nv12) => PixelFormat::Nv12,
+        Some(format) => pixel_format(format),
         None => anyhow::bail!(
             "frames come in pixel format {}, which this release does not know: use the same release for all stages",
             header.pixel_format

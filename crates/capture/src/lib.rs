@@ -23,7 +23,7 @@ mod yuv;
 
 pub use lent::{LentSlot, SlotKey};
 pub use natural::natural_order;
-pub use open::{Source, is_camera, open};
+pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};
@@ -31,5 +31,5 @@ pub use until::{Until, Woken};
 pub use v4l2::{
     AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
     DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
-    SizeOffer, SizeRange, list_cameras,
+    SizeOffer, SizeRange, list_cameras, names_a_camera,
 };

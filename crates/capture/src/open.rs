@@ -1,8 +1,6 @@
 //! From what the user named to the source that it means.
 
 use std::ffi::OsStr;
-use std::fs;
-use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use crate::pictures::open_pictures;
@@ -25,13 +23,6 @@ pub enum Source {
     },
     /// A camera.
     Camera(CameraOptions),
-}
-
-/// Whether a path names a camera: a character device, or a name that only cameras have, be it there or not.
-pub fn is_camera(path: &Path) -> bool {
-    let is_device = || fs::metadata(path).is_ok_and(|meta| meta.file_type().is_char_device());
-    let name = path.as_os_str().as_encoded_bytes();
-    name.starts_with(b"/dev/video") || name.starts_with(b"/dev/v4l/") || is_device()
 }
 
 impl Source {

@@ -1,10 +1,5 @@
 //! Cameras, by the kernel's Video4Linux2 interface.
 
-#![allow(
-    dead_code,
-    reason = "used by the camera as a source, which is built on this"
-)]
-
 mod camera;
 mod controls;
 mod device;
@@ -29,6 +24,7 @@ pub use controls::{Control, ControlError, ControlKind, ControlSettings};
 pub use error::CameraError;
 pub use listing::{AboutCamera, ListedCamera, list_cameras};
 pub use negotiate::{DEFAULT_SIZE, NoCommonFormat, Request};
+pub use nodes::names_a_camera;
 pub use offers::{FormatOffer, FourCc, Interval, Rates, SizeOffer, SizeRange};
 pub use port::CameraOptions;
 pub(crate) use port::open_camera;

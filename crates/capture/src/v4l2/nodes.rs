@@ -6,6 +6,16 @@ use std::fs;
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
+/// Whether a path is meant as a camera: a device of any kind, or the name of a video node, even of one that is not there
+/// now.
+pub fn names_a_camera(path: &Path) -> bool {
+    let is_device = fs::metadata(path).is_ok_and(|meta| meta.file_type().is_char_device());
+    let has_a_nodes_name = ["/dev/video", "/dev/v4l/"]
+        .iter()
+        .any(|beginning| path.to_string_lossy().starts_with(beginning));
+    is_device || has_a_nodes_name
+}
+
 /// A video node, by the kernel's own books.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Node {
