@@ -5,6 +5,7 @@
 //! Nothing here knows of shared memory.
 
 mod ahead;
+mod mjpeg;
 pub mod moving;
 mod natural;
 mod open;
@@ -18,6 +19,7 @@ mod source;
 mod video;
 mod yuv;
 
+pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};
