@@ -6,6 +6,7 @@
 
 mod ahead;
 mod lent;
+mod mjpeg;
 pub mod moving;
 mod natural;
 mod open;
@@ -22,6 +23,7 @@ mod video;
 mod yuv;
 
 pub use lent::{LentSlot, SlotKey};
+pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};

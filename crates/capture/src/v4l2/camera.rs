@@ -23,6 +23,7 @@ use super::silence::Silence;
 use super::stamp::{Sequence, Stamper};
 use super::stream::Stream;
 use crate::lent::LentSlot;
+use crate::mjpeg::Mjpeg;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 
@@ -116,6 +117,8 @@ pub(super) struct Camera<P: Port> {
     state: State<P::Driver>,
     port: P,
     shape: Shape,
+    /// Of frames that come compressed.
+    decoder: Option<Mjpeg>,
     memory: Memory,
     /// Whether the memory may be the driver's own if it does not take ours.
     may_map: bool,
@@ -123,7 +126,7 @@ pub(super) struct Camera<P: Port> {
     slots: Vec<LentSlot>,
     /// A lent slot that the driver refused.
     refused: Option<Failure>,
-    /// Instead of a slot, for who lends none: the frame made ready, if any.
+    /// The frame just made ready, for who lends no slot.
     spare: Vec<u8>,
     hotplug: Option<Hotplug>,
     sequence: Sequence,
@@ -172,6 +175,8 @@ impl<P: Port> Camera<P> {
         let mut camera = Self {
             port,
             shape,
+            decoder: (shape.encoding == Encoding::Jpeg)
+                .then(|| Mjpeg::new(shape.width, shape.height)),
             memory: Memory::Mapped,
             may_map: io != Io::UserPointer,
             slots: Vec::with_capacity(2 * SLOTS),

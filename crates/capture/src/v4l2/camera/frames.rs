@@ -44,13 +44,11 @@ impl<P: Port> Camera<P> {
         if filled.is_damaged || is_short {
             if let Some((new, total)) = self.damaged.add(now_ns) {
                 let how = if filled.is_damaged {
-                    "the driver says that they are damaged".to_owned()
+                    "its driver says that they are damaged".to_owned()
                 } else {
                     format!("the last came with {} bytes only", filled.bytes)
                 };
-                self.told.warn(&format!(
-                    "{new} frames were lost at the source, {total} in all: {how}"
-                ));
+                self.told.warn(&format!("{}: {how}", lost(new, total)));
             }
             return self.requeue(filled);
         }
@@ -63,7 +61,7 @@ impl<P: Port> Camera<P> {
                 frame.slot = Some(stream.take_slot(filled)?.give_back());
             }
             Memory::Mapped => {
-                let read = self.read(filled, &mut frame);
+                let read = self.read(filled, &mut frame, now_ns);
                 self.requeue(filled);
                 if !read {
                     return None;
@@ -98,8 +96,8 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// Copies a frame from the driver's memory into a lent slot, or where it is kept. Whether it is one.
-    fn read(&mut self, filled: &Filled, frame: &mut Frame) -> bool {
+    /// Copies or decodes a frame from the driver's memory into a lent slot, or where it is kept. Whether it is one.
+    fn read(&mut self, filled: &Filled, frame: &mut Frame, now_ns: u64) -> bool {
         let State::Streaming(stream) = &self.state else {
             return false;
         };
@@ -112,10 +110,27 @@ impl<P: Port> Camera<P> {
                 &mut self.spare
             }
         };
-        let count = bytes.len().min(into.len());
-        into[..count].copy_from_slice(&bytes[..count]);
-        frame.slot = slot.map(LentSlot::give_back);
-        true
+        let Some(decoder) = &mut self.decoder else {
+            let count = bytes.len().min(into.len());
+            into[..count].copy_from_slice(&bytes[..count]);
+            frame.slot = slot.map(LentSlot::give_back);
+            return true;
+        };
+        match decoder.decode(bytes, into) {
+            Ok(format) => {
+                frame.format = format;
+                frame.stride = format.row_bytes(frame.width) as u32;
+                frame.slot = slot.map(LentSlot::give_back);
+                true
+            }
+            Err(error) => {
+                self.slots.extend(slot);
+                if let Some((new, total)) = self.undecoded.add(now_ns) {
+                    self.told.warn(&format!("{}, as {error}", lost(new, total)));
+                }
+                false
+            }
+        }
     }
 
     /// Has the driver fill a buffer anew.
@@ -177,4 +192,14 @@ impl<P: Port> Camera<P> {
         let number = self.has_shown.then(|| self.sequence.own())?;
         Some(Next::Frame(Frame::blank(number, now_ns)))
     }
+}
+
+/// The beginning of a sentence.
+fn lost(new: u64, total: u64) -> String {
+    let frames = if new == 1 {
+        "a frame was".to_owned()
+    } else {
+        format!("{new} frames were")
+    };
+    format!("{frames} lost at the source, {total} in all")
 }
