@@ -102,6 +102,14 @@ impl Mapping {
     }
 }
 
+#[cfg(test)]
+impl Mapping {
+    /// A fake driver's memory: a file's.
+    pub(super) fn of_file(file: &std::fs::File, bytes: usize) -> Result<Self> {
+        Self::new(file.as_fd(), 0, bytes)
+    }
+}
+
 impl Drop for Mapping {
     fn drop(&mut self) {
         // SAFETY: it was mapped by `new` in this length, and nobody borrows from it any more.
@@ -198,17 +206,5 @@ impl Driver for Device {
 
     fn exposure_ns(&self) -> Option<u64> {
         Device::exposure_ns(self)
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    impl Mapping {
-        /// Memory of a fake driver's file.
-        pub(in crate::v4l2) fn of_file(file: &std::fs::File, bytes: usize) -> Self {
-            Self::new(file.as_fd(), 0, bytes).expect("mapped")
-        }
     }
 }

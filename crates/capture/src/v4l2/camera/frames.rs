@@ -44,11 +44,11 @@ impl<P: Port> Camera<P> {
         if filled.is_damaged || is_short {
             if let Some((new, total)) = self.damaged.add(now_ns) {
                 let how = if filled.is_damaged {
-                    "its driver says that they are damaged".to_owned()
+                    "damaged, as its driver says".to_owned()
                 } else {
-                    format!("the last came with {} bytes only", filled.bytes)
+                    format!("cut short, the last to {} bytes", filled.bytes)
                 };
-                self.told.warn(&format!("{}: {how}", lost(new, total)));
+                self.told.warn(&format!("{}, {how}", lost(new, total)));
             }
             return self.requeue(filled);
         }
@@ -201,5 +201,5 @@ fn lost(new: u64, total: u64) -> String {
     } else {
         format!("{new} frames were")
     };
-    format!("{frames} lost at the source, {total} in all")
+    format!("{frames} lost at the source ({total} in all)")
 }
