@@ -26,7 +26,7 @@ pub(crate) use problem::Problems;
 use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
-use lariat_capture::{Pace, RenderOptions, Request, Source, names_a_camera};
+use lariat_capture::{CameraOptions, Pace, RenderOptions, Request, Source, names_a_camera};
 use lariat_extract::{Mask, Method};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
@@ -144,6 +144,14 @@ impl Default for Capture {
 impl Capture {
     /// The source itself; rendered ropes have a truth of `points` points.
     pub(crate) fn source(&self, points: usize) -> Source {
+        if self.is_camera() {
+            return Source::Camera(CameraOptions {
+                path: self.source[0].clone(),
+                request: self.request(),
+                controls: self.camera.controls(),
+                io: self.camera.io,
+            });
+        }
         let defaults = RenderOptions::default();
         let rendered = RenderOptions {
             seed: self.seed,
@@ -181,8 +189,7 @@ impl Capture {
     }
 
     /// What is asked of a camera; "max" is its best rate too.
-    #[allow(dead_code, reason = "for the camera as a source")]
-    pub(crate) fn request(&self) -> Request {
+    fn request(&self) -> Request {
         Request {
             size: self.size,
             fps: match self.fps {

@@ -47,6 +47,9 @@ pub(crate) struct SnapshotArgs {
     /// Set a camera's control, for instance exposure_auto=1 (may be repeated)
     #[arg(long, value_name = "NAME=VALUE", value_parser = name_and_value)]
     control: Vec<(String, String)>,
+    /// How frames come from a camera's driver: auto, userptr or mmap
+    #[arg(long, value_name = "HOW")]
+    io: Option<String>,
     /// Which of all rendered ropes
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
@@ -100,6 +103,7 @@ fn chain_args(args: SnapshotArgs) -> ChainArgs {
         fps: args.fps,
         pixel_format: args.pixel_format,
         control: args.control,
+        io: args.io,
         seed: args.seed,
         shape: ShapeArgs {
             config: args.config,

@@ -125,6 +125,9 @@ pub(crate) struct ChainArgs {
     /// Pixel format of a camera, for instance yuyv or mjpg
     #[arg(long, value_name = "CODE")]
     pub(crate) pixel_format: Option<String>,
+    /// How frames come from a camera's driver: `userptr` straight into shared memory, `mmap` by one copy, or `auto`
+    #[arg(long, value_name = "WAY")]
+    pub(crate) io: Option<String>,
     /// Set a camera's control, for instance exposure_auto=1 (may be repeated)
     #[arg(long, value_name = "NAME=VALUE", value_parser = camera::name_and_value)]
     pub(crate) control: Vec<(String, String)>,
@@ -170,6 +173,7 @@ impl ChainArgs {
                 "pixel_format",
                 text(&self.pixel_format),
             ),
+            ("--io", "capture", "io", text(&self.io)),
             (
                 "--control",
                 "capture",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lariat_capture::{ControlSettings, FourCc};
+use lariat_capture::{ControlSettings, FourCc, Io};
 use toml::Value;
 
 /// What only cameras have.
@@ -10,6 +10,8 @@ use toml::Value;
 pub(crate) struct CameraSettings {
     /// The pixel format; without it, the best there is.
     pub(crate) pixel_format: Option<FourCc>,
+    /// How frames come from its driver.
+    pub(crate) io: Io,
     /// Names of controls, and what to set them to.
     pub(crate) controls: BTreeMap<String, String>,
     /// Whether exposure, white balance, gain and focus stay as they are once the picture has settled.
@@ -20,7 +22,6 @@ pub(crate) struct CameraSettings {
 
 impl CameraSettings {
     /// What to do with the controls.
-    #[allow(dead_code, reason = "for the camera as a source")]
     pub(crate) fn controls(&self) -> ControlSettings {
         ControlSettings {
             values: self.controls.clone().into_iter().collect(),
@@ -29,6 +30,13 @@ impl CameraSettings {
         }
     }
 }
+
+/// The words for how frames come from a camera's driver.
+pub(super) const IO: [(&str, Io); 3] = [
+    ("auto", Io::Auto),
+    ("userptr", Io::UserPointer),
+    ("mmap", Io::Mapped),
+];
 
 pub(super) fn pixel_format(value: &Value) -> Result<Option<FourCc>, String> {
     let asked = value.as_str().unwrap_or_default();

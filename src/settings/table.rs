@@ -218,6 +218,14 @@ pub(super) const KEYS: &[Key] = &[
     },
     Key {
         section: "capture",
+        name: "io",
+        about: "How frames come from a camera's driver: \"userptr\" straight into shared memory, \"mmap\" by one copy, or \"auto\".",
+        example: "",
+        set: |s, v| meaning::named("ways", &camera::IO, v).map(|io| s.capture.camera.io = io),
+        get: |s| meaning::name_of(&camera::IO, s.capture.camera.io),
+    },
+    Key {
+        section: "capture",
         name: "controls",
         about: "What a camera's controls are set to, by the names in `lariat devices`.",
         example: "{ auto_exposure = 1, exposure_time_absolute = 50 }",

@@ -87,6 +87,9 @@ impl Sender<'_> {
             while let Some(warning) = self.feed.source.take_warning() {
                 tracing::warn!("{warning}");
             }
+            while let Some(news) = self.feed.source.take_news() {
+                tracing::info!("{news}");
+            }
             match next.context("the source ended with a fault")? {
                 Next::Frame(frame) => {
                     let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));

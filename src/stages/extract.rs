@@ -31,6 +31,8 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         let header = frame.header();
         let mask = match &mut masks {
             None => None,
+            // Nobody makes a mask of nothing.
+            Some(_) if header.is_blank() => None,
             Some(masks) => match masks.of(header, &station.stop)? {
                 Some(mask) => {
                     // Waiting for it was no work.
@@ -84,8 +86,8 @@ impl Eye {
         })
     }
 
-    /// Fills in what is seen in a frame: nothing, if it cannot be read. It is answered all the same: a stage never goes
-    /// silent while frames come in.
+    /// Fills in what is seen in a frame: nothing, if it cannot be read; what is known without, if there is no image in it.
+    /// It is answered all the same: a stage never goes silent while frames come in.
     fn look(
         &mut self,
         frame: &Message<[u8]>,
@@ -94,6 +96,10 @@ impl Eye {
     ) {
         let header = frame.header();
         (message.width, message.height) = (header.width, header.height);
+        if header.is_blank() {
+            self.extractor.at(header.trace.exposed_ns);
+            return fill(message, &self.extractor.blank());
+        }
         if let Err(cause) = self.see(frame, mask, message) {
             self.unreadable.once(&cause);
             (message.count, message.crossing_count) = (0, 0);

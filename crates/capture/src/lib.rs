@@ -6,6 +6,7 @@
 
 mod ahead;
 mod lent;
+mod mjpeg;
 pub mod moving;
 mod natural;
 mod open;
@@ -22,6 +23,7 @@ mod video;
 mod yuv;
 
 pub use lent::{LentSlot, SlotKey};
+pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};
@@ -29,7 +31,7 @@ pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};
 pub use v4l2::{
-    AboutCamera, CameraError, Control, ControlError, ControlKind, ControlSettings, DEFAULT_SIZE,
-    FormatOffer, FourCc, Interval, ListedCamera, NoCommonFormat, Rates, Request, SizeOffer,
-    SizeRange, list_cameras, names_a_camera,
+    AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
+    DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
+    SizeOffer, SizeRange, list_cameras, names_a_camera,
 };

@@ -7,6 +7,7 @@ use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
 use crate::lent::{LentSlot, SlotKey};
 use crate::until::Until;
+use crate::v4l2::CameraError;
 
 /// A frame: its geometry, when it was taken, and where its pixels are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +30,19 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// A frame without an image: at this moment the source has none to give, though it is time for one.
+    pub fn blank(sequence: u64, now_ns: u64) -> Self {
+        Self {
+            sequence,
+            width: 0,
+            height: 0,
+            stride: 0,
+            format: PixelFormat::Gray8,
+            exposed_ns: Some(now_ns),
+            slot: None,
+        }
+    }
+
     /// Bytes of the whole image.
     pub fn bytes(&self) -> usize {
         self.format.image_bytes(self.stride, self.height)
@@ -116,6 +130,11 @@ pub trait FrameSource: Send {
     fn take_warning(&mut self) -> Option<String> {
         None
     }
+
+    /// A sentence on something that is worth knowing and not wrong, such as a camera that is there again. Ask likewise.
+    fn take_news(&mut self) -> Option<String> {
+        None
+    }
 }
 
 /// Why a source cannot be opened, or cannot go on.
@@ -174,6 +193,9 @@ pub enum SourceError {
         /// What is wrong with the first.
         reason: String,
     },
+    /// A camera that cannot be used.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// The thread that decodes is gone.
     #[error(
         "the decoder stopped in the middle: this is a defect of lariat, please report it with the file it was reading"

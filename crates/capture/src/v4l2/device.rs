@@ -136,7 +136,8 @@ impl AsFd for Device {
     }
 }
 
-fn refusal(path: &Path, doing: &'static str, errno: Errno) -> CameraError {
+/// The error that the kernel's refusal means; `doing` completes "it cannot …".
+pub(super) fn refusal(path: &Path, doing: &'static str, errno: Errno) -> CameraError {
     let path = path.to_owned();
     match errno {
         Errno::BUSY => CameraError::Busy {
