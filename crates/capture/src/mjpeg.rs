@@ -87,7 +87,7 @@ impl Mjpeg {
     /// A decoder of frames of the size that was agreed on with the camera, in pixels.
     pub fn new(width: u32, height: u32) -> Self {
         // A camera's frames are a fraction of this. Memory that is not written to takes no room.
-        let most = 2 * width as usize * height as usize;
+        let most = (2 * width as usize).saturating_mul(height as usize);
         Self {
             width,
             height,
@@ -97,7 +97,9 @@ impl Mjpeg {
 
     /// The most bytes that a decoded frame takes.
     pub fn largest_frame_bytes(&self) -> usize {
-        PixelFormat::Rgb8.row_bytes(self.width) * self.height as usize
+        PixelFormat::Rgb8
+            .row_bytes(self.width)
+            .saturating_mul(self.height as usize)
     }
 
     /// What [`decode`](Self::decode) makes of a frame, by its head: `Rgb8`, or `Gray8` if it is without colour, its rows one
