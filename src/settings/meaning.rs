@@ -43,6 +43,11 @@ pub(super) fn number_value(x: f64) -> Value {
     }
 }
 
+/// A number as the file has it, to the last bit, with a point.
+pub(crate) fn number_text(x: f64) -> String {
+    Value::Float(x).to_string()
+}
+
 pub(super) fn whole(value: &Value, low: i64, high: i64) -> Result<i64, String> {
     let range = if high == i64::MAX {
         format!("of at least {low}")
@@ -170,6 +175,11 @@ pub(super) fn size(value: &Value) -> Result<[u32; 2], String> {
             .to_owned(),
         ),
     }
+}
+
+/// The size of images, as a flag has it.
+pub(crate) fn image_size(text: &str) -> Result<[u32; 2], String> {
+    size(&Value::String(text.to_owned()))
 }
 
 pub(super) fn position(value: &Value) -> Result<[f32; 2], String> {

@@ -25,7 +25,7 @@ const EXACT_PX: f64 = 1e-6;
 pub struct Fit<const D: usize = 2> {
     /// The family of curves, and the size where it was chosen.
     pub basis: Basis,
-    /// The descriptor `s`, in the points' unit (px).
+    /// The descriptor `s`, in the points' unit: px, and wherever px is said here, what the points come in.
     pub control_points: Vec<[f64; D]>,
     /// Weights of the control points: of rational curves only, else empty.
     pub weights: Vec<f64>,

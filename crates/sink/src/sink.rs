@@ -133,6 +133,7 @@ impl Sink {
                 restarts: self.ledger.restarts(),
                 stale: self.ledger.stale(),
                 unknown_basis: self.truth.unknown_basis,
+                elsewhere: self.truth.elsewhere,
                 finished: self.finished,
             },
         }
