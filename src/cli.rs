@@ -7,6 +7,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::bench::{self, BenchArgs, PartArgs};
+use crate::calibrate::{self, CalibrateArgs};
 use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
@@ -46,6 +47,8 @@ enum Command {
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
     Pick(PickArgs),
+    /// Where what the camera sees lies: the table, from points whose place on it is known
+    Calibrate(CalibrateArgs),
     /// The experiments of the paper that lariat is built on, again and with numbers, as one page
     Paper(PaperArgs),
     /// The cameras of this machine: formats, sizes, rates and controls
@@ -89,6 +92,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
+        Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),

@@ -1,6 +1,7 @@
 //! A descriptor as the JSON object that `lariat trace` and `lariat fit` print.
 
 use lariat_fit::{Basis, Curve, Fit};
+use lariat_wire::Unit;
 use serde::Serialize;
 
 /// The keys are part of what users build on.
@@ -15,15 +16,35 @@ pub(crate) struct Descriptor {
     /// All of them, from 0 to 1: of B-splines only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) knots: Vec<f64>,
-    pub(crate) rms_px: f64,
-    pub(crate) max_px: f64,
+    /// In the points' unit, as everything here.
+    pub(crate) rms: f64,
+    pub(crate) max: f64,
     /// σ²: one coordinate's.
     pub(crate) residual_variance: f64,
     /// The least certain control point's standard deviation, by σ.
     pub(crate) noise_gain: f64,
     pub(crate) condition: f64,
+    /// What it is measured in, and how long the centerline is there: of points that lariat found itself.
+    #[serde(flatten)]
+    pub(crate) measure: Option<Measure>,
     #[serde(skip)]
     family: Basis,
+}
+
+/// A unit, and a length in it.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Measure {
+    pub(crate) unit: &'static str,
+    pub(crate) length: f64,
+}
+
+/// A unit's name in JSON and in tables.
+pub(crate) fn unit_name(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Pixel => "px",
+        Unit::Millimeter => "mm",
+        Unit::IdealPixel => "ideal px",
+    }
 }
 
 impl Descriptor {
@@ -35,11 +56,12 @@ impl Descriptor {
             control_points: fit.control_points.clone(),
             weights: fit.weights.clone(),
             knots: fit.knots.clone(),
-            rms_px: fit.rms_px,
-            max_px: fit.max_px,
+            rms: fit.rms_px,
+            max: fit.max_px,
             residual_variance: fit.residual_variance,
             noise_gain: fit.noise_gain(),
             condition: fit.condition,
+            measure: None,
             family: fit.basis,
         }
     }
@@ -55,7 +77,7 @@ impl Descriptor {
         .ok()
     }
 
-    /// As a person wants to read it: to a thousandth of a pixel.
+    /// As a person wants to read it: to a thousandth of the unit.
     pub(crate) fn rounded(mut self) -> Self {
         self.control_points = self
             .control_points
@@ -63,13 +85,16 @@ impl Descriptor {
             .map(|p| p.map(thousandths))
             .collect();
         for number in [
-            &mut self.rms_px,
-            &mut self.max_px,
+            &mut self.rms,
+            &mut self.max,
             &mut self.residual_variance,
             &mut self.noise_gain,
             &mut self.condition,
         ] {
             *number = thousandths(*number);
+        }
+        if let Some(measure) = &mut self.measure {
+            measure.length = thousandths(measure.length);
         }
         self
     }

@@ -1,6 +1,8 @@
 //! lariat: from a camera's images to the shape of the rope in them, through shared memory.
 
 mod bench;
+mod calibrate;
+mod calibrated;
 mod chain;
 mod cli;
 mod compare;
@@ -14,6 +16,7 @@ mod inputs;
 mod paper;
 mod pick;
 mod picture;
+mod plane_file;
 mod settings;
 mod snapshot;
 mod stages;

@@ -14,20 +14,22 @@ mod keys;
 mod meaning;
 mod problem;
 mod table;
+mod view;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
 pub(crate) use camera::{CameraSettings, name_and_value};
 pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
-pub(crate) use meaning::mask_text;
+pub(crate) use meaning::{image_size, mask_text, number_text};
 pub(crate) use problem::Problems;
+pub(crate) use view::{Camera, Unit};
 
 use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{CameraOptions, Pace, RenderOptions, Request, Source, names_a_camera};
-use lariat_extract::{Mask, Method};
+use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -40,6 +42,7 @@ pub(crate) const FILE_NAME: &str = "lariat.toml";
 pub(crate) struct Settings {
     pub(crate) run: Run,
     pub(crate) capture: Capture,
+    pub(crate) camera: Camera,
     pub(crate) extract: Extract,
     pub(crate) fit: Fit,
     pub(crate) sink: Sink,
@@ -217,6 +220,8 @@ pub(crate) struct Extract {
     pub(crate) start: Option<[f32; 2]>,
     /// For how long a rope that is out of sight is reported.
     pub(crate) keep_lost: Duration,
+    /// The part of the image that is read; without it, all.
+    pub(crate) roi: Option<Region>,
 }
 
 impl Default for Extract {
@@ -229,6 +234,7 @@ impl Default for Extract {
             ropes: 8,
             start: None,
             keep_lost: Duration::from_secs(1),
+            roi: None,
         }
     }
 }
@@ -241,7 +247,11 @@ impl Extract {
             method: self.method,
             points: self.points,
             ropes: self.ropes,
-            start: self.start,
+            // The extractor sees the region alone.
+            start: match (self.start, self.roi) {
+                (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),
+                (start, _) => start,
+            },
             keep_lost: self.keep_lost,
         }
     }
@@ -327,6 +337,7 @@ impl Resolved {
         if problems.is_empty() {
             resolved.check_fit(&mut problems);
             resolved.check_arrangement(&mut problems);
+            resolved.check_view(&mut problems);
         }
         problems.into_result()?;
         Ok(resolved)
@@ -356,6 +367,22 @@ impl Resolved {
             .max()
             .unwrap_or(&Origin::Default);
         problems.add(said, error);
+    }
+
+    /// Whether the calibration that is named is one, and the region has something in it.
+    fn check_view(&self, problems: &mut Problems) {
+        let mut blame = |section, names: &[&str], why: Option<String>| {
+            let said = names
+                .iter()
+                .filter_map(|name| keys::position(section, name));
+            let said = said.map(|key| &self.origins[key]).max();
+            if let Some(why) = why {
+                problems.add(said.unwrap_or(&Origin::Default), why);
+            }
+        };
+        let camera = Camera::problem(&self.settings);
+        blame("camera", &["calibration", "plane", "unit"], camera);
+        blame("extract", &["roi"], view::region_problem(&self.settings));
     }
 
     /// Whether the stages can be arranged so.

@@ -6,12 +6,14 @@ mod masks;
 mod overlay;
 mod report;
 
-use crate::descriptor_json::{Descriptor, thousandths};
+use crate::calibrated::Calibrated;
+use crate::descriptor_json::{Descriptor, Measure, thousandths, unit_name};
 use crate::doubts;
 use crate::fit_lines::is_closed;
 use crate::inputs;
 use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
+use crate::stages::extract::{masked_elsewhere, part};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
@@ -19,8 +21,10 @@ use crate::trace::report::{
 };
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Scene, Step};
-use lariat_fit::Fitter;
+use lariat_camera::Mapping;
+use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Region, Scene, Step};
+use lariat_fit::{Fitter, Resampler};
+use lariat_wire::Unit;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -68,7 +72,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
         Some(folder) => Some(Overlays::new(folder, &images)?),
         None => None,
     };
-    let mut table = Table::new(&images);
+    let mut table = Table::new(&images, unit_name(tracer.unit()));
     let mut output = io::BufWriter::new(io::stdout().lock());
     for image in &images {
         let (picture, report) = match tracer.trace(image) {
@@ -90,7 +94,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             break;
         }
         if let Some(overlays) = &mut overlays
-            && let Err(why) = overlays.write(image, picture, &report)
+            && let Err(why) = overlays.write(image, picture, &report, tracer.mapping.as_ref())
         {
             complain(why);
         }
@@ -105,6 +109,11 @@ struct Tracer {
     closed: Fitter,
     is_video: bool,
     masks: Option<Masks>,
+    region: Option<Region>,
+    calibrated: Option<Calibrated>,
+    /// The way to where points lie, for the last picture's size.
+    mapping: Option<Mapping>,
+    line: Resampler,
     points: Vec<[f64; 2]>,
 }
 
@@ -119,17 +128,32 @@ impl Tracer {
             closed: Fitter::new(settings.fit.options(settings.extract.points, true))?,
             is_video: args.video,
             masks: args.mask.as_deref().map(Masks::new).transpose()?,
+            region: settings.extract.roi,
+            calibrated: Calibrated::load(&settings.camera)?,
+            mapping: None,
+            line: Resampler::new(),
             points: Vec::new(),
         })
+    }
+
+    /// What descriptors come in.
+    fn unit(&self) -> Unit {
+        self.calibrated
+            .as_ref()
+            .map_or(Unit::Pixel, Calibrated::unit)
     }
 
     /// The ropes in the picture at `path`.
     fn trace(&mut self, path: &Path) -> Result<(Picture, Report)> {
         let begin = Instant::now();
         let picture = Picture::load(path)?;
-        let image = picture
-            .image()
-            .with_context(|| path.display().to_string())?;
+        let about = || path.display().to_string();
+        let whole = picture.image().with_context(about)?;
+        let (region, image) = part(&whole, self.region).with_context(about)?;
+        let size = [picture.width(), picture.height()];
+        if let Some(calibrated) = &self.calibrated {
+            self.mapping = Some(calibrated.mapping(size).with_context(about)?);
+        }
         let mask = match &self.masks {
             Some(masks) => Some(masks.of(path)?),
             None => None,
@@ -159,6 +183,8 @@ impl Tracer {
             Some((name, mask)) => {
                 let about = || name.display().to_string();
                 let mask = mask.image().with_context(about)?;
+                let mask = mask.region(region).ok_or_else(|| masked_elsewhere(&whole));
+                let mask = mask.with_context(about)?;
                 self.extractor
                     .extract_masked_observed(&image, &mask, &mut watch)
                     .with_context(about)?
@@ -166,21 +192,50 @@ impl Tracer {
         };
 
         last = Instant::now();
+        let unit = self
+            .calibrated
+            .as_ref()
+            .map_or(Unit::Pixel, Calibrated::unit);
+        let unit = unit_name(unit);
         let mut descriptors = Vec::with_capacity(scene.curves.len());
         for curve in scene.curves {
             self.points.clear();
-            self.points
-                .extend(curve.points.iter().map(|p| p.map(f64::from)));
+            for p in &curve.points {
+                let [x, y] = p.map(f64::from);
+                let pixel = [x + region.x as f64, y + region.y as f64];
+                self.points.push(match &self.mapping {
+                    None => pixel,
+                    Some(mapping) => mapping.place(pixel).with_context(about)?.point,
+                });
+            }
+            let mut length = f64::from(curve.length_px);
+            if self.mapping.is_some() {
+                let even = self
+                    .line
+                    .resample(&self.points, curve.closed)
+                    .with_context(about)?;
+                self.points.copy_from_slice(even);
+                length = self.line.length();
+            }
             let fitter = if curve.closed {
                 &mut self.closed
             } else {
                 &mut self.open
             };
-            descriptors.push(Descriptor::of(fitter.fit(&self.points)?).rounded());
+            let mut descriptor = Descriptor::of(fitter.fit(&self.points)?);
+            descriptor.measure = Some(Measure { unit, length });
+            descriptors.push(descriptor.rounded());
         }
         timing.fit = since(last);
         timing.total = since(begin);
-        let report = report(path, &picture, &scene, descriptors, timing.rounded());
+        let report = report(
+            path,
+            &picture,
+            &scene,
+            region,
+            descriptors,
+            timing.rounded(),
+        );
         Ok((picture, report))
     }
 }
@@ -189,20 +244,22 @@ fn report(
     path: &Path,
     picture: &Picture,
     scene: &Scene,
+    region: Region,
     descriptors: Vec<Descriptor>,
     timing_us: Timing,
 ) -> Report {
     let curves = descriptors.into_iter().enumerate();
     let crossings = scene.crossings.iter();
+    let origin = [region.x as f32, region.y as f32];
     Report {
         image: path.display().to_string(),
         width: picture.width(),
         height: picture.height(),
         curves: curves
-            .map(|(index, descriptor)| curve_report(scene, index, descriptor))
+            .map(|(index, descriptor)| curve_report(scene, origin, index, descriptor))
             .collect(),
         crossings: crossings
-            .map(|crossing| crossing_report(scene, crossing))
+            .map(|crossing| crossing_report(scene, origin, crossing))
             .collect(),
         notices: (scene.notice.into_iter())
             .map(|notice| NoticeReport {
@@ -214,7 +271,13 @@ fn report(
     }
 }
 
-fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveReport {
+/// `origin` is where in the picture the extractor's own begins.
+fn curve_report(
+    scene: &Scene,
+    origin: [f32; 2],
+    index: usize,
+    descriptor: Descriptor,
+) -> CurveReport {
     let curve = &scene.curves[index];
     let sequence = CrossingSequence::of(scene, index);
     let rounded = |x: &f32| thousandths((*x).into());
@@ -228,7 +291,7 @@ fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveRep
         points: curve
             .points
             .iter()
-            .map(|p| p.map(|c| rounded(&c)))
+            .map(|p| [0, 1].map(|axis| rounded(&(p[axis] + origin[axis]))))
             .collect(),
         widths_px: curve.widths_px.iter().map(rounded).collect(),
         hidden: (0..curve.points.len())
@@ -241,14 +304,14 @@ fn curve_report(scene: &Scene, index: usize, descriptor: Descriptor) -> CurveRep
     }
 }
 
-fn crossing_report(scene: &Scene, crossing: &Crossing) -> CrossingReport {
+fn crossing_report(scene: &Scene, origin: [f32; 2], crossing: &Crossing) -> CrossingReport {
     let strand = |curve: usize, rho: f32| StrandReport {
         track: scene.curves[curve].track,
         // To a tenth of a pixel of a rope of a thousand.
         rho: (f64::from(rho) * 1e4).round() / 1e4,
     };
     CrossingReport {
-        at: crossing.at.map(|c| thousandths(c.into())),
+        at: [0, 1].map(|axis| thousandths((crossing.at[axis] + origin[axis]).into())),
         over: strand(crossing.over, crossing.over_rho),
         under: strand(crossing.under, crossing.under_rho),
         confidence: thousandths(crossing.confidence.into()),

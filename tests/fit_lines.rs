@@ -57,8 +57,8 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
         let expected = fitter.fit(&rope(points)).unwrap();
         // JSON carries every digit.
         assert_eq!(control_points(answer), expected.control_points);
-        assert_eq!(answer["rms_px"], expected.rms_px);
-        assert_eq!(answer["max_px"], expected.max_px);
+        assert_eq!(answer["rms"], expected.rms_px);
+        assert_eq!(answer["max"], expected.max_px);
         assert_eq!(answer["basis"], "bezier");
         assert_eq!(answer["order"], 8);
         let condition = answer["condition"].as_f64().unwrap();

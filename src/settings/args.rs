@@ -42,6 +42,18 @@ pub(crate) struct ShapeArgs {
     /// How the curve is computed: pinv, cholesky or qr
     #[arg(long, value_name = "NAME")]
     pub(crate) solver: Option<String>,
+    /// Lens calibration: a YAML file of OpenCV or ROS
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: Option<PathBuf>,
+    /// Plane that the rope lies on, as `lariat calibrate plane` writes it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plane: Option<PathBuf>,
+    /// What descriptors come in: px or mm (default: mm where a plane is named)
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) unit: Option<String>,
+    /// Part of the image that is read, in pixels
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true)]
+    pub(crate) roi: Option<String>,
     /// Settings file (default: lariat.toml in this folder, if there is one)
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
@@ -204,6 +216,20 @@ impl ChainArgs {
                 "points",
                 self.shape.points.map(Value::Integer),
             ),
+            ("--roi", "extract", "roi", text(&self.shape.roi)),
+            (
+                "--calibration",
+                "camera",
+                "calibration",
+                self.shape.calibration.as_ref().map(path),
+            ),
+            (
+                "--plane",
+                "camera",
+                "plane",
+                self.shape.plane.as_ref().map(path),
+            ),
+            ("--unit", "camera", "unit", text(&self.shape.unit)),
             ("--order", "fit", "order", order),
             ("--basis", "fit", "basis", text(&self.shape.basis)),
             (

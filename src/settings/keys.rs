@@ -20,9 +20,10 @@ pub(super) struct Key {
 }
 
 /// What each section is about.
-const SECTIONS: [(&str, &str); 5] = [
+const SECTIONS: [(&str, &str); 6] = [
     ("run", "The chain as a whole."),
     ("capture", "Where frames come from."),
+    ("camera", "Where what is seen in them lies."),
     (
         "extract",
         "What is a rope in them, and how its centerline is given.",

@@ -45,6 +45,11 @@ pub(super) fn number_value(x: f64) -> Value {
     }
 }
 
+/// A number as the file has it, to the last bit, with a point.
+pub(crate) fn number_text(x: f64) -> String {
+    Value::Float(x).to_string()
+}
+
 pub(super) fn whole(value: &Value, low: i64, high: i64) -> Result<i64, String> {
     let range = if high == i64::MAX {
         format!("of at least {low}")
@@ -184,6 +189,12 @@ pub(super) fn size_value(size: Option<[u32; 2]>) -> Value {
         Some(size) => Value::Array(size.map(|side| Value::Integer(side.into())).into()),
         None => Value::String("auto".to_owned()),
     }
+}
+
+/// The size of images, as a flag has it.
+pub(crate) fn image_size(text: &str) -> Result<[u32; 2], String> {
+    size(&Value::String(text.to_owned()))?
+        .ok_or_else(|| "a size of its own is needed, as 640x480".to_owned())
 }
 
 pub(super) fn position(value: &Value) -> Result<[f32; 2], String> {

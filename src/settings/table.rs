@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, camera, meaning};
+use crate::settings::{arrangement, camera, meaning, view};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -249,6 +249,32 @@ pub(super) const KEYS: &[Key] = &[
         get: |s| Some(Value::Boolean(s.capture.camera.restore)),
     },
     Key {
+        section: "camera",
+        name: "calibration",
+        about: "The lens: a file of OpenCV's FileStorage or of ROS's camera_calibration (YAML). A rope's points are undistorted\n\
+                by it, never the image.",
+        example: "\"camera.yaml\"",
+        set: |s, v| meaning::text(v).map(|text| s.camera.calibration = Some(PathBuf::from(text))),
+        get: |s| s.camera.calibration.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "camera",
+        name: "plane",
+        about: "The table that the rope lies on: a file as `lariat calibrate plane` writes it.",
+        example: "\"plane.toml\"",
+        set: |s, v| meaning::text(v).map(|text| s.camera.plane = Some(PathBuf::from(text))),
+        get: |s| s.camera.plane.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "camera",
+        name: "unit",
+        about: "What descriptors come in: \"px\" of the image (with a calibration, of one without distortion), or \"mm\" on the\n\
+                plane. If not set, mm where a plane is named.",
+        example: "\"mm\"",
+        set: |s, v| meaning::named("units", &view::UNITS, v).map(|unit| s.camera.unit = Some(unit)),
+        get: |s| s.camera.unit.map(|unit| Value::String(unit.to_string())),
+    },
+    Key {
         section: "extract",
         name: "mask",
         about: "What is rope. \"auto\" takes what differs from the background. Or colours, one range or more:\n\
@@ -323,6 +349,14 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.extract.keep_lost = time),
         get: |s| Some(meaning::number_value(s.extract.keep_lost.as_secs_f64())),
+    },
+    Key {
+        section: "extract",
+        name: "roi",
+        about: "The part of the image that is read, [x, y, width, height] in pixels: a rope ends at its edge as at the image's.",
+        example: "[160, 120, 320, 240]",
+        set: |s, v| view::region(v).map(|region| s.extract.roi = Some(region)),
+        get: |s| s.extract.roi.map(view::region_value),
     },
     Key {
         section: "fit",
@@ -426,7 +460,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "fit",
         name: "acceleration_px_s2",
-        about: "How much the filter thinks the rope's points accelerate, in px/s² over 1 s: the more, the less it smooths.",
+        about: "How much the filter thinks the rope's points accelerate, in px/s² over 1 s (of the image, also where\n\
+                descriptors come in mm): the more, the less it smooths.",
         example: "",
         set: |s, v| meaning::above_zero(v).map(|a| s.fit.acceleration_px_s2 = a),
         get: |s| Some(meaning::number_value(s.fit.acceleration_px_s2)),

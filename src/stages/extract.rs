@@ -1,6 +1,6 @@
 //! Extract as a process: frames in, centerlines out.
 
-use lariat_extract::{Extractor, Image, PixelFormat, Scene, Status};
+use lariat_extract::{Extractor, Image, PixelFormat, Region, Scene, Status};
 use lariat_wire::{
     CENTERLINES, Centerlines, Crossing, FRAMES, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS,
     Message, Writer, now_ns,
@@ -66,6 +66,10 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
 /// An extractor that answers every frame.
 struct Eye {
     extractor: Extractor,
+    /// What of the frames is read, if not all.
+    region: Option<Region>,
+    /// Where in the last frame the extractor looked.
+    origin: [usize; 2],
     /// What the extractor's buffers are made for.
     size: (usize, usize),
     unreadable: Warned,
@@ -76,11 +80,18 @@ impl Eye {
     fn new(settings: &Settings) -> anyhow::Result<Self> {
         let mut extractor = Extractor::new(settings.extract.options())?;
         // Most likely the size that is coming. Another is prepared for with its first frame.
-        let [width, height] = settings.capture.likely_size().map(|side| side as usize);
-        extractor.prepare(width, height);
+        let mut size = settings.capture.likely_size().map(|side| side as usize);
+        let region = settings.extract.roi;
+        if let Some(region) = region {
+            size[0] = region.width.min(size[0].saturating_sub(region.x)).max(1);
+            size[1] = region.height.min(size[1].saturating_sub(region.y)).max(1);
+        }
+        extractor.prepare(size[0], size[1]);
         Ok(Self {
             extractor,
-            size: (width, height),
+            region,
+            origin: [0; 2],
+            size: (size[0], size[1]),
             unreadable: Warned::default(),
             doubts: Doubts::default(),
         })
@@ -98,7 +109,7 @@ impl Eye {
         (message.width, message.height) = (header.width, header.height);
         if header.is_blank() {
             self.extractor.at(header.trace.exposed_ns);
-            return fill(message, &self.extractor.blank());
+            return fill(message, &self.extractor.blank(), self.origin);
         }
         if let Err(cause) = self.see(frame, mask, message) {
             self.unreadable.once(&cause);
@@ -112,7 +123,9 @@ impl Eye {
         mask: Option<&Message<[u8]>>,
         message: &mut Centerlines,
     ) -> anyhow::Result<()> {
-        let seen = image(frame.header(), frame)?;
+        let whole = image(frame.header(), frame)?;
+        let (region, seen) = part(&whole, self.region)?;
+        self.origin = [region.x, region.y];
         if self.size != (seen.width(), seen.height()) {
             self.size = (seen.width(), seen.height());
             self.extractor.prepare(self.size.0, self.size.1);
@@ -120,11 +133,15 @@ impl Eye {
         self.extractor.at(frame.header().trace.exposed_ns);
         let scene = match mask {
             None => self.extractor.extract(&seen),
-            Some(mask) => self
-                .extractor
-                .extract_masked(&seen, &image(mask.header(), mask)?)?,
+            Some(mask) => {
+                let mask = image(mask.header(), mask)?;
+                let mask = mask
+                    .region(region)
+                    .ok_or_else(|| masked_elsewhere(&whole))?;
+                self.extractor.extract_masked(&seen, &mask)?
+            }
         };
-        fill(message, &scene);
+        fill(message, &scene, self.origin);
         if let Some(notice) = self.doubts.next(scene.notice) {
             tracing::warn!("{}", doubts::sentence(notice));
         }
@@ -162,8 +179,48 @@ pub(crate) fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result
     Ok(Image::new(bytes, width, height, stride, format)?)
 }
 
-/// Writes what was seen into a message.
-pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
+/// The part of a frame that is read: which it is, and itself.
+///
+/// # Errors
+/// Nothing of the frame lies in the region.
+pub(crate) fn part<'a>(
+    whole: &Image<'a>,
+    region: Option<Region>,
+) -> anyhow::Result<(Region, Image<'a>)> {
+    let all = Region {
+        x: 0,
+        y: 0,
+        width: whole.width(),
+        height: whole.height(),
+    };
+    let asked = region.unwrap_or(all);
+    let view = asked
+        .within(whole)
+        .and_then(|region| Some((region, whole.region(region)?)));
+    view.ok_or_else(|| {
+        anyhow::anyhow!(
+            "the region begins at {}, {} and the image has {}×{} pixels: nothing of it is left (roi = [x, y, width, height])",
+            asked.x,
+            asked.y,
+            all.width,
+            all.height
+        )
+    })
+}
+
+/// Why a mask without the region is none.
+pub(crate) fn masked_elsewhere(whole: &Image) -> anyhow::Error {
+    anyhow::anyhow!(
+        "a mask must have its image's size, {}×{} pixels, also where only a region of it is read",
+        whole.width(),
+        whole.height()
+    )
+}
+
+/// Writes what was seen into a message; `origin` is where in the frame it was looked for.
+pub(crate) fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
+    let origin = origin.map(|c| c as f32);
+    let moved = |p: [f32; 2]| [p[0] + origin[0], p[1] + origin[1]];
     let curves = scene.curves.len().min(MAX_CURVES);
     message.count = curves as u32;
     for (to, from) in message.curves.iter_mut().zip(scene.curves) {
@@ -182,7 +239,9 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
         to.reserved = 0;
         to.age_ns = from.age_ns;
         to.set_hidden(from.hidden.iter().copied());
-        to.points[..points].copy_from_slice(&from.points[..points]);
+        for (to, from) in to.points[..points].iter_mut().zip(&from.points) {
+            *to = moved(*from);
+        }
         to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
     }
     // A crossing may name a curve that had no room.
@@ -192,7 +251,7 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene) {
     let mut count = 0;
     for (to, from) in message.crossings.iter_mut().zip(crossings) {
         *to = Crossing {
-            at: from.at,
+            at: moved(from.at),
             over: from.over as u32,
             under: from.under as u32,
             over_rho: from.over_rho,

@@ -1,23 +1,26 @@
 //! Fit as a process: centerlines in, descriptors out.
 
 mod filters;
+mod place;
 
 use lariat_fit::{Fit, Fitter};
 use lariat_wire::{
     Basis, CENTERLINES, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
-    MAX_CONTROL_POINTS, MAX_POINTS, Status, Writer, now_ns,
+    MAX_CONTROL_POINTS, MAX_POINTS, Status, Unit, Writer, now_ns,
 };
 
 use super::extract::Warned;
 use super::status::Sent;
 use super::{Inbox, Seat, Station};
+use crate::calibrated::Calibrated;
 use crate::settings::{self, Settings};
 use filters::Filters;
+use place::Placer;
 
 /// Fits until a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     let mut station = Station::open(settings, "fit", seat)?;
-    let mut curves = CurveFitter::new(&settings.fit, settings.extract.points)?;
+    let mut curves = CurveFitter::new(settings)?;
     let Station {
         domain,
         rig,
@@ -52,7 +55,15 @@ pub(crate) fn fill(
     curves: &mut CurveFitter,
     unfitted: &mut Warned,
 ) {
-    (message.width, message.height, message.reserved) = (seen.width, seen.height, 0);
+    (message.width, message.height, message.count) = (seen.width, seen.height, 0);
+    message.unit = curves.unit() as u32;
+    // Without an image the camera is the one of before.
+    if seen.width > 0
+        && let Err(cause) = curves.turn_to([seen.width, seen.height])
+    {
+        unfitted.once(&cause);
+        return;
+    }
     let mut count = 0;
     for curve in seen.curves() {
         let descriptor = &mut message.curves[count];
@@ -64,10 +75,11 @@ pub(crate) fn fill(
     message.count = count as u32;
 }
 
-/// Fitters of open and closed curves for whatever number of points the centerlines have, and the filters of
-/// their ropes.
+/// Fitters of open and closed curves for whatever number of points the centerlines have, the way to where those lie, and
+/// the filters of their ropes.
 pub(crate) struct CurveFitter {
     settings: settings::Fit,
+    placer: Option<Placer>,
     /// How many points the fitters are for.
     count: usize,
     open: Fitter,
@@ -80,25 +92,64 @@ pub(crate) struct CurveFitter {
 }
 
 impl CurveFitter {
-    /// Precomputes for this number of points.
-    pub(crate) fn new(settings: &settings::Fit, count: usize) -> anyhow::Result<Self> {
-        let open = Fitter::new(settings.options(count, false))?;
-        let closed = Fitter::new(settings.options(count, true))?;
-        let filters = if settings.filter {
-            Some(Filters::new(settings, [&open, &closed])?)
-        } else {
-            None
-        };
-        Ok(Self {
-            settings: settings.clone(),
+    /// Precomputes for the settings' number of points, and reads the calibration they name.
+    pub(crate) fn new(settings: &Settings) -> anyhow::Result<Self> {
+        let count = settings.extract.points;
+        let mut fitter = Self {
+            placer: Calibrated::load(&settings.camera)?.map(Placer::new),
             count,
-            open,
-            closed,
+            open: Fitter::new(settings.fit.options(count, false))?,
+            closed: Fitter::new(settings.fit.options(count, true))?,
+            settings: settings.fit.clone(),
             last_track: None,
-            filters,
+            filters: None,
             points: Box::new([[0.0; 2]; MAX_POINTS]),
             weights: Box::new([1.0; MAX_POINTS]),
-        })
+        };
+        fitter.make_filters()?;
+        // Most likely the size that is coming; another is told of with its first frame.
+        let _ = fitter.turn_to(settings.capture.likely_size());
+        Ok(fitter)
+    }
+
+    /// What descriptors come in.
+    pub(crate) fn unit(&self) -> Unit {
+        self.placer.as_ref().map_or(Unit::Pixel, Placer::unit)
+    }
+
+    /// Turns to frames of this size.
+    ///
+    /// # Errors
+    /// The calibration is for other images.
+    pub(crate) fn turn_to(&mut self, size: [u32; 2]) -> anyhow::Result<()> {
+        if let Some(placer) = &mut self.placer
+            && placer.turn_to(size)?
+        {
+            self.make_filters()?;
+        }
+        Ok(())
+    }
+
+    fn make_filters(&mut self) -> anyhow::Result<()> {
+        if self.settings.filter {
+            let unit_per_px = self.placer.as_ref().and_then(Placer::unit_per_px);
+            let fitters = [&self.open, &self.closed];
+            self.filters = Some(Filters::new(
+                &self.settings,
+                fitters,
+                unit_per_px.unwrap_or(1.0),
+            )?);
+        }
+        Ok(())
+    }
+
+    /// Extract was started with another number of points: its word counts, and the algebra is done anew, once.
+    fn count_anew(&mut self, count: usize) -> anyhow::Result<()> {
+        self.open = Fitter::new(self.settings.options(count, false))?;
+        self.closed = Fitter::new(self.settings.options(count, true))?;
+        self.count = count;
+        self.last_track = None;
+        self.make_filters()
     }
 
     /// Describes one curve, of an image taken at `exposed_ns`.
@@ -110,19 +161,27 @@ impl CurveFitter {
     ) -> anyhow::Result<()> {
         let count = curve.points().len();
         if count != self.count {
-            // Extract was started with another number: its word counts, and the algebra is done anew, once.
-            *self = Self::new(&self.settings, count)?;
+            self.count_anew(count)?;
         }
-        for (to, from) in self.points.iter_mut().zip(curve.points()) {
-            *to = from.map(f64::from);
+        match &mut self.placer {
+            Some(placer) => self.points[..count].copy_from_slice(placer.place(curve)?),
+            None => {
+                for (to, from) in self.points.iter_mut().zip(curve.points()) {
+                    *to = from.map(f64::from);
+                }
+            }
         }
         self.fit(curve)?;
-        let fit = match curve.closed {
-            0 => self.open.last(),
-            _ => self.closed.last(),
+        let fitter = match curve.closed {
+            0 => &mut self.open,
+            _ => &mut self.closed,
         };
-        write_curve(fit, descriptor);
+        write_curve(fitter.last(), descriptor);
         write_rope(curve, descriptor);
+        if let Some(placer) = &mut self.placer {
+            placer.describe(fitter, descriptor);
+        }
+        let fit = fitter.last();
         if let Some(filters) = &mut self.filters {
             filters.apply(exposed_ns, fit, descriptor);
         }
@@ -142,7 +201,11 @@ impl CurveFitter {
         if curve.status() == Some(Status::Partial) && self.settings.robust {
             let weights = &mut self.weights[..self.count];
             for (i, weight) in weights.iter_mut().enumerate() {
-                *weight = f64::from(!curve.is_hidden(i));
+                let is_hidden = match &self.placer {
+                    Some(placer) => placer.is_hidden(curve, i),
+                    None => curve.is_hidden(i),
+                };
+                *weight = f64::from(!is_hidden);
             }
             // Where what is seen does not determine the curve, what extraction bridged must do.
             if fitter.fit_weighted(points, weights).is_ok() {
@@ -167,8 +230,8 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
     } as u32;
     descriptor.order = fit.basis.order() as u32;
     descriptor.count = count as u32;
-    descriptor.rms_px = fit.rms_px;
-    descriptor.max_px = fit.max_px;
+    descriptor.rms = fit.rms_px;
+    descriptor.max = fit.max_px;
     descriptor.residual_variance = fit.residual_variance;
     descriptor.condition = fit.condition;
     descriptor.filtered = 0;
@@ -177,10 +240,11 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
         Some(weights) => descriptor.weights[..count].copy_from_slice(weights),
         None => descriptor.weights[..count].fill(1.0),
     }
-    for (j, variance) in descriptor.variances_px2[..count].iter_mut().enumerate() {
-        *variance = fit.residual_variance * fit.covariance_factor[j * (count + 1)];
+    for (j, covariance) in descriptor.covariances[..count].iter_mut().enumerate() {
+        let variance = fit.residual_variance * fit.covariance_factor[j * (count + 1)];
+        *covariance = [variance, 0.0, variance];
     }
-    descriptor.velocities_px_s[..count].fill([0.0; 2]);
+    descriptor.velocities[..count].fill([0.0; 2]);
     if let lariat_fit::Basis::BSpline { degree, .. } = fit.basis {
         let inner = &fit.knots[degree + 1..count];
         descriptor.knots[..inner.len()].copy_from_slice(inner);
@@ -195,8 +259,8 @@ fn write_rope(curve: &Curve, descriptor: &mut Descriptor) {
     descriptor.samples = curve.count;
     descriptor.closed = curve.closed;
     descriptor.border = curve.border;
-    descriptor.length_px = curve.length_px.into();
-    descriptor.width_px = curve.width_px.into();
+    descriptor.length = curve.length_px.into();
+    descriptor.width = curve.width_px.into();
     descriptor.age_ns = curve.age_ns;
     descriptor.hidden = (0..count).filter(|&i| curve.is_hidden(i)).count() as u32;
 }

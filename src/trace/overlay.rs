@@ -8,6 +8,7 @@ use crate::trace::report::{CurveReport, Report};
 use crate::whole_file::{self, Existing};
 use anyhow::{Context, Result, bail};
 use image::{ImageFormat, RgbImage};
+use lariat_camera::Mapping;
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,13 @@ impl Overlays {
     ///
     /// # Errors
     /// The file cannot be written, or would replace one of the pictures.
-    pub(super) fn write(&mut self, path: &Path, picture: Picture, report: &Report) -> Result<()> {
+    pub(super) fn write(
+        &mut self,
+        path: &Path,
+        picture: Picture,
+        report: &Report,
+        mapping: Option<&Mapping>,
+    ) -> Result<()> {
         let target = self.name(path);
         if target
             .canonicalize()
@@ -69,7 +76,7 @@ impl Overlays {
             );
         }
         let mut png = Vec::new();
-        draw(picture.into_rgb(), report)
+        draw(picture.into_rgb(), report, mapping)
             .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
             .with_context(|| format!("cannot encode {}", target.display()))?;
         whole_file::write(&target, &png, Existing::Replace)
@@ -88,25 +95,34 @@ impl Overlays {
     }
 }
 
-fn draw(picture: RgbImage, report: &Report) -> RgbImage {
+fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbImage {
     // Lines that can be seen in a large picture and do not hide a small one.
     let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
     let mut canvas = Canvas { picture };
     for (index, curve) in report.curves.iter().enumerate() {
-        draw_curve(&mut canvas, curve, COLOURS[index % COLOURS.len()], line_px);
+        let rgb = COLOURS[index % COLOURS.len()];
+        draw_curve(&mut canvas, curve, rgb, line_px, mapping);
     }
     canvas.picture
 }
 
 /// From the bottom up: polygon, curve, points, control points, and a ring around the first point.
-fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f64) {
+/// `mapping` is the way from pixels to where the descriptor's points lie, if they do not lie in the picture.
+fn draw_curve(
+    canvas: &mut Canvas,
+    curve: &CurveReport,
+    rgb: [u8; 3],
+    line_px: f64,
+    mapping: Option<&Mapping>,
+) {
     let ink = |rgb, opacity| Ink { rgb, opacity };
     // The coefficients of a Fourier series are no places.
     let control_points = match curve.descriptor.basis {
         "fourier" => &[],
         _ => &curve.descriptor.control_points[..],
     };
-    let smooth = sampled(&curve.descriptor, curve.length_px);
+    let control_points = &seen(control_points, mapping)[..];
+    let smooth = seen(&sampled(&curve.descriptor, curve.length_px), mapping);
 
     canvas.line(control_points, 0.5 * line_px + 1.0, ink(DARK, 0.35));
     canvas.line(control_points, 0.5 * line_px, ink(rgb, 0.8));
@@ -125,6 +141,14 @@ fn draw_curve(canvas: &mut Canvas, curve: &CurveReport, rgb: [u8; 3], line_px: f
         canvas.dots(&[first], 4.2 * line_px, ink(DARK, 0.8));
         canvas.dots(&[first], 3.4 * line_px, ink(rgb, 1.0));
         canvas.dots(&[first], 1.4 * line_px, ink(LIGHT, 1.0));
+    }
+}
+
+/// Where points are seen: those of them that are.
+fn seen(points: &[[f64; 2]], mapping: Option<&Mapping>) -> Vec<[f64; 2]> {
+    match mapping {
+        None => points.to_vec(),
+        Some(mapping) => points.iter().filter_map(|p| mapping.pixel(*p)).collect(),
     }
 }
 

@@ -136,13 +136,15 @@ impl Report {
 pub(super) struct Table {
     name_width: usize,
     has_heading: bool,
+    /// Of the last two columns of figures.
+    unit: &'static str,
 }
 
 impl Table {
     /// Longer names are shown by their end.
     const LONGEST_NAME: usize = 48;
 
-    pub(super) fn new(images: &[PathBuf]) -> Self {
+    pub(super) fn new(images: &[PathBuf], unit: &'static str) -> Self {
         let longest = images
             .iter()
             .map(|path| path.to_string_lossy().chars().count())
@@ -152,6 +154,7 @@ impl Table {
                 .unwrap_or(0)
                 .clamp("image".len(), Self::LONGEST_NAME),
             has_heading: false,
+            unit,
         }
     }
 
@@ -190,8 +193,8 @@ impl Table {
                 curve.width_px,
                 report.crossings_of(curve.track),
                 curve.descriptor.order,
-                curve.descriptor.rms_px,
-                curve.descriptor.max_px,
+                curve.descriptor.rms,
+                curve.descriptor.max,
             )?;
             if !curve.crossing_sequence.is_empty() {
                 let pulls = match curve.pulls_straight {
@@ -223,8 +226,8 @@ impl Table {
             "width px",
             "crossings",
             "order",
-            "rms px",
-            "max px",
+            format!("rms {}", self.unit),
+            format!("max {}", self.unit),
             "time ms"
         )
     }

@@ -123,7 +123,7 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             &curve["descriptor"],
-            "basis condition control_points max_px noise_gain order residual_variance rms_px",
+            "basis condition control_points length max noise_gain order residual_variance rms unit",
         ),
     ];
     for (object, promised) in expected {

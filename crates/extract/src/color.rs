@@ -101,7 +101,7 @@ pub(crate) fn down(
             .for_each(|(k, row)| put(k, [row[2 * (x % 2) + 1], row[0], row[2]])),
         PixelFormat::Nv12 => {
             // Two rows share their U and V.
-            let chroma = image.rows_from(x & !1, image.height() + y / 2);
+            let chroma = image.rows_from(x & !1, image.chroma_line(y));
             let chroma = chroma.flat_map(|row| [row, row]).skip(y % 2);
             let rows = image.rows_from(x, y).zip(chroma);
             for (k, (light, chroma)) in rows.take(count).enumerate() {

@@ -1,6 +1,7 @@
 //! A borrowed picture in the camera's own pixel format: the only thing the extractor reads.
 
 use crate::color;
+use crate::region::Region;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -106,6 +107,8 @@ pub struct Image<'a> {
     height: usize,
     stride: usize,
     format: PixelFormat,
+    /// Rows of bytes from the first one of Y to the first one of U and V, of an `Nv12` picture.
+    chroma: usize,
 }
 
 impl<'a> Image<'a> {
@@ -156,6 +159,34 @@ impl<'a> Image<'a> {
             height,
             stride,
             format,
+            chroma: height,
+        })
+    }
+
+    /// A part of the picture, in the same memory, as a picture of its own. `None` if the region does not lie in it, is
+    /// empty, or begins within pixels that share their colour ([`Region::within`] makes one that does not).
+    pub fn region(&self, region: Region) -> Option<Self> {
+        if region.within(self) != Some(region) {
+            return None;
+        }
+        let Region {
+            x,
+            y,
+            width,
+            height,
+        } = region;
+        // Where colour is shared x is even: then this is where the pixel's, or its pair's, bytes begin, of U and V too.
+        let column = match self.format {
+            PixelFormat::Gray8 | PixelFormat::Nv12 => x,
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * x,
+            PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * x,
+        };
+        Some(Self {
+            bytes: self.bytes.get(y * self.stride + column..)?,
+            width,
+            height,
+            chroma: self.chroma - y + y / 2,
+            ..*self
         })
     }
 
@@ -217,7 +248,13 @@ impl<'a> Image<'a> {
 
     /// The bytes of U and V for row `y` of an `Nv12` picture.
     pub(crate) fn chroma_row(&self, y: usize) -> &'a [u8] {
-        let start = (self.height + y / 2) * self.stride;
+        let start = self.chroma_line(y) * self.stride;
         &self.bytes[start..start + self.format.row_bytes(self.width)]
+    }
+
+    /// How many rows of bytes after the first the U and V for row `y` of an `Nv12` picture stand.
+    #[inline(always)]
+    pub(crate) fn chroma_line(&self, y: usize) -> usize {
+        self.chroma + y / 2
     }
 }

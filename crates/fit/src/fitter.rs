@@ -1,15 +1,17 @@
 //! A fitter: everything that does not depend on the points, computed once; and the fit of one centerline.
 
 use crate::adaptive::Adaptive;
-use crate::basis::Basis;
+use crate::basis::{Basis, MAX_CONTROL_POINTS};
 use crate::checked;
 use crate::condition;
 use crate::error::{FitError, FitterError};
 use crate::filter::{CurveSpace, CurveSpaceError};
 use crate::folded::Points;
 use crate::linear::Linear;
+use crate::noise::{EvenFit, Propagation};
 use crate::options::{Options, Rho, Weights};
 use crate::rational::RationalFitter;
+use crate::resample::Resampler;
 
 /// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
 /// exact enough to mean something below it.
@@ -23,7 +25,7 @@ const EXACT_PX: f64 = 1e-6;
 pub struct Fit<const D: usize = 2> {
     /// The family of curves, and the size where it was chosen.
     pub basis: Basis,
-    /// The descriptor `s`, in the points' unit (px).
+    /// The descriptor `s`, in the points' unit: px, and wherever px is said here, what the points come in.
     pub control_points: Vec<[f64; D]>,
     /// Weights of the control points: of rational curves only, else empty.
     pub weights: Vec<f64>,
@@ -64,6 +66,7 @@ pub struct Fitter<const D: usize = 2> {
     shown: usize,
     points: Points<D>,
     fit: Fit<D>,
+    propagation: Propagation,
 }
 
 /// A basis of one size and how it is fitted.
@@ -133,6 +136,44 @@ impl Fitter<2> {
     }
 }
 
+impl Fitter<2> {
+    /// The covariances `[xx, xy, yy]` of the last fit's control points, where its points came from `line`, and what `line`
+    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
+    /// `squares` are `JJᵀ` of its derivatives there, as `[xx, xy, yy]`, in the order of those points. Returns σ², px², as
+    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
+    ///
+    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
+    pub fn propagate(
+        &mut self,
+        line: &Resampler,
+        squares: &[[f64; 3]],
+        covariances: &mut [[f64; 3]; MAX_CONTROL_POINTS],
+    ) -> f64 {
+        let points = self.options.points;
+        if line.shape().0 != points || squares.len() != points {
+            return 0.0;
+        }
+        let linear = &self.sizes[self.shown].linear;
+        let even = EvenFit {
+            p: linear.matrix.as_ref(),
+            b: linear.b.as_ref(),
+        };
+        let growth = self.propagation.run(&even, line, squares, covariances);
+        let fit = &self.fit;
+        let squared = fit.residual_variance * 2.0 * linear.freedom;
+        let variance = if growth > 0.0 { squared / growth } else { 0.0 };
+        let count = fit.control_points.len();
+        for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
+            let at = j * (count + 1);
+            let share = fit.covariance_factor[at] / linear.covariance[at];
+            // A pinned end of many points has neither.
+            let share = if share.is_finite() { share } else { 1.0 };
+            *covariance = covariance.map(|c| variance * share * c);
+        }
+        variance
+    }
+}
+
 impl<const D: usize> Fitter<D> {
     /// As [`Fitter::new`], for points of any dimension.
     ///
@@ -169,6 +210,7 @@ impl<const D: usize> Fitter<D> {
             points: Points::new(options.points, condition::is_mirrored(options.basis)),
             sizes,
             fit,
+            propagation: Propagation::new(),
         })
     }
 

@@ -33,6 +33,7 @@
 //! | ridge, pinned ends, measured arc length, weights, the robust option, a size chosen by BIC | [`Options`] |
 //! | the curve itself: points, tangents, curvature, length, what is nearest, `∂f/∂s` | [`Curve`] |
 //! | `∂s/∂c̄`, the covariance of `s` | [`Fitter::matrix`], [`Fit::covariance_factor`] |
+//! | points at equal steps again, after a map; what pixel noise does to the control points then | [`Resampler`], [`Fitter::propagate`] |
 //! | the control points in time, with their velocities | [`Filter`] |
 //! | other forms of a curve | [`elevate_degree`], [`reduce_degree`], [`bezier_pieces`], [`to_monomial`], … |
 //!
@@ -76,8 +77,10 @@ mod folded;
 mod functions;
 mod kernel;
 mod linear;
+mod noise;
 mod options;
 mod rational;
+mod resample;
 mod robust;
 mod solve;
 mod system;
@@ -100,4 +103,5 @@ pub use fitter::{Fit, Fitter, MAX_COORDINATE_PX};
 pub use functions::MAX_KNOTS;
 pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, Weights};
 pub use rational::{MAX_WEIGHT, RationalFit, RationalFitter};
+pub use resample::{ResampleError, Resampler};
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};

@@ -2,8 +2,8 @@
 #![allow(unsafe_code)] // A global allocator cannot be written without; it only counts and hands on.
 
 use lariat_fit::{
-    Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Noise, Options, RationalFitter,
-    Rho, Solver, Weights,
+    Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, MAX_CONTROL_POINTS, Noise,
+    Options, RationalFitter, Resampler, Rho, Solver, Weights,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -67,6 +67,41 @@ fn a_fit_allocates_nothing() {
                 "order {order}, {points} points, {solver}"
             );
         }
+    }
+}
+
+#[test]
+fn points_at_equal_steps_again_and_their_noise_allocate_nothing() {
+    for (basis, closed) in [
+        (Basis::Bezier { order: 8 }, false),
+        (Basis::Fourier { harmonics: 4 }, true),
+    ] {
+        let points: Vec<[f64; 2]> = (0..120)
+            .map(|i| {
+                let (sin, cos) = (0.05 * f64::from(i)).sin_cos();
+                [300.0 * cos, 200.0 * sin + 0.1 * f64::from(i)]
+            })
+            .collect();
+        let options = Options {
+            basis,
+            points: 120,
+            ..Options::bezier(8)
+        };
+        let mut fitter = Fitter::new(options).unwrap();
+        let mut line = Resampler::new();
+        let mut covariances = [[0.0; 3]; MAX_CONTROL_POINTS];
+        let before = allocations();
+        for _ in 0..3 {
+            let even = line.resample(&points, closed).unwrap();
+            std::hint::black_box(fitter.fit(even).unwrap());
+            std::hint::black_box(fitter.propagate(
+                &line,
+                &[[1.0, 0.0, 1.0]; 120],
+                &mut covariances,
+            ));
+        }
+        assert_eq!(allocations(), before);
+        assert!(covariances[0][0] > 0.0);
     }
 }
 

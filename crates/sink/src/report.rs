@@ -31,6 +31,8 @@ pub(crate) struct Facts {
     pub(crate) stale: u64,
     pub(crate) blank: u64,
     pub(crate) unknown_basis: u64,
+    /// Whether the fitted curves came in another unit than the truth.
+    pub(crate) elsewhere: bool,
     /// What the stages said at the end, if it has come.
     pub(crate) finished: Option<FinalCounts>,
 }

@@ -139,6 +139,7 @@ impl Sink {
                 stale: self.ledger.stale(),
                 blank: self.blank,
                 unknown_basis: self.truth.unknown_basis,
+                elsewhere: self.truth.elsewhere,
                 finished: self.finished,
             },
         }

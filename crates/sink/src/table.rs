@@ -226,6 +226,9 @@ fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
                 f,
             )?;
             writeln!(f)?;
+        } else if label == "  curve" && report.facts.elsewhere {
+            distances(Distances::default(), label, f)?;
+            writeln!(f, "   not in the image's pixels, as the truth is")?;
         }
     }
     writeln!(f)

@@ -7,7 +7,9 @@
 use crate::error::{Comparison, Frame};
 use crate::polyline::{Point, Polylines};
 use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
-use lariat_wire::{self as wire, Centerlines, Descriptor, Descriptors, MAX_CURVES, Status, Trace};
+use lariat_wire::{
+    self as wire, Centerlines, Descriptor, Descriptors, MAX_CURVES, Status, Trace, Unit,
+};
 
 /// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
 /// may be many frames behind.
@@ -121,6 +123,8 @@ pub(crate) struct Truth {
     pub(crate) curve: Comparison,
     /// Fitted curves that this version does not know how to draw.
     pub(crate) unknown_basis: u64,
+    /// Whether fitted curves come in another unit than the truth, pixels of the image.
+    pub(crate) elsewhere: bool,
 }
 
 impl Truth {
@@ -132,6 +136,7 @@ impl Truth {
             centerline: Comparison::new(),
             curve: Comparison::new(),
             unknown_basis: 0,
+            elsewhere: false,
         }
     }
 
@@ -172,8 +177,12 @@ impl Truth {
         }
     }
 
-    /// The fitted curves of a frame.
+    /// The fitted curves of a frame. Such as are not in pixels of the image cannot be compared.
     pub(crate) fn descriptors(&mut self, message: &Descriptors) {
+        if message.unit() != Some(Unit::Pixel) {
+            self.elsewhere = true;
+            return;
+        }
         let key = Key::of(&message.trace);
         match self.known.get(key) {
             Some(known) if known.descriptors_done => {}

@@ -5,7 +5,7 @@ mod chain;
 
 use chain::{Chain, centerlines, descriptors, received_ns, straight};
 use lariat_sink::{Distances, Errors, Options, Sink};
-use lariat_wire::{Basis, Descriptor, Status, Trace};
+use lariat_wire::{Basis, Descriptor, Status, Trace, Unit};
 use std::f64::consts::TAU;
 
 fn sink() -> Sink {
@@ -344,4 +344,27 @@ fn without_truth_there_is_no_error() {
     }
     assert_eq!(errors(&sink).centerline, Distances::default());
     assert!(!sink.report().to_string().contains("error"));
+}
+
+#[test]
+fn curves_in_millimetres_are_not_held_against_a_truth_in_pixels() {
+    let (mut sink, mut chain) = (sink(), Chain::default());
+    for trace in (0..30)
+        .filter_map(|_| chain.frame(None))
+        .collect::<Vec<_>>()
+    {
+        sink.truth(&centerlines(trace, &[&straight(50.0)]));
+        sink.centerlines(&centerlines(trace, &[&straight(50.5)]));
+        let mut curve = descriptors(trace, &[&straight_curve(900.0)]);
+        curve.unit = Unit::Millimeter as u32;
+        sink.descriptors(&curve, received_ns(&trace));
+    }
+    assert_eq!(errors(&sink).centerline, all(0.5));
+    assert_eq!(errors(&sink).curve, Distances::default());
+    let table = sink.report().to_string();
+    let row = table.lines().find(|line| line.starts_with("  curve"));
+    assert!(
+        row.is_some_and(|row| row.contains('–') && row.contains("not in the image's pixels")),
+        "{table}"
+    );
 }

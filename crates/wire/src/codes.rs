@@ -124,3 +124,27 @@ impl Basis {
         })
     }
 }
+
+/// What descriptors are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Unit {
+    /// Pixels of the image as it is.
+    Pixel = 1,
+    /// Millimetres on a plane.
+    Millimeter = 2,
+    /// Pixels that the same camera would see without its lens's distortion.
+    IdealPixel = 3,
+}
+
+impl Unit {
+    /// The unit a message's number stands for, if it stands for one.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1 => Self::Pixel,
+            2 => Self::Millimeter,
+            3 => Self::IdealPixel,
+            _ => return None,
+        })
+    }
+}

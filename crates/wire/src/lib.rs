@@ -19,7 +19,7 @@ mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
 pub use clock::now_ns;
-pub use codes::{Basis, PixelFormat, SourceKind, Status};
+pub use codes::{Basis, PixelFormat, SourceKind, Status, Unit};
 pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use leftovers::{Leftover, leftovers};

@@ -9,7 +9,7 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::codes::{Basis, PixelFormat, Status};
+use crate::codes::{Basis, PixelFormat, Status, Unit};
 
 /// Most curves in one frame.
 pub const MAX_CURVES: usize = 8;
@@ -277,10 +277,10 @@ impl Centerlines {
     };
 }
 
-/// One rope's shape as a few control points.
+/// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptor.v3")]
+#[type_name("lariat.Descriptor.v4")]
 pub struct Descriptor {
     /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
@@ -298,33 +298,33 @@ pub struct Descriptor {
     pub closed: u32,
     /// Which ends leave the image: bit 0 the first, bit 1 the last.
     pub border: u32,
-    /// Root mean square distance of the points from the curve at their ρ, in pixels.
-    pub rms_px: f64,
+    /// Root mean square distance of the points from the curve at their ρ, in the message's unit.
+    pub rms: f64,
     /// Largest such distance.
-    pub max_px: f64,
+    pub max: f64,
     /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N − count) for
-    /// plain least squares, in px².
+    /// plain least squares, in the unit's square.
     pub residual_variance: f64,
     /// Condition number (2-norm) of the regression.
     pub condition: f64,
-    /// Arc length of the centerline, in pixels.
-    pub length_px: f64,
-    /// Median width of the rope, in pixels.
-    pub width_px: f64,
+    /// Arc length of the centerline, in the message's unit.
+    pub length: f64,
+    /// Median width of the rope, likewise.
+    pub width: f64,
     /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
     pub age_ns: u64,
     /// How many of the points were covered by something, and so not seen.
     pub hidden: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,
-    /// The control points, `[x, y]` in pixels.
+    /// The control points, `[x, y]` in the message's unit.
     pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
     /// Their weights: rational bases only, 1 elsewhere.
     pub weights: [f64; MAX_CONTROL_POINTS],
-    /// Variance of either coordinate of each control point, in px².
-    pub variances_px2: [f64; MAX_CONTROL_POINTS],
-    /// Velocity of each control point, in px/s; 0 where they are not filtered.
-    pub velocities_px_s: [[f64; 2]; MAX_CONTROL_POINTS],
+    /// Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
+    pub covariances: [[f64; 3]; MAX_CONTROL_POINTS],
+    /// Velocity of each control point, in units a second; 0 where they are not filtered.
+    pub velocities: [[f64; 2]; MAX_CONTROL_POINTS],
     /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
     /// `order + 1` times 0 and as many times 1.
     pub knots: [f64; MAX_CONTROL_POINTS],
@@ -341,19 +341,19 @@ impl Descriptor {
         samples: 0,
         closed: 0,
         border: 0,
-        rms_px: 0.0,
-        max_px: 0.0,
+        rms: 0.0,
+        max: 0.0,
         residual_variance: 0.0,
         condition: 0.0,
-        length_px: 0.0,
-        width_px: 0.0,
+        length: 0.0,
+        width: 0.0,
         age_ns: 0,
         hidden: 0,
         filtered: 0,
         control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
         weights: [1.0; MAX_CONTROL_POINTS],
-        variances_px2: [0.0; MAX_CONTROL_POINTS],
-        velocities_px_s: [[0.0; 2]; MAX_CONTROL_POINTS],
+        covariances: [[0.0; 3]; MAX_CONTROL_POINTS],
+        velocities: [[0.0; 2]; MAX_CONTROL_POINTS],
         knots: [0.0; MAX_CONTROL_POINTS],
     };
 
@@ -376,7 +376,7 @@ impl Descriptor {
 /// What a control loop reads: the shape of every rope in one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptors.v3")]
+#[type_name("lariat.Descriptors.v4")]
 pub struct Descriptors {
     /// The frame's whole way.
     pub trace: Trace,
@@ -386,13 +386,18 @@ pub struct Descriptors {
     pub height: u32,
     /// How many curves are meant.
     pub count: u32,
-    /// Always 0.
-    pub reserved: u32,
+    /// A [`Unit`]'s number: what the curves are measured in.
+    pub unit: u32,
     /// The curves.
     pub curves: [Descriptor; MAX_CURVES],
 }
 
 impl Descriptors {
+    /// What the curves are measured in; `None` for a number this version does not know.
+    pub const fn unit(&self) -> Option<Unit> {
+        Unit::from_code(self.unit)
+    }
+
     /// The curves that are meant.
     pub fn curves(&self) -> &[Descriptor] {
         &self.curves[..(self.count as usize).min(MAX_CURVES)]
@@ -404,7 +409,7 @@ impl Descriptors {
         width: 0,
         height: 0,
         count: 0,
-        reserved: 0,
+        unit: Unit::Pixel as u32,
         curves: [Descriptor::EMPTY; MAX_CURVES],
     };
 }
@@ -431,17 +436,18 @@ mod tests {
         assert_eq!(offset_of!(Centerlines, curves), 96);
         assert_eq!(offset_of!(Centerlines, crossings), 96 + 8 * 3144);
         assert_eq!(size_of::<Centerlines>(), 96 + 8 * 3144 + 32 * 32);
-        assert_eq!(offset_of!(Descriptor, rms_px), 32);
+        assert_eq!(offset_of!(Descriptor, rms), 32);
         assert_eq!(offset_of!(Descriptor, age_ns), 80);
         assert_eq!(offset_of!(Descriptor, hidden), 88);
         assert_eq!(offset_of!(Descriptor, control_points), 96);
         assert_eq!(offset_of!(Descriptor, weights), 96 + 32 * 16);
-        assert_eq!(offset_of!(Descriptor, variances_px2), 96 + 32 * 24);
-        assert_eq!(offset_of!(Descriptor, velocities_px_s), 96 + 32 * 32);
-        assert_eq!(offset_of!(Descriptor, knots), 96 + 32 * 48);
-        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 56);
+        assert_eq!(offset_of!(Descriptor, covariances), 96 + 32 * 24);
+        assert_eq!(offset_of!(Descriptor, velocities), 96 + 32 * 48);
+        assert_eq!(offset_of!(Descriptor, knots), 96 + 32 * 64);
+        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 72);
+        assert_eq!(offset_of!(Descriptors, unit), 92);
         assert_eq!(offset_of!(Descriptors, curves), 96);
-        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 1888);
+        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 2400);
     }
 
     #[test]

@@ -146,7 +146,7 @@ impl Eye {
         (message.width, message.height) = (header.width, header.height);
         let image = extract::image(header, pixels)?;
         self.extractor.at(header.trace.exposed_ns);
-        extract::fill(message, &self.extractor.extract(&image));
+        extract::fill(message, &self.extractor.extract(&image), [0, 0]);
         self.extracted += 1;
         message.trace.extracted = self.extracted;
         message.trace.extracted_ns = now_ns();
@@ -164,7 +164,7 @@ pub(super) struct Hand {
 impl Hand {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
-            curves: fit::CurveFitter::new(&settings.fit, settings.extract.points)?,
+            curves: fit::CurveFitter::new(settings)?,
             unfitted: Warned::default(),
             fitted: 0,
         })

@@ -21,10 +21,18 @@ struct Rope {
 }
 
 impl Filters {
-    pub(super) fn new(settings: &settings::Fit, fitters: [&Fitter; 2]) -> anyhow::Result<Self> {
+    /// `unit_per_px`: how long a pixel is in the unit of the control points. What the filter is told in pixels is the same
+    /// motion then.
+    pub(super) fn new(
+        settings: &settings::Fit,
+        fitters: [&Fitter; 2],
+        unit_per_px: f64,
+    ) -> anyhow::Result<Self> {
+        let defaults = FilterOptions::default();
         let options = FilterOptions {
-            acceleration_px_s2: settings.acceleration_px_s2,
-            ..FilterOptions::default()
+            acceleration_px_s2: unit_per_px * settings.acceleration_px_s2,
+            speed_px_s: unit_per_px * defaults.speed_px_s,
+            ..defaults
         };
         let [open, closed] = fitters;
         let most = [open, closed].map(|fitter| fitter.options().basis.control_points());
@@ -78,10 +86,11 @@ impl Filters {
         let count = now.control_points.len();
         descriptor.filtered = 1;
         descriptor.control_points[..count].copy_from_slice(&now.control_points);
-        descriptor.velocities_px_s[..count].copy_from_slice(&now.velocities_px_s);
+        descriptor.velocities[..count].copy_from_slice(&now.velocities_px_s);
         let variances = now.covariance_px2.iter().step_by(count + 1);
-        for (to, variance) in descriptor.variances_px2.iter_mut().zip(variances) {
-            *to = *variance;
+        // The filter has one covariance for both axes.
+        for (to, &variance) in descriptor.covariances.iter_mut().zip(variances) {
+            *to = [variance, 0.0, variance];
         }
     }
 }

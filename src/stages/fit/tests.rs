@@ -17,9 +17,17 @@ fn rope() -> Curve {
     curve
 }
 
+fn fitter(fit: &settings::Fit) -> CurveFitter {
+    let settings = Settings {
+        fit: fit.clone(),
+        ..Settings::default()
+    };
+    CurveFitter::new(&settings).unwrap()
+}
+
 fn described(settings: &settings::Fit, curve: &Curve) -> Descriptor {
     let mut descriptor = Descriptor::EMPTY;
-    let mut fitter = CurveFitter::new(settings, 120).unwrap();
+    let mut fitter = fitter(settings);
     fitter.describe(curve, 1, &mut descriptor).unwrap();
     descriptor
 }
@@ -47,12 +55,12 @@ fn what_is_known_of_the_rope_goes_along() {
         [120, 2, 0]
     );
     assert_eq!(
-        (descriptor.length_px, descriptor.width_px, descriptor.age_ns),
+        (descriptor.length, descriptor.width, descriptor.age_ns),
         (238.0, 12.5, 5)
     );
     assert_eq!(descriptor.basis(), Some(Basis::Bezier));
     assert!(farthest(&descriptor) < 1e-9);
-    assert_eq!(descriptor.velocities_px_s[..9], [[0.0; 2]; 9]);
+    assert_eq!(descriptor.velocities[..9], [[0.0; 2]; 9]);
 }
 
 #[test]
@@ -129,7 +137,7 @@ fn the_filter_knows_how_fast_a_rope_moves() {
         filter: true,
         ..settings::Fit::default()
     };
-    let mut fitter = CurveFitter::new(&settings, 120).unwrap();
+    let mut fitter = fitter(&settings);
     let mut descriptor = Descriptor::EMPTY;
     // 30 frames/s, 90 px/s along x; another rope stands still.
     for frame in 0..30 {
@@ -148,7 +156,7 @@ fn the_filter_knows_how_fast_a_rope_moves() {
             .unwrap();
     }
     assert_eq!(descriptor.filtered, 1);
-    for velocity in &descriptor.velocities_px_s[..9] {
+    for velocity in &descriptor.velocities[..9] {
         assert!(
             (velocity[0] - 90.0).abs() < 1.0 && velocity[1].abs() < 1.0,
             "{velocity:?}"
@@ -156,8 +164,217 @@ fn the_filter_knows_how_fast_a_rope_moves() {
     }
     assert!((descriptor.control_points[0][0] - 187.0).abs() < 0.1);
     assert!(
-        descriptor.variances_px2[..9]
+        descriptor.covariances[..9]
             .iter()
-            .all(|v| *v > 0.0 && *v < 1.0)
+            .all(|&[xx, xy, yy]| xx == yy && xy == 0.0 && xx > 0.0 && xx < 1.0)
+    );
+}
+
+/// A plane seen at a slant, where a pixel at the top is some three times as long as one at the bottom, as its file has it.
+const SLANT: &str = "homography = [[0.8, 0.05, -260.0], [-0.03, 1.1, -180.0], [1e-4, -1.3e-3, 1.0]]\nimage_size = [640, 480]\n";
+
+fn on_the_plane(plane: &str, calibration: Option<&str>, fit: settings::Fit) -> CurveFitter {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let settings = Settings {
+        camera: settings::Camera {
+            calibration: calibration.map(|text| file("camera.yaml", text)),
+            plane: Some(file("plane.toml", plane)),
+            unit: None,
+        },
+        fit,
+        ..Settings::default()
+    };
+    CurveFitter::new(&settings).unwrap()
+}
+
+/// Straight across the picture and up it.
+fn slanting_rope() -> Curve {
+    let mut curve = rope();
+    for (i, point) in curve.points[..120].iter_mut().enumerate() {
+        *point = [80.0 + 4.0 * i as f32, 450.0 - 3.5 * i as f32];
+    }
+    curve.width_px = 10.0;
+    curve.widths_px[..120].fill(10.0);
+    curve
+}
+
+#[test]
+fn a_straight_line_on_a_tilted_plane_has_even_points() {
+    let mut fitter = on_the_plane(SLANT, None, settings::Fit::default());
+    assert_eq!(fitter.unit(), Unit::Millimeter);
+    fitter.turn_to([640, 480]).unwrap();
+    let mut descriptor = Descriptor::EMPTY;
+    fitter
+        .describe(&slanting_rope(), 1, &mut descriptor)
+        .unwrap();
+    let [first, last] = [0, 8].map(|j| descriptor.control_points[j]);
+    let length = (last[0] - first[0]).hypot(last[1] - first[1]);
+    assert!(
+        (descriptor.length - length).abs() < 1e-3,
+        "{length} {}",
+        descriptor.length
+    );
+    // Points travel as f32, whose step at 500 px is 3·10⁻⁵ px; a control point of order 8 gains 25 times the noise.
+    for (j, point) in descriptor.control_points().iter().enumerate() {
+        let even = [0, 1].map(|axis| first[axis] + (last[axis] - first[axis]) * j as f64 / 8.0);
+        let off = (point[0] - even[0]).hypot(point[1] - even[1]);
+        assert!(off < 2e-3, "control point {j} is {off} mm off");
+    }
+    // In the picture's own steps the middle of the line would lie elsewhere.
+    let [lower, upper] = [[80.0, 450.0], [556.0, 33.5]];
+    let middle = [0, 1].map(|axis| 0.5 * (lower[axis] + upper[axis]));
+    let plane = lariat_camera::Plane::from_homography([
+        [0.8, 0.05, -260.0],
+        [-0.03, 1.1, -180.0],
+        [1e-4, -1.3e-3, 1.0],
+    ]);
+    let mapping = lariat_camera::Mapping::new(None, Some(&plane.unwrap()), [640, 480]).unwrap();
+    let seen = mapping.place(middle).unwrap().point;
+    let even = descriptor.control_points[4];
+    assert!((seen[0] - even[0]).hypot(seen[1] - even[1]) > 20.0);
+}
+
+#[test]
+fn sizes_and_noise_come_in_millimetres_too() {
+    let mut fitter = on_the_plane(SLANT, None, settings::Fit::default());
+    fitter.turn_to([640, 480]).unwrap();
+    let mut curve = slanting_rope();
+    // Noise of a tenth of a pixel, the same each time.
+    for (i, point) in curve.points[..120].iter_mut().enumerate() {
+        let noise = |k: usize| 0.1 * (((7919 * i + 104_729 * k) % 997) as f32 / 498.5 - 1.0);
+        *point = [point[0] + noise(1), point[1] + noise(2)];
+    }
+    let mut descriptor = Descriptor::EMPTY;
+    fitter.describe(&curve, 1, &mut descriptor).unwrap();
+    // Ten pixels of 0.9 to 2.4 mm.
+    assert!(
+        descriptor.width > 9.0 && descriptor.width < 24.0,
+        "{}",
+        descriptor.width
+    );
+    assert!(
+        descriptor.rms > 0.01 && descriptor.rms < 0.5,
+        "{}",
+        descriptor.rms
+    );
+    let noise = |j: usize| descriptor.covariances[j][0] + descriptor.covariances[j][2];
+    // A pixel of the far end is longer than one of the near end.
+    assert!(noise(8) > 2.0 * noise(0), "{} {}", noise(0), noise(8));
+    assert!((0..9).all(|j| {
+        let [xx, xy, yy] = descriptor.covariances[j];
+        xx > 0.0 && yy > 0.0 && xy * xy <= xx * yy
+    }));
+}
+
+#[test]
+fn the_filter_too_works_in_millimetres() {
+    // A pixel is half a millimetre, everywhere.
+    let half = "homography = [[0.5, 0, 0], [0, 0.5, 0], [0, 0, 1]]";
+    let fit = settings::Fit {
+        filter: true,
+        ..settings::Fit::default()
+    };
+    let (mut in_mm, mut in_px) = (on_the_plane(half, None, fit.clone()), fitter(&fit));
+    in_mm.turn_to([640, 480]).unwrap();
+    let (mut mm, mut px) = (Descriptor::EMPTY, Descriptor::EMPTY);
+    for frame in 0..30 {
+        let exposed_ns = 1_000_000_000 + frame * 33_333_333;
+        let mut moved = rope();
+        for point in &mut moved.points[..120] {
+            point[0] += 3.0 * frame as f32;
+        }
+        in_mm.describe(&moved, exposed_ns, &mut mm).unwrap();
+        in_px.describe(&moved, exposed_ns, &mut px).unwrap();
+    }
+    for j in 0..9 {
+        let close = |a: f64, b: f64| (a - 0.5 * b).abs() < 0.05;
+        assert!((0..2).all(|axis| close(mm.control_points[j][axis], px.control_points[j][axis])));
+        assert!(
+            (0..2).all(|axis| close(mm.velocities[j][axis], px.velocities[j][axis])),
+            "{:?} {:?}",
+            mm.velocities[j],
+            px.velocities[j]
+        );
+    }
+}
+
+#[test]
+fn hidden_points_stay_hidden_on_the_plane() {
+    let fit = settings::Fit {
+        robust: true,
+        ..settings::Fit::default()
+    };
+    let mut fitter = on_the_plane(SLANT, None, fit);
+    fitter.turn_to([640, 480]).unwrap();
+    let straight = slanting_rope();
+    let mut covered = slanting_rope();
+    covered.status = Status::Partial as u32;
+    covered.set_hidden((0..MAX_POINTS).map(|i| (60..75).contains(&i)));
+    let (mut expected, mut found) = (Descriptor::EMPTY, Descriptor::EMPTY);
+    fitter.describe(&straight, 1, &mut expected).unwrap();
+    fitter.describe(&covered, 1, &mut found).unwrap();
+    assert_eq!(found.hidden, 15);
+    for (a, b) in expected.control_points().iter().zip(found.control_points()) {
+        assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 0.05, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
+    // The horizon is at y = 400 px.
+    let steep = "homography = [[1, 0, 0], [0, 1, 0], [0, -2.5e-3, 1]]";
+    let mut curves = on_the_plane(steep, None, settings::Fit::default());
+    let mut seen = Box::new(Centerlines::EMPTY);
+    (seen.width, seen.height, seen.count) = (640, 480, 2);
+    (seen.curves[0], seen.curves[1]) = (slanting_rope(), rope());
+    let (mut message, mut unfitted) = (Box::new(Descriptors::EMPTY), Warned::default());
+    fill(&mut message, &seen, &mut curves, &mut unfitted);
+    assert_eq!((message.count, message.unit()), (1, Some(Unit::Millimeter)));
+    assert!(message.curves[0].length > 238.0);
+}
+
+#[test]
+fn frames_of_another_shape_than_the_calibrations_have_no_curves() {
+    let mut curves = on_the_plane(SLANT, None, settings::Fit::default());
+    let mut seen = Box::new(Centerlines::EMPTY);
+    (seen.width, seen.height, seen.count) = (640, 360, 1);
+    seen.curves[0] = rope();
+    let (mut message, mut unfitted) = (Box::new(Descriptors::EMPTY), Warned::default());
+    for (height, count) in [(360, 0), (480, 1), (360, 0)] {
+        seen.height = height;
+        fill(&mut message, &seen, &mut curves, &mut unfitted);
+        assert_eq!(message.count, count);
+    }
+}
+
+#[test]
+fn without_a_plane_a_calibration_makes_ideal_pixels() {
+    let yaml = "image_width: 640\nimage_height: 480\nK: [600, 0, 320, 0, 600, 240, 0, 0, 1]\nD: [-0.3, 0.1, 0, 0]";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("camera.yaml");
+    std::fs::write(&path, yaml).unwrap();
+    let settings = Settings {
+        camera: settings::Camera {
+            calibration: Some(path),
+            ..settings::Camera::default()
+        },
+        ..Settings::default()
+    };
+    let mut fitter = CurveFitter::new(&settings).unwrap();
+    assert_eq!(fitter.unit(), Unit::IdealPixel);
+    fitter.turn_to([640, 480]).unwrap();
+    let mut descriptor = Descriptor::EMPTY;
+    fitter.describe(&rope(), 1, &mut descriptor).unwrap();
+    let camera = lariat_camera::Camera::from_yaml(yaml).unwrap();
+    let ideal = camera.undistort([100.0, 200.0]).unwrap().point;
+    let first = descriptor.control_points[0];
+    assert!(
+        (first[0] - ideal[0]).hypot(first[1] - ideal[1]) < 0.01,
+        "{first:?} {ideal:?}"
     );
 }

@@ -195,7 +195,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                 }
             }
             PixelFormat::Nv12 => {
-                let chroma = (image.height() + y / 2) * image.stride();
+                let chroma = image.chroma_line(y) * image.stride();
                 let light = image.bytes().get(start + x..)?.get(..count)?;
                 let color = image.bytes().get(chroma + x..)?.get(..count)?;
                 let (keep, double) = (all(COLORS), all(CHROMA));
@@ -278,7 +278,7 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
             return Some(set);
         }
         // y is even: two rows share theirs.
-        let chroma = (image.height() + y / 2) * stride + (x & !1);
+        let chroma = image.chroma_line(y) * stride + (x & !1);
         let chroma = Column::new(image.bytes(), chroma, stride, count / 2)?;
         let pairs = _mm512_srli_epi32::<1>(rows);
         let half_steps = _mm512_mullo_epi32(pairs, all(stride as u32));

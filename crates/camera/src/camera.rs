@@ -1,0 +1,156 @@
+//! A camera: its matrix, its lens, and the size of the images that they were measured in.
+
+use crate::calibration::{self, CalibrationError};
+use crate::jacobian::Place;
+use crate::lens::Lens;
+use crate::mapping::SizeError;
+use thiserror::Error;
+
+/// Why numbers make no camera.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum CameraError {
+    /// A focal length that is none.
+    #[error("focal lengths of {} and {} px are none: give two positive numbers of pixels", .0[0], .0[1])]
+    Focal([f64; 2]),
+    /// A principal point that is none.
+    #[error("a principal point at ({}, {}) is none: give two numbers of pixels", .0[0], .0[1])]
+    Center([f64; 2]),
+    /// An image size that is none.
+    #[error("{}×{} pixels is no image: both sides must be from 1 to 65535", .0[0], .0[1])]
+    Size([u32; 2]),
+}
+
+/// The intrinsics of a camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    focal_px: [f64; 2],
+    center_px: [f64; 2],
+    lens: Lens,
+    size: Option<[u32; 2]>,
+}
+
+impl Camera {
+    /// A camera of these focal lengths and this principal point, px, measured in images of `size` (width, height), if that
+    /// is known.
+    ///
+    /// # Errors
+    /// A number that cannot be one.
+    pub fn new(
+        focal_px: [f64; 2],
+        center_px: [f64; 2],
+        lens: Lens,
+        size: Option<[u32; 2]>,
+    ) -> Result<Self, CameraError> {
+        if !focal_px.iter().all(|f| (1e-3..1e7).contains(f)) {
+            return Err(CameraError::Focal(focal_px));
+        }
+        if !center_px.iter().all(|c| c.abs() < 1e7) {
+            return Err(CameraError::Center(center_px));
+        }
+        if let Some(size) = size
+            && !size.iter().all(|side| (1..=65_535).contains(side))
+        {
+            return Err(CameraError::Size(size));
+        }
+        Ok(Self {
+            focal_px,
+            center_px,
+            lens,
+            size,
+        })
+    }
+
+    /// The camera of a calibration file, as OpenCV's `FileStorage` or ROS's `camera_info` writes it.
+    ///
+    /// # Errors
+    /// It is no such file, or says what cannot be; each with the key and what to do.
+    pub fn from_yaml(text: &str) -> Result<Self, CalibrationError> {
+        calibration::read(text)
+    }
+
+    /// Focal lengths, px.
+    pub fn focal_px(&self) -> [f64; 2] {
+        self.focal_px
+    }
+
+    /// The principal point, px.
+    pub fn center_px(&self) -> [f64; 2] {
+        self.center_px
+    }
+
+    /// The lens.
+    pub fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// Width and height of the images it was measured in, if known.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        self.size
+    }
+
+    /// The ideal pixel of what is seen at this one. `None` where the lens's model is not one-to-one.
+    pub fn undistort(&self, pixel: [f64; 2]) -> Option<Place> {
+        self.through(pixel, |seen| self.lens.undistort(seen))
+    }
+
+    /// Where what lies at this ideal pixel is seen. `None` where the lens's model is not one-to-one.
+    pub fn distort(&self, ideal: [f64; 2]) -> Option<Place> {
+        self.through(ideal, |ray| self.lens.distort(ray))
+    }
+
+    /// A map of rays, of pixels.
+    fn through(&self, pixel: [f64; 2], map: impl Fn([f64; 2]) -> Option<Place>) -> Option<Place> {
+        let (f, c) = (self.focal_px, self.center_px);
+        let place = map([0, 1].map(|i| (pixel[i] - c[i]) / f[i]))?;
+        Some(Place {
+            point: [0, 1].map(|i| f[i] * place.point[i] + c[i]),
+            jacobian: [0, 1].map(|i| [0, 1].map(|j| f[i] * place.jacobian[i][j] / f[j])),
+        })
+    }
+
+    /// This camera in images of another size, binned or scaled as a whole.
+    ///
+    /// # Errors
+    /// The sides' ratio is another one (a crop: which part it is nobody knows), or, of a camera whose size is not known,
+    /// the principal point does not lie in such images.
+    pub fn scaled_to(&self, size: [u32; 2]) -> Result<Self, SizeError> {
+        let Some(own) = self.size else {
+            let inside = (0..2).all(|i| (0.0..f64::from(size[i])).contains(&self.center_px[i]));
+            return if inside {
+                Ok(Self {
+                    size: Some(size),
+                    ..*self
+                })
+            } else {
+                Err(SizeError::Center {
+                    center_px: self.center_px,
+                    frames: size,
+                })
+            };
+        };
+        let scale = scale(own, size)?;
+        Ok(Self {
+            focal_px: [0, 1].map(|i| self.focal_px[i] * scale[i]),
+            center_px: [0, 1].map(|i| scaled(self.center_px[i], scale[i])),
+            lens: self.lens,
+            size: Some(size),
+        })
+    }
+}
+
+/// A pixel coordinate in an image scaled as a whole: its edge stays at −½.
+pub(crate) fn scaled(c: f64, scale: f64) -> f64 {
+    (c + 0.5) * scale - 0.5
+}
+
+/// The scale of each side, if the sides' ratio is the same but for rounding to whole pixels.
+pub(crate) fn scale(own: [u32; 2], frames: [u32; 2]) -> Result<[f64; 2], SizeError> {
+    let scale = [0, 1].map(|i| f64::from(frames[i]) / f64::from(own[i]));
+    // The one side, scaled as the other was, is off by less than a pixel.
+    let off = (scale[0] - scale[1]).abs() * f64::from(own[0].max(own[1]));
+    if off < 1.0 || own == frames {
+        Ok(scale)
+    } else {
+        Err(SizeError::Aspect { own, frames })
+    }
+}

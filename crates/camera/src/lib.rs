@@ -1,0 +1,59 @@
+//! From pixels of a camera to millimetres on the table before it, and how noise is carried along.
+//!
+//! Three steps, each with its Jacobian, on points and never on an image:
+//!
+//! ```text
+//! pixel ──lens──▶ ideal pixel ──homography──▶ mm on the plane
+//! ```
+//!
+//! The **lens** is one of OpenCV's models, Brown–Conrady with up to 14 coefficients (ROS's `plumb_bob` and
+//! `rational_polynomial`) or Kannala–Brandt's (`fisheye`, ROS's `equidistant`), read from the files that OpenCV and ROS write
+//! ([`Camera::from_yaml`]). *Ideal* pixels are those of the same camera matrix without any distortion, as
+//! `cv2.undistortPoints` with `P = K` gives them. The **plane** is a homography from four or more pairs of points, or the pose
+//! of a plane before the camera ([`Plane`]). [`Mapping`] is both together, for frames of one size.
+//!
+//! ```
+//! use lariat_camera::{Camera, Mapping, Plane};
+//!
+//! let camera = Camera::from_yaml(
+//!     "image_width: 640\n\
+//!      image_height: 480\n\
+//!      camera_matrix: {rows: 3, cols: 3, data: [600, 0, 320, 0, 600, 240, 0, 0, 1]}\n\
+//!      distortion_model: plumb_bob\n\
+//!      distortion_coefficients: {rows: 1, cols: 5, data: [-0.2, 0.05, 0, 0, 0]}\n",
+//! )?;
+//! // Half a metre before the camera, square to it: 600 px are 500 mm.
+//! let plane = Plane::from_pose([0.0; 3], [0.0, 0.0, 500.0], &camera)?;
+//! let mapping = Mapping::new(Some(&camera), Some(&plane), [640, 480])?;
+//! let middle = mapping.place([320.0, 240.0])?;
+//! assert_eq!(middle.point, [0.0, 0.0]);
+//! assert!((middle.jacobian[0][0] - 500.0 / 600.0).abs() < 1e-9);
+//! // Barrel distortion draws the corner in: on the table it lies farther out than its pixels say.
+//! assert!(mapping.place([620.0, 240.0])?.point[0] > 250.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Pure: no I/O, no clock, and nothing is allocated once a [`Mapping`] is made. The centre of the top-left pixel is (0, 0),
+//! as in OpenCV.
+
+mod brown;
+mod calibration;
+mod camera;
+mod fisheye;
+mod homography;
+mod jacobian;
+mod lens;
+mod mapping;
+mod plane;
+mod projective;
+mod rotation;
+mod solve;
+mod yaml;
+
+pub use calibration::CalibrationError;
+pub use camera::{Camera, CameraError};
+pub use homography::{HomographyError, Pair};
+pub use jacobian::{Jacobian, Place};
+pub use lens::Lens;
+pub use mapping::{Mapping, Outside, SizeError};
+pub use plane::{Plane, PlaneError};

@@ -1,0 +1,145 @@
+//! The whole way from a pixel of a frame to its place on the plane, and back.
+
+use crate::camera::Camera;
+use crate::jacobian::{self, Place, determinant};
+use crate::plane::Plane;
+use crate::projective::{self, Matrix};
+use thiserror::Error;
+
+/// Why a calibration is not for these frames.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum SizeError {
+    /// The sides have another ratio.
+    #[error(
+        "it was measured in images of {}×{} pixels and the frames have {}×{}: the sides' ratio differs, so that they show \
+         another part of the scene. Calibrate at the frames' size, or run the camera at the calibration's", .own[0], .own[1],
+        .frames[0], .frames[1]
+    )]
+    Aspect {
+        /// Width and height it was measured in.
+        own: [u32; 2],
+        /// Width and height of the frames.
+        frames: [u32; 2],
+    },
+    /// The principal point is elsewhere.
+    #[error(
+        "its principal point ({:.1}, {:.1}) lies outside of the frames of {}×{} pixels: it is for larger images. Say which by \
+         image_width and image_height in the calibration file", .center_px[0], .center_px[1], .frames[0], .frames[1]
+    )]
+    Center {
+        /// The principal point, px.
+        center_px: [f64; 2],
+        /// Width and height of the frames.
+        frames: [u32; 2],
+    },
+    /// The plane was measured in other pixels.
+    #[error(
+        "the plane was measured in pixels that another lens calibration had been applied to: measure it anew, by `lariat \
+         calibrate plane` with this --calibration"
+    )]
+    OtherCamera,
+    /// The plane was measured in undistorted pixels, and no camera is given.
+    #[error(
+        "the plane was measured in pixels without distortion: name the lens calibration it was made with too \
+         (--calibration FILE)"
+    )]
+    NoCamera,
+    /// Numbers too large or too small to be turned round.
+    #[error("the plane's homography cannot be inverted at the frames' size: measure it anew")]
+    Singular,
+}
+
+/// Why a pixel has no place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum Outside {
+    /// The lens's model folds over there, or ends.
+    #[error(
+        "a point lies where the calibration's lens model is not one-to-one any more (it folds over towards the corners): \
+         calibrate with pictures that reach there, or look at the middle only (--roi)"
+    )]
+    Lens,
+    /// No point of the plane is seen there.
+    #[error(
+        "a point lies at the horizon of the plane or beyond it, where no table is: look whether the plane's points were \
+         taken rightly, or at the table only (--roi)"
+    )]
+    Horizon,
+}
+
+/// From pixels of frames of one size to the plane, or, without one, to ideal pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mapping {
+    camera: Option<Camera>,
+    /// To the plane and back.
+    plane: Option<[Matrix; 2]>,
+    size: [u32; 2],
+}
+
+impl Mapping {
+    /// For frames of this width and height.
+    ///
+    /// # Errors
+    /// The camera or the plane is for other images.
+    pub fn new(
+        camera: Option<&Camera>,
+        plane: Option<&Plane>,
+        frames: [u32; 2],
+    ) -> Result<Self, SizeError> {
+        if plane.is_some_and(|plane| !plane.is_of(camera)) {
+            return Err(match camera {
+                None => SizeError::NoCamera,
+                Some(_) => SizeError::OtherCamera,
+            });
+        }
+        Ok(Self {
+            camera: camera.map(|camera| camera.scaled_to(frames)).transpose()?,
+            plane: plane.map(|plane| plane.maps(frames)).transpose()?,
+            size: frames,
+        })
+    }
+
+    /// Width and height of the frames.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Where what is seen at a pixel lies, and how that moves with the pixel.
+    ///
+    /// # Errors
+    /// Nowhere.
+    pub fn place(&self, pixel: [f64; 2]) -> Result<Place, Outside> {
+        let ideal = match &self.camera {
+            None => Place::itself(pixel),
+            Some(camera) => camera.undistort(pixel).ok_or(Outside::Lens)?,
+        };
+        let Some([to_mm, _]) = &self.plane else {
+            return Ok(ideal);
+        };
+        let place = projective::map(to_mm, ideal.point).ok_or(Outside::Horizon)?;
+        Ok(Place {
+            point: place.point,
+            jacobian: jacobian::product(&place.jacobian, &ideal.jacobian),
+        })
+    }
+
+    /// Where a point is seen; `None` if it is not.
+    pub fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
+        let ideal = match &self.plane {
+            None => point,
+            Some([_, back]) => projective::map(back, point)?.point,
+        };
+        match &self.camera {
+            None => Some(ideal),
+            Some(camera) => camera.distort(ideal).map(|place| place.point),
+        }
+    }
+
+    /// How long a pixel is there (mm, or ideal pixels): the root of the area that one covers.
+    ///
+    /// # Errors
+    /// The pixel has no place.
+    pub fn unit_per_px(&self, pixel: [f64; 2]) -> Result<f64, Outside> {
+        let place = self.place(pixel)?;
+        Ok(determinant(&place.jacobian).abs().sqrt())
+    }
+}

@@ -1,0 +1,38 @@
+//! Rotations: a vector of Rodrigues as a matrix, and whether a matrix is one.
+
+use crate::projective::Matrix;
+
+/// How far a rotation's columns may be from orthonormal: files hold six digits and more.
+const ORTHONORMAL: f64 = 1e-4;
+
+/// The rotation about `r` by its length, radians (Rodrigues; OpenCV's `rvec`).
+pub(crate) fn rodrigues(r: [f64; 3]) -> Matrix {
+    let angle = r.iter().map(|c| c * c).sum::<f64>().sqrt();
+    // The limits for small angles: sin(a)/a and (1 − cos a)/a².
+    let (s, c) = if angle < 1e-8 {
+        (1.0, 0.5)
+    } else {
+        let half = (0.5 * angle).sin() / angle;
+        (angle.sin() / angle, 2.0 * half * half)
+    };
+    let [x, y, z] = r;
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let diagonal = angle.cos();
+    [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| {
+            let unit = if i == j { diagonal } else { 0.0 };
+            unit + s * cross[i][j] + c * r[i] * r[j]
+        })
+    })
+}
+
+/// Whether it turns and does nothing else.
+pub(crate) fn is_rotation(m: &Matrix) -> bool {
+    let dot = |a: usize, b: usize| (0..3).map(|k| m[k][a] * m[k][b]).sum::<f64>();
+    let orthonormal = (0..3)
+        .all(|a| (a..3).all(|b| (dot(a, b) - f64::from(u8::from(a == b))).abs() < ORTHONORMAL));
+    let determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+        - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    orthonormal && determinant > 0.0
+}

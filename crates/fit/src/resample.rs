@@ -1,0 +1,360 @@
+//! Points at equal steps of arc length, from points that are not: those of an image, seen through a map that stretches
+//! here and shrinks there.
+//!
+//! The line through the points is a cubic in each interval (Hermite's, its tangents those of the parabola through a point and
+//! its two neighbours, Bessel's), by the length of the chords. Each new point is then a mean of four of the old ones: what
+//! noise does to it is known ([`Noise`](crate::noise)). A line that is straight stays straight, with steps equal to the last
+//! bits, however unevenly it was seen. On an arc of radius r with chords h the lengths are short by h²/24r² of themselves, all of
+//! them alike if the chords are.
+
+use crate::options::MAX_POINTS;
+use thiserror::Error;
+
+/// Why points make no line to walk along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum ResampleError {
+    /// Fewer than two, or more than there is room for.
+    #[error("{0} points make no line to walk along: give 2 to {MAX_POINTS}")]
+    Count(usize),
+    /// Two neighbours in one place, or a coordinate that is none.
+    #[error("point {0} lies where the next one does, or nowhere: there is no way between them")]
+    NoStep(usize),
+}
+
+/// How a point came from four others.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Mean {
+    /// The first of the four, less one: a closed line's may be the last point.
+    pub(crate) first: usize,
+    pub(crate) weights: [f64; 4],
+    /// Its normalized arc length.
+    pub(crate) rho: f64,
+}
+
+/// Walks along lines of points and sets points at equal steps.
+#[derive(Debug, Clone)]
+pub struct Resampler {
+    count: usize,
+    closed: bool,
+    length: f64,
+    /// The arc length up to each point, and, of a closed line, up to the first again.
+    arcs: Vec<f64>,
+    /// Directions of the chords from each point to the next.
+    pub(crate) chords: Vec<[f64; 2]>,
+    pub(crate) means: Vec<Mean>,
+    points: Vec<[f64; 2]>,
+}
+
+impl Default for Resampler {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Resampler {
+    /// With room for lines of [`MAX_POINTS`] points; nothing allocates after this.
+    pub fn new() -> Self {
+        Self {
+            count: 0,
+            closed: false,
+            length: 0.0,
+            arcs: vec![0.0; MAX_POINTS + 1],
+            chords: vec![[0.0; 2]; MAX_POINTS],
+            means: vec![Mean::default(); MAX_POINTS],
+            points: vec![[0.0; 2]; MAX_POINTS],
+        }
+    }
+
+    /// As many points, at equal steps along the line through these; the first stays, and so does an open line's last.
+    ///
+    /// # Errors
+    /// There are too few or too many, or two neighbours lie in one place.
+    pub fn resample(
+        &mut self,
+        points: &[[f64; 2]],
+        closed: bool,
+    ) -> Result<&[[f64; 2]], ResampleError> {
+        let count = points.len();
+        if !(2..=MAX_POINTS).contains(&count) {
+            return Err(ResampleError::Count(count));
+        }
+        (self.count, self.closed) = (count, closed);
+        self.measure(points)?;
+        let steps = if closed { count } else { count - 1 };
+        let mut interval = 0;
+        for k in 0..count {
+            let rho = k as f64 / steps as f64;
+            let target = rho * self.length;
+            while interval + 1 < steps && self.arcs[interval + 1] <= target {
+                interval += 1;
+            }
+            let mean = self.mean(interval, target, rho);
+            self.means[k] = mean;
+            self.points[k] = self.sources(&mean).fold([0.0; 2], |sum, (i, weight)| {
+                [0, 1].map(|axis| sum[axis] + weight * points[i][axis])
+            });
+        }
+        Ok(&self.points[..count])
+    }
+
+    /// The length of the last line, in the points' unit.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The old points between which new point `k` lies.
+    pub fn between(&self, k: usize) -> [usize; 2] {
+        let first = self.means[k].first;
+        [1, 2].map(|step| (first + step) % self.count)
+    }
+
+    /// The direction of the line at new point `k`.
+    pub(crate) fn tangent(&self, mean: &Mean) -> [f64; 2] {
+        self.chords[(mean.first + 1) % self.count]
+    }
+
+    /// The old points that make a new one, each with its weight.
+    pub(crate) fn sources(&self, mean: &Mean) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let (first, count) = (mean.first, self.count);
+        let weights = mean.weights.into_iter().enumerate();
+        weights
+            .filter(|(_, weight)| *weight != 0.0)
+            .map(move |(step, weight)| ((first + step) % count, weight))
+    }
+
+    /// How much of a new point comes from beyond a closed line's last point, less how much from before its first.
+    pub(crate) fn beyond_the_seam(&self, mean: &Mean) -> f64 {
+        if !self.closed {
+            return 0.0;
+        }
+        let interval = (mean.first + 1) % self.count;
+        let weights = mean.weights.iter().enumerate();
+        let beyond = weights.map(|(step, weight)| match interval + step {
+            0 => -weight,
+            place if place > self.count => *weight,
+            _ => 0.0,
+        });
+        beyond.sum()
+    }
+
+    /// The last new points.
+    pub(crate) fn points(&self) -> &[[f64; 2]] {
+        &self.points[..self.count]
+    }
+
+    /// The normalized arc length of the middle of the chord after old point `i`.
+    pub(crate) fn middle(&self, i: usize) -> f64 {
+        0.5 * (self.arcs[i] + self.arcs[i + 1]) / self.length
+    }
+
+    /// How many points the last line had, and whether it was closed.
+    pub(crate) fn shape(&self) -> (usize, bool) {
+        (self.count, self.closed)
+    }
+
+    fn measure(&mut self, points: &[[f64; 2]]) -> Result<(), ResampleError> {
+        let steps = if self.closed {
+            self.count
+        } else {
+            self.count - 1
+        };
+        self.arcs[0] = 0.0;
+        for i in 0..steps {
+            let (from, to) = (points[i], points[(i + 1) % self.count]);
+            let way = [to[0] - from[0], to[1] - from[1]];
+            let length = way[0].hypot(way[1]);
+            if !(length > 0.0 && length.is_finite()) {
+                return Err(ResampleError::NoStep(i));
+            }
+            self.chords[i] = way.map(|c| c / length);
+            self.arcs[i + 1] = self.arcs[i] + length;
+        }
+        self.length = self.arcs[steps];
+        Ok(())
+    }
+
+    /// The length of the interval after point `i`, if there is one; of a closed line `i` may be −1 or beyond the last.
+    fn step(&self, i: isize) -> Option<f64> {
+        let steps = if self.closed {
+            self.count
+        } else {
+            self.count - 1
+        };
+        let i = if self.closed {
+            i.rem_euclid(steps as isize) as usize
+        } else {
+            usize::try_from(i).ok().filter(|&i| i < steps)?
+        };
+        Some(self.arcs[i + 1] - self.arcs[i])
+    }
+
+    /// The point of the cubic in an interval at this arc length.
+    fn mean(&self, interval: usize, target: f64, rho: f64) -> Mean {
+        let i = interval as isize;
+        let step = self.arcs[interval + 1] - self.arcs[interval];
+        let u = ((target - self.arcs[interval]) / step).clamp(0.0, 1.0);
+        let v = 1.0 - u;
+        let mut weights = [0.0, (1.0 + 2.0 * u) * v * v, u * u * (3.0 - 2.0 * u), 0.0];
+        let (before, after) = (self.step(i - 1), self.step(i + 1));
+        // The tangents at both ends of the interval, by the four points.
+        let starts = tangent(before, step);
+        let ends = tangent(after, step).map(|w| -w);
+        let ends = [0.0, ends[2], ends[1], ends[0]];
+        let [starts, ends] = match (before, after) {
+            // At an open line's end the parabola through its three points runs on.
+            (None, Some(_)) => [beside(ends, step), ends],
+            (Some(_), None) => {
+                let starts = [starts[0], starts[1], starts[2], 0.0];
+                [starts, beside(starts, step)]
+            }
+            _ => [[starts[0], starts[1], starts[2], 0.0], ends],
+        };
+        for (at, weight) in weights.iter_mut().enumerate() {
+            *weight += step * (u * v * v * starts[at] - u * u * v * ends[at]);
+        }
+        Mean {
+            first: (interval + self.count - 1) % self.count,
+            weights,
+            rho,
+        }
+    }
+}
+
+/// What the point before, the point and the one after it, at the distances `before` and `step`, weigh in the slope of their
+/// parabola at the middle one; of a chord, where there is none before.
+fn tangent(before: Option<f64>, step: f64) -> [f64; 3] {
+    match before {
+        None => [0.0, -1.0 / step, 1.0 / step],
+        Some(before) => {
+            let both = before + step;
+            [
+                -step / (before * both),
+                (step - before) / (step * before),
+                before / (step * both),
+            ]
+        }
+    }
+}
+
+/// The slope at one end of an interval of the parabola that has this slope at the other: twice the chord's, less it.
+fn beside(other: [f64; 4], step: f64) -> [f64; 4] {
+    let chord = [0.0, -2.0 / step, 2.0 / step, 0.0];
+    std::array::from_fn(|at| chord[at] - other[at])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a map that stretches one end of an arc ten times as much as the other.
+    fn uneven(count: usize, turn: f64) -> Vec<[f64; 2]> {
+        (0..count)
+            .map(|i| {
+                let t = i as f64 / (count - 1) as f64;
+                let s = t / (1.0 + 2.2 * (1.0 - t));
+                let angle = turn * s;
+                match turn {
+                    0.0 => [400.0 * s, 300.0 * s],
+                    _ => [
+                        500.0 / turn * angle.sin(),
+                        500.0 / turn * (1.0 - angle.cos()),
+                    ],
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_straight_line_has_equal_steps_to_the_last_bits() {
+        let mut resampler = Resampler::new();
+        let even = resampler.resample(&uneven(120, 0.0), false).unwrap();
+        for (k, point) in even.iter().enumerate() {
+            let s = k as f64 / 119.0;
+            assert!(
+                (point[0] - 400.0 * s).hypot(point[1] - 300.0 * s) < 1e-9,
+                "{k}: {point:?}"
+            );
+        }
+        assert!((resampler.length() - 500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn on_an_arc_the_points_stay_on_the_arc() {
+        let mut resampler = Resampler::new();
+        let turn = 3.0;
+        let even = resampler
+            .resample(&uneven(120, turn), false)
+            .unwrap()
+            .to_vec();
+        let radius = 500.0 / turn;
+        for point in &even {
+            let r = point[0].hypot(point[1] - radius);
+            // The fourth power of a step of at most 13 in a radius of 167, by 384.
+            assert!((r - radius).abs() < 2e-3, "{r}");
+        }
+        let steps: Vec<f64> = even
+            .windows(2)
+            .map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1]))
+            .collect();
+        let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+        assert!(
+            steps.iter().all(|s| (s / mean - 1.0).abs() < 2e-3),
+            "{steps:?}"
+        );
+    }
+
+    #[test]
+    fn a_ring_goes_round() {
+        let ring: Vec<[f64; 2]> = (0..100)
+            .map(|i| {
+                let t = f64::from(i) / 100.0;
+                let angle = std::f64::consts::TAU * (t + 0.1 * (std::f64::consts::TAU * t).sin());
+                [80.0 * angle.cos(), 80.0 * angle.sin()]
+            })
+            .collect();
+        let mut resampler = Resampler::new();
+        let even = resampler.resample(&ring, true).unwrap();
+        for (k, point) in even.iter().enumerate() {
+            let angle = std::f64::consts::TAU * k as f64 / 100.0;
+            let away = (point[0] - 80.0 * angle.cos()).hypot(point[1] - 80.0 * angle.sin());
+            assert!(away < 0.05, "{k}: {away}");
+        }
+    }
+
+    #[test]
+    fn what_is_even_stays_where_it_is() {
+        let points: Vec<[f64; 2]> = (0..50).map(|i| [f64::from(i), 2.0]).collect();
+        let mut resampler = Resampler::new();
+        let even = resampler.resample(&points, false).unwrap();
+        assert!(
+            even.iter()
+                .zip(&points)
+                .all(|(a, b)| (a[0] - b[0]).abs() < 1e-12)
+        );
+    }
+
+    #[test]
+    fn points_without_a_way_between_them_are_refused() {
+        let mut resampler = Resampler::new();
+        let one = [[1.0, 1.0]; 1];
+        assert_eq!(
+            resampler.resample(&one, false),
+            Err(ResampleError::Count(1))
+        );
+        let twice = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]];
+        assert_eq!(
+            resampler.resample(&twice, false),
+            Err(ResampleError::NoStep(1))
+        );
+        let lost = [[0.0, 0.0], [f64::NAN, 0.0], [1.0, 0.0]];
+        assert_eq!(
+            resampler.resample(&lost, false),
+            Err(ResampleError::NoStep(0))
+        );
+        let ring = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
+        assert_eq!(
+            resampler.resample(&ring, true),
+            Err(ResampleError::NoStep(2))
+        );
+    }
+}
