@@ -16,6 +16,9 @@ const UNTOLD_NS: u64 = 200_000_000;
 /// busy.
 const BLANK_NS: u64 = 100_000_000;
 
+/// A camera that stands still for a moment again and again is reported no more often than this.
+const REPORT_NS: u64 = 5_000_000_000;
+
 /// Watches for frames that do not come.
 #[derive(Debug)]
 pub(super) struct Silence {
@@ -27,7 +30,12 @@ pub(super) struct Silence {
     has_begun: bool,
     /// When there is something to tell next.
     next_ns: u64,
+    /// Whether this silence was told of.
+    is_told: bool,
+    /// Whether it was reported, here or elsewhere.
     is_reported: bool,
+    /// When the next one may be.
+    report_at_ns: u64,
 }
 
 /// What there is to tell.
@@ -47,7 +55,9 @@ impl Silence {
             since_ns: 0,
             has_begun: false,
             next_ns: u64::MAX,
+            is_told: false,
             is_reported: false,
+            report_at_ns: 0,
         }
     }
 
@@ -55,7 +65,7 @@ impl Silence {
     pub(super) fn start(&mut self, now_ns: u64) {
         self.has_begun = false;
         // A silence that goes on is told of as before.
-        if !self.is_reported {
+        if !self.is_told {
             self.since_ns = now_ns;
             self.next_ns = now_ns + self.patience_ns();
         }
@@ -70,12 +80,13 @@ impl Silence {
         }
         (self.since_ns, self.has_begun) = (now_ns, true);
         self.next_ns = now_ns + self.patience_ns();
+        self.is_told = false;
         std::mem::take(&mut self.is_reported).then_some(pause_ns)
     }
 
     /// No frame can come, for a reason that is said elsewhere: who waits for one is told at once.
     pub(super) fn broken(&mut self, now_ns: u64) {
-        self.is_reported = true;
+        (self.is_told, self.is_reported) = (true, true);
         self.next_ns = now_ns;
     }
 
@@ -90,9 +101,14 @@ impl Silence {
             return None;
         }
         self.next_ns = now_ns + BLANK_NS;
-        let is_new = !std::mem::replace(&mut self.is_reported, true);
+        self.is_told = true;
+        let reports = !self.is_reported && now_ns >= self.report_at_ns;
+        if reports {
+            self.is_reported = true;
+            self.report_at_ns = now_ns + REPORT_NS;
+        }
         Some(Silent {
-            report_ns: is_new.then(|| now_ns.saturating_sub(self.since_ns)),
+            report_ns: reports.then(|| now_ns.saturating_sub(self.since_ns)),
         })
     }
 
@@ -146,6 +162,22 @@ mod tests {
         assert_eq!(silence.next_ns(), (1133 + 3 * 133) * MS);
         assert_eq!(silence.end(9000 * MS), None);
         assert_eq!(silence.next_ns(), 9000 * MS + 3 * LONGEST_PAUSE_NS);
+    }
+
+    #[test]
+    fn a_camera_that_stumbles_is_told_of_each_time_and_reported_now_and_then() {
+        let mut silence = streaming();
+        let (mut told, mut reported, mut ended) = (0, 0, 0);
+        for stumble in 0..100 {
+            let came_ns = (1000 + 200 * stumble) * MS;
+            let silent = silence.due(came_ns + 130 * MS);
+            told += u64::from(silent.is_some());
+            reported += u64::from(silent.is_some_and(|silent| silent.report_ns.is_some()));
+            ended += u64::from(silence.end(came_ns + 160 * MS).is_some());
+            assert_eq!(silence.end(came_ns + 200 * MS), None);
+        }
+        // In 20 s.
+        assert_eq!((told, reported, ended), (100, 4, 4));
     }
 
     #[test]

@@ -1,6 +1,9 @@
-#![allow(unsafe_code)] // The fake driver writes where a real one would, into memory that it is lent.
+#![allow(unsafe_code)]
+// The fake driver writes where a real one would, into memory that it is lent; allocations are counted.
 //! A camera through what happens to it, by a driver that fails when it is told to.
 
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{Read, Write};
@@ -349,6 +352,7 @@ fn what_does_not_take_memory_is_copied_from() {
     bench.expose(1, GOOD);
     assert_eq!(bench.shown(), (1, 77));
     assert!(bench.news().contains("MMAP"));
+    assert_eq!(bench.hardware().opened, 1, "it need not be opened anew");
     let mut bench = Bench::new(Io::UserPointer, false);
     let refused = bench.camera.next().expect_err("it may not be copied from");
     assert!(refused.to_string().contains("REQBUFS"), "{refused}");
@@ -361,6 +365,53 @@ fn without_slots_a_frame_is_kept_until_it_is_asked_for() {
     for number in 1..=9 {
         bench.expose(0, GOOD);
         assert_eq!(bench.shown(), (number, 77));
+    }
+}
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise is the one that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn a_frame_allocates_nothing_once_warm() {
+    for (io, takes_lent) in [(Io::Auto, true), (Io::Mapped, true)] {
+        let mut bench = Bench::new(io, takes_lent);
+        {
+            let mut hardware = bench.hardware();
+            // The fake's own books.
+            hardware.addresses.reserve(1000);
+            hardware.queued.reserve(1000);
+        }
+        let mut shown = |count| {
+            let before = ALLOCATIONS.get();
+            for _ in 0..count {
+                bench.expose(1, GOOD);
+                bench.shown();
+            }
+            ALLOCATIONS.get() - before
+        };
+        assert!(shown(20) > 0, "the counter counts");
+        let allocations = shown(200);
+        assert_eq!(allocations, 0, "{io:?}: {}", bench.said());
     }
 }
 
