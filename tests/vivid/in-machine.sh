@@ -23,11 +23,15 @@ chain() {
     echo "@@summary $(tr -d '\n' <out/summary.json)"
 }
 
-# The whole chain, and after some seconds a fault: `faulted SECONDS COMMAND FLAGS…`.
+# The whole chain, and some seconds after all of it is there a fault: `faulted SECONDS COMMAND FLAGS…`.
 faulted() {
     delay=$1 command=$2
     shift 2
     (
+        for second in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
+            [ "$(pids | wc -w)" = 5 ] && break
+            sleep 1
+        done
         sleep "$delay"
         echo "@@before $(pids)"
         eval "$command" 2>&1

@@ -18,13 +18,14 @@ use super::offers::{FormatOffer, FourCc, Interval};
 use super::sys;
 
 /// What lariat reads, the best first.
-pub(super) const READABLE: [u32; 7] = [
+pub(super) const READABLE: [u32; 8] = [
     sys::PIX_YUYV,
     sys::PIX_UYVY,
     sys::PIX_NV12,
     sys::PIX_BGR3,
     sys::PIX_RGB3,
     sys::PIX_MJPG,
+    sys::PIX_JPEG,
     sys::PIX_GREY,
 ];
 

@@ -196,8 +196,8 @@ pub struct FormatOffer {
 const MOST: u32 = 512;
 
 impl Device {
-    /// All formats of the camera that `wanted` accepts. Where sizes go by steps, rates are asked for at the size that is
-    /// nearest to `near`.
+    /// All formats of the camera; sizes and rates, which are many questions, only of those that `wanted` accepts. Where
+    /// sizes go by steps, rates are asked for at the size that is nearest to `near`.
     pub(crate) fn offers(
         &self,
         near: [u32; 2],
@@ -214,12 +214,14 @@ impl Device {
         };
         (0..MOST)
             .map_while(describe)
-            .filter(|format| wanted(FourCc(format.pixelformat)))
             .map(|format| FormatOffer {
                 code: FourCc(format.pixelformat),
                 description: text(&format.description),
                 compressed: format.flags & sys::FMT_FLAG_COMPRESSED != 0,
-                sizes: self.sizes(format.pixelformat, near),
+                sizes: match wanted(FourCc(format.pixelformat)) {
+                    true => self.sizes(format.pixelformat, near),
+                    false => Vec::new(),
+                },
             })
             .collect()
     }

@@ -76,8 +76,7 @@ impl Device {
     /// # Errors
     /// There is nothing in common, another program streams, or the driver sets something else than it has listed.
     pub(crate) fn set_up(&self, request: &Request) -> Result<Setup, CameraError> {
-        // Formats that were asked for are listed too, so that a wish for one that lariat does not read is answered.
-        let offers = self.offers(request.near(), |_| true);
+        let offers = self.offers(request.near(), FourCc::is_readable);
         let choice = negotiate(&offers, request).map_err(|why| CameraError::NoCommonFormat {
             path: self.path().to_owned(),
             why,

@@ -24,6 +24,8 @@ pub(super) struct Stream<D: Driver> {
     /// None once it has been taken out.
     driver: Option<D>,
     buffers: Buffers,
+    /// Whether the driver has made buffers, which are to be given up.
+    has_buffers: bool,
     /// Calls that failed once and then did not: the last of them, and how many since that was asked.
     mended: Mended,
 }
@@ -72,6 +74,7 @@ impl<D: Driver> Stream<D> {
                 Memory::Mapped => Buffers::Mapped(Vec::new()),
                 Memory::Lent => Buffers::Lent(Vec::new()),
             },
+            has_buffers: false,
             mended: Mended::default(),
         };
         match stream.prepare(slots) {
@@ -94,6 +97,7 @@ impl<D: Driver> Stream<D> {
             Memory::Lent => MOST_BUFFERS,
         };
         let count = self.twice("VIDIOC_REQBUFS", |driver| driver.request(memory, wanted))?;
+        self.has_buffers = true;
         if count < LEAST_BUFFERS {
             return Err(("VIDIOC_REQBUFS", Errno::NOBUFS));
         }
@@ -296,6 +300,9 @@ impl<D: Driver> Stream<D> {
     fn release(&mut self) -> Option<D> {
         let driver = self.driver.take()?;
         let memory = self.memory();
+        if !self.has_buffers {
+            return Some(driver);
+        }
         // A mapped buffer cannot be given up.
         if let Buffers::Mapped(mappings) = &mut self.buffers {
             mappings.clear();

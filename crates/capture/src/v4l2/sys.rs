@@ -6,7 +6,6 @@
 //! part of an ioctl's number, the kernel refuses (`ENOTTY`) what would not fit.
 
 #![allow(unsafe_code)]
-#![allow(dead_code, reason = "the kernel's interface, ahead of what uses it")]
 
 mod constants;
 mod structs;
@@ -67,8 +66,6 @@ updating! {
     read_write 4 fn get_format(Format);
     /// `VIDIOC_S_FMT`: sets the format; drivers set another rather than refuse, and write it back.
     read_write 5 fn set_format(Format);
-    /// `VIDIOC_TRY_FMT`: what [`set_format`] would write back.
-    read_write 64 fn try_format(Format);
     /// `VIDIOC_REQBUFS`: makes `count` buffers, or fewer or more, and writes back how many; 0 frees them.
     read_write 8 fn request_buffers(RequestBuffers);
     /// `VIDIOC_G_PARM`: the time per frame that is set.
@@ -87,8 +84,6 @@ updating! {
     read_write 74 fn enumerate_sizes(SizeDescription);
     /// `VIDIOC_ENUM_FRAMEINTERVALS`: the time per frame of this `index`, for a format and size.
     read_write 75 fn enumerate_intervals(IntervalDescription);
-    /// `VIDIOC_DQEVENT`: the oldest event that is waiting.
-    read 89 fn dequeue_event(Event);
     /// `VIDIOC_QUERY_EXT_CTRL`: what a control is, or the one behind it ([`NEXT_CONTROL`]).
     read_write 103 fn query_extended_control(QueryExtendedControl);
 }
@@ -103,13 +98,6 @@ pub(super) fn stream_on(fd: impl AsFd, kind: u32) -> Result<()> {
 pub(super) fn stream_off(fd: impl AsFd, kind: u32) -> Result<()> {
     // SAFETY: the argument is an `int`, which the kernel only reads.
     unsafe { set::<{ opcode::write::<u32>(V4L2, 19) }, u32>(fd, kind) }
-}
-
-/// `VIDIOC_SUBSCRIBE_EVENT`: events of this kind wait for [`dequeue_event`] from now on, and wake by `POLLPRI`.
-pub(super) fn subscribe_event(fd: impl AsFd, event: EventSubscription) -> Result<()> {
-    const OPCODE: Opcode = opcode::write::<EventSubscription>(V4L2, 90);
-    // SAFETY: the argument is this structure, without pointers, which the kernel only reads.
-    unsafe { set::<OPCODE, EventSubscription>(fd, event) }
 }
 
 /// `VIDIOC_QUERYBUF`: where and how long a buffer is. `planes` is written for the multi-planar types alone.
@@ -186,8 +174,6 @@ mod tests {
         assert_eq!(size_of::<ExtendedControls>(), 32);
         assert_eq!(size_of::<ExtendedControl>(), 20);
         assert_eq!(size_of::<QueryMenu>(), 44);
-        assert_eq!(size_of::<Event>(), 136);
-        assert_eq!(size_of::<EventSubscription>(), 32);
     }
 
     #[test]

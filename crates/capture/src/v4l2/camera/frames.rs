@@ -21,13 +21,11 @@ impl<P: Port> Camera<P> {
         };
         let moment_ns = self.silence.next_ns();
         let event = stream.driver().map(|driver| (driver.fd(), PollFlags::IN));
-        let woken = until.wait(event, Some(moment_ns));
-        let now_ns = now_ns();
-        match woken {
+        match until.wait(event, Some(moment_ns)) {
             Woken::Interrupted => Some(Next::Nothing),
-            Woken::Moment => self.blank_if_due(now_ns),
+            Woken::Moment => self.blank_if_due(now_ns()),
             Woken::Ready(events) => match stream.dequeue() {
-                Ok(filled) => self.filled(&filled, now_ns),
+                Ok(filled) => self.filled(&filled, now_ns()),
                 Err(Errno::AGAIN) if !events.intersects(PollFlags::ERR | PollFlags::HUP) => None,
                 // An error without a word is a fatal one.
                 Err(Errno::AGAIN) => self.fall(("poll", Errno::IO)),

@@ -262,7 +262,7 @@ fn what_there_is_not_is_answered_with_what_there_is() {
     );
     assert_eq!(
         chosen(&mono_ov9281()[1..], ANYTHING),
-        "it offers Y10, and lariat reads none of these but YUYV, UYVY, NV12, BGR3, RGB3, MJPG and GREY"
+        "it offers Y10, and lariat reads none of these but YUYV, UYVY, NV12, BGR3, RGB3, MJPG, JPEG and GREY"
     );
     assert!(chosen(&[], ANYTHING).starts_with("it offers no format at all"));
 }

@@ -9,7 +9,6 @@ pub(crate) const FIELD_ANY: u32 = 0;
 pub(crate) const FIELD_NONE: u32 = 1;
 
 pub(crate) const BUF_TYPE_CAPTURE: u32 = 1;
-pub(crate) const BUF_TYPE_OUTPUT: u32 = 2;
 pub(crate) const BUF_TYPE_CAPTURE_MPLANE: u32 = 9;
 pub(crate) const BUF_TYPE_OUTPUT_MPLANE: u32 = 10;
 
@@ -37,42 +36,28 @@ pub(crate) const PIX_BGR3: u32 = fourcc(b"BGR3");
 pub(crate) const PIX_YUYV: u32 = fourcc(b"YUYV");
 pub(crate) const PIX_UYVY: u32 = fourcc(b"UYVY");
 pub(crate) const PIX_NV12: u32 = fourcc(b"NV12");
-/// [`PIX_NV12`] whose two planes are two pieces of memory.
-pub(crate) const PIX_NM12: u32 = fourcc(b"NM12");
 pub(crate) const PIX_MJPG: u32 = fourcc(b"MJPG");
 pub(crate) const PIX_JPEG: u32 = fourcc(b"JPEG");
-/// In `priv`: that the fields behind it are meant.
-pub(crate) const PIX_FMT_PRIV_MAGIC: u32 = 0xfeed_cafe;
 
 pub(crate) const FMT_FLAG_COMPRESSED: u32 = 0x0001;
-pub(crate) const FMT_FLAG_EMULATED: u32 = 0x0002;
 
 pub(crate) const SIZE_DISCRETE: u32 = 1;
-pub(crate) const SIZE_CONTINUOUS: u32 = 2;
 pub(crate) const SIZE_STEPWISE: u32 = 3;
 pub(crate) const INTERVAL_DISCRETE: u32 = 1;
-pub(crate) const INTERVAL_CONTINUOUS: u32 = 2;
-pub(crate) const INTERVAL_STEPWISE: u32 = 3;
 
 /// In [`StreamParameters::capability`](super::StreamParameters): the time per frame can be set.
 pub(crate) const CAP_TIMEPERFRAME: u32 = 0x1000;
 
-/// In [`RequestBuffers::capabilities`](super::RequestBuffers); 0 with old kernels, which do not say.
-pub(crate) const BUF_CAP_MMAP: u32 = 1;
-pub(crate) const BUF_CAP_USERPTR: u32 = 2;
-
-pub(crate) const BUF_FLAG_MAPPED: u32 = 0x0000_0001;
-pub(crate) const BUF_FLAG_QUEUED: u32 = 0x0000_0002;
-pub(crate) const BUF_FLAG_DONE: u32 = 0x0000_0004;
 pub(crate) const BUF_FLAG_ERROR: u32 = 0x0000_0040;
 pub(crate) const BUF_FLAG_TIMESTAMP_MASK: u32 = 0x0000_e000;
-pub(crate) const BUF_FLAG_TIMESTAMP_UNKNOWN: u32 = 0x0000_0000;
 pub(crate) const BUF_FLAG_TIMESTAMP_MONOTONIC: u32 = 0x0000_2000;
+#[cfg(test)]
 pub(crate) const BUF_FLAG_TIMESTAMP_COPY: u32 = 0x0000_4000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_MASK: u32 = 0x0007_0000;
+/// As the kernel says it: no bit.
+#[cfg(test)]
 pub(crate) const BUF_FLAG_TSTAMP_SRC_EOF: u32 = 0x0000_0000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_SOE: u32 = 0x0001_0000;
-pub(crate) const BUF_FLAG_LAST: u32 = 0x0010_0000;
 
 pub(crate) const CTRL_TYPE_INTEGER: u32 = 1;
 pub(crate) const CTRL_TYPE_BOOLEAN: u32 = 2;
@@ -80,16 +65,13 @@ pub(crate) const CTRL_TYPE_MENU: u32 = 3;
 pub(crate) const CTRL_TYPE_BUTTON: u32 = 4;
 pub(crate) const CTRL_TYPE_INTEGER64: u32 = 5;
 pub(crate) const CTRL_TYPE_CLASS: u32 = 6;
-pub(crate) const CTRL_TYPE_STRING: u32 = 7;
 pub(crate) const CTRL_TYPE_BITMASK: u32 = 8;
 pub(crate) const CTRL_TYPE_INTEGER_MENU: u32 = 9;
 
 pub(crate) const CTRL_FLAG_DISABLED: u32 = 0x0001;
-pub(crate) const CTRL_FLAG_GRABBED: u32 = 0x0002;
 pub(crate) const CTRL_FLAG_READ_ONLY: u32 = 0x0004;
 pub(crate) const CTRL_FLAG_INACTIVE: u32 = 0x0010;
 pub(crate) const CTRL_FLAG_WRITE_ONLY: u32 = 0x0040;
-pub(crate) const CTRL_FLAG_VOLATILE: u32 = 0x0080;
 pub(crate) const CTRL_FLAG_HAS_PAYLOAD: u32 = 0x0100;
 
 /// Beside a control's id: the next one is asked for.
@@ -111,7 +93,3 @@ pub(crate) const CID_AUTO_N_PRESET_WHITE_BALANCE: u32 = 0x009a_0914;
 pub(crate) const CID_ISO_SENSITIVITY_AUTO: u32 = 0x009a_0918;
 /// The so-called 3A lock: exposure, white balance and focus, a bit each.
 pub(crate) const CID_3A_LOCK: u32 = 0x009a_091b;
-
-pub(crate) const EVENT_END_OF_STREAM: u32 = 2;
-pub(crate) const EVENT_CONTROL: u32 = 3;
-pub(crate) const EVENT_SOURCE_CHANGE: u32 = 5;

@@ -451,29 +451,3 @@ impl ExtendedControls {
         }
     }
 }
-
-/// `v4l2_event`.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C)]
-pub(crate) struct Event {
-    pub(crate) kind: u32,
-    pub(crate) padding: u32,
-    /// What belongs to the kind; of a change of the source its first word says of what (1: resolution).
-    pub(crate) data: [u64; 8],
-    pub(crate) pending: u32,
-    pub(crate) sequence: u32,
-    pub(crate) timestamp: [i64; 2],
-    pub(crate) id: u32,
-    pub(crate) reserved: [u32; 8],
-    pub(crate) padding2: u32,
-}
-
-/// `v4l2_event_subscription`.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C)]
-pub(crate) struct EventSubscription {
-    pub(crate) kind: u32,
-    pub(crate) id: u32,
-    pub(crate) flags: u32,
-    pub(crate) reserved: [u32; 5],
-}
