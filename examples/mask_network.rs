@@ -59,6 +59,10 @@ pub(crate) fn serve(
             frames.sleep(Some(Instant::now() + Duration::from_millis(50)), None)?;
             continue;
         };
+        if frame.header().is_blank() {
+            // The camera gives no image just now.
+            continue;
+        }
         let header = frame.header().of_mask();
         let bytes = header.width as usize * header.height as usize;
         // The slots are made for the largest mask so far.

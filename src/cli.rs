@@ -9,11 +9,13 @@ use clap::{Parser, Subcommand};
 use crate::bench::{self, BenchArgs, PartArgs};
 use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
+use crate::devices::{self, DevicesArgs};
 use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::settings::{ChainArgs, Settings};
+use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
@@ -46,6 +48,10 @@ enum Command {
     Pick(PickArgs),
     /// The experiments of the paper that lariat is built on, again and with numbers, as one page
     Paper(PaperArgs),
+    /// The cameras of this machine: formats, sizes, rates and controls
+    Devices(DevicesArgs),
+    /// One frame of a camera, or any other source, as a PNG picture
+    Snapshot(SnapshotArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -84,6 +90,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Paper(args)) => paper::run(args),
+        Some(Command::Devices(args)) => devices::run(args),
+        Some(Command::Snapshot(args)) => snapshot::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Bench(args)) => bench::run(&args),

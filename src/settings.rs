@@ -6,8 +6,9 @@
 
 mod args;
 mod arrangement;
+mod camera;
 mod curve;
-mod duration;
+pub(crate) mod duration;
 mod file;
 mod keys;
 mod meaning;
@@ -16,6 +17,7 @@ mod table;
 
 pub(crate) use args::{ChainArgs, ShapeArgs};
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
+pub(crate) use camera::{CameraSettings, name_and_value};
 pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
 pub(crate) use meaning::mask_text;
@@ -24,7 +26,7 @@ pub(crate) use problem::Problems;
 use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
-use lariat_capture::{Pace, RenderOptions, Source};
+use lariat_capture::{CameraOptions, Pace, RenderOptions, Request, Source, names_a_camera};
 use lariat_extract::{Mask, Method};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
@@ -100,7 +102,12 @@ pub(crate) enum Fps {
     PerSecond(f64),
     /// As fast as they can be made.
     Max,
+    /// As fast as a camera can; [`USUAL_FPS`] for all else.
+    Auto,
 }
+
+/// Frames a second of what has no rate of its own.
+pub(crate) const USUAL_FPS: f64 = 30.0;
 
 /// `[capture]`: where frames come from.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,22 +115,28 @@ pub(crate) struct Capture {
     /// `rendered` alone, or the paths of pictures, folders or a video.
     pub(crate) source: Vec<PathBuf>,
     pub(crate) fps: Fps,
-    /// Width and height of the rendered picture, px.
-    pub(crate) size: [u32; 2],
+    /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly [`USUAL_SIZE`].
+    pub(crate) size: Option<[u32; 2]>,
     /// Which of all rendered ropes.
     pub(crate) seed: u64,
     /// Whether files begin again after the last.
     pub(crate) looped: bool,
+    /// What is asked of a camera.
+    pub(crate) camera: CameraSettings,
 }
+
+/// Width and height of the rendered picture if none are asked for, px.
+const USUAL_SIZE: [u32; 2] = [640, 480];
 
 impl Default for Capture {
     fn default() -> Self {
         Self {
             source: vec![PathBuf::from("rendered")],
-            fps: Fps::PerSecond(30.0),
-            size: [640, 480],
+            fps: Fps::Auto,
+            size: None,
             seed: 1,
             looped: false,
+            camera: CameraSettings::default(),
         }
     }
 }
@@ -131,15 +144,24 @@ impl Default for Capture {
 impl Capture {
     /// The source itself; rendered ropes have a truth of `points` points.
     pub(crate) fn source(&self, points: usize) -> Source {
+        if self.is_camera() {
+            return Source::Camera(CameraOptions {
+                path: self.source[0].clone(),
+                request: self.request(),
+                controls: self.camera.controls(),
+                io: self.camera.io,
+            });
+        }
         let defaults = RenderOptions::default();
         let rendered = RenderOptions {
             seed: self.seed,
-            width: self.size[0],
-            height: self.size[1],
+            width: self.likely_size()[0],
+            height: self.likely_size()[1],
             // The rope moves at its own speed, however often it is looked at.
             frame_interval_s: match self.fps {
                 Fps::PerSecond(fps) => 1.0 / fps,
                 Fps::Max => defaults.frame_interval_s,
+                Fps::Auto => 1.0 / USUAL_FPS,
             },
             truth_points: points as u32,
             ..defaults
@@ -152,6 +174,29 @@ impl Capture {
         match self.fps {
             Fps::PerSecond(fps) => Pace::Fps(fps),
             Fps::Max => Pace::Max,
+            Fps::Auto => Pace::Fps(USUAL_FPS),
+        }
+    }
+
+    /// The size that frames most likely have, px.
+    pub(crate) fn likely_size(&self) -> [u32; 2] {
+        self.size.unwrap_or(USUAL_SIZE)
+    }
+
+    /// Whether the source is a camera.
+    pub(crate) fn is_camera(&self) -> bool {
+        matches!(&self.source[..], [path] if names_a_camera(path))
+    }
+
+    /// What is asked of a camera; "max" is its best rate too.
+    fn request(&self) -> Request {
+        Request {
+            size: self.size,
+            fps: match self.fps {
+                Fps::PerSecond(fps) => Some(fps),
+                Fps::Max | Fps::Auto => None,
+            },
+            format: self.camera.pixel_format,
         }
     }
 }
@@ -229,6 +274,9 @@ impl Settings {
     pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
+            // A camera's best rate is not known before it is asked.
+            Fps::Auto if self.capture.is_camera() => None,
+            Fps::Auto => Some((1e9 / USUAL_FPS) as u64),
             Fps::Max => None,
         };
         lariat_sink::Options {

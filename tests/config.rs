@@ -73,12 +73,14 @@ fn the_examples_in_a_new_file_are_good() {
         .replace("# trace", "trace")
         .replace("# deadline_us", "deadline_us")
         .replace("# start", "start")
+        .replace("# controls", "controls")
         .replace("mask = \"auto\"", "")
         .replace("# [{", "mask = [{");
     std::fs::write(&path, examples).unwrap();
     let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
     assert_eq!(shown["run"].as_table().unwrap().len(), 15);
     assert_eq!(shown["extract"].as_table().unwrap().len(), 7);
+    assert_eq!(shown["capture"]["controls"]["auto_exposure"], 1.into());
     assert_eq!(
         shown["extract"]["mask"].to_string(),
         "[{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]"
@@ -274,6 +276,11 @@ fn values_that_cannot_be_are_refused() {
         "[capture]\nfps = -30",
         "[capture]\nfps = \"fast\"",
         "[capture]\nfps = true",
+        "[capture]\npixel_format = \"colour\"",
+        "[capture]\npixel_format = 3",
+        "[capture]\ncontrols = 3",
+        "[capture]\ncontrols = { gain = 1.5 }",
+        "[capture]\nlock = 1",
         "[capture]\nsize = [640]",
         "[capture]\nsize = [640, 63]",
         "[capture]\nsize = [640, 9000]",
@@ -416,6 +423,7 @@ fn a_flag_that_makes_no_sense_is_named() {
         ("--duration", "5parsec"),
         ("--deadline", "0"),
         ("--size", "640"),
+        ("--pixel-format", "colour"),
         ("--rig", "A"),
         ("--solver", "svd"),
         ("--basis", "spline"),
@@ -432,5 +440,38 @@ fn a_flag_that_makes_no_sense_is_named() {
         let complaint =
             outcome(&folder, &["config", "show", &format!("{flag}={value}")]).unwrap_err();
         assert!(complaint.contains(flag), "{complaint}");
+    }
+}
+
+#[test]
+fn a_cameras_controls_come_from_the_file_and_single_ones_from_flags() {
+    let folder = TempDir::new().unwrap();
+    write(
+        &folder,
+        "[capture]\npixel_format = \"mjpeg\"\nsize = \"auto\"\n[capture.controls]\nauto_exposure = 1\ngain = 20\n\
+         white_balance_automatic = false\n",
+    );
+    let flags = [
+        "config",
+        "show",
+        "--control",
+        "gain=30",
+        "--control",
+        "power_line_frequency=50 Hz",
+        "--lock",
+    ];
+    let shown = values(&outcome(&folder, &flags).unwrap());
+    let capture = &shown["capture"];
+    assert_eq!(capture["pixel_format"].as_str(), Some("mjpg"));
+    assert_eq!(capture["lock"].as_bool(), Some(true));
+    assert_eq!(capture["restore"].as_bool(), Some(false));
+    assert_eq!(
+        capture["controls"].to_string(),
+        "{ auto_exposure = 1, gain = 30, power_line_frequency = \"50 Hz\", white_balance_automatic = \"off\" }"
+    );
+
+    for wrong in ["gain", "=3", "gain="] {
+        let complaint = outcome(&folder, &["config", "show", "--control", wrong]).unwrap_err();
+        assert!(complaint.contains("NAME=VALUE"), "{complaint}");
     }
 }

@@ -1,6 +1,7 @@
 //! How right lariat's centerlines are, measured on pictures, and how fast its rivals are on them.
 
 mod accuracy;
+mod day;
 mod families;
 mod fit_rivals;
 mod methods;
@@ -32,6 +33,8 @@ enum Command {
     Methods(methods::Args),
     /// The chain with each basis and option: its curves against the true rope
     Families(families::Args),
+    /// A day of frames with the clock turned on by hand: whether the last hour costs what the first did
+    Day(day::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
 }
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::FitRivals(args) => fit_rivals::run(&args),
         Command::Methods(args) => methods::run(&args),
         Command::Families(args) => families::run(&args),
+        Command::Day(args) => day::run(&args),
         Command::Time(args) => time::run(&args),
     };
     match done {

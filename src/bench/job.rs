@@ -25,7 +25,8 @@ pub(super) struct Job {
 pub(super) enum What {
     Pass(Pass, [u32; 2]),
     Wake(Sleep, [usize; 2]),
-    Timer,
+    /// On this core under FIFO, if one is named.
+    Timer(Option<usize>),
     Relay(Arrangement, f64),
     Chain(Setup),
     Start(Setup),
@@ -43,9 +44,9 @@ impl Job {
             What::Wake(sleep, cores) => {
                 floors::wake(*sleep, *cores, (time.as_secs_f64() * 2e4) as usize)
             }
-            What::Timer => {
-                let period = Duration::from_millis(1);
-                floors::timer(&workplace.stop, period, time.as_millis() as usize)
+            What::Timer(fifo_on) => {
+                let (period, count) = (Duration::from_millis(1), time.as_millis() as usize);
+                floors::timer(&workplace.stop, period, count, *fifo_on)
             }
             What::Relay(arrangement, fps) => relay::measure(workplace, *arrangement, *fps, time),
             What::Chain(setup) => chain::measure(workplace, setup, time),

@@ -21,6 +21,9 @@ pub(super) const FAST: ([u32; 2], Rate) = (SIZE, Some(1000.0));
 /// What a script in Python can keep up with: one that cannot is ever later.
 const SCRIPT_FPS: f64 = 30.0;
 
+/// The wakes under FIFO among the floors.
+pub(super) const TIMER_FIFO: &str = "timer.fifo";
+
 /// All measurements, and what came out of them.
 pub(super) struct Plan {
     pub(super) rounds: u32,
@@ -119,15 +122,26 @@ impl Plan {
                 );
             }
         }
-        let note = "an absolute moment every millisecond, 1 ns of leeway asked for";
-        self.floor(
-            "timer",
-            "wake at a moment: how late".to_owned(),
-            note,
-            What::Timer,
-            0.4,
-        );
+        self.add_timers(workplace);
         self.add_relays(args, setups);
+    }
+
+    /// How late a wake is: as often as frames come at the highest rate, so that the longest of both can be compared.
+    fn add_timers(&mut self, workplace: &Workplace) {
+        let note = "an absolute moment every millisecond, 1 ns of leeway asked for";
+        let title = "wake at a moment: how late";
+        self.floor("timer", title.to_owned(), note, What::Timer(None), 2.0);
+        let title = format!("{title}, FIFO");
+        self.floor(
+            TIMER_FIFO,
+            title,
+            note,
+            What::Timer(workplace.cores.last().copied()),
+            2.0,
+        );
+        if let (Err(why), Some(item)) = (fifo_allowed(), self.items.last_mut()) {
+            item.missing = Some(why);
+        }
     }
 
     /// The four processes of 64 bytes, at the rate of the comparisons and at the highest.

@@ -1,6 +1,6 @@
 //! The flags that overrule the file.
 
-use crate::settings::duration;
+use crate::settings::{camera, duration};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -59,10 +59,11 @@ impl From<ShapeArgs> for ChainArgs {
 /// The flags of every command that runs the chain or a part of it.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ChainArgs {
-    /// Where frames come from: `rendered`, or pictures, folders of them, or a Y4M video (may be repeated)
+    /// Where frames come from: `rendered`, a camera (/dev/video0), or pictures, folders of them, or a Y4M video (may be
+    /// repeated)
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) source: Vec<PathBuf>,
-    /// Frames per second, or `max`
+    /// Frames per second, `max` or `auto`
     #[arg(long, value_name = "NUMBER")]
     pub(crate) fps: Option<String>,
     /// Stop after this long, for instance 10s, 500ms or 2m
@@ -88,7 +89,7 @@ pub(crate) struct ChainArgs {
     /// Write when each stage worked on the last 1,000 frames into this file, for ui.perfetto.dev
     #[arg(long, value_name = "FILE.json")]
     pub(crate) trace: Option<PathBuf>,
-    /// Size of the rendered picture, for instance 640x480
+    /// Size of a camera's picture or the rendered one, for instance 640x480
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<String>,
     /// Which of all rendered ropes
@@ -121,6 +122,21 @@ pub(crate) struct ChainArgs {
     /// How long a stage looks before it sleeps, with --wake spin, for instance 50us
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     pub(crate) spin: Option<Duration>,
+    /// Pixel format of a camera, for instance yuyv or mjpg
+    #[arg(long, value_name = "CODE")]
+    pub(crate) pixel_format: Option<String>,
+    /// How frames come from a camera's driver: `userptr` straight into shared memory, `mmap` by one copy, or `auto`
+    #[arg(long, value_name = "WAY")]
+    pub(crate) io: Option<String>,
+    /// Set a camera's control, for instance exposure_auto=1 (may be repeated)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = camera::name_and_value)]
+    pub(crate) control: Vec<(String, String)>,
+    /// Hold a camera's exposure, white balance, gain and focus once its picture has settled
+    #[arg(long)]
+    pub(crate) lock: bool,
+    /// Put a camera's controls back at the end as they were
+    #[arg(long)]
+    pub(crate) restore: bool,
     /// Begin again after the last file
     #[arg(long = "loop")]
     pub(crate) looped: bool,
@@ -151,6 +167,21 @@ impl ChainArgs {
             ("--size", "capture", "size", text(&self.size)),
             ("--seed", "capture", "seed", self.seed.map(count)),
             ("--loop", "capture", "loop", yes(self.looped)),
+            (
+                "--pixel-format",
+                "capture",
+                "pixel_format",
+                text(&self.pixel_format),
+            ),
+            ("--io", "capture", "io", text(&self.io)),
+            (
+                "--control",
+                "capture",
+                "controls",
+                camera::controls_of_flags(&self.control),
+            ),
+            ("--lock", "capture", "lock", yes(self.lock)),
+            ("--restore", "capture", "restore", yes(self.restore)),
             ("--duration", "run", "duration_s", duration_s),
             ("--frames", "run", "frames", self.frames.map(count)),
             ("--rig", "run", "rig", text(&self.rig)),

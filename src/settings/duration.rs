@@ -15,7 +15,7 @@ const UNITS_S: [(&str, f64); 8] = [
 ];
 
 /// A time longer than nothing, or why `text` is none.
-pub(super) fn parse(text: &str) -> Result<Duration, String> {
+pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     let text = text.trim();
     let split = text
         .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))

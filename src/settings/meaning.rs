@@ -8,6 +8,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 use toml::Value;
 
+const NO_FPS: &str = "frames per second are a number such as 30, \"max\" or \"auto\"";
+
 /// More frames a second than any camera has.
 const MAX_FPS: f64 = 1e6;
 
@@ -107,6 +109,7 @@ pub(super) fn fps(value: &Value) -> Result<Fps, String> {
     }
     match value.as_str().map(str::trim) {
         Some("max") => Ok(Fps::Max),
+        Some("auto") => Ok(Fps::Auto),
         Some(text) => {
             let digits: String = text
                 .chars()
@@ -114,7 +117,7 @@ pub(super) fn fps(value: &Value) -> Result<Fps, String> {
                 .collect();
             let unit = text[digits.len()..].trim();
             let Ok(number) = digits.parse::<f64>() else {
-                return Err("frames per second are a number such as 30, or \"max\"".to_owned());
+                return Err(NO_FPS.to_owned());
             };
             Err(match unit {
                 "ms" | "us" | "s" => format!(
@@ -127,7 +130,7 @@ pub(super) fn fps(value: &Value) -> Result<Fps, String> {
                 ),
             })
         }
-        None => Err("frames per second are a number such as 30, or \"max\"".to_owned()),
+        None => Err(NO_FPS.to_owned()),
     }
 }
 
@@ -143,10 +146,14 @@ pub(super) fn fps_value(fps: Fps) -> Value {
     match fps {
         Fps::PerSecond(number) => number_value(number),
         Fps::Max => Value::String("max".to_owned()),
+        Fps::Auto => Value::String("auto".to_owned()),
     }
 }
 
-pub(super) fn size(value: &Value) -> Result<[u32; 2], String> {
+pub(super) fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
+    if value.as_str() == Some("auto") {
+        return Ok(None);
+    }
     let sides: Vec<Option<u32>> = match value {
         Value::Array(sides) => sides
             .iter()
@@ -162,13 +169,20 @@ pub(super) fn size(value: &Value) -> Result<[u32; 2], String> {
         [Some(width), Some(height)]
             if (64..=8192).contains(&width) && (64..=8192).contains(&height) =>
         {
-            Ok([width, height])
+            Ok(Some([width, height]))
         }
         _ => Err(
             "a size is width and height in pixels, each 64 to 8192: [640, 480] in the file, 640x480 as a \
-             flag"
+             flag; or \"auto\""
             .to_owned(),
         ),
+    }
+}
+
+pub(super) fn size_value(size: Option<[u32; 2]>) -> Value {
+    match size {
+        Some(size) => Value::Array(size.map(|side| Value::Integer(side.into())).into()),
+        None => Value::String("auto".to_owned()),
     }
 }
 

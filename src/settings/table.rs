@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, meaning};
+use crate::settings::{arrangement, camera, meaning};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -160,8 +160,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "source",
-        about: "\"rendered\" (a rope drawn by lariat), or a picture, a folder of pictures or a Y4M video, or a\n\
-                list of them.",
+        about: "\"rendered\" (a rope drawn by lariat), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
+                stays), or a picture, a folder of pictures or a Y4M video, or a list of them.",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
         get: |s| {
@@ -174,7 +174,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "fps",
-        about: "Frames per second, or \"max\".",
+        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, 30 of all else.",
         example: "",
         set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
         get: |s| Some(meaning::fps_value(s.capture.fps)),
@@ -182,17 +182,11 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "size",
-        about: "Width and height of the rendered picture in pixels, 64 to 8192.",
+        about: "Width and height in pixels, 64 to 8192, of a camera's picture or the rendered one: [640, 480]. \"auto\": that, or\n\
+                what a camera has near it.",
         example: "",
         set: |s, v| meaning::size(v).map(|size| s.capture.size = size),
-        get: |s| {
-            Some(Value::Array(
-                s.capture
-                    .size
-                    .map(|side| Value::Integer(side.into()))
-                    .into(),
-            ))
-        },
+        get: |s| Some(meaning::size_value(s.capture.size)),
     },
     Key {
         section: "capture",
@@ -213,6 +207,46 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.looped = yes),
         get: |s| Some(Value::Boolean(s.capture.looped)),
+    },
+    Key {
+        section: "capture",
+        name: "pixel_format",
+        about: "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.",
+        example: "",
+        set: |s, v| camera::pixel_format(v).map(|code| s.capture.camera.pixel_format = code),
+        get: |s| Some(camera::pixel_format_value(s.capture.camera.pixel_format)),
+    },
+    Key {
+        section: "capture",
+        name: "io",
+        about: "How frames come from a camera's driver: \"userptr\" straight into shared memory, \"mmap\" by one copy, or \"auto\".",
+        example: "",
+        set: |s, v| meaning::named("ways", &camera::IO, v).map(|io| s.capture.camera.io = io),
+        get: |s| meaning::name_of(&camera::IO, s.capture.camera.io),
+    },
+    Key {
+        section: "capture",
+        name: "controls",
+        about: "What a camera's controls are set to, by the names in `lariat devices`.",
+        example: "{ auto_exposure = 1, exposure_time_absolute = 50 }",
+        set: |s, v| camera::add_controls(v, &mut s.capture.camera.controls),
+        get: |s| camera::controls_value(&s.capture.camera.controls),
+    },
+    Key {
+        section: "capture",
+        name: "lock",
+        about: "Hold a camera's exposure, white balance, gain and focus as they are when its picture has settled, after a second.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.camera.lock = yes),
+        get: |s| Some(Value::Boolean(s.capture.camera.lock)),
+    },
+    Key {
+        section: "capture",
+        name: "restore",
+        about: "Put a camera's controls back at the end as they were.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.camera.restore = yes),
+        get: |s| Some(Value::Boolean(s.capture.camera.restore)),
     },
     Key {
         section: "extract",

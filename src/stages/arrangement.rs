@@ -282,11 +282,15 @@ impl Rest {
         }
         let began_ns = now_ns();
         let outcome = wait();
-        let ended_ns = now_ns();
-        if ended_ns - began_ns > self.looks_ns {
-            self.awake_since_ns = ended_ns;
-        }
+        self.has_waited(now_ns() - began_ns);
         outcome
+    }
+
+    /// A wait has just ended that lasted so long: whether that was a sleep.
+    pub(crate) fn has_waited(&mut self, waited_ns: u64) {
+        if self.is_needed && waited_ns > self.looks_ns {
+            self.awake_since_ns = now_ns();
+        }
     }
 
     /// The stage has work at hand, at this moment of [`now_ns`]: it rests if it is time.

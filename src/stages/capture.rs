@@ -1,41 +1,56 @@
 //! Capture as a process: a source's frames, written into shared memory and sent when they are due.
 
-use anyhow::Context;
-use lariat_capture::{FrameSource, Pacer};
-use lariat_wire::{Centerlines, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
+use std::os::fd::AsFd;
 
+use anyhow::Context;
+use lariat_capture::{Frame, FrameSource, Next, Pacer, Until};
+use lariat_wire::{Centerlines, Delivery, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
+
+use super::arrangement::Rest;
+use super::feed::{self, Feed};
 use super::status::Sent;
 use super::{Seat, Station};
 use crate::settings::{Fps, Settings};
+use crate::stop::Stop;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    // Before this thread is given a place and a class: a thread that decodes ahead would inherit them, and hold up the chain.
+    let source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
     let mut station = Station::open(settings, "capture", seat)?;
-    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
-    let mut pacer = Pacer::new(settings.capture.pace())?;
+    let pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
         rig,
         delivery,
         ..
     } = &station;
-    let frames = Writer::frames(domain, rig, delivery, source.largest_frame_bytes())?;
+    let frames = feed::writer(domain, rig, delivery, source.as_ref())?;
     let truth = source
         .has_truth()
         .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
         .transpose()?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
+    let mut sender = Sender {
+        feed: Feed::new(source, &frames)?,
+        truth: truth.as_ref(),
+        pacer,
+        lossless: matches!(delivery, Delivery::Lossless { .. }),
+        missed: 0,
+        sent: Sent::default(),
+        lasts_ns: settings.run.duration_ns(),
+        end_ns: None,
+    };
     station.ready()?;
-    let result = send_frames(
-        settings,
-        &station,
-        source.as_mut(),
-        &mut pacer,
-        &frames,
-        truth.as_ref(),
+    let outcome = sender.send_all(
+        &station.stop,
+        &mut station.rest(),
+        settings.run.frames.unwrap_or(u64::MAX),
     );
-    let (sent, outcome) = result;
+    let sent = sender.sent;
+    // A camera is stopped, a thread joined, before the last word.
+    drop(sender);
     if outcome.is_ok() && !station.stop.asked() {
         station.status.done();
     }
@@ -43,96 +58,113 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     outcome
 }
 
-fn send_frames(
-    settings: &Settings,
-    station: &Station,
-    source: &mut dyn FrameSource,
-    pacer: &mut Pacer,
-    frames: &Writer<[u8]>,
-    truth: Option<&Writer<Centerlines>>,
-) -> (Sent, anyhow::Result<()>) {
-    let mut sent = Sent::default();
-    let mut outcome = Ok(());
-    let most = settings.run.frames.unwrap_or(u64::MAX);
-    let mut end_ns = None;
-    let mut rest = station.rest();
-    while sent.count < most && !station.stop.asked() {
-        rest.if_due(now_ns());
-        let mut wait_for = |due_ns| {
-            let duration_ns = settings.run.duration_ns();
-            let is_over = duration_ns
-                .is_some_and(|lasts_ns| due_ns >= *end_ns.get_or_insert(due_ns + lasts_ns));
-            !is_over && rest.while_waiting(|| station.stop.sleep_until(due_ns))
-        };
-        match send_next(source, pacer, frames, truth, &mut sent, &mut wait_for) {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(cause) => {
-                outcome = Err(cause);
-                break;
-            }
-        }
-    }
-    (sent, outcome)
+struct Sender<'w> {
+    feed: Feed<'w>,
+    truth: Option<&'w Writer<Centerlines>>,
+    pacer: Pacer,
+    /// Whether each frame is sent, however late.
+    lossless: bool,
+    /// Moments that passed without a frame, as the source was too slow.
+    missed: u64,
+    sent: Sent,
+    /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
+    lasts_ns: Option<u64>,
+    /// When that is over.
+    end_ns: Option<u64>,
 }
 
-/// Sends one frame; `false` when there is none, its time is over, or a signal came.
-///
-/// `wait_for`: sleeps until the frame is due; `false` if that is not to be waited for.
-fn send_next(
-    source: &mut dyn FrameSource,
-    pacer: &mut Pacer,
-    frames: &Writer<[u8]>,
-    truth: Option<&Writer<Centerlines>>,
-    sent: &mut Sent,
-    wait_for: &mut impl FnMut(u64) -> bool,
-) -> anyhow::Result<bool> {
-    let next = source.next().context("the source ended with a fault")?;
-    while let Some(warning) = source.take_warning() {
-        tracing::warn!("{warning}");
-    }
-    let Some(frame) = next else { return Ok(false) };
-    // Everything is in its place before the frame is due: then only the sending is left.
-    let mut slot = frames.frame_slot(frame.bytes())?;
-    source.write(&mut slot);
-    let truth_slot = match truth {
-        None => None,
-        Some(writer) => {
-            let mut slot = writer.slot()?;
-            source.truth(&mut slot).then_some(slot)
+impl Sender<'_> {
+    /// Sends up to so many frames.
+    fn send_all(&mut self, stop: &Stop, rest: &mut Rest, most: u64) -> anyhow::Result<()> {
+        let began_ns = now_ns();
+        while self.sent.count < most && !stop.asked() {
+            rest.if_due(now_ns());
+            let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
+            let deadline_ns = self.end_ns.or(latest_ns);
+            let until = Until::new(deadline_ns, stop.as_fd());
+            let next = self.feed.source.advance(&until);
+            rest.has_waited(until.waited_ns());
+            while let Some(warning) = self.feed.source.take_warning() {
+                tracing::warn!("{warning}");
+            }
+            while let Some(news) = self.feed.source.take_news() {
+                tracing::info!("{news}");
+            }
+            match next.context("the source ended with a fault")? {
+                Next::Frame(frame) => {
+                    let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));
+                    if !self.send(&frame, &mut wait)? {
+                        break;
+                    }
+                }
+                Next::Nothing if deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns) => break,
+                Next::Nothing => {}
+                Next::End => break,
+            }
         }
-    };
-    let due_ns = pacer.next_due_ns(now_ns());
-    if !wait_for(due_ns) {
-        return Ok(false);
+        Ok(())
     }
-    sent.count += 1;
-    sent.last_sequence = frame.sequence;
-    let trace = Trace {
-        sequence: frame.sequence,
-        captured: sent.count,
-        exposed_ns: due_ns,
-        captured_ns: now_ns(),
-        ..Trace::EMPTY
-    };
-    *slot.header_mut() = FrameHeader {
-        trace,
-        width: frame.width,
-        height: frame.height,
-        stride: frame.stride,
-        pixel_format: frame.format as u32,
-        source: source.kind() as u32,
-        reserved: [0; 7],
-    };
-    slot.send()?;
-    if let Some(mut slot) = truth_slot {
-        slot.trace = trace;
+
+    /// Sends one frame; `false` when its time is over, or a signal came.
+    ///
+    /// `wait`: sleeps until the frame is due; `false` if a signal came.
+    fn send(&mut self, frame: &Frame, wait: &mut impl FnMut(u64) -> bool) -> anyhow::Result<bool> {
+        // Everything is in its place before the frame is due: then only the sending is left.
+        let mut slot = self.feed.slot_of(frame)?;
+        let truth_slot = match self.truth {
+            None => None,
+            Some(writer) => {
+                let mut slot = writer.slot()?;
+                self.feed.source.truth(&mut slot).then_some(slot)
+            }
+        };
+        // A frame that was taken at a moment of its own is not waited for.
+        let is_live = frame.exposed_ns.is_some();
+        let due_ns = frame.exposed_ns.unwrap_or_else(|| {
+            let ready_ns = now_ns();
+            if !self.lossless {
+                self.missed += self.pacer.give_up(ready_ns);
+            }
+            self.pacer.next_due_ns(ready_ns)
+        });
+        let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
+        let is_over = self
+            .lasts_ns
+            .map(end_ns)
+            .is_some_and(|end_ns| due_ns >= end_ns);
+        if is_over || !(is_live || wait(due_ns)) {
+            return Ok(false);
+        }
+        self.sent.count += 1;
+        // A moment without a frame is a frame lost at the source.
+        self.sent.last_sequence = frame.sequence + self.missed;
+        let trace = Trace {
+            sequence: self.sent.last_sequence,
+            captured: self.sent.count,
+            exposed_ns: due_ns,
+            captured_ns: now_ns(),
+            ..Trace::EMPTY
+        };
+        *slot.header_mut() = FrameHeader {
+            trace,
+            width: frame.width,
+            height: frame.height,
+            stride: frame.stride,
+            pixel_format: frame.format as u32,
+            source: self.feed.source.kind() as u32,
+            reserved: [0; 7],
+        };
         slot.send()?;
+        if let Some(mut slot) = truth_slot {
+            slot.trace = trace;
+            slot.send()?;
+        }
+        // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader
+        // on the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
+        std::thread::yield_now();
+        self.feed.lend()?;
+        Ok(true)
     }
-    // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader on
-    // the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
-    std::thread::yield_now();
-    Ok(true)
 }
 
 /// A video that was made for another rate is shown at the one that is set; the user may not have known.
@@ -151,3 +183,6 @@ fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
 fn precise_timer() {
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,6 +31,8 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         let header = frame.header();
         let mask = match &mut masks {
             None => None,
+            // Nobody makes a mask of nothing.
+            Some(_) if header.is_blank() => None,
             Some(masks) => match masks.of(header, &station.stop)? {
                 Some(mask) => {
                     // Waiting for it was no work.
@@ -74,7 +76,7 @@ impl Eye {
     fn new(settings: &Settings) -> anyhow::Result<Self> {
         let mut extractor = Extractor::new(settings.extract.options())?;
         // Most likely the size that is coming. Another is prepared for with its first frame.
-        let [width, height] = settings.capture.size.map(|side| side as usize);
+        let [width, height] = settings.capture.likely_size().map(|side| side as usize);
         extractor.prepare(width, height);
         Ok(Self {
             extractor,
@@ -84,8 +86,8 @@ impl Eye {
         })
     }
 
-    /// Fills in what is seen in a frame: nothing, if it cannot be read. It is answered all the same: a stage never goes
-    /// silent while frames come in.
+    /// Fills in what is seen in a frame: nothing, if it cannot be read; what is known without, if there is no image in it.
+    /// It is answered all the same: a stage never goes silent while frames come in.
     fn look(
         &mut self,
         frame: &Message<[u8]>,
@@ -94,6 +96,10 @@ impl Eye {
     ) {
         let header = frame.header();
         (message.width, message.height) = (header.width, header.height);
+        if header.is_blank() {
+            self.extractor.at(header.trace.exposed_ns);
+            return fill(message, &self.extractor.blank());
+        }
         if let Err(cause) = self.see(frame, mask, message) {
             self.unreadable.once(&cause);
             (message.count, message.crossing_count) = (0, 0);
@@ -126,16 +132,23 @@ impl Eye {
     }
 }
 
+/// The extractor's own name for a pixel format.
+pub(crate) fn pixel_format(format: lariat_wire::PixelFormat) -> PixelFormat {
+    use lariat_wire::PixelFormat as Wire;
+    match format {
+        Wire::Gray8 => PixelFormat::Gray8,
+        Wire::Rgb8 => PixelFormat::Rgb8,
+        Wire::Bgr8 => PixelFormat::Bgr8,
+        Wire::Yuyv => PixelFormat::Yuyv,
+        Wire::Uyvy => PixelFormat::Uyvy,
+        Wire::Nv12 => PixelFormat::Nv12,
+    }
+}
+
 /// A frame as extraction sees it.
 pub(crate) fn image<'a>(header: &FrameHeader, bytes: &'a [u8]) -> anyhow::Result<Image<'a>> {
-    use lariat_wire::PixelFormat as Wire;
     let format = match header.format() {
-        Some(Wire::Gray8) => PixelFormat::Gray8,
-        Some(Wire::Rgb8) => PixelFormat::Rgb8,
-        Some(Wire::Bgr8) => PixelFormat::Bgr8,
-        Some(Wire::Yuyv) => PixelFormat::Yuyv,
-        Some(Wire::Uyvy) => PixelFormat::Uyvy,
-        Some(Wire::Nv12) => PixelFormat::Nv12,
+        Some(format) => pixel_format(format),
         None => anyhow::bail!(
             "frames come in pixel format {}, which this release does not know: use the same release for all stages",
             header.pixel_format

@@ -5,6 +5,7 @@ mod allocation;
 pub(crate) mod arrangement;
 pub(crate) mod capture;
 pub(crate) mod extract;
+mod feed;
 pub(crate) mod fit;
 mod masks;
 pub(crate) mod sink;

@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Read, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
-use lariat_sink::{FinalCounts, Sink};
+use lariat_sink::{FinalCounts, Machine, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Reader, TRUTH, now_ns, sleep_for_any};
 
 use super::{Seat, Station};
@@ -17,6 +17,8 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal comes, then reports.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    // Before this process is kept to some of the cores.
+    let machine = Machine::this();
     let mut station = Station::open(settings, "sink", seat)?;
     let supervised = station.status.is_supervised();
     let mut sink = Sink::new(settings.sink_options(supervised));
@@ -49,7 +51,7 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         return Ok(());
     };
     sink.finish(counts);
-    let report = sink.report();
+    let report = sink.report_on(machine);
     let mut out = std::io::stdout().lock();
     // A reader that has gone away, as in `lariat | head`, is no fault.
     let _ = writeln!(out, "{report}").and_then(|()| out.flush());

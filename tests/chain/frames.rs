@@ -188,7 +188,6 @@ fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
     let lost = |key: &str| summary["frames"]["lost"][key].as_u64().unwrap();
     assert_eq!(count("published"), 1200);
     assert!(lost("capture") >= 40, "{summary}");
-    assert_eq!(lost("source"), 0);
     bench.assert_every_frame_is_accounted_for("out");
     bench.assert_nothing_is_left();
 }

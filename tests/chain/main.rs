@@ -1,6 +1,7 @@
 //! The whole chain, on the real binary: real processes, real shared memory, and what becomes of them.
 
 mod arrangement;
+mod blank;
 mod curves;
 mod deaths;
 mod frames;

@@ -1,18 +1,24 @@
 //! Decodes ahead: a thread keeps a few frames ready, so that none is decoded at the moment it is due.
 //!
-//! The buffers go round: thread → frame in use → thread. A small set that is shown again and again is decoded once
-//! and kept.
+//! It decodes into the slots it is lent; where it is lent none, into buffers of its own that go round: thread → frame in
+//! use → thread. A small set that is shown again and again is decoded once and kept.
 
 use std::collections::{HashSet, VecDeque};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use lariat_wire::{PixelFormat, SourceKind};
 
-use crate::source::{Frame, FrameSource, SourceError};
+use crate::lent::LentSlot;
+use crate::source::{Frame, FrameSource, Next, SourceError};
+use crate::until::Until;
 
-/// Frames that wait decoded; one more is in the making.
+/// Frames that wait decoded.
 const AHEAD: usize = 3;
+/// Buffers that go round: those, one in use and one in the making.
+const OWN: usize = AHEAD + 2;
+/// Slots that are lent: one is on its way, and one is in the making.
+const LENT: usize = AHEAD + 1;
 /// A looped set is kept if it is no larger decoded.
 pub(crate) const KEPT_BYTES: u64 = 64 << 20;
 
@@ -46,8 +52,8 @@ pub(crate) trait Decode: Send + 'static {
     /// Goes (back) to the first frame.
     fn rewind(&mut self) -> Result<(), SourceError>;
 
-    /// Decodes the next frame into `pixels`, which it makes exactly as long as the frame.
-    fn decode(&mut self, pixels: &mut Vec<u8>) -> Step;
+    /// Decodes the next frame into the beginning of `pixels`, which has room for the largest.
+    fn decode(&mut self, pixels: &mut [u8]) -> Step;
 }
 
 /// What is known of a set of frames before the first.
@@ -61,13 +67,49 @@ pub(crate) struct Plan {
     pub(crate) warnings: Vec<String>,
 }
 
+/// Memory that a frame is decoded into.
+enum Buffer {
+    Own(Vec<u8>),
+    Lent(LentSlot),
+}
+
+impl Buffer {
+    fn pixels(&mut self) -> &mut [u8] {
+        match self {
+            Self::Own(pixels) => pixels,
+            Self::Lent(slot) => slot,
+        }
+    }
+}
+
+/// Where the thread has its buffers from.
+struct Room {
+    spare: Receiver<Buffer>,
+    /// Bytes of each.
+    bytes: usize,
+    /// That of a frame that was lost.
+    left: Option<Buffer>,
+}
+
+impl Room {
+    /// A buffer, waited for; none if nobody listens any more.
+    fn take(&mut self) -> Option<Buffer> {
+        let mut buffer = self.left.take().or_else(|| self.spare.recv().ok())?;
+        if let Buffer::Own(pixels) = &mut buffer {
+            pixels.resize(self.bytes, 0);
+        }
+        Some(buffer)
+    }
+}
+
 struct Picture {
     frame: Frame,
+    /// None where the frame says which slot it is in.
     pixels: Vec<u8>,
 }
 
 enum Message {
-    Picture(Picture),
+    Decoded(Frame, Buffer),
     Warning(String),
     /// All is decoded; so many sequence numbers were used.
     End(u64),
@@ -77,8 +119,10 @@ enum Message {
 /// A source whose frames are decoded ahead.
 pub(crate) struct Ahead {
     plan: Plan,
-    ready: Receiver<Message>,
-    spare: Sender<Vec<u8>>,
+    /// Both are none once the source is dropped.
+    ready: Option<Receiver<Message>>,
+    spare: Option<Sender<Buffer>>,
+    decoder: Option<JoinHandle<()>>,
     warnings: VecDeque<String>,
     /// Whether all pictures are held, to be shown again; else only the one in use.
     keeps: bool,
@@ -86,6 +130,8 @@ pub(crate) struct Ahead {
     current: usize,
     /// Whether the first frame is held and not yet shown.
     is_primed: bool,
+    /// Whether there are buffers to decode the others into.
+    is_supplied: bool,
     /// How many sequence numbers a round has, once the thread has ended.
     round: Option<u64>,
     rounds: u64,
@@ -93,51 +139,65 @@ pub(crate) struct Ahead {
 }
 
 impl Ahead {
-    /// Starts to decode, and waits for the first frame: what cannot be decoded at all is known before it is due.
+    /// Decodes the first frame, so that what cannot be decoded at all is known before it is due; the others are begun
+    /// with when it is known where they belong.
     pub(crate) fn start(decoder: impl Decode, plan: Plan) -> Result<Self, SourceError> {
         let (ready_in, ready) = bounded(AHEAD);
-        // Never full: one more than the buffers there are.
-        let (spare, spare_out) = bounded(AHEAD + 3);
+        // Never full: all buffers there are.
+        let (spare, spare_out) = bounded(OWN + LENT);
         let keeps = plan.looped && plan.total_bytes <= KEPT_BYTES;
         let again = plan.looped && !keeps;
-        // Not joined: when the source is dropped the thread ends by itself at its next message, and a slow disk must
-        // not hold up who stops.
-        thread::Builder::new()
+        let room = Room {
+            spare: spare_out,
+            bytes: plan.largest_frame_bytes,
+            left: None,
+        };
+        let decoder = thread::Builder::new()
             .name("decode".to_owned())
-            .spawn(move || decode_ahead(decoder, again, &ready_in, &spare_out))
+            .spawn(move || decode_ahead(decoder, again, room, &ready_in))
             .map_err(SourceError::NoThread)?;
         let mut source = Self {
             warnings: plan.warnings.iter().cloned().collect(),
             plan,
-            ready,
-            spare,
+            ready: Some(ready),
+            spare: Some(spare),
+            decoder: Some(decoder),
             keeps,
             held: Vec::new(),
             current: 0,
             is_primed: false,
+            is_supplied: false,
             round: None,
             rounds: 0,
             has_ended: false,
         };
-        source.is_primed = source.advance()?;
+        source.supply(Buffer::Own(Vec::new()));
+        source.is_primed = source.turn()?;
         Ok(source)
     }
 
+    /// Gives the thread a buffer to decode into. If it has ended there is no use for it.
+    fn supply(&self, buffer: Buffer) {
+        if let Some(spare) = &self.spare {
+            let _ = spare.try_send(buffer);
+        }
+    }
+
     /// Makes the next picture the current one; `false` at the end.
-    fn advance(&mut self) -> Result<bool, SourceError> {
+    fn turn(&mut self) -> Result<bool, SourceError> {
         while self.round.is_none() {
-            match self.ready.recv() {
-                Ok(Message::Picture(picture)) => {
-                    self.hold(picture);
+            match self.ready.as_ref().and_then(|ready| ready.recv().ok()) {
+                Some(Message::Decoded(frame, buffer)) => {
+                    self.hold(frame, buffer);
                     return Ok(true);
                 }
-                Ok(Message::Warning(warning)) => self.warnings.push_back(warning),
-                Ok(Message::End(round)) => {
+                Some(Message::Warning(warning)) => self.warnings.push_back(warning),
+                Some(Message::End(round)) => {
                     self.round = Some(round);
                     self.current = self.held.len();
                 }
-                Ok(Message::Failed(error)) => return Err(error),
-                Err(_) => return Err(SourceError::DecoderGone),
+                Some(Message::Failed(error)) => return Err(error),
+                None => return Err(SourceError::DecoderGone),
             }
         }
         if !self.keeps {
@@ -151,14 +211,30 @@ impl Ahead {
         Ok(true)
     }
 
-    fn hold(&mut self, picture: Picture) {
-        if !self.keeps
-            && let Some(shown) = self.held.pop()
+    fn hold(&mut self, mut frame: Frame, buffer: Buffer) {
+        let pixels = match buffer {
+            Buffer::Own(mut pixels) => {
+                if self.keeps {
+                    pixels.shrink_to_fit();
+                }
+                pixels
+            }
+            Buffer::Lent(slot) => {
+                frame.slot = Some(slot.give_back());
+                Vec::new()
+            }
+        };
+        if self.keeps {
+            if self.is_supplied {
+                self.supply(Buffer::Own(Vec::new()));
+            }
+        } else if let Some(shown) = self.held.pop()
+            && shown.frame.slot.is_none()
+            && frame.slot.is_none()
         {
-            // If the thread has ended there is no use for it.
-            let _ = self.spare.try_send(shown.pixels);
+            self.supply(Buffer::Own(shown.pixels));
         }
-        self.held.push(picture);
+        self.held.push(Picture { frame, pixels });
         self.current = self.held.len() - 1;
     }
 
@@ -182,16 +258,33 @@ impl FrameSource for Ahead {
         self.plan.native_fps
     }
 
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn slots_wanted(&self) -> usize {
+        // What is kept is copied each time it is shown.
+        if self.keeps { 0 } else { LENT }
+    }
+
+    fn lend(&mut self, slot: LentSlot) {
+        self.is_supplied = true;
+        self.supply(Buffer::Lent(slot));
+    }
+
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
+        if !std::mem::replace(&mut self.is_supplied, true) {
+            (0..OWN).for_each(|_| self.supply(Buffer::Own(Vec::new())));
+        }
         if self.has_ended {
-            return Ok(None);
+            return Ok(Next::End);
         }
         if !std::mem::take(&mut self.is_primed) {
             // An error is an end too.
             self.has_ended = true;
-            self.has_ended = !self.advance()?;
+            self.has_ended = !self.turn()?;
         }
-        Ok((!self.has_ended).then(|| self.frame()))
+        Ok(if self.has_ended {
+            Next::End
+        } else {
+            Next::Frame(self.frame())
+        })
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
@@ -206,18 +299,24 @@ impl FrameSource for Ahead {
     }
 }
 
+impl Drop for Ahead {
+    /// Lets go of what it was lent: the thread ends at its next message, and it may be decoding into a slot until then.
+    fn drop(&mut self) {
+        (self.ready, self.spare) = (None, None);
+        if let Some(decoder) = self.decoder.take() {
+            // That it broke off was told where its frames were missing.
+            let _ = decoder.join();
+        }
+    }
+}
+
 /// The thread: passes over the set, once or again and again, until it fails or nobody listens any more.
-fn decode_ahead(
-    mut decoder: impl Decode,
-    again: bool,
-    ready: &Sender<Message>,
-    spare: &Receiver<Vec<u8>>,
-) {
+fn decode_ahead(mut decoder: impl Decode, again: bool, mut room: Room, ready: &Sender<Message>) {
     let mut sequence = 0;
     // What was said is not said again on the next pass.
     let mut said = HashSet::new();
     loop {
-        match one_pass(&mut decoder, &mut sequence, &mut said, ready, spare) {
+        match one_pass(&mut decoder, &mut sequence, &mut said, &mut room, ready) {
             Some(Ok(())) if again => {}
             Some(Ok(())) => {
                 let _ = ready.send(Message::End(sequence));
@@ -237,8 +336,8 @@ fn one_pass(
     decoder: &mut impl Decode,
     sequence: &mut u64,
     said: &mut HashSet<String>,
+    room: &mut Room,
     ready: &Sender<Message>,
-    spare: &Receiver<Vec<u8>>,
 ) -> Option<Result<(), SourceError>> {
     let mut first_reason = None;
     let mut is_empty = true;
@@ -246,9 +345,8 @@ fn one_pass(
         return Some(Err(error));
     }
     loop {
-        // New ones only until enough are on their way round.
-        let mut pixels = spare.try_recv().unwrap_or_default();
-        let (warning, reason, is_end) = match decoder.decode(&mut pixels) {
+        let mut buffer = room.take()?;
+        let (warning, reason, is_end) = match decoder.decode(buffer.pixels()) {
             Step::Decoded(layout) => {
                 *sequence += 1;
                 is_empty = false;
@@ -264,10 +362,13 @@ fn one_pass(
                     height,
                     stride,
                     format,
+                    exposed_ns: None,
+                    slot: None,
                 };
-                ready
-                    .send(Message::Picture(Picture { frame, pixels }))
-                    .ok()?;
+                if let Buffer::Own(pixels) = &mut buffer {
+                    pixels.truncate(layout.bytes());
+                }
+                ready.send(Message::Decoded(frame, buffer)).ok()?;
                 continue;
             }
             Step::Lost(reason) => {
@@ -275,8 +376,12 @@ fn one_pass(
                 (format!("lost frame {sequence}: {reason}"), reason, false)
             }
             Step::End(Some(reason)) => (reason.clone(), reason, true),
-            Step::End(None) => break,
+            Step::End(None) => {
+                room.left = Some(buffer);
+                break;
+            }
         };
+        room.left = Some(buffer);
         if said.insert(reason.clone()) {
             ready.send(Message::Warning(warning)).ok()?;
         }

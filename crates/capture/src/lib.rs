@@ -1,10 +1,11 @@
 //! Frame sources: files, video and a rendered rope with known truth.
 //!
 //! A [`FrameSource`] makes one frame after the other ready and writes its pixels where it is told to: whoever sends
-//! the frames lends the memory, so that the pixels are written once. The [`Pacer`] says when each frame is due.
-//! Nothing here knows of shared memory.
+//! the frames lends the memory, if need be ahead of time, so that the pixels are written once. The [`Pacer`] says when
+//! each frame is due. Nothing here knows of shared memory.
 
 mod ahead;
+mod lent;
 mod mjpeg;
 pub mod moving;
 mod natural;
@@ -16,12 +17,21 @@ mod pictures;
 mod rendered;
 pub mod scenes;
 mod source;
+mod until;
+mod v4l2;
 mod video;
 mod yuv;
 
+pub use lent::{LentSlot, SlotKey};
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{Source, open};
 pub use pace::{Pace, PaceError, Pacer};
 pub use rendered::RenderOptions;
-pub use source::{Frame, FrameSource, SourceError};
+pub use source::{Frame, FrameSource, Next, SourceError};
+pub use until::{Until, Woken};
+pub use v4l2::{
+    AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
+    DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
+    SizeOffer, SizeRange, list_cameras, names_a_camera,
+};

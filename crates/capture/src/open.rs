@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::pictures::open_pictures;
 use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
+use crate::v4l2::{CameraOptions, open_camera};
 use crate::video::open_video;
 
 /// What to take frames from.
@@ -20,6 +21,8 @@ pub enum Source {
         /// Whether to begin again after the last frame.
         looped: bool,
     },
+    /// A camera.
+    Camera(CameraOptions),
 }
 
 impl Source {
@@ -39,10 +42,12 @@ impl Source {
 /// Opens a source: everything that can be known to be wrong is said here, before the first frame.
 ///
 /// # Errors
-/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video.
+/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video, a camera that
+/// cannot be used.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Camera(options) => Ok(open_camera(options)?),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, looped } => match paths.iter().find(|path| is_video(path)) {
             None => Ok(Box::new(open_pictures(paths, *looped)?)),

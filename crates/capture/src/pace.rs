@@ -3,6 +3,8 @@
 use std::str::FromStr;
 
 const NS_PER_S: u64 = 1_000_000_000;
+/// A frame later than this helps no control loop; shorter pauses, such as a busy kernel's slices of time, are caught up with.
+const TOO_LATE_NS: u64 = NS_PER_S / 20;
 
 /// How fast frames are to come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +51,8 @@ impl FromStr for Pace {
 /// The schedule of frames.
 ///
 /// The k-th frame (from 0) is due at the first one's moment + k periods, whatever happened to the frames before it: a
-/// frame that comes late keeps its due time, so that its lateness counts as latency (no coordinated omission), and no
-/// frame is skipped to catch up.
+/// frame that comes late keeps its due time, so that its lateness counts as latency (no coordinated omission), and none
+/// is skipped to catch up, unless [`give_up`](Self::give_up) is asked to.
 #[derive(Debug, Clone)]
 pub struct Pacer {
     period_ns: Option<f64>,
@@ -69,6 +71,22 @@ impl Pacer {
             start_ns: None,
             count: 0,
         })
+    }
+
+    /// Passes over the moments that a source too slow for its pace has missed, if the next is more than 50 ms past: all up
+    /// to `now_ns` but the last. Says how many; without it a source once overtaken would be late for good.
+    pub fn give_up(&mut self, now_ns: u64) -> u64 {
+        let (Some(start_ns), Some(period_ns)) = (self.start_ns, self.period_ns) else {
+            return 0;
+        };
+        let passed_ns = now_ns.saturating_sub(start_ns) as f64;
+        if passed_ns - self.count as f64 * period_ns <= TOO_LATE_NS as f64 {
+            return 0;
+        }
+        let newest = (passed_ns / period_ns) as u64;
+        let missed = newest.saturating_sub(self.count);
+        self.count += missed;
+        missed
     }
 
     /// The moment the next frame is due; each call is one frame further. The first frame is due at `now_ns`, and at
@@ -97,6 +115,33 @@ mod tests {
         let late = [5_000, 5_000, 95_000_000, 95_000_000, 95_000_000];
         let due: Vec<u64> = late.map(|now_ns| pacer.next_due_ns(now_ns)).to_vec();
         assert_eq!(due, [5_000, 10_005_000, 20_005_000, 30_005_000, 40_005_000]);
+    }
+
+    #[test]
+    fn moments_missed_by_more_than_50_ms_are_given_up() {
+        let mut pacer = Pacer::new(Pace::Fps(100.0)).unwrap();
+        assert_eq!(pacer.give_up(7), 0, "nothing is due before the first");
+        assert_eq!(pacer.next_due_ns(0), 0);
+        assert_eq!(pacer.give_up(60_000_000), 0, "just in time");
+        assert_eq!(pacer.give_up(69_000_000), 5, "the moments 1 to 5");
+        assert_eq!(pacer.next_due_ns(69_000_000), 60_000_000);
+        assert_eq!(pacer.give_up(69_000_000), 0);
+        assert_eq!(pacer.next_due_ns(69_000_000), 70_000_000);
+    }
+
+    #[test]
+    fn a_slow_period_is_given_up_only_for_a_newer_moment() {
+        let mut pacer = Pacer::new(Pace::Fps(2.0)).unwrap();
+        pacer.next_due_ns(0);
+        assert_eq!(pacer.give_up(900_000_000), 0, "late, but the newest");
+        assert_eq!(pacer.next_due_ns(900_000_000), 500_000_000);
+    }
+
+    #[test]
+    fn at_max_nothing_is_given_up() {
+        let mut pacer = Pacer::new(Pace::Max).unwrap();
+        pacer.next_due_ns(0);
+        assert_eq!(pacer.give_up(u64::MAX), 0);
     }
 
     #[test]

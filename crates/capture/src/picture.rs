@@ -99,8 +99,8 @@ pub(crate) struct PictureDecoder {
 }
 
 impl PictureDecoder {
-    /// Decodes a file into `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
-    pub(crate) fn decode(&mut self, path: &Path, pixels: &mut Vec<u8>) -> Result<Layout, String> {
+    /// Decodes a file into the beginning of `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
+    pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
         self.file.clear();
         let read = File::open(path).and_then(|mut file| file.read_to_end(&mut self.file));
         read.map_err(|error| broken(path, error))?;
@@ -110,7 +110,19 @@ impl PictureDecoder {
         let (decoder, layout, orientation) = decoder(path, &self.file)?;
         let (width, height) = decoder.dimensions();
         let color = decoder.color_type();
-        pixels.resize(layout.bytes(), 0);
+        let Some(upright) = pixels.get_mut(..layout.bytes()) else {
+            return Err(format!(
+                "{} has grown since the start, to more than was made room for",
+                path.display()
+            ));
+        };
+        let turned = orientation != Orientation::NoTransforms;
+        let pixels = if turned {
+            self.stored.resize(layout.bytes(), 0);
+            &mut self.stored[..]
+        } else {
+            &mut *upright
+        };
         if matches!(color, ColorType::L8 | ColorType::Rgb8) {
             decoder.read_image(pixels)
         } else {
@@ -132,12 +144,10 @@ impl PictureDecoder {
                 return Err(broken(path, reason));
             }
         }
-        if orientation != Orientation::NoTransforms {
+        if turned {
             let channels = layout.bytes() / (width as usize * height as usize).max(1);
-            std::mem::swap(pixels, &mut self.stored);
-            pixels.resize(layout.bytes(), 0);
             let size = (width as usize, height as usize);
-            orientation::turn(orientation, &self.stored, size, channels, pixels);
+            orientation::turn(orientation, &self.stored, size, channels, upright);
         }
         Ok(layout)
     }

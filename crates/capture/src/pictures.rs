@@ -52,7 +52,6 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
     let pictures = Pictures {
         files,
         next: 0,
-        largest_frame_bytes,
         decoder: PictureDecoder::default(),
     };
     Ahead::start(pictures, plan)
@@ -114,7 +113,6 @@ fn is_named_as_picture(path: &Path) -> bool {
 struct Pictures {
     files: Vec<PathBuf>,
     next: usize,
-    largest_frame_bytes: usize,
     decoder: PictureDecoder,
 }
 
@@ -124,17 +122,13 @@ impl Decode for Pictures {
         Ok(())
     }
 
-    fn decode(&mut self, pixels: &mut Vec<u8>) -> Step {
+    fn decode(&mut self, pixels: &mut [u8]) -> Step {
         let Some(file) = self.files.get(self.next) else {
             return Step::End(None);
         };
         self.next += 1;
         match self.decoder.decode(file, pixels) {
-            Ok(layout) if layout.bytes() <= self.largest_frame_bytes => Step::Decoded(layout),
-            Ok(_) => Step::Lost(format!(
-                "{} has grown since the start, to more than was made room for",
-                file.display()
-            )),
+            Ok(layout) => Step::Decoded(layout),
             Err(reason) => Step::Lost(reason),
         }
     }

@@ -13,7 +13,8 @@ pub(crate) mod truth;
 
 use lariat_wire::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};
 
-use crate::source::{Frame, FrameSource, SourceError};
+use crate::source::{Frame, FrameSource, Next, SourceError};
+use crate::until::Until;
 use draw::{Area, Brush, Canvas};
 use motion::Motion;
 use table::SensorNoise;
@@ -148,6 +149,8 @@ impl Rendered {
             height,
             stride: 3 * width,
             format: PixelFormat::Rgb8,
+            exposed_ns: None,
+            slot: None,
         }
     }
 
@@ -179,9 +182,9 @@ impl FrameSource for Rendered {
         (interval_s > 0.0).then(|| 1.0 / interval_s)
     }
 
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         if self.options.frames.is_some_and(|end| self.sequence >= end) {
-            return Ok(None);
+            return Ok(Next::End);
         }
         self.wipe();
         let time_s = self.sequence as f64 * self.options.frame_interval_s;
@@ -195,7 +198,7 @@ impl FrameSource for Rendered {
             height,
         };
         self.brush.draw(&self.line, canvas);
-        Ok(Some(self.frame()))
+        Ok(Next::Frame(self.frame()))
     }
 
     fn write(&mut self, pixels: &mut [u8]) {

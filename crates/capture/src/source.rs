@@ -5,7 +5,11 @@ use std::path::PathBuf;
 
 use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
-/// Geometry of a frame.
+use crate::lent::{LentSlot, SlotKey};
+use crate::until::Until;
+use crate::v4l2::CameraError;
+
+/// A frame: its geometry, when it was taken, and where its pixels are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
     /// The source's own frame number, from 1. A gap is a frame lost at the source.
@@ -18,16 +22,50 @@ pub struct Frame {
     pub stride: u32,
     /// How the bytes make pixels.
     pub format: PixelFormat,
+    /// When the image was taken, on the clock of [`now_ns`](lariat_wire::now_ns); `None`: whoever shows it says when it
+    /// is due.
+    pub exposed_ns: Option<u64>,
+    /// The slot that holds the pixels already; `None`: they are [written](FrameSource::write) when they are asked for.
+    pub slot: Option<SlotKey>,
 }
 
 impl Frame {
+    /// A frame without an image: at this moment the source has none to give, though it is time for one.
+    pub fn blank(sequence: u64, now_ns: u64) -> Self {
+        Self {
+            sequence,
+            width: 0,
+            height: 0,
+            stride: 0,
+            format: PixelFormat::Gray8,
+            exposed_ns: Some(now_ns),
+            slot: None,
+        }
+    }
+
     /// Bytes of the whole image.
     pub fn bytes(&self) -> usize {
         self.format.image_bytes(self.stride, self.height)
     }
 }
 
-/// One frame after the other: [`next`](Self::next), then [`write`](Self::write).
+/// What a source has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Next {
+    /// The next frame.
+    Frame(Frame),
+    /// No frame yet, and the wait for it was ended.
+    Nothing,
+    /// No frame any more.
+    End,
+}
+
+/// One frame after the other: [`advance`](Self::advance), then, unless the pixels are in a slot already,
+/// [`write`](Self::write).
+///
+/// A source that fills memory ahead of need (a thread that draws or decodes, a camera's driver) is lent slots by whoever
+/// sends the frames, as many as it [asks for](Self::slots_wanted). It gives one back with each frame whose pixels are in
+/// it, and is lent another for it. When it is dropped it has let go of them all: its thread is joined, its driver stopped.
 pub trait FrameSource: Send {
     /// What kind of source it is.
     fn kind(&self) -> SourceKind;
@@ -45,15 +83,40 @@ pub trait FrameSource: Send {
         None
     }
 
-    /// Makes the next frame ready; `None` when the source has ended, and from then on. May wait for a decoder.
+    /// How many slots of [`largest_frame_bytes`](Self::largest_frame_bytes) the source is best lent at a time. It does
+    /// with fewer, and with none.
+    fn slots_wanted(&self) -> usize {
+        0
+    }
+
+    /// Takes a slot into its hands, under a number that none of those has that it holds.
+    fn lend(&mut self, _slot: LentSlot) {}
+
+    /// Makes the next frame ready, waiting for it as long as `until` lets it; [`Next::End`] when the source has ended, and
+    /// from then on. What needs no waiting for the outside, such as a decoder, may be waited for in any case.
     ///
     /// # Errors
     /// Only what ends the source. A frame that is lost is a gap in [`Frame::sequence`] and a
     /// [warning](Self::take_warning) instead.
-    fn next(&mut self) -> Result<Option<Frame>, SourceError>;
+    fn advance(&mut self, until: &Until) -> Result<Next, SourceError>;
+
+    /// The next frame, waited for as long as it takes; `None` when the source has ended.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+        let until = Until::forever();
+        loop {
+            match self.advance(&until)? {
+                Next::Frame(frame) => return Ok(Some(frame)),
+                Next::Nothing => {}
+                Next::End => return Ok(None),
+            }
+        }
+    }
 
     /// Writes the pixels of the frame just made ready into `pixels`, which has exactly [`Frame::bytes`] bytes; a
-    /// shorter slice gets what fits. Call it at most once after each [`next`](Self::next).
+    /// shorter slice gets what fits. Call it at most once after each frame that is in no slot.
     fn write(&mut self, pixels: &mut [u8]);
 
     /// Fills in the true centerlines of the frame just made ready: width, height, counts and curves, not the trace.
@@ -63,8 +126,13 @@ pub trait FrameSource: Send {
     }
 
     /// A sentence on something that went wrong without ending the source, such as a broken file that was passed
-    /// over. Ask after each [`next`](Self::next) until there is none.
+    /// over. Ask after each [`advance`](Self::advance) until there is none.
     fn take_warning(&mut self) -> Option<String> {
+        None
+    }
+
+    /// A sentence on something that is worth knowing and not wrong, such as a camera that is there again. Ask likewise.
+    fn take_news(&mut self) -> Option<String> {
         None
     }
 }
@@ -125,6 +193,9 @@ pub enum SourceError {
         /// What is wrong with the first.
         reason: String,
     },
+    /// A camera that cannot be used.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// The thread that decodes is gone.
     #[error(
         "the decoder stopped in the middle: this is a defect of lariat, please report it with the file it was reading"

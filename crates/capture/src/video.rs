@@ -168,7 +168,7 @@ impl Decode for Video {
         Ok(())
     }
 
-    fn decode(&mut self, pixels: &mut Vec<u8>) -> Step {
+    fn decode(&mut self, pixels: &mut [u8]) -> Step {
         let Stream {
             decoder,
             taken,
@@ -179,13 +179,13 @@ impl Decode for Video {
         let path = self.path.display();
         let reason = match decoder.read_frame() {
             Ok(frame) => {
-                pixels.resize(layout.bytes(), 0);
                 let planes = [
                     frame.get_y_plane(),
                     frame.get_u_plane(),
                     frame.get_v_plane(),
                 ];
-                chroma.write(layout, planes, pixels);
+                // The room was made for this layout.
+                chroma.write(layout, planes, &mut pixels[..layout.bytes()]);
                 self.shown += 1;
                 return Step::Decoded(*layout);
             }

@@ -102,6 +102,8 @@ fn colour_comes_through_exactly() {
         height: 3,
         stride: 21,
         format: PixelFormat::Rgb8,
+        exposed_ns: None,
+        slot: None,
     };
     assert_eq!(frame, expected);
     assert_eq!(pixels, picture.into_raw());

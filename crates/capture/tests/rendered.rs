@@ -140,6 +140,8 @@ fn frames_are_numbered_from_1_and_end_where_they_are_told_to() {
             height: 480,
             stride: 1920,
             format: PixelFormat::Rgb8,
+            exposed_ns: None,
+            slot: None,
         };
         assert_eq!(frame, expected);
     }

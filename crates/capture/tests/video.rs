@@ -63,6 +63,8 @@ fn every_420_is_nv12_at_the_files_own_pace() {
             height: 2,
             stride: 4,
             format: PixelFormat::Nv12,
+            exposed_ns: None,
+            slot: None,
         };
         assert_eq!(frame, expected);
         assert_eq!(pixels, [1, 2, 3, 4, 5, 6, 7, 8, 50, 60, 51, 61]);

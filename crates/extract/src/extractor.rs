@@ -220,10 +220,30 @@ impl Extractor {
         Ok(self.after_mask(image, after))
     }
 
-    /// An image of another size is a new scene.
-    fn turn_to(&mut self, image: &Image) {
+    /// What is known at a moment without an image, as of a camera that gives none for a while: every rope is lost, and where
+    /// it was. It counts as a frame: a rope out of sight for too long is forgotten.
+    pub fn blank(&mut self) -> Scene<'_> {
+        self.turn_the_clock();
+        self.crossings.clear();
+        self.pursuer.drop();
+        self.plain_frames = 0;
+        self.tracker.pass(self.now_ns);
+        let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
+        self.count = self.tracker.update(curves, 0, looks, &self.options);
+        Scene {
+            notice: None,
+            ..self.scene(false)
+        }
+    }
+
+    fn turn_the_clock(&mut self) {
         let next_ns = self.now_ns.saturating_add(FRAME_NS);
         self.now_ns = self.next_ns.take().unwrap_or(next_ns);
+    }
+
+    /// An image of another size is a new scene.
+    fn turn_to(&mut self, image: &Image) {
+        self.turn_the_clock();
         let size = (image.width(), image.height());
         if size != self.size {
             self.new_scene();

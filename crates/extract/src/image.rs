@@ -1,5 +1,6 @@
 //! A borrowed picture in the camera's own pixel format: the only thing the extractor reads.
 
+use crate::color;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -176,6 +177,13 @@ impl<'a> Image<'a> {
     /// How the bytes encode pixels.
     pub fn format(&self) -> PixelFormat {
         self.format
+    }
+
+    /// All pixels as red, green and blue, row after row: the colours that masks go by.
+    pub fn to_rgb(&self) -> Vec<u8> {
+        let rows = 0..self.height;
+        rows.flat_map(|y| (0..self.width).flat_map(move |x| color::rgb(self, x, y)))
+            .collect()
     }
 
     /// All bytes, those between the rows as well.

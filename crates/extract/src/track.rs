@@ -122,6 +122,11 @@ impl Tracker {
         }
     }
 
+    /// Says what moment it is, where there is no image.
+    pub(crate) fn pass(&mut self, now_ns: u64) {
+        self.now_ns = now_ns;
+    }
+
     /// Writes the ropes as they were last seen into `past`.
     pub(crate) fn remember(&self, past: &mut Past) {
         past.clear();

@@ -256,3 +256,47 @@ fn another_pixel_format_is_the_same_scene() {
         assert_eq!((curve.track, curve.status), (0, Status::Ok), "{format:?}");
     }
 }
+
+#[test]
+fn without_an_image_a_rope_is_lost_where_it_was_and_comes_back_as_itself() {
+    let table = noisy();
+    let mut extractor = extractor();
+    let rgb = table.draw(&[wave(0.0)]);
+    let mut at_ns = 0;
+    let mut last = Vec::new();
+    let mut track = 0;
+    for _ in 0..20 {
+        at_ns += 40_000_000;
+        extractor.at(at_ns);
+        let scene = see(&mut extractor, &rgb, &table);
+        assert_eq!(scene.curves[0].status, Status::Ok);
+        (track, last) = (scene.curves[0].track, scene.curves[0].points.clone());
+    }
+    let seen_ns = at_ns;
+    for _ in 0..5 {
+        at_ns += 100_000_000;
+        let scene = extractor.at(at_ns).blank();
+        assert_eq!(scene.curves.len(), 1);
+        let curve = &scene.curves[0];
+        assert_eq!((curve.track, curve.status), (track, Status::Lost));
+        assert_eq!(curve.age_ns, at_ns - seen_ns);
+        assert_eq!(curve.points, last);
+        assert!(scene.crossings.is_empty());
+    }
+    at_ns += 40_000_000;
+    extractor.at(at_ns);
+    let scene = see(&mut extractor, &rgb, &table);
+    assert_eq!(scene.curves.len(), 1);
+    let curve = &scene.curves[0];
+    assert_eq!((curve.track, curve.status), (track, Status::Ok));
+    assert_eq!(curve.age_ns, 0);
+    // Out of sight for too long, it is forgotten.
+    let scene = extractor.at(at_ns + 60_000_000_000).blank();
+    assert!(scene.curves.is_empty());
+}
+
+#[test]
+fn before_the_first_image_there_is_nothing_to_lose() {
+    let mut extractor = extractor();
+    assert!(extractor.at(5).blank().curves.is_empty());
+}

@@ -111,10 +111,13 @@ impl<const D: usize> Linear<D> {
         control_points: &mut [[f64; D]],
     ) -> Option<SquaredResiduals> {
         let curve = &self.curve;
-        if let Solve::Pinv { rows } = &self.solve {
-            let describe = describe(rows, &mut self.halves, points, lanes, control_points);
-            return arch.dispatch(Fit { describe, curve });
-        }
+        let steps = match &mut self.solve {
+            Solve::Product(rows) => {
+                let describe = describe(rows, &mut self.halves, points, lanes, control_points);
+                return arch.dispatch(Fit { describe, curve });
+            }
+            Solve::Steps(steps) => steps,
+        };
         let inside = arch.dispatch(Load {
             points,
             bound: MAX_COORDINATE_PX,
@@ -123,8 +126,7 @@ impl<const D: usize> Linear<D> {
         if !inside {
             return None;
         }
-        self.solve
-            .solve(arch, points, lanes, &mut self.halves, control_points);
+        steps.solve(arch, points, lanes, &mut self.halves, control_points);
         let (even, odd) = self.halves.of(curve);
         curve.fold_negated(control_points, even, odd);
         Some(arch.dispatch(Residuals {
@@ -143,7 +145,7 @@ impl<const D: usize> Linear<D> {
         lanes: &mut Points<D>,
         control_points: &mut [[f64; D]],
     ) -> Option<()> {
-        let Solve::Pinv { rows } = &self.solve else {
+        let Solve::Product(rows) = &self.solve else {
             return None;
         };
         let describe = describe(rows, &mut self.halves, points, lanes, control_points);

@@ -87,10 +87,16 @@ impl QrOfB {
     }
 }
 
-/// One of the three ways, ready.
+/// How a fit is computed, ready.
 pub(crate) enum Solve {
-    /// The rows of `P`.
-    Pinv { rows: Rows },
+    /// By the rows of `P`, in one product.
+    Product(Rows),
+    /// By factors.
+    Steps(Steps),
+}
+
+/// The ways that solve triangles.
+pub(crate) enum Steps {
     /// The rows of `Aᵀ`, the factor `L` of `AᵀA = LLᵀ`, and room for the right-hand sides.
     Cholesky {
         rows: Rows,
@@ -107,9 +113,7 @@ pub(crate) enum Solve {
 
 impl Solve {
     pub(crate) fn pinv(p: MatRef<'_, f64>, mirrored: bool) -> Self {
-        Self::Pinv {
-            rows: Rows::of_product(p, mirrored),
-        }
+        Self::Product(Rows::of_product(p, mirrored))
     }
 
     /// `None` where `AᵀA` is not positive definite in this arithmetic.
@@ -135,21 +139,23 @@ impl Solve {
                 products[(j, points - 1)] -= taken[(j, 1)];
             }
         }
-        Some(Self::Cholesky {
+        Some(Self::Steps(Steps::Cholesky {
             rows: Rows::of_product(products.as_ref(), mirrored),
             l,
             right: Mat::zeros(columns, dimensions),
-        })
+        }))
     }
 
     pub(crate) fn qr(factors: QrOfB, system: &System, dimensions: usize) -> Self {
-        Self::Qr {
+        Self::Steps(Steps::Qr {
             right: Mat::zeros(factors.basis.nrows(), dimensions),
             pinned: system.pinned.clone(),
             factors,
-        }
+        })
     }
+}
 
+impl Steps {
     /// The control points of `points`, which `lanes` holds in columns. Allocates nothing.
     pub(crate) fn solve<const D: usize>(
         &mut self,
@@ -160,7 +166,6 @@ impl Solve {
         control_points: &mut [[f64; D]],
     ) {
         match self {
-            Self::Pinv { rows } => project(arch, rows, lanes, halves, control_points),
             Self::Cholesky { rows, l, right } => {
                 let solved = pin(points, control_points, right.nrows());
                 project(arch, rows, lanes, halves, solved);

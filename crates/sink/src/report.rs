@@ -29,6 +29,7 @@ pub(crate) struct Facts {
     pub(crate) span_ns: Option<(u64, u64)>,
     pub(crate) restarts: Restarts,
     pub(crate) stale: u64,
+    pub(crate) blank: u64,
     pub(crate) unknown_basis: u64,
     /// What the stages said at the end, if it has come.
     pub(crate) finished: Option<FinalCounts>,

@@ -23,6 +23,7 @@ pub struct Sink {
     timeline: Timeline,
     truth: Truth,
     with_curve: u64,
+    blank: u64,
     missed: u64,
     span_ns: Option<(u64, u64)>,
     finished: Option<FinalCounts>,
@@ -39,6 +40,7 @@ impl Sink {
             timeline: Timeline::new(),
             truth: Truth::new(),
             with_curve: 0,
+            blank: 0,
             missed: 0,
             span_ns: None,
             finished: None,
@@ -58,8 +60,11 @@ impl Sink {
             .filter(|curve| is_seen(curve.status()))
             .count();
         self.with_curve += u64::from(seen > 0);
+        // Without an image there is nothing that was exposed.
+        let is_blank = message.width == 0;
+        self.blank += u64::from(is_blank);
         // The first message of a late joiner may have waited for it: its age is not the chain's.
-        let timed = self.options.from_start || arrival == Arrival::Next;
+        let timed = !is_blank && (self.options.from_start || arrival == Arrival::Next);
         let total_ns = if timed {
             self.latency.record(&message.trace, received_ns)
         } else {
@@ -132,6 +137,7 @@ impl Sink {
                 span_ns: self.span_ns,
                 restarts: self.ledger.restarts(),
                 stale: self.ledger.stale(),
+                blank: self.blank,
                 unknown_basis: self.truth.unknown_basis,
                 finished: self.finished,
             },

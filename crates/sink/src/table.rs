@@ -288,6 +288,12 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
             notes.push(format!("{stage} did not say how many frames it sent: the last ones count as lost before it, unless they were seen later."));
         }
     }
+    if facts.blank > 0 {
+        notes.push(format!(
+            "{} held no image, as the camera gave none for a while: ropes were told to be lost, and nothing was timed.",
+            plural(facts.blank, "frame")
+        ));
+    }
     if facts.stale > 0 {
         notes.push(format!(
             "{} came a second time or late and did not count.",

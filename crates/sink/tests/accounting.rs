@@ -229,6 +229,31 @@ fn an_extract_that_began_anew_is_said_and_its_frames_are_counted() {
 }
 
 #[test]
+fn frames_without_an_image_count_and_are_not_timed() {
+    let mut chain = Chain::default();
+    let mut sink = sink(true);
+    for number in 0..30 {
+        let trace = chain.frame(None).unwrap();
+        let mut message = descriptors(trace, &[]);
+        let is_blank = number >= 10;
+        if is_blank {
+            (message.width, message.height) = (0, 0);
+        }
+        // Frames that were due take a second, blank ones nothing.
+        let late_ns = if is_blank { 0 } else { 1_000_000_000 };
+        sink.descriptors(&message, received_ns(&trace) + late_ns);
+    }
+    let report = sink.report();
+    let summary = report.summary();
+    assert_eq!(
+        (summary.frames.received, summary.frames.lost.total()),
+        (30, 0)
+    );
+    assert!(summary.latency_us.total.p50.is_some_and(|us| us > 1e6));
+    assert!(report.to_string().contains("20 frames held no image"));
+}
+
+#[test]
 fn a_whole_chain_that_began_anew_is_counted_on() {
     let mut sink = sink(true);
     let mut chain = Chain::default();

@@ -78,9 +78,9 @@ impl Trace {
 pub struct FrameHeader {
     /// The frame's way so far.
     pub trace: Trace,
-    /// Pixels in a row.
+    /// Pixels in a row; 0 if there is [no image](Self::is_blank).
     pub width: u32,
-    /// Rows.
+    /// Rows; 0 likewise.
     pub height: u32,
     /// Bytes from one row's start to the next.
     pub stride: u32,
@@ -96,6 +96,12 @@ impl FrameHeader {
     /// How the bytes make pixels; `None` for a number this version does not know.
     pub const fn format(&self) -> Option<PixelFormat> {
         PixelFormat::from_code(self.pixel_format)
+    }
+
+    /// Whether there is no image: the source has none to give, though it is time for one. A reader has nothing to look at
+    /// then, and sends on what it knows without.
+    pub const fn is_blank(&self) -> bool {
+        self.width == 0 || self.height == 0
     }
 
     /// What stands beside a mask of this frame: `Gray8` of its size, rows one after the other, with its trace.

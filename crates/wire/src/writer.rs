@@ -63,7 +63,7 @@ macro_rules! message_writer {
                 channel: &Channel<$message>,
                 delivery: &Delivery,
             ) -> Result<Self, WireError> {
-                let service = Self::open(domain, rig, channel, delivery, size_of::<$message>())?;
+                let service = Self::open(domain, rig, channel, delivery, size_of::<$message>(), 1)?;
                 let builder = service.publisher_builder().max_loaned_samples(1);
                 let publisher = match patience::with_slow_readers(domain, delivery) {
                     None => builder.create(),
@@ -100,7 +100,19 @@ impl Writer<[u8]> {
         delivery: &Delivery,
         largest: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &FRAMES, delivery, largest)
+        Self::images(domain, rig, &FRAMES, delivery, largest, 1)
+    }
+
+    /// Becomes the writer of a rig's frames, who borrows up to `borrowed` slots at a time, each of up to `largest` bytes:
+    /// for pixels that are written ahead of need.
+    pub fn frames_ahead(
+        domain: &Domain,
+        rig: &Rig,
+        delivery: &Delivery,
+        largest: usize,
+        borrowed: usize,
+    ) -> Result<Self, WireError> {
+        Self::images(domain, rig, &FRAMES, delivery, largest, borrowed)
     }
 
     /// Becomes the writer of a rig's masks, of up to `largest` bytes each.
@@ -110,7 +122,7 @@ impl Writer<[u8]> {
         delivery: &Delivery,
         largest: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &MASKS, delivery, largest)
+        Self::images(domain, rig, &MASKS, delivery, largest, 1)
     }
 
     fn images(
@@ -119,11 +131,12 @@ impl Writer<[u8]> {
         channel: &Channel<[u8]>,
         delivery: &Delivery,
         largest: usize,
+        borrowed: usize,
     ) -> Result<Self, WireError> {
-        let service = Self::open(domain, rig, channel, delivery, largest)?;
+        let service = Self::open(domain, rig, channel, delivery, largest, borrowed)?;
         let builder = service
             .publisher_builder()
-            .max_loaned_samples(1)
+            .max_loaned_samples(borrowed)
             .initial_max_slice_len(largest);
         let publisher = match patience::with_slow_readers(domain, delivery) {
             None => builder.create(),
@@ -155,6 +168,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         channel: &Channel<P>,
         delivery: &Delivery,
         slot_bytes: usize,
+        borrowed: usize,
     ) -> Result<PortFactory<ipc::Service, P, P::Header>, WireError> {
         let service = channel.open(domain, rig, Some(delivery))?;
         if service.dynamic_config().number_of_publishers() > 0 {
@@ -166,7 +180,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         let slots = kept.max_subscribers()
             * (kept.subscriber_max_buffer_size() + kept.subscriber_max_borrowed_samples())
             + kept.history_size()
-            + 1;
+            + borrowed;
         // The transport's header, the user header and the alignment stand before each.
         let slot = slot_bytes + size_of::<P::Header>() + 256;
         memory::require_space(&channel.on(rig), (slots * slot) as u64)?;

@@ -53,7 +53,7 @@ impl Task {
     /// The chain's own settings, but for these.
     pub(super) fn settings(&self) -> Settings {
         let mut settings = Settings::default();
-        settings.capture.size = [self.width, self.height];
+        settings.capture.size = Some([self.width, self.height]);
         settings.capture.fps = Fps::PerSecond(self.fps);
         settings.run.duration = Some(std::time::Duration::from_secs_f64(self.seconds));
         settings.run.out = Some(self.out.clone());
@@ -126,7 +126,7 @@ pub(super) struct Eye {
 impl Eye {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         let mut extractor = Extractor::new(settings.extract.options())?;
-        let [width, height] = settings.capture.size.map(|side| side as usize);
+        let [width, height] = settings.capture.likely_size().map(|side| side as usize);
         extractor.prepare(width, height);
         Ok(Self {
             extractor,

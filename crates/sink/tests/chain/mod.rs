@@ -70,6 +70,7 @@ pub(crate) fn received_ns(trace: &Trace) -> u64 {
 pub(crate) fn descriptors(trace: Trace, curves: &[&[[f64; 2]]]) -> Box<Descriptors> {
     let mut message = Box::new(Descriptors::EMPTY);
     message.trace = trace;
+    (message.width, message.height) = (640, 480);
     message.count = curves.len() as u32;
     for (into, control_points) in message.curves.iter_mut().zip(curves) {
         *into = Descriptor {

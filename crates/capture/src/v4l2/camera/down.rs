@@ -1,0 +1,149 @@
+//! While it is down: started again, or waited for.
+
+use std::os::fd::AsFd;
+
+use super::*;
+use crate::v4l2::error::CameraError;
+use crate::v4l2::stream::NotStarted;
+
+/// After so many failures to start it in a row, the device is opened anew.
+const FAILURES_BEFORE_REOPENING: u32 = 3;
+
+impl<P: Port> Camera<P> {
+    /// It streams no more. Returns nothing: ask again.
+    pub(super) fn fall(&mut self, (call, errno): Failure) -> Option<Next> {
+        let now_ns = now_ns();
+        let State::Streaming(stream) = std::mem::replace(&mut self.state, State::Gone) else {
+            return None;
+        };
+        let driver = stream.stop(&mut self.slots);
+        self.silence.broken(now_ns);
+        self.recovery.failed(now_ns);
+        match driver.filter(|_| errno != Errno::NODEV) {
+            Some(driver) => {
+                self.told.warn(&format!(
+                    "its stream broke ({call}: {errno}) and is started anew"
+                ));
+                self.state = State::Stopped(driver);
+            }
+            None => self.told.warn(&format!(
+                "it does not answer any more ({call}: {errno}); it is waited for until it comes back"
+            )),
+        }
+        None
+    }
+
+    /// Starts it, or waits until it can be tried. None: ask again.
+    ///
+    /// # Errors
+    /// It cannot be started, and never could.
+    pub(super) fn rise(&mut self, until: &Until) -> Result<Option<Next>, SourceError> {
+        let now_ns = now_ns();
+        let at_ns = self.recovery.at_ns();
+        if now_ns >= at_ns {
+            return match std::mem::replace(&mut self.state, State::Gone) {
+                State::Stopped(driver) => self.start(driver, now_ns).map(|()| None),
+                _ => {
+                    self.reopen(now_ns);
+                    Ok(None)
+                }
+            };
+        }
+        let is_gone = matches!(self.state, State::Gone);
+        let event = self.hotplug.as_ref().filter(|_| is_gone);
+        let event = event.map(|hotplug| (hotplug.as_fd(), PollFlags::IN));
+        let moment_ns = at_ns.min(self.silence.next_ns());
+        Ok(match until.wait(event, Some(moment_ns)) {
+            Woken::Interrupted => Some(Next::Nothing),
+            Woken::Moment => self.blank_if_due(lariat_wire::now_ns()),
+            Woken::Ready(_) => {
+                if let Some(hotplug) = &self.hotplug {
+                    hotplug.drain();
+                }
+                self.recovery.hurry();
+                None
+            }
+        })
+    }
+
+    fn start(&mut self, driver: P::Driver, now_ns: u64) -> Result<(), SourceError> {
+        self.sequence.restart();
+        self.stamper.start(now_ns);
+        self.refused = None;
+        // Without a slot there is nothing to lend.
+        if self.slots.is_empty() && self.memory == Memory::Lent {
+            self.memory = Memory::Mapped;
+        }
+        let failed = match Stream::start(driver, self.memory, &mut self.slots) {
+            Ok(stream) => {
+                self.silence.start(now_ns);
+                if !self.has_shown {
+                    self.told.news(&self.how(&stream));
+                }
+                self.state = State::Streaming(stream);
+                return Ok(());
+            }
+            Err(failed) => failed,
+        };
+        let NotStarted {
+            call,
+            errno,
+            driver,
+        } = failed;
+        if self.memory == Memory::Lent && self.may_map && !self.has_shown {
+            // The driver does not take memory of others, or not of this kind.
+            self.memory = Memory::Mapped;
+        } else if !self.has_shown {
+            return Err(self.port.refusal(call, errno).into());
+        } else {
+            self.recovery.failed(now_ns);
+            if self.recovery.failures() == FAILURES_BEFORE_REOPENING {
+                self.told.warn(&format!(
+                    "it cannot be started ({call}: {errno}); it is opened anew"
+                ));
+            }
+        }
+        self.state = match driver {
+            Some(driver) if self.recovery.failures() < FAILURES_BEFORE_REOPENING => {
+                State::Stopped(driver)
+            }
+            _ => State::Gone,
+        };
+        Ok(())
+    }
+
+    fn reopen(&mut self, now_ns: u64) {
+        match self.port.reopen() {
+            Ok(driver) => {
+                self.told.news("it is there again");
+                self.state = State::Stopped(driver);
+            }
+            Err(error) => {
+                self.recovery.failed(now_ns);
+                // The first time, as it may be the remedy: another program has it now, say.
+                if !matches!(error, CameraError::Absent { .. } | CameraError::Gone { .. })
+                    && self.recovery.failures() == FAILURES_BEFORE_REOPENING
+                {
+                    self.told.warnings.push_back(error.to_string());
+                }
+            }
+        }
+    }
+
+    /// How frames come, as a sentence.
+    fn how(&self, stream: &Stream<P::Driver>) -> String {
+        let Shape { stride, .. } = self.shape;
+        let rows = match self.shape.encoding {
+            Encoding::Plain(_) => format!("rows of {stride} bytes"),
+            Encoding::Jpeg => "each frame decoded".to_owned(),
+        };
+        let count = stream.count();
+        match stream.memory() {
+            Memory::Lent => format!(
+                "{rows}, straight into shared memory (USERPTR, {} slots)",
+                SLOTS.min(count)
+            ),
+            Memory::Mapped => format!("{rows}, by one copy (MMAP, {count} buffers)"),
+        }
+    }
+}

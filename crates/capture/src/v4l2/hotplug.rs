@@ -1,0 +1,106 @@
+//! Waits for a device to come back under its name, by inotify on the folders that lead to it.
+
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::path::{Path, PathBuf};
+
+use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
+use rustix::io::Result;
+
+/// Wakes when something happens in a folder on the way to a device.
+#[derive(Debug)]
+pub(super) struct Hotplug {
+    inotify: OwnedFd,
+    /// The folders of the name, the nearest first: those of `/dev/v4l/by-id` are made with the first camera and gone with
+    /// the last.
+    folders: Vec<PathBuf>,
+}
+
+/// What brings a device: its node made or moved in, and opened to others than root a moment later (`ATTRIB`).
+const EVENTS: WatchFlags = WatchFlags::CREATE
+    .union(WatchFlags::MOVED_TO)
+    .union(WatchFlags::ATTRIB);
+
+impl Hotplug {
+    /// Watches from now on. `device`: an absolute path.
+    pub(super) fn watch(device: &Path) -> Result<Self> {
+        let inotify = inotify::init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC)?;
+        // `/dev/v4l/by-id`, and what leads there.
+        let folders = device.ancestors().skip(1).take(3);
+        let hotplug = Self {
+            inotify,
+            folders: folders.map(Path::to_owned).collect(),
+        };
+        hotplug.watch_folders();
+        Ok(hotplug)
+    }
+
+    /// Forgets what has happened; from then on everything new wakes.
+    pub(super) fn drain(&self) {
+        let mut buffer = [MaybeUninit::uninit(); 1024];
+        let mut events = Reader::new(&self.inotify, &mut buffer);
+        while events.next().is_ok() {}
+        // A folder that has just been made is watched as well.
+        self.watch_folders();
+    }
+
+    fn watch_folders(&self) {
+        for folder in &self.folders {
+            // Those that are there; to watch one twice is to watch it once.
+            let _ = inotify::add_watch(&self.inotify, folder, EVENTS);
+        }
+    }
+}
+
+impl AsFd for Hotplug {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.inotify.as_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use lariat_wire::now_ns;
+    use rustix::event::PollFlags;
+
+    use super::*;
+    use crate::until::{Until, Woken};
+
+    fn wait(hotplug: &Hotplug, ms: u64) -> Woken {
+        let event = Some((hotplug.as_fd(), PollFlags::IN));
+        Until::forever().wait(event, Some(now_ns() + ms * 1_000_000))
+    }
+
+    #[test]
+    fn a_name_that_comes_back_with_all_its_folders_wakes() {
+        let root = tempfile::tempdir().expect("the system has a folder for temporary files");
+        let folder = root.path().join("v4l/by-id");
+        let device = folder.join("usb-camera");
+        let hotplug = Hotplug::watch(&device).expect("inotify");
+        assert_eq!(wait(&hotplug, 1), Woken::Moment, "nothing has happened");
+        for made in [root.path().join("v4l"), folder] {
+            fs::create_dir(&made).expect("made");
+            assert_eq!(wait(&hotplug, 60_000), Woken::Ready(PollFlags::IN));
+            hotplug.drain();
+        }
+        assert_eq!(wait(&hotplug, 1), Woken::Moment, "it was drained");
+        std::os::unix::fs::symlink("../../video0", &device).expect("made");
+        assert_eq!(wait(&hotplug, 60_000), Woken::Ready(PollFlags::IN));
+    }
+
+    #[test]
+    fn a_device_that_is_opened_to_others_wakes() {
+        let root = tempfile::tempdir().expect("the system has a folder for temporary files");
+        let folder = root.path().join("dev/v4l");
+        fs::create_dir_all(&folder).expect("made");
+        let device = folder.join("video0");
+        fs::write(&device, "").expect("made");
+        let hotplug = Hotplug::watch(&device).expect("inotify");
+        let mut permissions = fs::metadata(&device).expect("there").permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&device, permissions).expect("set");
+        assert_eq!(wait(&hotplug, 60_000), Woken::Ready(PollFlags::IN));
+    }
+}

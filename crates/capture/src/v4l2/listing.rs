@@ -1,0 +1,78 @@
+//! All cameras of this machine, and all that each of them has.
+
+use std::path::PathBuf;
+
+use super::controls::Control;
+use super::device::Device;
+use super::error::CameraError;
+use super::negotiate::{DEFAULT_SIZE, READABLE};
+use super::nodes;
+use super::offers::{FormatOffer, FourCc};
+
+/// A camera, or a node that could be one but cannot be asked.
+#[derive(Debug)]
+pub struct ListedCamera {
+    /// Its node: `/dev/video0`.
+    pub path: PathBuf,
+    /// Names that stay when the node's number changes: under `/dev/v4l/by-id` and `/dev/v4l/by-path`.
+    pub lasting_names: Vec<PathBuf>,
+    /// What it says of itself; or why it cannot be asked.
+    pub about: Result<AboutCamera, CameraError>,
+}
+
+/// What a camera says of itself.
+#[derive(Debug, Clone)]
+pub struct AboutCamera {
+    /// Its name.
+    pub name: String,
+    /// The kernel's driver.
+    pub driver: String,
+    /// Where it is plugged in.
+    pub bus: String,
+    /// Whether it has the multi-planar interface.
+    pub has_planes: bool,
+    /// All pixel formats, with sizes and rates.
+    pub formats: Vec<FormatOffer>,
+    /// All controls.
+    pub controls: Vec<Control>,
+}
+
+impl FourCc {
+    /// Whether lariat reads this pixel format.
+    pub fn is_readable(self) -> bool {
+        READABLE.contains(&self.0)
+    }
+}
+
+/// All cameras, and all nodes that this user may not open, in the order of their numbers. Nothing is changed at any.
+pub fn list_cameras() -> Vec<ListedCamera> {
+    let is_of_interest = |about: &Result<AboutCamera, CameraError>| {
+        // Codecs, metadata and outputs are no cameras; that needs no explanation where cameras are listed.
+        !matches!(
+            about,
+            Err(CameraError::NotACamera { .. } | CameraError::Absent { .. })
+        )
+    };
+    nodes::all()
+        .into_iter()
+        .map(|node| ListedCamera {
+            about: about(&node.path),
+            lasting_names: nodes::lasting_names(&node.path),
+            path: node.path,
+        })
+        .filter(|camera| is_of_interest(&camera.about))
+        .collect()
+}
+
+fn about(path: &std::path::Path) -> Result<AboutCamera, CameraError> {
+    let device = Device::open(path)?;
+    let about = device.about();
+    Ok(AboutCamera {
+        name: about.card.clone(),
+        driver: about.driver.clone(),
+        bus: about.bus.clone(),
+        has_planes: device.has_planes(),
+        formats: device.offers(DEFAULT_SIZE, |_| true),
+        controls: device.controls(),
+    })
+}

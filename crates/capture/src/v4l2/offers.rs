@@ -1,0 +1,352 @@
+//! What a camera offers: pixel formats, in each of them frame sizes, at each of them frame rates.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::device::{Device, text};
+use super::sys;
+
+/// A pixel format's code of four letters, as the kernel has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct FourCc(pub u32);
+
+/// Other names that people give to pixel formats.
+const ALIASES: [(&str, &[u8; 4]); 8] = [
+    ("YUY2", b"YUYV"),
+    ("GRAY", b"GREY"),
+    ("GRAY8", b"GREY"),
+    ("Y8", b"GREY"),
+    ("RGB24", b"RGB3"),
+    ("BGR24", b"BGR3"),
+    ("MJPEG", b"MJPG"),
+    ("JPG", b"JPEG"),
+];
+
+impl FromStr for FourCc {
+    type Err = ();
+
+    /// By its letters, large or small, or another name that is in use (`mjpeg`, `yuy2`, `gray`).
+    fn from_str(name: &str) -> Result<Self, ()> {
+        let name = name.trim().to_ascii_uppercase();
+        if let Some((_, code)) = ALIASES.iter().find(|(alias, _)| *alias == name) {
+            return Ok(Self(sys::fourcc(code)));
+        }
+        let mut code = [b' '; 4];
+        let letters = name.as_bytes();
+        let is_code = (2..=4).contains(&letters.len()) && letters.iter().all(u8::is_ascii_graphic);
+        if !is_code {
+            return Err(());
+        }
+        code[..letters.len()].copy_from_slice(letters);
+        Ok(Self(sys::fourcc(&code)))
+    }
+}
+
+impl fmt::Display for FourCc {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The highest bit says that the words of a pixel are turned around.
+        let letters = (self.0 & 0x7fff_ffff).to_le_bytes();
+        let shown = |b: u8| {
+            if b.is_ascii_graphic() {
+                char::from(b)
+            } else {
+                ' '
+            }
+        };
+        let name: String = letters.map(shown).iter().collect();
+        f.pad(name.trim_end())?;
+        f.write_str(if self.0 >> 31 == 1 { "-BE" } else { "" })
+    }
+}
+
+/// The time from one frame to the next: numerator and denominator of seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interval {
+    /// Of the fraction.
+    pub numerator: u32,
+    /// Of the fraction.
+    pub denominator: u32,
+}
+
+impl Interval {
+    /// The kernel's fraction; `None` where it is no time.
+    pub(super) fn new([numerator, denominator]: [u32; 2]) -> Option<Self> {
+        (numerator > 0 && denominator > 0).then_some(Self {
+            numerator,
+            denominator,
+        })
+    }
+
+    /// The nearest for this many frames a second, to a thousandth of one.
+    pub(super) fn of_fps(fps: f64) -> Self {
+        // Whole rates as cameras list them: 1/30.
+        let is_whole = fps.fract() == 0.0 && fps <= 1e6;
+        let (numerator, scale) = if is_whole { (1, 1.0) } else { (1000, 1000.0) };
+        Self {
+            numerator,
+            denominator: (fps * scale).round().clamp(1.0, 4e9) as u32,
+        }
+    }
+
+    /// Frames a second.
+    pub fn fps(self) -> f64 {
+        f64::from(self.denominator) / f64::from(self.numerator)
+    }
+}
+
+/// Which frame rates there are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Rates {
+    /// The driver does not say.
+    Untold,
+    /// These.
+    Listed(Vec<Interval>),
+    /// All between two.
+    Between {
+        /// Of the fastest.
+        shortest: Interval,
+        /// Of the slowest.
+        longest: Interval,
+    },
+}
+
+impl Rates {
+    /// The interval nearest to this many frames a second, or, without a wish, the shortest; `None` if untold.
+    pub(super) fn nearest(&self, fps: Option<f64>) -> Option<Interval> {
+        let distance = |interval: &Interval| match fps {
+            // As a ratio, so that 30 is as far from 15 as from 60.
+            Some(fps) => (interval.fps() / fps).ln().abs(),
+            None => -interval.fps(),
+        };
+        match self {
+            Self::Untold => None,
+            Self::Listed(all) => all
+                .iter()
+                .copied()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b))),
+            Self::Between { shortest, longest } => Some(match fps {
+                Some(fps) if fps <= longest.fps() => *longest,
+                Some(fps) if fps < shortest.fps() => Interval::of_fps(fps),
+                _ => *shortest,
+            }),
+        }
+    }
+}
+
+/// Which frame sizes there are: one, or many at even steps. Width and height, px.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SizeRange {
+    /// This alone.
+    One([u32; 2]),
+    /// From the least to the most by steps.
+    Steps {
+        /// The smallest.
+        least: [u32; 2],
+        /// The largest.
+        most: [u32; 2],
+        /// From one to the next; 1 or more.
+        step: [u32; 2],
+    },
+}
+
+impl SizeRange {
+    /// Its size nearest to this one.
+    pub fn nearest(&self, size: [u32; 2]) -> [u32; 2] {
+        match *self {
+            Self::One(size) => size,
+            Self::Steps { least, most, step } => std::array::from_fn(|axis| {
+                let (least, step) = (least[axis], step[axis].max(1));
+                let most = most[axis].max(least);
+                let over = size[axis].clamp(least, most) - least;
+                let down = least + over / step * step;
+                let up = down.saturating_add(step);
+                if up <= most && up - size[axis].min(up) < size[axis].saturating_sub(down) {
+                    up
+                } else {
+                    down
+                }
+            }),
+        }
+    }
+}
+
+/// A size, or sizes, and the rates there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SizeOffer {
+    /// The size or sizes.
+    pub range: SizeRange,
+    /// The rates; of many sizes those at the one that is nearest to what was asked for.
+    pub rates: Rates,
+}
+
+/// A pixel format, and all there is in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FormatOffer {
+    /// Which.
+    pub code: FourCc,
+    /// The driver's words for it.
+    pub description: String,
+    /// Whether frames are compressed.
+    pub compressed: bool,
+    /// Empty if the driver does not say.
+    pub sizes: Vec<SizeOffer>,
+}
+
+/// More of anything than a camera has: a driver that never ends its lists is not followed for ever.
+const MOST: u32 = 512;
+
+impl Device {
+    /// All formats of the camera that `wanted` accepts. Where sizes go by steps, rates are asked for at the size that is
+    /// nearest to `near`.
+    pub(crate) fn offers(
+        &self,
+        near: [u32; 2],
+        wanted: impl Fn(FourCc) -> bool,
+    ) -> Vec<FormatOffer> {
+        let describe = |index| {
+            let mut format = sys::FormatDescription {
+                index,
+                kind: self.buffer_type(),
+                ..Default::default()
+            };
+            sys::enumerate_formats(self, &mut format).ok()?;
+            Some(format)
+        };
+        (0..MOST)
+            .map_while(describe)
+            .filter(|format| wanted(FourCc(format.pixelformat)))
+            .map(|format| FormatOffer {
+                code: FourCc(format.pixelformat),
+                description: text(&format.description),
+                compressed: format.flags & sys::FMT_FLAG_COMPRESSED != 0,
+                sizes: self.sizes(format.pixelformat, near),
+            })
+            .collect()
+    }
+
+    fn sizes(&self, pixel_format: u32, near: [u32; 2]) -> Vec<SizeOffer> {
+        let describe = |index| {
+            let mut size = sys::SizeDescription {
+                index,
+                pixel_format,
+                ..Default::default()
+            };
+            sys::enumerate_sizes(self, &mut size).ok()?;
+            Some(size)
+        };
+        (0..MOST)
+            .map_while(describe)
+            .map(|size| {
+                let [a, b, c, d, e, f] = size.size;
+                let range = match size.kind {
+                    sys::SIZE_DISCRETE => SizeRange::One([a, b]),
+                    kind => SizeRange::Steps {
+                        least: [a, d],
+                        most: [b, e],
+                        step: match kind {
+                            sys::SIZE_STEPWISE => [c.max(1), f.max(1)],
+                            _ => [1, 1],
+                        },
+                    },
+                };
+                let rates = self.rates(pixel_format, range.nearest(near));
+                SizeOffer { range, rates }
+            })
+            .collect()
+    }
+
+    fn rates(&self, pixel_format: u32, [width, height]: [u32; 2]) -> Rates {
+        let mut listed = Vec::new();
+        for index in 0..MOST {
+            let mut rate = sys::IntervalDescription {
+                index,
+                pixel_format,
+                width,
+                height,
+                ..Default::default()
+            };
+            if sys::enumerate_intervals(self, &mut rate).is_err() {
+                break;
+            }
+            let [shortest, longest, _] = rate.interval.map(Interval::new);
+            match (rate.kind, shortest, longest) {
+                (sys::INTERVAL_DISCRETE, Some(interval), _) => listed.push(interval),
+                (sys::INTERVAL_DISCRETE, None, _) => {}
+                (_, Some(shortest), Some(longest)) => return Rates::Between { shortest, longest },
+                _ => break,
+            }
+        }
+        match listed.is_empty() {
+            true => Rates::Untold,
+            false => Rates::Listed(listed),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_format_is_found_by_any_of_its_names() {
+        let code = |name: &str| name.parse::<FourCc>().map(|code| code.to_string());
+        for (name, meant) in [
+            ("yuyv", "YUYV"),
+            ("YUY2", "YUYV"),
+            ("Grey", "GREY"),
+            ("mjpeg", "MJPG"),
+            ("rgb24", "RGB3"),
+            ("Y16", "Y16"),
+        ] {
+            assert_eq!(code(name).as_deref(), Ok(meant));
+        }
+        for name in ["", "colour", "a b", "é"] {
+            assert!(code(name).is_err(), "{name:?}");
+        }
+    }
+
+    #[test]
+    fn rates_are_the_nearest_or_the_fastest() {
+        let per_second = |denominator| Interval {
+            numerator: 1,
+            denominator,
+        };
+        let listed = Rates::Listed([30, 15, 60, 5].map(per_second).to_vec());
+        assert_eq!(listed.nearest(None), Some(per_second(60)));
+        assert_eq!(listed.nearest(Some(20.0)), Some(per_second(15)));
+        assert_eq!(listed.nearest(Some(500.0)), Some(per_second(60)));
+
+        let between = Rates::Between {
+            shortest: per_second(90),
+            longest: per_second(5),
+        };
+        assert_eq!(between.nearest(None), Some(per_second(90)));
+        assert_eq!(between.nearest(Some(25.0)), Some(per_second(25)));
+        assert_eq!(between.nearest(Some(1.0)), Some(per_second(5)));
+        assert_eq!(Rates::Untold.nearest(Some(30.0)), None);
+    }
+
+    proptest! {
+        #[test]
+        fn no_size_of_a_range_is_nearer_than_the_nearest(
+            least in 1_u32..40, steps in 0_u32..20, step in 1_u32..9, asked in 0_u32..300,
+        ) {
+            let most = least + steps * step;
+            let range = SizeRange::Steps { least: [least; 2], most: [most; 2], step: [step, 1] };
+            let [width, height] = range.nearest([asked; 2]);
+            let best = (0..=steps).map(|i| (least + i * step).abs_diff(asked)).min();
+            prop_assert_eq!(Some(width.abs_diff(asked)), best);
+            prop_assert_eq!((width - least) % step, 0);
+            prop_assert_eq!(height, asked.clamp(least, most));
+        }
+
+        #[test]
+        fn whatever_a_driver_says_has_a_nearest_size(
+            numbers in proptest::array::uniform6(any::<u32>()), asked in proptest::array::uniform2(any::<u32>()),
+        ) {
+            let [a, b, c, d, e, f] = numbers;
+            SizeRange::Steps { least: [a, b], most: [c, d], step: [e, f] }.nearest(asked);
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! A camera by its name: opened and set up as the user wants, and again just so when it comes back.
+
+use std::path::{Path, PathBuf};
+
+use rustix::io::Errno;
+
+use super::camera::{Camera, Encoding, Io, Port, Shape};
+use super::controls::{Adjusted, ControlSettings};
+use super::device::{Device, refusal};
+use super::error::CameraError;
+use super::hotplug::Hotplug;
+use super::negotiate::Request;
+use super::setup::Setup;
+use crate::source::FrameSource;
+
+/// A camera, and what is wanted of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CameraOptions {
+    /// Its name: a node (`/dev/video0`) or one that leads there (`/dev/v4l/by-id/…`), which stays when the node's number
+    /// changes.
+    pub path: PathBuf,
+    /// Pixel format, size and rate.
+    pub request: Request,
+    /// Its controls.
+    pub controls: ControlSettings,
+    /// How frames come from its driver.
+    pub io: Io,
+}
+
+/// Opens a camera as a source of frames.
+///
+/// # Errors
+/// There is no such camera, it may not be used, is used by another, or does not have what is asked for.
+pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource>, CameraError> {
+    let path = std::path::absolute(&options.path).unwrap_or_else(|_| options.path.clone());
+    // Before the camera is opened, so that nothing is missed; without inotify it is looked for now and then.
+    let hotplug = Hotplug::watch(&path).ok();
+    let device = Device::open(&path)?;
+    let setup = device.set_up(&options.request)?;
+    let shape = shape_of(&device, &setup)?;
+    let adjusted = Adjusted::new(&device, &options.controls)?;
+    let name = path.display().to_string();
+    let about = format!("{name}: {}, {}", device.about().card, setup.summary());
+    let port = DevicePort {
+        path,
+        // What was chosen is asked for by name when it comes back.
+        request: Request {
+            size: Some([setup.width, setup.height]),
+            fps: setup.interval.map(|interval| interval.fps()),
+            format: Some(setup.code),
+        },
+        shape,
+        adjusted,
+        lock: options.controls.lock,
+    };
+    let mut camera = Camera::new(name, device, port, shape, options.io, hotplug);
+    camera.tell(about, setup.told);
+    Ok(Box::new(camera))
+}
+
+/// What streaming needs to know of a setup.
+fn shape_of(device: &Device, setup: &Setup) -> Result<Shape, CameraError> {
+    let [buffer_bytes] = setup.plane_bytes[..] else {
+        return Err(device.refusal(
+            "give frames of several pieces of memory, which lariat does not read: choose another --pixel-format",
+            Errno::NOTSUP,
+        ));
+    };
+    Ok(Shape {
+        width: setup.width,
+        height: setup.height,
+        stride: setup.stride,
+        encoding: match setup.pixel_format() {
+            Some(format) => Encoding::Plain(format),
+            None => Encoding::Jpeg,
+        },
+        buffer_bytes: buffer_bytes as usize,
+        interval_ns: setup.interval.map(|interval| (1e9 / interval.fps()) as u64),
+    })
+}
+
+/// What opens the device.
+struct DevicePort {
+    path: PathBuf,
+    request: Request,
+    shape: Shape,
+    adjusted: Adjusted,
+    lock: bool,
+}
+
+impl DevicePort {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Port for DevicePort {
+    type Driver = Device;
+
+    fn reopen(&mut self) -> Result<Device, CameraError> {
+        let device = Device::open(self.path())?;
+        let setup = device.set_up(&self.request)?;
+        let shape = shape_of(&device, &setup)?;
+        // The rate may be another: a frame has room all the same.
+        let as_before = Shape {
+            interval_ns: self.shape.interval_ns,
+            ..shape
+        };
+        if as_before != self.shape {
+            return Err(device.refusal(
+                "be set up as before: it is not the same camera, or its driver has changed; start lariat anew",
+                Errno::INVAL,
+            ));
+        }
+        self.adjusted.again(&device);
+        Ok(device)
+    }
+
+    fn refusal(&self, call: &'static str, errno: Errno) -> CameraError {
+        let doing = match call {
+            "VIDIOC_REQBUFS" => "have memory for its frames (VIDIOC_REQBUFS); try --io mmap",
+            "VIDIOC_QUERYBUF" => "show its memory (VIDIOC_QUERYBUF); try --io userptr",
+            "VIDIOC_QBUF" => "be given memory for its frames (VIDIOC_QBUF); try --io mmap",
+            _ => "be started (VIDIOC_STREAMON)",
+        };
+        refusal(self.path(), doing, errno)
+    }
+
+    fn settled(&mut self, driver: &Device) -> Option<String> {
+        self.lock.then(|| self.adjusted.lock(driver))
+    }
+
+    fn leave(&mut self, driver: &Device) {
+        self.adjusted.restore(driver);
+    }
+}

@@ -1,0 +1,268 @@
+//! A camera set to a format, size and rate; what it made of them is checked and told.
+
+use super::device::Device;
+use super::error::CameraError;
+use super::negotiate::{Choice, READABLE, Request, negotiate};
+use super::offers::{FourCc, Interval};
+use super::sys;
+use lariat_wire::PixelFormat;
+
+/// What a camera is set to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Setup {
+    /// The pixel format.
+    pub(crate) code: FourCc,
+    /// Pixels in a row.
+    pub(crate) width: u32,
+    /// Rows.
+    pub(crate) height: u32,
+    /// Bytes from one row's start to the next; 0 for compressed frames.
+    pub(crate) stride: u32,
+    /// Bytes that each plane's memory needs, as the driver says.
+    pub(crate) plane_bytes: Vec<u32>,
+    /// The time from one frame to the next, if the driver tells it.
+    pub(crate) interval: Option<Interval>,
+    /// Sentences that the user should read: what is otherwise than was asked for.
+    pub(crate) told: Vec<String>,
+}
+
+impl Setup {
+    /// The pixel format in the contract's own words; `None` for compressed frames.
+    pub(crate) fn pixel_format(&self) -> Option<PixelFormat> {
+        pixel_format(self.code)
+    }
+
+    /// In a few words: `YUYV 640x480 at 30 frames/s`.
+    pub(crate) fn summary(&self) -> String {
+        let rate = match self.interval {
+            Some(interval) => format!("at {} frames/s", shown(interval.fps())),
+            None => "at a rate that its driver does not tell".to_owned(),
+        };
+        format!("{} {}x{} {rate}", self.code, self.width, self.height)
+    }
+}
+
+fn pixel_format(code: FourCc) -> Option<PixelFormat> {
+    Some(match code.0 {
+        sys::PIX_YUYV => PixelFormat::Yuyv,
+        sys::PIX_UYVY => PixelFormat::Uyvy,
+        sys::PIX_NV12 => PixelFormat::Nv12,
+        sys::PIX_GREY => PixelFormat::Gray8,
+        sys::PIX_RGB3 => PixelFormat::Rgb8,
+        sys::PIX_BGR3 => PixelFormat::Bgr8,
+        _ => return None,
+    })
+}
+
+/// A rate with as many digits as a person would write.
+pub(super) fn shown(fps: f64) -> String {
+    let rounded = (fps * 100.0).round() / 100.0;
+    format!("{rounded}")
+}
+
+/// What one of the two kinds of `v4l2_format` says, in the same words.
+struct Answer {
+    code: FourCc,
+    size: [u32; 2],
+    field: u32,
+    stride: u32,
+    plane_bytes: Vec<u32>,
+}
+
+impl Device {
+    /// Sets the camera to what is asked for, or the best there is, by the rule of [`negotiate`](super::negotiate), and
+    /// checks what came back. Format and rate are always set: both may be left over from another program.
+    ///
+    /// # Errors
+    /// There is nothing in common, another program streams, or the driver sets something else than it has listed.
+    pub(crate) fn set_up(&self, request: &Request) -> Result<Setup, CameraError> {
+        // Formats that were asked for are listed too, so that a wish for one that lariat does not read is answered.
+        let offers = self.offers(request.near(), |_| true);
+        let choice = negotiate(&offers, request).map_err(|why| CameraError::NoCommonFormat {
+            path: self.path().to_owned(),
+            why,
+        })?;
+        let answer = self.set_format(&choice)?;
+        let mut told = self.check(request, &choice, &answer)?;
+        let interval = self.set_rate(choice.interval.or(request.fps.map(Interval::of_fps)))?;
+        if let (Some(asked), Some(got)) = (request.fps, interval)
+            && (got.fps() / asked - 1.0).abs() > 0.02
+        {
+            told.push(format!(
+                "{} gives {} frames/s at {}x{} in {}, not the {} that were asked for",
+                self.path().display(),
+                shown(got.fps()),
+                answer.size[0],
+                answer.size[1],
+                answer.code,
+                shown(asked),
+            ));
+        }
+        Ok(Setup {
+            code: answer.code,
+            width: answer.size[0],
+            height: answer.size[1],
+            stride: answer.stride,
+            plane_bytes: answer.plane_bytes,
+            interval,
+            told,
+        })
+    }
+
+    fn set_format(&self, choice: &Choice) -> Result<Answer, CameraError> {
+        let mut format = sys::Format::of(self.buffer_type());
+        sys::get_format(self, &mut format)
+            .map_err(|errno| self.refusal("say its format (VIDIOC_G_FMT)", errno))?;
+        let mut format = self.with(&format, choice);
+        sys::set_format(self, &mut format)
+            .map_err(|errno| self.refusal("be set to a format (VIDIOC_S_FMT)", errno))?;
+        Ok(self.answer(&format))
+    }
+
+    /// The format that is set, changed to the choice. Where that is what was set already, the row's length is kept:
+    /// whoever made it longer than need be had a reason.
+    fn with(&self, present: &sys::Format, choice: &Choice) -> sys::Format {
+        let [width, height] = choice.size;
+        let FourCc(pixelformat) = choice.code;
+        if self.has_planes() {
+            let pix = present.pix_planes();
+            let is_same = (pix.width, pix.height, pix.pixelformat) == (width, height, pixelformat);
+            let mut wanted = sys::PixFormatPlanes {
+                width,
+                height,
+                pixelformat,
+                field: sys::FIELD_NONE,
+                num_planes: 1,
+                ..Default::default()
+            };
+            if is_same {
+                wanted.planes[0].bytesperline = pix.planes[0].bytesperline;
+            }
+            sys::Format::planes(self.buffer_type(), &wanted)
+        } else {
+            let pix = present.pix();
+            let is_same = (pix.width, pix.height, pix.pixelformat) == (width, height, pixelformat);
+            let wanted = sys::PixFormat {
+                width,
+                height,
+                pixelformat,
+                field: sys::FIELD_NONE,
+                bytesperline: if is_same { pix.bytesperline } else { 0 },
+                ..Default::default()
+            };
+            sys::Format::single(self.buffer_type(), wanted)
+        }
+    }
+
+    fn answer(&self, format: &sys::Format) -> Answer {
+        if self.has_planes() {
+            let pix = format.pix_planes();
+            let count = usize::from(pix.num_planes).clamp(1, pix.planes.len());
+            Answer {
+                code: FourCc(pix.pixelformat),
+                size: [pix.width, pix.height],
+                field: pix.field,
+                stride: pix.planes[0].bytesperline,
+                plane_bytes: pix.planes[..count].iter().map(|p| p.sizeimage).collect(),
+            }
+        } else {
+            let pix = format.pix();
+            Answer {
+                code: FourCc(pix.pixelformat),
+                size: [pix.width, pix.height],
+                field: pix.field,
+                stride: pix.bytesperline,
+                plane_bytes: vec![pix.sizeimage],
+            }
+        }
+        .with_whole_rows()
+    }
+
+    /// Whether what was set can be used; sentences about what of it is otherwise than the user might think.
+    fn check(
+        &self,
+        request: &Request,
+        choice: &Choice,
+        answer: &Answer,
+    ) -> Result<Vec<String>, CameraError> {
+        let other = |remedy: String| CameraError::OtherFormat {
+            path: self.path().to_owned(),
+            asked: words(choice.code, choice.size),
+            got: words(answer.code, answer.size),
+            remedy,
+        };
+        let [width, height] = answer.size;
+        // JPEG and MJPG are the same bytes under two names.
+        if !READABLE.contains(&answer.code.0)
+            || (request.format.is_some() && answer.code != choice.code)
+        {
+            return Err(other(
+                "ask for a format that it has, as `lariat devices` lists them".to_owned(),
+            ));
+        }
+        if request.size.is_some_and(|asked| asked != answer.size) {
+            return Err(other(format!("ask for --size {width}x{height}")));
+        }
+        if let Some(format) = pixel_format(answer.code) {
+            let needed = format.image_bytes(answer.stride, height);
+            let has: u64 = answer
+                .plane_bytes
+                .iter()
+                .map(|&bytes| u64::from(bytes))
+                .sum();
+            if (answer.stride as usize) < format.row_bytes(width) || has < needed as u64 {
+                return Err(other(format!(
+                    "rows of {} bytes in {has} bytes hold no such picture, so its driver is at fault; ask for another \
+                     size or format",
+                    answer.stride
+                )));
+            }
+        }
+        let mut told = Vec::new();
+        if answer.size != choice.size || answer.code != choice.code {
+            told.push(format!(
+                "{} was asked for {} and set {}",
+                self.path().display(),
+                words(choice.code, choice.size),
+                words(answer.code, answer.size)
+            ));
+        }
+        if !matches!(answer.field, sys::FIELD_ANY | sys::FIELD_NONE) {
+            told.push(format!(
+                "{} gives interlaced pictures: every other row is older, and ropes that move have combed edges",
+                self.path().display()
+            ));
+        }
+        Ok(told)
+    }
+
+    /// Sets the time per frame, and says what it is then; `None` if the driver knows of none.
+    fn set_rate(&self, wanted: Option<Interval>) -> Result<Option<Interval>, CameraError> {
+        let mut parameters = sys::StreamParameters::of(self.buffer_type());
+        if sys::get_parameters(self, &mut parameters).is_err() {
+            return Ok(None);
+        }
+        let can_be_set = parameters.capability & sys::CAP_TIMEPERFRAME != 0;
+        if let Some(interval) = wanted.filter(|_| can_be_set) {
+            parameters.timeperframe = [interval.numerator, interval.denominator];
+            sys::set_parameters(self, &mut parameters)
+                .map_err(|errno| self.refusal("be set to a rate (VIDIOC_S_PARM)", errno))?;
+        }
+        // A driver without a rate of its own (v4l2loopback: what is fed) may answer anything, 0/0 included.
+        Ok(Interval::new(parameters.timeperframe))
+    }
+}
+
+impl Answer {
+    /// A row's length of 0, which some drivers leave, means rows without padding.
+    fn with_whole_rows(mut self) -> Self {
+        if let (0, Some(format)) = (self.stride, pixel_format(self.code)) {
+            self.stride = format.row_bytes(self.size[0]) as u32;
+        }
+        self
+    }
+}
+
+fn words(code: FourCc, [width, height]: [u32; 2]) -> String {
+    format!("{code} {width}x{height}")
+}

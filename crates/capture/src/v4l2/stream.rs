@@ -1,0 +1,332 @@
+#![allow(unsafe_code)] // A driver is lent memory, which is kept from everybody else meanwhile.
+//! A camera while it streams: which buffers the driver has, and what is in those that come back.
+//!
+//! With [`Memory::Lent`] the driver writes into slots that were lent to the source. A slot comes by again and again, at
+//! the same address; it is queued under the same number then, so that the kernel finds its pages where it has pinned them.
+
+use std::ptr::NonNull;
+
+use rustix::io::{Errno, Result};
+
+use super::driver::{Driver, Filled, Mapping, Memory};
+use crate::lent::LentSlot;
+
+/// As many buffers as Video4Linux2 has numbers for (`VIDEO_MAX_FRAME`): one for each slot that may come by.
+const MOST_BUFFERS: usize = 32;
+/// Buffers of the driver's own: one is filled, one is read, and two wait for when this process is held up.
+const MAPPED_BUFFERS: usize = 4;
+/// With fewer the driver has none to fill while a frame is read.
+const LEAST_BUFFERS: usize = 2;
+
+/// A driver that streams. It is stopped, and has let go of all memory, when this is dropped.
+#[derive(Debug)]
+pub(super) struct Stream<D: Driver> {
+    /// None once it has been taken out.
+    driver: Option<D>,
+    buffers: Buffers,
+    /// Calls that failed once and then did not: the last of them, and how many since that was asked.
+    mended: Mended,
+}
+
+/// Calls that were tried twice.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Mended {
+    pub(super) count: u64,
+    pub(super) last: Option<(&'static str, Errno)>,
+}
+
+#[derive(Debug)]
+enum Buffers {
+    Mapped(Vec<Mapping>),
+    Lent(Vec<Place>),
+}
+
+/// A number under which the driver has, or had, a slot.
+#[derive(Debug, Default)]
+struct Place {
+    address: usize,
+    /// The slot, while the driver has it.
+    slot: Option<LentSlot>,
+    /// When it was last used: a count of queuings.
+    used: u64,
+}
+
+/// Why a driver does not stream, and the driver.
+pub(super) struct NotStarted<D> {
+    pub(super) call: &'static str,
+    pub(super) errno: Errno,
+    /// None if it had to be closed.
+    pub(super) driver: Option<D>,
+}
+
+impl<D: Driver> Stream<D> {
+    /// Starts a driver. `slots`: what it is lent is taken from there, with [`Memory::Lent`].
+    pub(super) fn start(
+        driver: D,
+        memory: Memory,
+        slots: &mut Vec<LentSlot>,
+    ) -> std::result::Result<Self, NotStarted<D>> {
+        let mut stream = Self {
+            driver: Some(driver),
+            buffers: match memory {
+                Memory::Mapped => Buffers::Mapped(Vec::new()),
+                Memory::Lent => Buffers::Lent(Vec::new()),
+            },
+            mended: Mended::default(),
+        };
+        match stream.prepare(slots) {
+            Ok(()) => Ok(stream),
+            Err((call, errno)) => Err(NotStarted {
+                call,
+                errno,
+                driver: stream.stop(slots),
+            }),
+        }
+    }
+
+    fn prepare(
+        &mut self,
+        slots: &mut Vec<LentSlot>,
+    ) -> std::result::Result<(), (&'static str, Errno)> {
+        let memory = self.memory();
+        let wanted = match memory {
+            Memory::Mapped => MAPPED_BUFFERS,
+            Memory::Lent => MOST_BUFFERS,
+        };
+        let count = self.twice("VIDIOC_REQBUFS", |driver| driver.request(memory, wanted))?;
+        if count < LEAST_BUFFERS {
+            return Err(("VIDIOC_REQBUFS", Errno::NOBUFS));
+        }
+        match memory {
+            Memory::Mapped => {
+                for index in 0..count {
+                    let mapping = self.twice("VIDIOC_QUERYBUF", |driver| driver.map(index))?;
+                    let Buffers::Mapped(mappings) = &mut self.buffers else {
+                        unreachable!("its memory is mapped");
+                    };
+                    mappings.push(mapping);
+                    self.queue_mapped(index)?;
+                }
+            }
+            Memory::Lent => {
+                let places = std::iter::repeat_with(Place::default).take(count);
+                self.buffers = Buffers::Lent(places.collect());
+                for _ in 0..slots.len().min(count) {
+                    if let Some(slot) = slots.pop() {
+                        self.lend(slot).map_err(|(slot, cause)| {
+                            slots.push(slot);
+                            cause
+                        })?;
+                    }
+                }
+            }
+        }
+        self.twice("VIDIOC_STREAMON", |driver| driver.stream(true))
+    }
+
+    /// Where frames come from.
+    pub(super) fn memory(&self) -> Memory {
+        match self.buffers {
+            Buffers::Mapped(_) => Memory::Mapped,
+            Buffers::Lent(_) => Memory::Lent,
+        }
+    }
+
+    /// The driver.
+    pub(super) fn driver(&self) -> Option<&D> {
+        self.driver.as_ref()
+    }
+
+    /// How many buffers there are.
+    pub(super) fn count(&self) -> usize {
+        match &self.buffers {
+            Buffers::Mapped(mappings) => mappings.len(),
+            Buffers::Lent(places) => places.len(),
+        }
+    }
+
+    /// The calls that were tried twice since this was asked.
+    pub(super) fn take_mended(&mut self) -> Mended {
+        std::mem::take(&mut self.mended)
+    }
+
+    /// The frame that was filled first; `AGAIN` if there is none.
+    pub(super) fn dequeue(&mut self) -> Result<Filled> {
+        let driver = self.driver.as_ref().ok_or(Errno::NODEV)?;
+        driver.dequeue(self.memory())
+    }
+
+    /// The bytes of a frame that was dequeued, where the driver's own memory is mapped.
+    pub(super) fn mapped(&self, filled: &Filled) -> &[u8] {
+        let Buffers::Mapped(mappings) = &self.buffers else {
+            return &[];
+        };
+        let bytes = mappings.get(filled.index).map_or(&[][..], Mapping::bytes);
+        let begin = filled.offset.min(bytes.len());
+        &bytes[begin..bytes.len().min(begin + filled.bytes)]
+    }
+
+    /// The slot that a dequeued frame is in, at its beginning.
+    pub(super) fn take_slot(&mut self, filled: &Filled) -> Option<LentSlot> {
+        let Buffers::Lent(places) = &mut self.buffers else {
+            return None;
+        };
+        let mut slot = places.get_mut(filled.index)?.slot.take()?;
+        if filled.offset > 0 {
+            let end = (filled.offset + filled.bytes).min(slot.len());
+            slot.copy_within(filled.offset.min(end)..end, 0);
+        }
+        Some(slot)
+    }
+
+    /// Has the buffer of a frame that was dequeued filled anew.
+    pub(super) fn requeue(
+        &mut self,
+        filled: &Filled,
+    ) -> std::result::Result<(), (&'static str, Errno)> {
+        match &mut self.buffers {
+            Buffers::Mapped(_) => self.queue_mapped(filled.index),
+            Buffers::Lent(places) => {
+                let slot = places
+                    .get_mut(filled.index)
+                    .and_then(|place| place.slot.take());
+                match slot {
+                    // It cannot be kept here if the driver does not take it: then all is stopped, and lent anew.
+                    Some(slot) => self.keep(filled.index, slot),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    fn queue_mapped(&mut self, index: usize) -> std::result::Result<(), (&'static str, Errno)> {
+        self.twice("VIDIOC_QBUF", |driver| {
+            // SAFETY: it lends no memory.
+            unsafe { driver.queue(index, None) }
+        })
+    }
+
+    /// Lends the driver a slot; gives it back if that is refused.
+    pub(super) fn lend(
+        &mut self,
+        slot: LentSlot,
+    ) -> std::result::Result<(), (LentSlot, (&'static str, Errno))> {
+        let Buffers::Lent(places) = &self.buffers else {
+            return Err((slot, ("VIDIOC_QBUF", Errno::INVAL)));
+        };
+        let Some(index) = place_of(places, slot.as_ptr().addr()) else {
+            return Err((slot, ("VIDIOC_QBUF", Errno::NOBUFS)));
+        };
+        self.queue_lent(index, slot)
+    }
+
+    fn keep(
+        &mut self,
+        index: usize,
+        slot: LentSlot,
+    ) -> std::result::Result<(), (&'static str, Errno)> {
+        self.queue_lent(index, slot).map_err(|(slot, cause)| {
+            // The driver does not have it, but it stands where `stop` finds it.
+            self.put(index, slot);
+            cause
+        })
+    }
+
+    fn queue_lent(
+        &mut self,
+        index: usize,
+        mut slot: LentSlot,
+    ) -> std::result::Result<(), (LentSlot, (&'static str, Errno))> {
+        let memory = NonNull::from(&mut *slot);
+        let queued = self.twice("VIDIOC_QBUF", |driver| {
+            // SAFETY: the slot is ours alone. If the driver takes it, it is put where nobody touches it, until the buffer
+            // is dequeued or `release` has stopped or dropped the driver.
+            unsafe { driver.queue(index, Some(memory)) }
+        });
+        match queued {
+            Ok(()) => {
+                self.put(index, slot);
+                Ok(())
+            }
+            Err(cause) => Err((slot, cause)),
+        }
+    }
+
+    fn put(&mut self, index: usize, slot: LentSlot) {
+        if let Buffers::Lent(places) = &mut self.buffers {
+            let used = 1 + places.iter().map(|place| place.used).max().unwrap_or(0);
+            places[index] = Place {
+                address: slot.as_ptr().addr(),
+                slot: Some(slot),
+                used,
+            };
+        }
+    }
+
+    /// Makes a call, and once more if it fails: drivers fail now and then for reasons that pass. Not if the device is gone.
+    fn twice<T>(
+        &mut self,
+        call: &'static str,
+        make: impl Fn(&D) -> Result<T>,
+    ) -> std::result::Result<T, (&'static str, Errno)> {
+        let driver = self.driver.as_ref().ok_or((call, Errno::NODEV))?;
+        let first = match make(driver) {
+            Ok(done) => return Ok(done),
+            Err(errno @ (Errno::NODEV | Errno::BUSY)) => return Err((call, errno)),
+            Err(errno) => errno,
+        };
+        let done = make(driver).map_err(|errno| (call, errno))?;
+        self.mended = Mended {
+            count: self.mended.count + 1,
+            last: Some((call, first)),
+        };
+        Ok(done)
+    }
+
+    /// Stops the driver; the slots that it was lent are among `slots` then. None if it had to be closed for that.
+    pub(super) fn stop(mut self, slots: &mut Vec<LentSlot>) -> Option<D> {
+        let driver = self.release();
+        if let Buffers::Lent(places) = &mut self.buffers {
+            slots.extend(places.iter_mut().filter_map(|place| place.slot.take()));
+        }
+        driver
+    }
+
+    /// Has the driver let go of all memory.
+    fn release(&mut self) -> Option<D> {
+        let driver = self.driver.take()?;
+        let memory = self.memory();
+        // A mapped buffer cannot be given up.
+        if let Buffers::Mapped(mappings) = &mut self.buffers {
+            mappings.clear();
+        }
+        let stopped = driver.stream(false);
+        // Some drivers fail at this once as at anything else; what is left is given up with the descriptor.
+        let freed = driver
+            .request(memory, 0)
+            .or_else(|_| driver.request(memory, 0));
+        // What cannot be stopped is closed: that stops it.
+        (stopped.is_ok() && freed.is_ok()).then_some(driver)
+    }
+}
+
+impl<D: Driver> Drop for Stream<D> {
+    fn drop(&mut self) {
+        self.release();
+    }
+}
+
+/// The number to queue memory of this address under: that which it had before, else one that none had, else that which
+/// was used longest ago; none if the driver has them all.
+fn place_of(places: &[Place], address: usize) -> Option<usize> {
+    let free = || {
+        places
+            .iter()
+            .enumerate()
+            .filter(|(_, place)| place.slot.is_none())
+    };
+    free()
+        .find(|(_, place)| place.address == address)
+        .or_else(|| free().min_by_key(|(_, place)| place.used))
+        .map(|(index, _)| index)
+}

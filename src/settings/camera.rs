@@ -1,0 +1,109 @@
+//! What is asked of a camera: `[capture]`'s pixel format and controls, and how it is read.
+
+use std::collections::BTreeMap;
+
+use lariat_capture::{ControlSettings, FourCc, Io};
+use toml::Value;
+
+/// What only cameras have.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct CameraSettings {
+    /// The pixel format; without it, the best there is.
+    pub(crate) pixel_format: Option<FourCc>,
+    /// How frames come from its driver.
+    pub(crate) io: Io,
+    /// Names of controls, and what to set them to.
+    pub(crate) controls: BTreeMap<String, String>,
+    /// Whether exposure, white balance, gain and focus stay as they are once the picture has settled.
+    pub(crate) lock: bool,
+    /// Whether controls are put back at the end.
+    pub(crate) restore: bool,
+}
+
+impl CameraSettings {
+    /// What to do with the controls.
+    pub(crate) fn controls(&self) -> ControlSettings {
+        ControlSettings {
+            values: self.controls.clone().into_iter().collect(),
+            lock: self.lock,
+            restore: self.restore,
+        }
+    }
+}
+
+/// The words for how frames come from a camera's driver.
+pub(super) const IO: [(&str, Io); 3] = [
+    ("auto", Io::Auto),
+    ("userptr", Io::UserPointer),
+    ("mmap", Io::Mapped),
+];
+
+pub(super) fn pixel_format(value: &Value) -> Result<Option<FourCc>, String> {
+    let asked = value.as_str().unwrap_or_default();
+    if asked == "auto" {
+        return Ok(None);
+    }
+    asked.parse().map(Some).map_err(|()| {
+        "a pixel format is a code of up to four letters, such as \"yuyv\", \"mjpg\" or \"grey\", or \"auto\"; \
+         `lariat devices` lists the camera's"
+            .to_owned()
+    })
+}
+
+pub(super) fn pixel_format_value(format: Option<FourCc>) -> Value {
+    Value::String(format.map_or("auto".to_owned(), |code| {
+        code.to_string().to_ascii_lowercase()
+    }))
+}
+
+/// Adds to the controls, or overrules those that have a value already.
+pub(super) fn add_controls(
+    value: &Value,
+    controls: &mut BTreeMap<String, String>,
+) -> Result<(), String> {
+    let Some(table) = value.as_table() else {
+        return Err("controls are names and values: { auto_exposure = 1, gain = 20 }".to_owned());
+    };
+    for (name, value) in table {
+        let text = match value {
+            Value::Integer(number) => number.to_string(),
+            Value::Boolean(yes) => if *yes { "on" } else { "off" }.to_owned(),
+            Value::String(text) => text.clone(),
+            _ => {
+                return Err(format!(
+                    "the control {name} is set to a whole number, to true or false, or to a menu's item as text"
+                ));
+            }
+        };
+        controls.insert(name.clone(), text);
+    }
+    Ok(())
+}
+
+/// The controls as the file has them; `None` if there are none.
+pub(super) fn controls_value(controls: &BTreeMap<String, String>) -> Option<Value> {
+    let value = |text: &String| {
+        text.parse()
+            .map_or_else(|_| Value::String(text.clone()), Value::Integer)
+    };
+    let table: toml::Table = controls
+        .iter()
+        .map(|(name, text)| (name.clone(), value(text)))
+        .collect();
+    (!table.is_empty()).then_some(Value::Table(table))
+}
+
+/// A flag's `NAME=VALUE`.
+pub(crate) fn name_and_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("a control is set as NAME=VALUE, for instance exposure_auto=1".to_owned()),
+    }
+}
+
+/// Flags as the file would have them.
+pub(super) fn controls_of_flags(flags: &[(String, String)]) -> Option<Value> {
+    controls_value(&flags.iter().cloned().collect())
+}

@@ -1,0 +1,189 @@
+//! `lariat snapshot`: one frame of any source as a picture, by the way that the chain's frames come.
+//!
+//! Colours are those that the mask sees, so that what `lariat pick` finds in the picture holds in the chain.
+
+use std::io::Cursor;
+use std::os::fd::AsFd;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use image::{GrayImage, ImageFormat, RgbImage};
+use lariat_capture::{Frame, FrameSource, Next, Until};
+use lariat_extract::{Image, PixelFormat};
+use lariat_wire::now_ns;
+
+use crate::settings::{ChainArgs, Settings, ShapeArgs, USUAL_FPS, duration, name_and_value};
+use crate::stages;
+use crate::stop::Stop;
+use crate::whole_file::{self, Existing};
+
+/// How long a camera's exposure and white balance take to settle, most often: some 30 frames.
+const SETTLING: Duration = Duration::from_secs(1);
+
+/// For so long no frame may come: many times the slowest camera's period.
+const PATIENCE_NS: u64 = 10_000_000_000;
+
+/// One frame of a camera, or any other source, as a PNG picture
+#[derive(Debug, Args)]
+pub(crate) struct SnapshotArgs {
+    /// Where to write it; a file that is there is replaced
+    #[arg(value_name = "FILE.png")]
+    file: PathBuf,
+    /// Where the frame comes from: a camera (/dev/video0), `rendered`, a picture, a folder, or a Y4M video
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    source: Vec<PathBuf>,
+    /// Size of a camera's picture or the rendered one, for instance 640x480
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Frames per second of a camera, which bounds how long it exposes
+    #[arg(long, value_name = "NUMBER")]
+    fps: Option<String>,
+    /// Pixel format of a camera, for instance yuyv or mjpg
+    #[arg(long, value_name = "CODE")]
+    pixel_format: Option<String>,
+    /// Set a camera's control, for instance exposure_auto=1 (may be repeated)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = name_and_value)]
+    control: Vec<(String, String)>,
+    /// How frames come from a camera's driver: auto, userptr or mmap
+    #[arg(long, value_name = "HOW")]
+    io: Option<String>,
+    /// Which of all rendered ropes
+    #[arg(long, value_name = "NUMBER")]
+    seed: Option<u64>,
+    /// How long to look before the picture is taken (default: 1s for a camera, so that its exposure settles; else 0s)
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    after: Option<Duration>,
+    /// Settings file (default: lariat.toml in this folder, if there is one)
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+/// Runs `lariat snapshot`.
+///
+/// # Errors
+/// The source cannot be opened or gives no frame, or the picture cannot be written. There is no half a picture then.
+pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
+    let file = args.file.clone();
+    let is_png = (file.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if !is_png {
+        bail!(
+            "the picture is a PNG: give it a name that ends in .png, not {}",
+            file.display()
+        );
+    }
+    let after = args.after;
+    let settings = Settings::resolve(&chain_args(args))?;
+    let after = after.unwrap_or(match settings.capture.is_camera() {
+        true => SETTLING,
+        false => Duration::ZERO,
+    });
+    let stop = Stop::on_signals()?;
+    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let Some(frame) = frame_after(after, source.as_mut(), &stop)? else {
+        bail!("no picture was taken: it was told to stop before there was one");
+    };
+    let mut bytes = vec![0; frame.bytes()];
+    source.write(&mut bytes);
+    // A camera is free again before the file is written.
+    drop(source);
+    let picture = png(&frame, &bytes)?;
+    whole_file::write(&file, &picture, Existing::Replace)?;
+    let (width, height) = (frame.width, frame.height);
+    eprintln!("lariat: wrote {}, {width}x{height}", file.display());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn chain_args(args: SnapshotArgs) -> ChainArgs {
+    ChainArgs {
+        source: args.source,
+        size: args.size,
+        fps: args.fps,
+        pixel_format: args.pixel_format,
+        control: args.control,
+        io: args.io,
+        seed: args.seed,
+        shape: ShapeArgs {
+            config: args.config,
+            ..ShapeArgs::default()
+        },
+        ..ChainArgs::default()
+    }
+}
+
+/// The first frame that is at least so much later than the first of all; `None` if a signal came.
+fn frame_after(
+    after: Duration,
+    source: &mut dyn FrameSource,
+    stop: &Stop,
+) -> Result<Option<Frame>> {
+    let after_ns = u64::try_from(after.as_nanos()).unwrap_or(u64::MAX);
+    let period_ns = 1e9 / source.native_fps().unwrap_or(USUAL_FPS);
+    let mut count = 0_u64;
+    let mut first_ns = None;
+    let mut patience_ends_ns = now_ns().saturating_add(PATIENCE_NS);
+    while !stop.asked() {
+        let next = source.advance(&Until::new(Some(patience_ends_ns), stop.as_fd()))?;
+        while let Some(warning) = source.take_warning() {
+            tracing::warn!("{warning}");
+        }
+        match next {
+            // One without an image says that the camera is silent.
+            Next::Frame(frame) if frame.width > 0 => {
+                // What has no time of its own is made as fast as it can, but shown by the clock.
+                let live_ns = frame.exposed_ns.map(|_| now_ns());
+                let at_ns = live_ns.unwrap_or((count as f64 * period_ns) as u64);
+                if at_ns.saturating_sub(*first_ns.get_or_insert(at_ns)) >= after_ns {
+                    return Ok(Some(frame));
+                }
+                count += 1;
+                patience_ends_ns = now_ns().saturating_add(PATIENCE_NS);
+            }
+            Next::End if count > 0 => bail!(
+                "the source ended after {count} frames, before {} s were over: say --after less",
+                after.as_secs_f64()
+            ),
+            Next::End => bail!("the source has no frame"),
+            Next::Frame(_) | Next::Nothing if now_ns() >= patience_ends_ns => bail!(
+                "the source has given no frame for {} s",
+                PATIENCE_NS / 1_000_000_000
+            ),
+            Next::Frame(_) | Next::Nothing => {}
+        }
+    }
+    Ok(None)
+}
+
+/// A frame as the bytes of a PNG: grey if it is, else colours.
+fn png(frame: &Frame, bytes: &[u8]) -> Result<Vec<u8>> {
+    let (width, height, stride) = (frame.width, frame.height, frame.stride);
+    let format = stages::extract::pixel_format(frame.format);
+    let seen = Image::new(
+        bytes,
+        width as usize,
+        height as usize,
+        stride as usize,
+        format,
+    )?;
+    let about = || "cannot encode the picture";
+    let mut png = Cursor::new(Vec::new());
+    if format == PixelFormat::Gray8 {
+        let rows = bytes.chunks(stride as usize).take(height as usize);
+        let pixels = rows
+            .flat_map(|row| &row[..width as usize])
+            .copied()
+            .collect();
+        let picture = GrayImage::from_raw(width, height, pixels).with_context(about)?;
+        picture
+            .write_to(&mut png, ImageFormat::Png)
+            .with_context(about)?;
+    } else {
+        let picture = RgbImage::from_raw(width, height, seen.to_rgb()).with_context(about)?;
+        picture
+            .write_to(&mut png, ImageFormat::Png)
+            .with_context(about)?;
+    }
+    Ok(png.into_inner())
+}

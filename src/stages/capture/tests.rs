@@ -1,0 +1,282 @@
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use lariat_capture::{LentSlot, Pace, SourceError};
+use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Reader, Rig};
+
+use super::*;
+use crate::settings::Arrangement;
+
+const SIDE: u32 = 16;
+const BYTES: usize = (SIDE * SIDE) as usize;
+
+/// A frame of one grey, its own number.
+fn grey(sequence: u64) -> Frame {
+    Frame {
+        sequence,
+        width: SIDE,
+        height: SIDE,
+        stride: SIDE,
+        format: PixelFormat::Gray8,
+        exposed_ns: None,
+        slot: None,
+    }
+}
+
+/// Has a thread fill the slots that it is lent, as many as that.
+struct Filled {
+    wanted: usize,
+    empty: Option<mpsc::Sender<LentSlot>>,
+    full: mpsc::Receiver<LentSlot>,
+    thread: Option<JoinHandle<()>>,
+    sequence: u64,
+}
+
+impl Filled {
+    fn new(wanted: usize) -> Self {
+        let (empty, to_fill) = mpsc::channel::<LentSlot>();
+        let (filled, full) = mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            for (sequence, mut slot) in (1..).zip(to_fill) {
+                slot.fill(sequence);
+                if filled.send(slot).is_err() {
+                    break;
+                }
+            }
+        });
+        Self {
+            wanted,
+            empty: Some(empty),
+            full,
+            thread: Some(thread),
+            sequence: 0,
+        }
+    }
+}
+
+impl Drop for Filled {
+    fn drop(&mut self) {
+        drop(self.empty.take());
+        let thread = self.thread.take().expect("joined once");
+        thread.join().expect("the thread ends by itself");
+    }
+}
+
+impl FrameSource for Filled {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Rendered
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        // Longer than a frame, as a driver's buffers may be.
+        BYTES + 100
+    }
+
+    fn slots_wanted(&self) -> usize {
+        self.wanted
+    }
+
+    fn lend(&mut self, slot: LentSlot) {
+        assert_eq!(slot.len(), self.largest_frame_bytes());
+        let empty = self.empty.as_ref().expect("not dropped");
+        empty.send(slot).expect("the thread listens");
+    }
+
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
+        self.sequence += 1;
+        let slot = self.full.recv().expect("the thread goes on");
+        Ok(Next::Frame(Frame {
+            slot: Some(slot.give_back()),
+            ..grey(self.sequence)
+        }))
+    }
+
+    fn write(&mut self, _pixels: &mut [u8]) {
+        panic!("its pixels are in their slots");
+    }
+}
+
+/// Has frames that were taken at moments of their own, so many; then none, without an end.
+struct Live {
+    exposed_ns: Vec<u64>,
+    shown: u64,
+}
+
+impl FrameSource for Live {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Camera
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        BYTES
+    }
+
+    fn advance(&mut self, until: &Until) -> Result<Next, SourceError> {
+        let Some(&exposed_ns) = self.exposed_ns.get(self.shown as usize) else {
+            until.wait(None, None);
+            return Ok(Next::Nothing);
+        };
+        self.shown += 1;
+        Ok(Next::Frame(Frame {
+            exposed_ns: Some(exposed_ns),
+            ..grey(self.shown)
+        }))
+    }
+
+    fn write(&mut self, pixels: &mut [u8]) {
+        pixels.fill(self.shown as u8);
+    }
+}
+
+/// What a test has of the chain: the end of the frames' channel, and a sender of a source's frames.
+fn with_sender<T>(
+    rig: &str,
+    source: Box<dyn FrameSource>,
+    lasts_ns: Option<u64>,
+    test: impl FnOnce(&mut Sender, &Reader<[u8]>) -> T,
+) -> T {
+    let domain = Domain::named(&format!("f{}", std::process::id())).expect("a domain");
+    let rig: Rig = rig.parse().expect("a plain name");
+    let delivery = Delivery::NewestWins;
+    let frames = feed::writer(&domain, &rig, &delivery, source.as_ref()).expect("a writer");
+    let reader = Reader::create(&domain, &rig, &FRAMES, None).expect("a reader");
+    let mut sender = Sender {
+        feed: Feed::new(source, &frames).expect("slots"),
+        truth: None,
+        // One frame in a hundred days: a frame that is paced would never come.
+        pacer: Pacer::new(Pace::Fps(1e-7)).expect("a pace"),
+        lossless: false,
+        missed: 0,
+        sent: Sent::default(),
+        lasts_ns,
+        end_ns: None,
+    };
+    test(&mut sender, &reader)
+}
+
+fn rest() -> Rest {
+    Rest::new(&Arrangement::default())
+}
+
+#[test]
+fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_anew() {
+    for wanted in [1, 3] {
+        let rig = format!("filled{wanted}");
+        with_sender(
+            &rig,
+            Box::new(Filled::new(wanted)),
+            None,
+            |sender, reader| {
+                sender.pacer = Pacer::new(Pace::Max).expect("a pace");
+                let (stop, _stopper) = Stop::by_another().expect("a stop");
+                // More than there are slots in the channel's whole shared memory.
+                for sequence in 1..=60 {
+                    sender.send_all(&stop, &mut rest(), sequence).expect("sent");
+                    let frame = reader.next().expect("readable").expect("a frame");
+                    let header = frame.header();
+                    assert_eq!(header.trace.sequence, sequence);
+                    assert_eq!(header.trace.captured, sequence);
+                    assert_eq!((header.width, header.stride), (SIDE, SIDE));
+                    assert_eq!(frame.len(), BYTES + 100);
+                    assert!(frame.iter().all(|&byte| u64::from(byte) == sequence));
+                }
+            },
+        );
+    }
+}
+
+#[test]
+fn a_live_frame_is_sent_when_it_comes_and_keeps_its_own_time() {
+    let exposed_ns = vec![now_ns() - 7_000, now_ns() - 5_000, now_ns() - 3_000];
+    let source = Live {
+        exposed_ns: exposed_ns.clone(),
+        shown: 0,
+    };
+    with_sender("live", Box::new(source), None, |sender, reader| {
+        let (stop, _stopper) = Stop::by_another().expect("a stop");
+        sender.send_all(&stop, &mut rest(), 3).expect("sent");
+        for exposed_ns in exposed_ns {
+            let trace = reader.next().unwrap().expect("a frame").header().trace;
+            assert_eq!(trace.exposed_ns, exposed_ns);
+            assert!(trace.captured_ns >= exposed_ns);
+        }
+    });
+}
+
+#[test]
+fn a_source_without_frames_is_waited_for_until_the_stage_is_stopped() {
+    let source = Live {
+        exposed_ns: Vec::new(),
+        shown: 0,
+    };
+    with_sender("silent", Box::new(source), None, |sender, _| {
+        let (stop, mut stopper) = Stop::by_another().expect("a stop");
+        std::thread::scope(|scope| {
+            scope.spawn(|| stopper.stop());
+            sender.send_all(&stop, &mut rest(), 1).expect("it ends");
+        });
+        assert_eq!(sender.sent, Sent::default());
+    });
+}
+
+#[test]
+fn a_source_without_frames_is_not_waited_for_longer_than_the_chain_lasts() {
+    let source = Live {
+        exposed_ns: vec![now_ns()],
+        shown: 0,
+    };
+    with_sender("short", Box::new(source), Some(5_000_000), |sender, _| {
+        let (stop, _stopper) = Stop::by_another().expect("a stop");
+        sender.send_all(&stop, &mut rest(), 9).expect("it ends");
+        assert_eq!(sender.sent.count, 1);
+    });
+}
+
+/// Takes a fifth of a second for its second frame.
+struct Slow(u64);
+
+impl FrameSource for Slow {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Files
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        BYTES
+    }
+
+    fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
+        self.0 += 1;
+        if self.0 == 2 {
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        Ok(Next::Frame(grey(self.0)))
+    }
+
+    fn write(&mut self, _pixels: &mut [u8]) {}
+}
+
+#[test]
+fn moments_that_a_slow_source_lets_pass_are_frames_lost_at_the_source() {
+    for lossless in [false, true] {
+        let rig = format!("slow{}", u8::from(lossless));
+        with_sender(&rig, Box::new(Slow(0)), None, |sender, reader| {
+            sender.lossless = lossless;
+            sender.pacer = Pacer::new(Pace::Fps(1000.0)).expect("a pace");
+            let (stop, _stopper) = Stop::by_another().expect("a stop");
+            let mut sequences = [0; 2];
+            for (sent, sequence) in (1..).zip(&mut sequences) {
+                sender.send_all(&stop, &mut rest(), sent).expect("sent");
+                let frame = reader.next().expect("readable").expect("a frame");
+                *sequence = frame.header().trace.sequence;
+            }
+            assert_eq!(sequences[0], 1);
+            if lossless {
+                assert_eq!(sequences[1], 2);
+            } else {
+                assert!(sequences[1] >= 200, "{}", sequences[1]);
+            }
+            assert_eq!(sender.sent.last_sequence, sequences[1]);
+        });
+    }
+}

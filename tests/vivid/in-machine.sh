@@ -1,0 +1,67 @@
+# What runs in the virtual machine: functions for the rows, which `run` appends. busybox's shell.
+# Each row prints what it saw between `@@row NAME` and `@@done`; `run` judges it.
+
+export LC_ALL=C
+control() { v4l2-ctl -d "${camera:-/dev/video0}" -c "$1"; }
+
+# The pids of all of lariat's processes, in order: another set later means that one has died.
+pids() { pidof lariat | tr ' ' '\n' | sort -n | tr '\n' ' '; }
+
+# Resident memory (kB) and open descriptors of each of lariat's processes.
+usage() {
+    for pid in $(pids); do
+        echo "@@usage $1 $pid $(tr '\0' ' ' </proc/$pid/cmdline | cut -d ' ' -f 2) \
+$(sed -n 's/^VmRSS:[^0-9]*\([0-9]*\).*/\1/p' /proc/$pid/status) $(ls /proc/$pid/fd | wc -l)"
+    done
+}
+
+# The whole chain with these flags, and its summary.
+chain() {
+    rm -rf out
+    timeout -s KILL "${limit:-60}" lariat run --out out --duration "${seconds:-10}s" "$@" 2>&1
+    echo "@@status $?"
+    echo "@@summary $(tr -d '\n' <out/summary.json)"
+}
+
+# The whole chain, and after some seconds a fault: `faulted SECONDS COMMAND FLAGS…`.
+faulted() {
+    delay=$1 command=$2
+    shift 2
+    (
+        sleep "$delay"
+        echo "@@before $(pids)"
+        eval "$command" 2>&1
+        sleep "${patience:-3}"
+        echo "@@after $(pids)"
+    ) &
+    chain "$@"
+    wait
+}
+
+# One picture, and a line with its checksum; two that are the same have the same.
+picture() {
+    name=$1
+    shift
+    timeout -s KILL 60 lariat snapshot --after "${after:-200ms}" "$name.png" "$@" 2>&1
+    echo "@@status $?"
+    echo "@@picture $name $(md5sum <"$name.png")"
+}
+
+# What the camera shows: black lines of ten pixels on white, which lariat takes for ropes; or, still, bars in all colours.
+ropes() { control test_pattern=19; control osd_text_mode=2; control contrast=128; control brightness=128; }
+bars() { control test_pattern=0; control osd_text_mode=2; control gain_automatic=0; }
+
+row() {
+    echo "@@row $1"
+    shift
+    for camera in /dev/video0 /dev/video1; do
+        ropes >/dev/null 2>&1
+    done
+    camera=/dev/video0
+    "$@"
+    echo "@@done"
+    # Whatever a row has set is no matter of the next one.
+    for name in percentage_of_dropped_buffers wrap_sequence_number wrap_timestamp timestamp_source; do
+        control $name=0 >/dev/null 2>&1
+    done
+}
