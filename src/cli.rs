@@ -78,11 +78,13 @@ pub(crate) fn run() -> Result<ExitCode> {
     match cli.command {
         None => {
             let settings = Settings::resolve(&ChainArgs::default())?;
+            settings.check_frames()?;
             chain::run(&SHOW.map(OsString::from), settings)
         }
         Some(Command::Run(args)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
             let settings = Settings::resolve(&args)?;
+            settings.check_frames()?;
             chain::run(&after_the_command(), settings)
         }
         Some(Command::Capture(args)) => stage(&args, stages::capture::run),

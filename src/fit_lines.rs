@@ -2,7 +2,7 @@
 
 use crate::descriptor_json::Descriptor;
 use crate::settings::{ChainArgs, Family, Settings};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use lariat_fit::{Fitter, MAX_POINTS, Weights};
 use serde::Deserialize;
@@ -52,6 +52,12 @@ struct Centerline {
 /// Input that cannot be read, output that cannot be written, settings that make no sense. A line that makes no
 /// sense is reported and the next one read; the exit code tells of it.
 pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
+    let shape = &args.chain.shape;
+    if shape.calibration.is_some() || shape.plane.is_some() || shape.unit.is_some() {
+        bail!(
+            "lines of points are fitted as they are: --calibration, --plane and --unit are for the chain and for `lariat trace`"
+        );
+    }
     let settings = Settings::resolve(&args.chain)?;
     let (name, input) = open(args.file.as_deref())?;
     let mut input = BufReader::new(input);

@@ -337,7 +337,7 @@ impl Resolved {
         if problems.is_empty() {
             resolved.check_fit(&mut problems);
             resolved.check_arrangement(&mut problems);
-            resolved.check_view(&mut problems);
+            resolved.check_camera(&mut problems);
         }
         problems.into_result()?;
         Ok(resolved)
@@ -369,20 +369,14 @@ impl Resolved {
         problems.add(said, error);
     }
 
-    /// Whether the calibration that is named is one, and the region has something in it.
-    fn check_view(&self, problems: &mut Problems) {
-        let mut blame = |section, names: &[&str], why: Option<String>| {
-            let said = names
-                .iter()
-                .filter_map(|name| keys::position(section, name));
-            let said = said.map(|key| &self.origins[key]).max();
-            if let Some(why) = why {
-                problems.add(said.unwrap_or(&Origin::Default), why);
-            }
-        };
-        let camera = Camera::problem(&self.settings);
-        blame("camera", &["calibration", "plane", "unit"], camera);
-        blame("extract", &["roi"], view::region_problem(&self.settings));
+    /// Whether the calibration that is named is one.
+    fn check_camera(&self, problems: &mut Problems) {
+        if let Some(why) = self.settings.camera.problem() {
+            let said = keys::of_section("camera")
+                .map(|key| &self.origins[key])
+                .max();
+            problems.add(said.unwrap_or(&Origin::Default), why);
+        }
     }
 
     /// Whether the stages can be arranged so.

@@ -13,7 +13,7 @@ use crate::fit_lines::is_closed;
 use crate::inputs;
 use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
-use crate::stages::extract::{masked_elsewhere, part};
+use crate::stages::extract::{part, part_of_mask};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
@@ -183,8 +183,7 @@ impl Tracer {
             Some((name, mask)) => {
                 let about = || name.display().to_string();
                 let mask = mask.image().with_context(about)?;
-                let mask = mask.region(region).ok_or_else(|| masked_elsewhere(&whole));
-                let mask = mask.with_context(about)?;
+                let mask = part_of_mask(mask, &whole, region).with_context(about)?;
                 self.extractor
                     .extract_masked_observed(&image, &mask, &mut watch)
                     .with_context(about)?

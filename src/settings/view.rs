@@ -1,7 +1,10 @@
 //! `[camera]`: where what a camera sees lies; and which part of its images is looked at.
 
 use crate::calibrated::Calibrated;
+use crate::inputs;
+use crate::picture::Picture;
 use crate::settings::Settings;
+use anyhow::{Result, bail};
 use lariat_extract::Region;
 use std::fmt;
 use std::path::PathBuf;
@@ -39,19 +42,57 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// What is wrong with the files it names or, as far as that is known already, with the frames' size.
-    pub(super) fn problem(settings: &Settings) -> Option<String> {
-        let calibrated = match Calibrated::load(&settings.camera) {
-            Ok(calibrated) => calibrated?,
-            Err(error) => return Some(format!("{error:#}")),
-        };
-        let rendered = settings.capture.source == [PathBuf::from("rendered")];
-        let size = rendered.then(|| settings.capture.likely_size())?;
-        calibrated
-            .mapping(size)
-            .err()
-            .map(|error| format!("{error:#}"))
+    /// What is wrong with the files it names.
+    pub(super) fn problem(&self) -> Option<String> {
+        let error = Calibrated::load(self).err()?;
+        Some(format!("{error:#}"))
     }
+}
+
+impl Settings {
+    /// Whether calibration and region are for the frames of the source, as far as those are known before they come. For a chain
+    /// that is started whole: a stage by itself does not know the source.
+    ///
+    /// # Errors
+    /// They are not.
+    pub(crate) fn check_frames(&self) -> Result<()> {
+        if self.camera == Camera::default() && self.extract.roi.is_none() {
+            return Ok(());
+        }
+        let Some(size) = known_size(self) else {
+            return Ok(());
+        };
+        if let Some(calibrated) = Calibrated::load(&self.camera)? {
+            calibrated.mapping(size)?;
+        }
+        if let Some(Region { x, y, .. }) = self.extract.roi
+            && (x >= size[0] as usize || y >= size[1] as usize)
+        {
+            bail!(
+                "the region begins at {x}, {y} and the image has {}×{} pixels: nothing of it is left",
+                size[0],
+                size[1]
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The frames' size, where it is known before they come: drawn ones', and the first picture's. What cannot be read is told of
+/// elsewhere.
+fn known_size(settings: &Settings) -> Option<[u32; 2]> {
+    let source = &settings.capture.source;
+    if source[..] == [PathBuf::from("rendered")] {
+        return Some(settings.capture.likely_size());
+    }
+    // A camera has the size that was asked for, or refuses it.
+    if settings.capture.is_camera() {
+        return settings.capture.size;
+    }
+    let (pictures, _) = inputs::pictures(source);
+    let first = pictures.first().filter(|path| path.is_file())?;
+    let picture = Picture::load(first).ok()?;
+    Some([picture.width(), picture.height()])
 }
 
 /// A region: `[x, y, width, height]`, or `x,y,width,height`.
@@ -90,18 +131,4 @@ pub(super) fn region_value(region: Region) -> Value {
             .map(|n| Value::Integer(n as i64))
             .into(),
     )
-}
-
-/// What is wrong with the region, if that is known before the first frame.
-pub(super) fn region_problem(settings: &Settings) -> Option<String> {
-    let region = settings.extract.roi?;
-    let rendered = settings.capture.source == [PathBuf::from("rendered")];
-    let [width, height] = settings.capture.likely_size();
-    let outside = region.x >= width as usize || region.y >= height as usize;
-    (rendered && outside).then(|| {
-        format!(
-            "the region begins at {}, {} and the image has {width}×{height} pixels: nothing of it is left",
-            region.x, region.y
-        )
-    })
 }

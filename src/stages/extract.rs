@@ -135,9 +135,7 @@ impl Eye {
             None => self.extractor.extract(&seen),
             Some(mask) => {
                 let mask = image(mask.header(), mask)?;
-                let mask = mask
-                    .region(region)
-                    .ok_or_else(|| masked_elsewhere(&whole))?;
+                let mask = part_of_mask(mask, &whole, region)?;
                 self.extractor.extract_masked(&seen, &mask)?
             }
         };
@@ -208,13 +206,27 @@ pub(crate) fn part<'a>(
     })
 }
 
-/// Why a mask without the region is none.
-pub(crate) fn masked_elsewhere(whole: &Image) -> anyhow::Error {
-    anyhow::anyhow!(
-        "a mask must have its image's size, {}×{} pixels, also where only a region of it is read",
-        whole.width(),
-        whole.height()
-    )
+/// The part of a frame's mask that is read. Without a region the mask is as it came: the extractor says what is wrong with it.
+///
+/// # Errors
+/// Its size is not the frame's.
+pub(crate) fn part_of_mask<'a>(
+    mask: Image<'a>,
+    whole: &Image,
+    region: Region,
+) -> anyhow::Result<Image<'a>> {
+    let (width, height) = (whole.width(), whole.height());
+    if (region.width, region.height) == (width, height) {
+        return Ok(mask);
+    }
+    let fits = (mask.width(), mask.height()) == (width, height);
+    fits.then(|| mask.region(region)).flatten().ok_or_else(|| {
+        anyhow::anyhow!(
+            "the mask is {}×{} pixels: it must have its image's size, {width}×{height}, also where only a region of it is read",
+            mask.width(),
+            mask.height()
+        )
+    })
 }
 
 /// Writes what was seen into a message; `origin` is where in the frame it was looked for.

@@ -103,8 +103,8 @@ impl Propagation {
         self.u[..count].fill(0.0);
         self.v[..count].fill([0.0; 2]);
         let mut ends = [0.0; 2];
-        for (k, mean) in line.means[..count].iter().enumerate() {
-            let (p, b) = (fit.p[(k, j)], fit.b[(k, j)]);
+        let fitted = column(fit.p, j).iter().zip(column(fit.b, j));
+        for ((k, mean), (&p, &b)) in line.means[..count].iter().enumerate().zip(fitted) {
             let along = self.tangents[k].map(|c| p * c);
             for (i, weight) in line.sources(mean) {
                 self.t[i] += p * weight;
@@ -175,10 +175,11 @@ impl Propagation {
         let points = line.points();
         self.curve[..count].fill([0.0; 2]);
         for j in 0..fit.p.ncols() {
-            let sum = |axis: usize| (0..count).map(|k| fit.p[(k, j)] * points[k][axis]).sum();
+            let (p, b) = (column(fit.p, j), column(fit.b, j));
+            let sum = |axis: usize| p.iter().zip(points).map(|(p, point)| p * point[axis]).sum();
             let control_point: [f64; 2] = [sum(0), sum(1)];
-            for (k, at) in self.curve[..count].iter_mut().enumerate() {
-                *at = [0, 1].map(|axis| at[axis] + fit.b[(k, j)] * control_point[axis]);
+            for (at, b) in self.curve[..count].iter_mut().zip(b) {
+                *at = [0, 1].map(|axis| at[axis] + b * control_point[axis]);
             }
         }
         let steps = if closed { count } else { count - 1 };
@@ -219,6 +220,11 @@ impl Propagation {
             *tangent = at(k as f64, line.tangent(&line.means[k]));
         }
     }
+}
+
+/// The numbers of a column, which in an owned matrix lie one behind the other.
+fn column(m: MatRef<'_, f64>, j: usize) -> &[f64] {
+    (m.col(j).try_as_col_major()).map_or(&[][..], |contiguous| contiguous.as_slice())
 }
 
 /// A vector made one long; `other`, if it has no direction.

@@ -2,7 +2,7 @@
 
 use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler};
 
-/// A plane seen at a slant: a pixel at the top is 2.6 times as long as one at the bottom.
+/// A plane seen at a slant: along the ropes below a pixel at the one end is some two and a half times as long as at the other.
 const H: [[f64; 3]; 3] = [
     [0.8, 0.05, -260.0],
     [-0.03, 1.1, -180.0],
