@@ -87,8 +87,9 @@ pub(super) enum Encoding {
 pub(super) trait Port: Send {
     type Driver: Driver;
 
-    /// Opens the camera anew, set up as it was at first. Fails if it cannot be set up so.
-    fn reopen(&mut self) -> Result<Self::Driver, CameraError>;
+    /// Opens the camera anew, set up as it was at first. Fails if it cannot be set up so. Beside it what is not quite as it
+    /// was, if anything is.
+    fn reopen(&mut self) -> Result<(Self::Driver, Option<String>), CameraError>;
 
     /// The error that a refused call means.
     fn refusal(&self, call: &'static str, errno: Errno) -> CameraError;

@@ -97,7 +97,7 @@ impl DevicePort {
 impl Port for DevicePort {
     type Driver = Device;
 
-    fn reopen(&mut self) -> Result<Device, CameraError> {
+    fn reopen(&mut self) -> Result<(Device, Option<String>), CameraError> {
         let device = Device::open(self.path())?;
         let setup = device.set_up(&self.request)?;
         let shape = shape_of(&device, &setup)?;
@@ -112,8 +112,11 @@ impl Port for DevicePort {
                 Errno::INVAL,
             ));
         }
-        self.adjusted.again(&device);
-        Ok(device)
+        let refused = self.adjusted.again(&device);
+        let but = (refused > 0).then(|| {
+            format!("{refused} of its controls could not be set as they were: look with `lariat devices`")
+        });
+        Ok((device, but))
     }
 
     fn refusal(&self, call: &'static str, errno: Errno) -> CameraError {

@@ -114,8 +114,11 @@ impl<P: Port> Camera<P> {
 
     fn reopen(&mut self, now_ns: u64) {
         match self.port.reopen() {
-            Ok(driver) => {
+            Ok((driver, but)) => {
                 self.told.news("it is there again");
+                if let Some(but) = but {
+                    self.told.warn(&but);
+                }
                 self.state = State::Stopped(driver);
             }
             Err(error) => {
