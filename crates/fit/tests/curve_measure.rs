@@ -96,7 +96,8 @@ proptest! {
         let curve = owned.as_curve().unwrap();
         let rho = curve.rho_at_length(fraction);
         let length = curve.length();
-        prop_assert!((curve.length_to(rho) - fraction * length).abs() <= 1e-9 * length);
+        // Random curves nearly have cusps now and then.
+        prop_assert!((curve.length_to(rho) - fraction * length).abs() <= 1e-8 * length);
         prop_assert_eq!(curve.length_to(0.0), 0.0);
         prop_assert_eq!(curve.length_to(1.0), length);
     }
