@@ -24,8 +24,8 @@ pub enum ResampleError {
 /// How a point came from four others.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Mean {
-    /// The first of the four, less one: a closed line's may be the last point.
-    pub(crate) first: usize,
+    /// Which they are, in a row; a closed line's may go on from its last point to its first.
+    from: [usize; 4],
     pub(crate) weights: [f64; 4],
     /// Its normalized arc length.
     pub(crate) rho: f64,
@@ -104,22 +104,19 @@ impl Resampler {
 
     /// The old points between which new point `k` lies.
     pub fn between(&self, k: usize) -> [usize; 2] {
-        let first = self.means[k].first;
-        [1, 2].map(|step| (first + step) % self.count)
+        let [_, before, after, _] = self.means[k].from;
+        [before, after]
     }
 
     /// The direction of the line at new point `k`.
     pub(crate) fn tangent(&self, mean: &Mean) -> [f64; 2] {
-        self.chords[(mean.first + 1) % self.count]
+        self.chords[mean.from[1]]
     }
 
     /// The old points that make a new one, each with its weight.
     pub(crate) fn sources(&self, mean: &Mean) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let (first, count) = (mean.first, self.count);
-        let weights = mean.weights.into_iter().enumerate();
-        weights
-            .filter(|(_, weight)| *weight != 0.0)
-            .map(move |(step, weight)| ((first + step) % count, weight))
+        let sources = mean.from.into_iter().zip(mean.weights);
+        sources.filter(|(_, weight)| *weight != 0.0)
     }
 
     /// How much of a new point comes from beyond a closed line's last point, less how much from before its first.
@@ -127,7 +124,7 @@ impl Resampler {
         if !self.closed {
             return 0.0;
         }
-        let interval = (mean.first + 1) % self.count;
+        let interval = mean.from[1];
         let weights = mean.weights.iter().enumerate();
         let beyond = weights.map(|(step, weight)| match interval + step {
             0 => -weight,
@@ -213,7 +210,7 @@ impl Resampler {
             *weight += step * (u * v * v * starts[at] - u * u * v * ends[at]);
         }
         Mean {
-            first: (interval + self.count - 1) % self.count,
+            from: [self.count - 1, 0, 1, 2].map(|step| (interval + step) % self.count),
             weights,
             rho,
         }
