@@ -15,9 +15,8 @@ use crate::stop::Stop;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    // Before this thread is given a place and a class: a thread that decodes ahead would inherit them, and hold up the chain.
-    let source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
     let mut station = Station::open(settings, "capture", seat)?;
+    let source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
     let pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
