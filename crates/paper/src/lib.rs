@@ -45,5 +45,5 @@ mod words;
 
 pub use csv::Csv;
 pub use options::{Effort, Options, PaperError, Ropes};
-pub use picture::Picture;
+pub use picture::{Picture, base64};
 pub use report::{Report, repeat};
