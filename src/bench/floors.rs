@@ -13,7 +13,7 @@ use rustix::event::{EventfdFlags, eventfd};
 use rustix::thread::futex;
 
 use super::figures::Outcome;
-use crate::stages::arrangement::{pin, run_before_others};
+use crate::stages::arrangement::{pin, precise_timer, run_before_others};
 use crate::stop::Stop;
 
 /// Wakes that are not counted: threads start, caches fill.
@@ -161,11 +161,6 @@ pub(super) fn timer(
     })?;
     ensure!(!stop.asked(), "a signal stopped the measurement");
     Ok(Outcome::of_times(times))
-}
-
-/// Lets a wait end when it is due: the kernel otherwise takes 50 µs of leeway. Not to be had is no fault.
-pub(super) fn precise_timer() {
-    let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
 
 #[cfg(test)]

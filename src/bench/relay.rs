@@ -10,9 +10,9 @@ use lariat_sink::Times;
 use lariat_wire::{Domain, RelayReceiver, RelaySender, now_ns};
 
 use super::figures::Outcome;
-use super::floors::precise_timer;
 use super::guard::{Guarded, Seat, end_all};
 use super::workplace::Workplace;
+use crate::stages::arrangement::precise_timer;
 use crate::stop::Stop;
 
 /// Processes in a row.

@@ -6,7 +6,7 @@ use anyhow::Context;
 use lariat_capture::{Frame, FrameSource, Next, Pacer, Until};
 use lariat_wire::{Centerlines, Delivery, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
 
-use super::arrangement::Rest;
+use super::arrangement::{Rest, precise_timer};
 use super::feed::{self, Feed};
 use super::status::Sent;
 use super::{Seat, Station};
@@ -176,11 +176,6 @@ fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
             "the video was made for {native:.2} frames/s and is sent at {fps}: --fps {native:.2} shows it as it was"
         );
     }
-}
-
-/// Lets a wait end when it is due: the kernel otherwise takes 50 µs of leeway. Not to be had is no fault.
-fn precise_timer() {
-    let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use lariat_extract::Extractor;
 use lariat_sink::{FinalCounts, Sink};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace, now_ns};
 
-use crate::bench::floors::precise_timer;
 use crate::settings::{Fps, Settings};
+use crate::stages::arrangement::precise_timer;
 use crate::stages::extract::Warned;
 use crate::stages::{extract, fit};
 use crate::stop::Stop;
