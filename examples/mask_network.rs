@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use lariat_wire::{
-    Delivery, Domain, FRAMES, FrameHeader, PixelFormat, Reader, Rig, WireError, Writer,
+    Delivery, Domain, FRAMES, FrameHeader, PixelFormat, Receiver, Rig, WireError, Writer,
 };
 
 #[allow(dead_code, reason = "a test runs `serve` alone")]
@@ -47,7 +47,7 @@ pub(crate) fn serve(
     delivery: &Delivery,
     stop: &AtomicBool,
 ) -> Result<(), WireError> {
-    let frames = Reader::create(domain, rig, &FRAMES, Some(delivery))?;
+    let frames = Receiver::create(domain, rig, &FRAMES, Some(delivery))?;
     let mut masks: Option<(usize, Writer<[u8]>)> = None;
     while !stop.load(Ordering::Relaxed) {
         // The newest frame is worth the work most; unless none may be left out.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use lariat_sink::Times;
-use lariat_wire::{Domain, Reader};
+use lariat_wire::{Domain, Receiver};
 use serde_json::Value;
 
 use super::figures::Outcome;
@@ -156,7 +156,7 @@ pub(super) fn read(out: &Path, time: Duration, what: &str) -> Result<Outcome> {
 /// From the command to the first descriptor in a reader's hands; and, half a second later, what is resident.
 pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
     let domain = Domain::named(&workplace.domain)?;
-    let reader = Reader::descriptors(&domain, &"bench".parse()?)?;
+    let reader = Receiver::descriptors(&domain, &"bench".parse()?)?;
     let mut command = workplace.lariat(Seat::default());
     command.arg("run").args(setup.arguments("bench", AROUND));
     let begin = Instant::now();

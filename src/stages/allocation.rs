@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Reader, Rig, Writer};
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer};
 use rustix::process::{Signal, getpid, kill_process};
 
 use super::{Seat, capture, extract, fit, sink};
@@ -103,7 +103,7 @@ fn no_stage_allocates_per_frame_once_warm() {
             });
         }
         let domain = Domain::open().expect("a domain");
-        let reader = Reader::descriptors(&domain, &Rig::default()).expect("a reader");
+        let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
         // Waits for a frame, and says how many capture had sent by then.
         let wait_for = |fitted: u64| loop {
             let message = reader.wait(Instant::now() + Duration::from_secs(60));

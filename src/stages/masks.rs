@@ -4,7 +4,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use lariat_extract::Mask;
-use lariat_wire::{FrameHeader, MASKS, Message, Reader, WireError, now_ns};
+use lariat_wire::{FrameHeader, MASKS, Message, Receiver, WireError, now_ns};
 
 use super::Station;
 use crate::settings::Settings;
@@ -15,7 +15,7 @@ const AFTER_STOP: Duration = Duration::from_secs(1);
 
 /// The masks of a rig.
 pub(crate) struct Masks {
-    reader: Reader<[u8]>,
+    reader: Receiver<[u8]>,
     channel: String,
     deadline: Duration,
     /// The newest that came. It may be for a frame that is still to come.
@@ -36,7 +36,7 @@ impl Masks {
             ..
         } = station;
         Ok(Some(Self {
-            reader: Reader::create(domain, rig, &MASKS, Some(delivery))?,
+            reader: Receiver::create(domain, rig, &MASKS, Some(delivery))?,
             channel: MASKS.on(rig),
             deadline: settings.extract.mask_deadline,
             held: None,

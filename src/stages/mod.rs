@@ -13,7 +13,7 @@ pub(crate) mod status;
 
 use std::os::fd::AsFd;
 
-use lariat_wire::{Channel, Delivery, Domain, Message, Payload, Reader, Rig, WireError, now_ns};
+use lariat_wire::{Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns};
 
 use crate::settings::{Arrangement, STAGES, Settings};
 use crate::stop::Stop;
@@ -87,8 +87,8 @@ impl Station {
     pub(crate) fn reader<P: Payload + ?Sized>(
         &self,
         channel: &Channel<P>,
-    ) -> Result<Reader<P>, WireError> {
-        let mut reader = Reader::create(&self.domain, &self.rig, channel, Some(&self.delivery))?;
+    ) -> Result<Receiver<P>, WireError> {
+        let mut reader = Receiver::create(&self.domain, &self.rig, channel, Some(&self.delivery))?;
         reader.look_for(self.arrangement.spin());
         Ok(reader)
     }
@@ -114,7 +114,7 @@ impl Backlog {
 
 /// Where a stage's messages come in.
 pub(crate) struct Inbox<P: Payload + ?Sized> {
-    reader: Reader<P>,
+    reader: Receiver<P>,
     backlog: Backlog,
     rest: Rest,
     /// The counter of the stage before, in a message.

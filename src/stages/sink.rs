@@ -5,7 +5,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use lariat_sink::{FinalCounts, Machine, Sink};
-use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Reader, TRUTH, now_ns, sleep_for_any};
+use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
 use super::{Seat, Station};
 use crate::settings::Settings;
@@ -66,9 +66,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
 
 /// The three channels that a sink reads.
 struct Channels {
-    descriptors: Reader<lariat_wire::Descriptors>,
-    centerlines: Reader<Centerlines>,
-    truth: Reader<Centerlines>,
+    descriptors: Receiver<lariat_wire::Descriptors>,
+    centerlines: Receiver<Centerlines>,
+    truth: Receiver<Centerlines>,
     lossless: bool,
 }
 
@@ -85,9 +85,9 @@ impl Channels {
         // its readers, so there the sink listens to all.
         let open = |channel| {
             if lossless {
-                Reader::create(domain, rig, channel, Some(delivery))
+                Receiver::create(domain, rig, channel, Some(delivery))
             } else {
-                Reader::create_unwoken(domain, rig, channel, Some(delivery))
+                Receiver::create_unwoken(domain, rig, channel, Some(delivery))
             }
         };
         Ok(Self {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use lariat_capture::{FrameSource, RenderOptions, Source};
 use lariat_wire::{
-    Delivery, Descriptors, Domain, FrameHeader, Message, Reader, Rig, SourceKind, Status, Trace,
+    Delivery, Descriptors, Domain, FrameHeader, Message, Receiver, Rig, SourceKind, Status, Trace,
     Writer, now_ns,
 };
 use rustix::process::Signal;
@@ -16,7 +16,7 @@ use crate::rig::{Bench, send, wait_until_told_by_signals};
 struct Camera {
     rope: Box<dyn FrameSource>,
     frames: Writer<[u8]>,
-    descriptors: Reader<Descriptors>,
+    descriptors: Receiver<Descriptors>,
     count: u64,
 }
 
@@ -85,7 +85,7 @@ fn while_a_camera_gives_no_image_its_ropes_are_told_to_be_lost() {
     let mut camera = Camera {
         rope,
         frames: Writer::frames(&domain, &rig, &Delivery::NewestWins, bytes).unwrap(),
-        descriptors: Reader::descriptors(&domain, &rig).unwrap(),
+        descriptors: Receiver::descriptors(&domain, &rig).unwrap(),
         count: 0,
     };
     let mut stages: Vec<Child> = ["fit", "extract"].iter().map(start).collect();

@@ -123,7 +123,7 @@ fn stages_by_hand_are_as_good_citizens() {
         .unwrap();
     // The rig works when a descriptor comes.
     let domain = lariat_wire::Domain::named(&bench.domain).unwrap();
-    let reader = lariat_wire::Reader::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();
+    let reader = lariat_wire::Receiver::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
     assert!(reader.wait(deadline).unwrap().is_some());
     drop((reader, domain));

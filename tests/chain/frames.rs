@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use lariat_capture::{RenderOptions, Source};
 use lariat_extract::{Extractor, Image, PixelFormat};
 use lariat_fit::Fitter;
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Message, Payload, Reader, Rig};
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Message, Payload, Receiver, Rig};
 use rustix::process::Signal;
 use serde_json::json;
 
@@ -80,7 +80,7 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
     let delivery = Delivery::Lossless {
         stop: Arc::default(),
     };
-    let reader = Reader::create(
+    let reader = Receiver::create(
         &reader_domain,
         &Rig::default(),
         &DESCRIPTORS,
@@ -134,7 +134,7 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
 
 /// The next message, in order.
 pub(crate) fn wait_for_next<P: Payload + ?Sized>(
-    reader: &Reader<P>,
+    reader: &Receiver<P>,
     deadline: Instant,
 ) -> Message<P> {
     loop {
@@ -174,7 +174,7 @@ fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
     chain.signal_stage(1, Signal::STOP);
     let reader_domain = in_domain(&bench);
     let frames =
-        Reader::create(&reader_domain, &Rig::default(), &lariat_wire::FRAMES, None).unwrap();
+        Receiver::create(&reader_domain, &Rig::default(), &lariat_wire::FRAMES, None).unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     for _ in 0..50 {
         wait_for_next(&frames, deadline);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use lariat_wire::{Delivery, Domain, FRAMES, FrameHeader, MASKS, Reader, Rig, Writer};
+use lariat_wire::{Delivery, Domain, FRAMES, FrameHeader, MASKS, Receiver, Rig, Writer};
 
 use crate::frames::wait_for_next;
 use crate::rig::Bench;
@@ -99,7 +99,7 @@ fn a_later_frames_mask_says_that_an_earlier_ones_will_not_come() {
         stop: Arc::default(),
     };
     let rig = Rig::default();
-    let frames = Reader::create(&domain, &rig, &FRAMES, Some(&delivery)).unwrap();
+    let frames = Receiver::create(&domain, &rig, &FRAMES, Some(&delivery)).unwrap();
     let masks = Writer::masks(&domain, &rig, &delivery, 640 * 480).unwrap();
     let chain = bench.start(&[
         "--lossless",
@@ -137,7 +137,7 @@ fn a_mask_of_another_size_is_named_and_its_frame_answered_without_a_rope() {
     let domain = Domain::named(&bench.domain).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
     let delivery = Delivery::Lossless { stop: stop.clone() };
-    let frames = Reader::create(&domain, &Rig::default(), &FRAMES, Some(&delivery)).unwrap();
+    let frames = Receiver::create(&domain, &Rig::default(), &FRAMES, Some(&delivery)).unwrap();
     let masks = Writer::masks(&domain, &Rig::default(), &delivery, 16).unwrap();
     let chain = bench.start(&[
         "--lossless",
@@ -183,7 +183,7 @@ fn masks_have_one_writer_and_can_be_looked_at() {
     let bench = Bench::new();
     let domain = Domain::named(&bench.domain).unwrap();
     let rig = Rig::default();
-    let reader = Reader::create(&domain, &rig, &MASKS, None).unwrap();
+    let reader = Receiver::create(&domain, &rig, &MASKS, None).unwrap();
     let writer = Writer::masks(&domain, &rig, &Delivery::NewestWins, 12).unwrap();
     let second = Writer::masks(&domain, &rig, &Delivery::NewestWins, 12);
     let said = second.unwrap_err().to_string();

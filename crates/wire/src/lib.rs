@@ -1,7 +1,7 @@
 //! The contract between lariat's processes: messages, channels, clock, readers and writers.
 //!
 //! The only crate that knows the transport (iceoryx2), and all that a control loop links. A process opens a
-//! [`Domain`] once, then [`Reader`]s and [`Writer`]s of the channels of a [`Rig`].
+//! [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the channels of a [`Rig`].
 
 mod channel;
 mod clock;
@@ -12,8 +12,8 @@ mod leftovers;
 mod memory;
 mod message;
 mod patience;
-mod reader;
 mod ready;
+mod receiver;
 mod relay;
 mod writer;
 
@@ -24,6 +24,6 @@ pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use leftovers::{Leftover, leftovers};
 pub use message::*;
-pub use reader::{Message, Reader, Woken, sleep_for_any};
+pub use receiver::{Message, Receiver, Woken, sleep_for_any};
 pub use relay::{RelayMessage, RelayReceiver, RelaySender};
 pub use writer::{Slot, Writer};

@@ -31,7 +31,7 @@ fn send(writer: &Writer<Descriptors>, fitted: u64) {
 #[test]
 fn a_reader_gets_the_newest_or_each_in_order() {
     let (domain, rig) = (domain(), rig("order"));
-    let reader = Reader::descriptors(&domain, &rig).unwrap();
+    let reader = Receiver::descriptors(&domain, &rig).unwrap();
     let writer =
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
     assert!(reader.latest().unwrap().is_none());
@@ -46,7 +46,7 @@ fn a_reader_gets_the_newest_or_each_in_order() {
 #[test]
 fn a_slow_reader_loses_the_oldest_and_never_slows_the_writer() {
     let (domain, rig) = (domain(), rig("slow"));
-    let reader = Reader::descriptors(&domain, &rig).unwrap();
+    let reader = Receiver::descriptors(&domain, &rig).unwrap();
     let writer =
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
     for fitted in 1..=100 {
@@ -64,7 +64,7 @@ fn a_late_reader_is_given_the_newest_descriptor() {
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
     send(&writer, 1);
     send(&writer, 2);
-    let reader = Reader::descriptors(&domain, &rig).unwrap();
+    let reader = Receiver::descriptors(&domain, &rig).unwrap();
     writer.welcome().unwrap();
     assert_eq!(reader.latest().unwrap().unwrap().trace.fitted, 2);
 }
@@ -72,7 +72,7 @@ fn a_late_reader_is_given_the_newest_descriptor() {
 #[test]
 fn a_waiting_reader_wakes_for_a_message_a_descriptor_or_its_deadline() {
     let (domain, rig) = (domain(), rig("wake"));
-    let reader = Reader::descriptors(&domain, &rig).unwrap();
+    let reader = Receiver::descriptors(&domain, &rig).unwrap();
     let writer =
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
     assert!(
@@ -100,7 +100,7 @@ fn a_lossless_writer_waits_for_a_slow_reader_and_loses_nothing() {
     let delivery = Delivery::Lossless {
         stop: Arc::default(),
     };
-    let reader = Reader::create(&domain, &rig, &DESCRIPTORS, Some(&delivery)).unwrap();
+    let reader = Receiver::create(&domain, &rig, &DESCRIPTORS, Some(&delivery)).unwrap();
     let writer = std::thread::spawn({
         let (rig, delivery) = (rig.clone(), delivery.clone());
         move || {
@@ -131,7 +131,7 @@ fn a_lossless_writer_that_is_told_to_stop_gives_up_and_says_so() {
     let stop = Arc::new(AtomicBool::new(false));
     let delivery = Delivery::Lossless { stop: stop.clone() };
     let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &delivery).unwrap();
-    let reader = Reader::create(&domain, &rig, &DESCRIPTORS, Some(&delivery)).unwrap();
+    let reader = Receiver::create(&domain, &rig, &DESCRIPTORS, Some(&delivery)).unwrap();
     stop.store(true, Ordering::Relaxed);
     for fitted in 1..=8 {
         send(&writer, fitted);
@@ -150,7 +150,7 @@ fn a_lossless_writer_that_is_told_to_stop_gives_up_and_says_so() {
 #[test]
 fn frames_travel_with_their_header_on_a_cache_line() {
     let (domain, rig) = (domain(), rig("frames"));
-    let reader = Reader::create(&domain, &rig, &FRAMES, None).unwrap();
+    let reader = Receiver::create(&domain, &rig, &FRAMES, None).unwrap();
     let writer = Writer::frames(&domain, &rig, &Delivery::NewestWins, 64 * 48).unwrap();
     let mut slot = writer.frame_slot(32 * 48).unwrap();
     slot.fill(200);
@@ -200,7 +200,7 @@ fn a_second_writer_is_refused_and_told_what_to_do() {
 #[test]
 fn lossless_and_newest_wins_do_not_mix() {
     let (domain, rig) = (domain(), rig("mixed"));
-    let _reader = Reader::descriptors(&domain, &rig).unwrap();
+    let _reader = Receiver::descriptors(&domain, &rig).unwrap();
     let delivery = Delivery::Lossless {
         stop: Arc::default(),
     };
@@ -220,7 +220,7 @@ fn lossless_and_newest_wins_do_not_mix() {
     let lossless = Rig::default();
     let _writer =
         Writer::<Descriptors>::create(&domain, &lossless, &DESCRIPTORS, &delivery).unwrap();
-    Reader::descriptors(&domain, &lossless).unwrap();
+    Receiver::descriptors(&domain, &lossless).unwrap();
 }
 
 /// The same size, another version.
@@ -250,7 +250,7 @@ fn another_version_of_a_message_is_refused_by_name() {
         .max_publishers(1)
         .create()
         .unwrap();
-    let refused = Reader::descriptors(&domain, &rig).unwrap_err();
+    let refused = Receiver::descriptors(&domain, &rig).unwrap_err();
     assert_eq!(
         refused.to_string(),
         "lariat/versions/descriptors carries lariat.Descriptors.v0, and this program was made for lariat.Descriptors.v4: \
@@ -273,7 +273,7 @@ fn frames_that_do_not_fit_into_shared_memory_are_refused_before_the_first() {
 fn nothing_is_left_when_all_are_gone() {
     let (domain, rig) = (domain(), rig("gone"));
     let name = name();
-    let reader = Reader::descriptors(&domain, &rig).unwrap();
+    let reader = Receiver::descriptors(&domain, &rig).unwrap();
     let writer =
         Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
     let id = writer.id();

@@ -3,7 +3,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use lariat_capture::{LentSlot, Pace, SourceError};
-use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Reader, Rig};
+use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver, Rig};
 
 use super::*;
 use crate::settings::Arrangement;
@@ -134,13 +134,13 @@ fn with_sender<T>(
     rig: &str,
     source: Box<dyn FrameSource>,
     lasts_ns: Option<u64>,
-    test: impl FnOnce(&mut Sender, &Reader<[u8]>) -> T,
+    test: impl FnOnce(&mut Sender, &Receiver<[u8]>) -> T,
 ) -> T {
     let domain = Domain::named(&format!("f{}", std::process::id())).expect("a domain");
     let rig: Rig = rig.parse().expect("a plain name");
     let delivery = Delivery::NewestWins;
     let frames = feed::writer(&domain, &rig, &delivery, source.as_ref()).expect("a writer");
-    let reader = Reader::create(&domain, &rig, &FRAMES, None).expect("a reader");
+    let reader = Receiver::create(&domain, &rig, &FRAMES, None).expect("a reader");
     let mut sender = Sender {
         feed: Feed::new(source, &frames).expect("slots"),
         truth: None,

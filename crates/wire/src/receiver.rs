@@ -15,7 +15,7 @@ use crate::ready::{self, Ear};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
-pub struct Reader<P: Payload + ?Sized> {
+pub struct Receiver<P: Payload + ?Sized> {
     // Before the service, so that it is dropped first.
     subscriber: Subscriber<ipc::Service, P, P::Header>,
     _service: PortFactory<ipc::Service, P, P::Header>,
@@ -26,21 +26,21 @@ pub struct Reader<P: Payload + ?Sized> {
     name: String,
 }
 
-impl<P: Payload + ?Sized> fmt::Debug for Reader<P> {
+impl<P: Payload + ?Sized> fmt::Debug for Receiver<P> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("Reader")
+        f.debug_struct("Receiver")
             .field("channel", &self.name)
             .finish_non_exhaustive()
     }
 }
 
-impl Reader<Descriptors> {
+impl Receiver<Descriptors> {
     /// Reads the descriptors of a rig, as a control loop does.
     ///
     /// ```no_run
     /// use std::time::{Duration, Instant};
     /// let domain = lariat_wire::Domain::open()?;
-    /// let reader = lariat_wire::Reader::descriptors(&domain, &"default".parse()?)?;
+    /// let reader = lariat_wire::Receiver::descriptors(&domain, &"default".parse()?)?;
     /// while let Some(shapes) = reader.wait(Instant::now() + Duration::from_millis(100))? {
     ///     for curve in shapes.curves() {
     ///         println!("{:?}", curve.control_points());
@@ -53,7 +53,7 @@ impl Reader<Descriptors> {
     }
 }
 
-impl<P: Payload + ?Sized> Reader<P> {
+impl<P: Payload + ?Sized> Receiver<P> {
     /// Becomes a reader of a rig's channel. `delivery`: how the channel must be; `None` takes it as it is.
     pub fn create(
         domain: &Domain,
@@ -182,7 +182,7 @@ pub trait Woken {
     fn looks_for(&self) -> Duration;
 }
 
-impl<P: Payload + ?Sized> Woken for Reader<P> {
+impl<P: Payload + ?Sized> Woken for Receiver<P> {
     fn ear(&self) -> Option<&Ear> {
         self.ear.as_ref()
     }
