@@ -8,6 +8,7 @@ mod cdr;
 mod images;
 mod losses;
 mod messages;
+mod reading;
 mod schema;
 
 pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
@@ -18,4 +19,7 @@ pub use images::{
 };
 pub use losses::Losses;
 pub use messages::Record;
+pub use reading::{
+    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span, Topic,
+};
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
