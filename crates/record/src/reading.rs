@@ -5,6 +5,7 @@
 //! read at places and never all at once.
 
 mod about;
+mod census;
 mod chunk;
 mod cursor;
 mod entry;

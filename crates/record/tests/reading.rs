@@ -86,6 +86,51 @@ fn what_was_written_is_read_however_it_is_compressed() {
 }
 
 #[test]
+fn what_is_on_each_topic_is_counted_alike_with_indexes_and_without() {
+    let whole = Recording::from_bytes(made::rig(Some(Compression::Lz4), 3, 2)).unwrap();
+    let topics = whole.topics().unwrap();
+    let names: Vec<_> = topics.iter().map(|topic| &topic.name[..]).collect();
+    assert_eq!(
+        names,
+        [
+            "/r/centerlines",
+            "/r/descriptors",
+            "/r/frames",
+            "/r/image",
+            "/r/losses",
+            "/r/truth"
+        ]
+    );
+    assert!(
+        topics
+            .iter()
+            .all(|topic| topic.messages == 6 && topic.bytes > 0)
+    );
+    assert_eq!(topics[3].schema, "sensor_msgs/msg/Image");
+    let mut made = Made::with(WriteOptions::new().emit_message_indexes(false));
+    for sequence in 1..=6 {
+        made::frame(&mut made, sequence);
+    }
+    let counted = Recording::from_bytes(made.finish())
+        .unwrap()
+        .topics()
+        .unwrap();
+    // A head, a time, "r", width and height, "mono8", the byte order, length of a row and of all, and the pixels.
+    assert_eq!(
+        counted[3].bytes,
+        6 * (4 + 8 + (4 + 4) + 8 + (4 + 6) + 2 + 8 + 32)
+    );
+    for (listed, counted) in topics.iter().zip(&counted) {
+        assert_eq!(listed.messages, counted.messages);
+        // The topics' own names stand among the messages in the first chunk.
+        assert!(
+            listed.bytes.abs_diff(counted.bytes) < 8000,
+            "{listed:?} {counted:?}"
+        );
+    }
+}
+
+#[test]
 fn a_recording_cut_off_anywhere_is_read_up_to_its_last_whole_chunk() {
     let whole = made::rig(Some(Compression::Lz4), 3, 1);
     let expected = expected(1..=3);
@@ -160,10 +205,10 @@ fn a_part_is_its_frames_and_all_that_was_made_of_them() {
     let recording = Recording::from_bytes(made::rig(None, 4, 3)).unwrap();
     let part = |from, to| lines(recording.messages(Span { from, to }).unwrap());
     let frame = |frame| Some(Place::Frame(frame));
-    assert_eq!(part(frame(4), frame(8)), expected(5..=8));
-    assert_eq!(part(frame(11), None), expected([12]));
-    assert_eq!(part(None, frame(1)), expected([1]));
-    assert_eq!(part(frame(3), frame(99)), expected(4..=12));
+    assert_eq!(part(frame(5), frame(9)), expected(5..=8));
+    assert_eq!(part(frame(12), None), expected([12]));
+    assert_eq!(part(None, frame(2)), expected([1]));
+    assert_eq!(part(frame(4), frame(99)), expected(4..=12));
     assert_eq!(part(frame(5), frame(5)), expected([]));
     let after = |periods: u64| {
         let time = Duration::from_nanos(periods * PERIOD_NS);
@@ -172,12 +217,12 @@ fn a_part_is_its_frames_and_all_that_was_made_of_them() {
     assert_eq!(part(after(2), after(4)), expected(3..=4));
     assert_eq!(part(after(100), None), expected([]));
     let error = recording.messages(Span {
-        from: frame(12),
+        from: frame(13),
         to: None,
     });
     assert_eq!(
         error.err().unwrap().to_string(),
-        "there is no frame 12: the recording holds 12, counted from 0"
+        "there is no frame 13: the recording holds 12, counted from 1"
     );
 }
 
@@ -186,7 +231,7 @@ fn a_part_of_a_recording_that_was_cut_off_is_found_too() {
     let whole = made::rig(Some(Compression::Zstd), 4, 3);
     let last = find_last_chunk(&whole);
     let recording = Recording::from_bytes(whole[..last + 20].to_vec()).unwrap();
-    let from = Some(Place::Frame(7));
+    let from = Some(Place::Frame(8));
     let part = recording.messages(Span { from, to: None }).unwrap();
     assert_eq!(lines(part), expected(8..=9));
 }
@@ -203,7 +248,7 @@ fn messages_that_are_in_no_chunk_are_read() {
     let recording = Recording::from_bytes(made.finish()).unwrap();
     assert_eq!(recording.cut_off(), None);
     assert_eq!(all(&recording), expected(1..=3));
-    let from = Some(Place::Frame(2));
+    let from = Some(Place::Frame(3));
     let part = recording.messages(Span { from, to: None }).unwrap();
     assert_eq!(lines(part), expected([3]));
 }
@@ -228,6 +273,25 @@ fn a_frame_whose_image_is_not_there_has_no_pixels() {
         seen.push((frame.header.trace.sequence, frame.pixels != Pixels::None));
     }
     assert_eq!(seen, [(1, false), (2, true), (3, false), (4, false)]);
+}
+
+#[test]
+fn picture_files_and_images_may_be_on_one_topic() {
+    let mut made = Made::new(None);
+    made.message("/r/frames", 1, &made::header(1));
+    made.picture("/r/image", 1, "png", b"PNG");
+    made.message("/r/frames", 2, &made::header(2));
+    made.image_apart("/r/image", 2, &made::header(2), &made::pixels(2));
+    let recording = Recording::from_bytes(made.finish()).unwrap();
+    let mut messages = recording.messages(Span::default()).unwrap();
+    let mut next = || {
+        messages
+            .next_frame()
+            .unwrap()
+            .map(|frame| format!("{:?}", frame.pixels))
+    };
+    assert_eq!(next(), Some(format!("{:?}", Pixels::Png(b"PNG"))));
+    assert_eq!(next(), Some(format!("{:?}", Pixels::Raw(&made::pixels(2)))));
 }
 
 #[test]
@@ -260,7 +324,7 @@ fn images_of_others_are_frames_without_a_way() {
     let recording = Recording::from_bytes(bytes.clone()).unwrap();
     assert_eq!(recording.images(), Some("/camera/image_raw"));
     assert!(!recording.has_traces());
-    let from = Some(Place::Frame(1));
+    let from = Some(Place::Frame(2));
     let mut messages = recording.messages(Span { from, to: None }).unwrap();
     let frame = messages.next_frame().unwrap().unwrap();
     assert_eq!(frame.header.trace.sequence, 2);

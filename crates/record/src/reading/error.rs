@@ -100,7 +100,7 @@ pub enum RecordingError {
         encoding: String,
     },
     /// There is no such frame.
-    #[error("there is no frame {frame}: the recording holds {count}, counted from 0")]
+    #[error("there is no frame {frame}: the recording holds {count}, counted from 1")]
     NoFrame {
         /// What was asked for.
         frame: u64,

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::about::About;
+use super::census;
 use super::chunk::Unpacker;
 use super::cursor::{Messages, Source};
 use super::error::RecordingError;
 use super::index::Indexed;
 use super::layout::{HEAD_BYTES, MAGIC, attachment};
-use super::scan::{self, times_among, times_of};
+use super::scan::{self, End, times_among, times_of};
 use super::storage::{FileStorage, Storage};
 use super::summary;
 use super::topics::Topics;
@@ -31,7 +32,7 @@ pub struct Recording {
 /// A place in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// A frame, counted from 0.
+    /// A frame's place among the frames of the recording, from 1.
     Frame(u64),
     /// So long after the first message.
     After(Duration),
@@ -89,20 +90,20 @@ impl Recording {
         if storage.read_some(0, &mut magic)? != MAGIC {
             return Err(RecordingError::NotMcap);
         }
-        let (index, torn_at) = match summary::read(storage.as_ref())? {
-            Some(index) => (index, None),
+        let (index, end) = match summary::read(storage.as_ref())? {
+            Some(index) => (index, End::Closed),
             None => {
                 let found = scan::scan(&storage)?;
-                (found.index, found.torn_at)
+                (found.index, found.end)
             }
         };
-        let cut = torn_at.is_some();
+        let cut = matches!(end, End::Torn { .. });
         if index.parts.is_empty() {
             return Err(RecordingError::Empty { cut });
         }
         let about = About::read(storage.as_ref(), &index)?;
         let topics = Topics::choose(&index, about.version(), topic)?;
-        let cut_off = torn_at.map(|at| cut_off(at, storage.size()));
+        let cut_off = cut_off(end, storage.size(), about.version().is_some());
         Ok(Self {
             source: Source {
                 offset_ns: about.monotonic_to_wall_ns(),
@@ -183,6 +184,29 @@ impl Recording {
         placed.map(|placed| &placed.name[..])
     }
 
+    /// What is on each topic, by name.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn topics(&self) -> Result<Vec<Topic>, RecordingError> {
+        let Source { storage, index, .. } = &self.source;
+        let mut unpacker = Unpacker::new(storage.clone());
+        let counts = census::take(storage.as_ref(), index, &mut unpacker)?;
+        let topics = index.channels.iter().map(|(id, listed)| {
+            let schema = index.schemas.get(&listed.schema);
+            let count = counts.get(id).copied().unwrap_or_default();
+            Topic {
+                name: listed.topic.clone(),
+                schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
+                messages: count.messages,
+                bytes: count.bytes,
+            }
+        });
+        let mut topics: Vec<_> = topics.collect();
+        topics.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(topics)
+    }
+
     /// How many frames there are.
     ///
     /// # Errors
@@ -232,10 +256,10 @@ impl Recording {
     fn time_of(&self, frame: u64) -> Result<Result<u64, u64>, RecordingError> {
         let (mut count, mut time) = (0, None);
         self.each_frame(|at_ns| {
-            if count == frame {
+            count += 1;
+            if count == frame.max(1) {
                 time = Some(at_ns);
             }
-            count += 1;
         })?;
         Ok(time.ok_or(count))
     }
@@ -268,9 +292,16 @@ impl Recording {
     }
 }
 
-fn cut_off(at: u64, size: u64) -> String {
-    format!(
-        "this recording was not closed (its writer was killed, or the disk was full): what was written up to byte {at} of \
-         {size} is whole and is read, what was not yet in a whole chunk then is missing"
-    )
+fn cut_off(end: End, size: u64, is_ours: bool) -> Option<String> {
+    match end {
+        End::Torn { at } => Some(format!(
+            "this recording was not closed (its writer was killed, or the machine went down): what was written up to byte {at} \
+             of {size} is whole and is read, what was not yet in a whole chunk then is missing"
+        )),
+        // Others may close theirs so.
+        End::WithoutIndex if is_ours => Some(
+            "this recording was closed in need (its disk was full, or failed): it is whole up to there".to_owned(),
+        ),
+        End::WithoutIndex | End::Closed => None,
+    }
 }

@@ -18,8 +18,21 @@ const BARE_BYTES: u64 = 4 << 20;
 /// What was found.
 pub(super) struct Found {
     pub(super) index: Index,
-    /// Where the file ends in the middle of something.
-    pub(super) torn_at: Option<u64>,
+    pub(super) end: End,
+}
+
+/// How a recording ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// With its index.
+    Closed,
+    /// As it should, but for the index.
+    WithoutIndex,
+    /// In the middle of something.
+    Torn {
+        /// Where that begins.
+        at: u64,
+    },
 }
 
 /// Goes through the file.
@@ -32,21 +45,22 @@ pub(super) fn scan(storage: &Arc<dyn Storage>) -> Result<Found, RecordingError> 
         index: Index::default(),
         buffer: Vec::new(),
     };
-    let mut torn_at = scan.walk()?;
+    let mut end = scan.walk()?;
     let mut index = scan.index;
     let mut unpacker = Unpacker::new(storage.clone());
-    if torn_at.is_some() {
+    if end != End::WithoutIndex {
         // After a power cut, what was written last may not be what was to be written.
         while let Some(last) = index.parts.last().filter(|last| last.part.is_chunk) {
             if unpacker.load(last.part).is_ok() {
                 break;
             }
-            torn_at = Some(last.part.offset);
+            let at = last.part.offset;
+            end = End::Torn { at };
             index.parts.pop();
         }
     }
     find_topics(&mut index, &mut unpacker);
-    Ok(Found { index, torn_at })
+    Ok(Found { index, end })
 }
 
 struct Scan<'a> {
@@ -56,23 +70,22 @@ struct Scan<'a> {
 }
 
 impl Scan<'_> {
-    /// Says where the file is torn, if it is.
-    fn walk(&mut self) -> Result<Option<u64>, RecordingError> {
+    fn walk(&mut self) -> Result<End, RecordingError> {
         let mut at = MAGIC.len() as u64;
         let mut begin = [0; CHUNK_HEAD_BYTES as usize];
         loop {
             let seen = self.storage.read_some(at, &mut begin)?;
             let Some((kind, length)) = head(seen) else {
-                return Ok(Some(at));
+                return Ok(End::Torn { at });
             };
             let next = at
                 .checked_add(HEAD_BYTES)
                 .and_then(|b| b.checked_add(length));
             let Some(next) = next.filter(|&next| next <= self.storage.size()) else {
-                return Ok(Some(at));
+                return Ok(End::Torn { at });
             };
             if kind == kind::DATA_END {
-                return Ok(None);
+                return Ok(End::WithoutIndex);
             }
             let part = (at, next - at);
             match kind {

@@ -91,12 +91,13 @@ impl Topics {
             let topics = names(index);
             return Err(RecordingError::NoImages { topics });
         }
-        // Other images are of no concern.
-        let chosen = image.as_ref().map(|(id, _)| *id);
-        let header = headers.as_ref().map(|(id, _)| *id);
+        // Other images are of no concern. On one topic there may be both, images and picture files.
+        let topic_of = |id: &u16| index.channels.get(id).map(|listed| &listed.topic);
+        let chosen = image.as_ref().map(|(_, topic)| topic);
+        let header = headers.as_ref().map(|(_, topic)| topic);
         topics.kinds.retain(|id, kind| match kind {
-            Kind::Image | Kind::Picture => Some(*id) == chosen,
-            Kind::FrameHeader => Some(*id) == header,
+            Kind::Image | Kind::Picture => topic_of(id) == chosen,
+            Kind::FrameHeader => topic_of(id) == header,
             _ => true,
         });
         topics.has_headers = headers.is_some();

@@ -91,6 +91,20 @@ impl Made {
         self.put(topic, schema, log_time_ns);
     }
 
+    /// An image on a channel of its own, though others may be on its topic.
+    pub(crate) fn image_apart(
+        &mut self,
+        topic: &str,
+        log_time_ns: u64,
+        header: &FrameHeader,
+        bytes: &[u8],
+    ) {
+        let others = self.channels.remove(topic);
+        self.image(topic, log_time_ns, header, bytes);
+        self.channels
+            .extend(others.map(|id| (topic.to_owned(), id)));
+    }
+
     fn put(&mut self, topic: &str, schema: &Schema, log_time_ns: u64) {
         let writer = &mut self.writer;
         let channel = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
