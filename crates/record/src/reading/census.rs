@@ -82,7 +82,7 @@ fn count_places(places: &mut [(u64, u16)], end: u64, counts: &mut BTreeMap<u16, 
     places.sort_unstable();
     for (i, (place, channel)) in places.iter().enumerate() {
         let behind = places.get(i + 1).map_or(end, |(next, _)| *next);
-        let count = counts.entry(*channel).or_insert_with(Count::default);
+        let count = counts.entry(*channel).or_default();
         count.messages += 1;
         count.bytes += behind
             .saturating_sub(*place)
@@ -95,7 +95,7 @@ fn count_records(records: &[u8], counts: &mut BTreeMap<u16, Count>) {
         if kind == kind::MESSAGE
             && let Some(message) = Message::read(record)
         {
-            let count = counts.entry(message.channel).or_insert_with(Count::default);
+            let count = counts.entry(message.channel).or_default();
             count.messages += 1;
             count.bytes += message.bytes.len() as u64;
         }
