@@ -9,6 +9,7 @@ mod images;
 mod losses;
 mod messages;
 mod schema;
+mod writing;
 
 pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
 pub use cdr::CdrError;
@@ -19,3 +20,7 @@ pub use images::{
 pub use losses::Losses;
 pub use messages::Record;
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
+pub use writing::{
+    Clock, Compression, Drops, Ended, Ending, Existing, Flushed, Head, Images, NoRoom, Options,
+    Recorder, RingOptions, Topic, WriteError, Writer, Written,
+};
