@@ -13,6 +13,7 @@ mod file;
 mod keys;
 mod meaning;
 mod problem;
+mod range;
 mod table;
 mod view;
 
@@ -28,7 +29,9 @@ pub(crate) use view::{Camera, Unit};
 use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
-use lariat_capture::{CameraOptions, Pace, RenderOptions, Request, Source, names_a_camera};
+use lariat_capture::{
+    CameraOptions, FileOptions, Pace, Range, RenderOptions, Request, Source, names_a_camera,
+};
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
@@ -124,6 +127,10 @@ pub(crate) struct Capture {
     pub(crate) seed: u64,
     /// Whether files begin again after the last.
     pub(crate) looped: bool,
+    /// Which part of files is shown.
+    pub(crate) range: Range,
+    /// Whether a folder is waited at for more.
+    pub(crate) follow: bool,
     /// What is asked of a camera.
     pub(crate) camera: CameraSettings,
 }
@@ -139,6 +146,8 @@ impl Default for Capture {
             size: None,
             seed: 1,
             looped: false,
+            range: Range::default(),
+            follow: false,
             camera: CameraSettings::default(),
         }
     }
@@ -169,7 +178,15 @@ impl Capture {
             truth_points: points as u32,
             ..defaults
         };
-        Source::named(&self.source, self.looped, rendered)
+        let files = FileOptions {
+            range: self.range,
+            looped: self.looped,
+            fps: match self.pace() {
+                Pace::Fps(fps) => Some(fps),
+                Pace::Max => None,
+            },
+        };
+        Source::named(&self.source, files, rendered)
     }
 
     /// When frames are due.
@@ -296,6 +313,14 @@ impl Settings {
         }
     }
 
+    /// All that is set, as the text of a `lariat.toml`.
+    pub(crate) fn text(&self) -> String {
+        keys::document(|_, key| match (key.get)(self) {
+            Some(value) => format!("{} = {value}\n", key.name),
+            None => String::new(),
+        })
+    }
+
     /// The settings of one file alone.
     ///
     /// # Errors
@@ -338,6 +363,7 @@ impl Resolved {
             resolved.check_fit(&mut problems);
             resolved.check_arrangement(&mut problems);
             resolved.check_camera(&mut problems);
+            resolved.check_source(&mut problems);
         }
         problems.into_result()?;
         Ok(resolved)
@@ -377,6 +403,39 @@ impl Resolved {
                 .max();
             problems.add(said.unwrap_or(&Origin::Default), why);
         }
+    }
+
+    /// Whether what is asked of the source can be asked of it. What stands in the file for another source than the one that a
+    /// flag names is no fault.
+    fn check_source(&self, problems: &mut Problems) {
+        let origin = |name: &str| {
+            keys::position("capture", name).map_or(&Origin::Default, |key| &self.origins[key])
+        };
+        let source_is_in_file = matches!(origin("source"), Origin::File { .. });
+        let capture = &self.settings.capture;
+        for (name, why) in range::meaningless(capture) {
+            let is_meant = match origin(name) {
+                Origin::Default => false,
+                Origin::File { .. } => source_is_in_file && !self.is_default("capture", name),
+                Origin::Flag(_) => true,
+            };
+            if is_meant {
+                problems.add(origin(name), why);
+            }
+        }
+        if problems.is_empty()
+            && let Some((name, why)) = range::contradiction(capture)
+        {
+            problems.add(origin(name).max(origin("follow")), why);
+        }
+    }
+
+    /// Whether a setting is what it is if nobody says anything.
+    fn is_default(&self, section: &str, name: &str) -> bool {
+        keys::position(section, name).is_none_or(|key| {
+            let get = KEYS[key].get;
+            get(&self.settings) == get(&Settings::default())
+        })
     }
 
     /// Whether the stages can be arranged so.

@@ -152,6 +152,18 @@ pub(crate) struct ChainArgs {
     /// Begin again after the last file
     #[arg(long = "loop")]
     pub(crate) looped: bool,
+    /// Of pictures or a video, begin with this frame: its number, or a time such as 2.5s
+    #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
+    pub(crate) from: Option<String>,
+    /// And end with this frame, or before this time
+    #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
+    pub(crate) to: Option<String>,
+    /// Show each how-manieth frame of pictures or a video
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) every: Option<i64>,
+    /// Show what is in a folder, and then each picture as it comes
+    #[arg(long)]
+    pub(crate) follow: bool,
 }
 
 impl ChainArgs {
@@ -163,10 +175,12 @@ impl ChainArgs {
         let yes = |given: bool| given.then_some(Value::Boolean(true));
         let text = |text: &Option<String>| text.clone().map(Value::String);
         let fps = self.fps.as_ref().map(|text| number_or_text(text));
-        let order = self.shape.order.as_ref().map(|text| match text.parse() {
+        let whole = |text: &String| match text.parse() {
             Ok(number) => Value::Integer(number),
             Err(_) => Value::String(text.clone()),
-        });
+        };
+        let order = self.shape.order.as_ref().map(whole);
+        let (from, to) = (self.from.as_ref().map(whole), self.to.as_ref().map(whole));
         let source =
             (!self.source.is_empty()).then(|| Value::Array(self.source.iter().map(path).collect()));
         let duration_s = self.duration.map(|d| Value::Float(d.as_secs_f64()));
@@ -179,6 +193,15 @@ impl ChainArgs {
             ("--size", "capture", "size", text(&self.size)),
             ("--seed", "capture", "seed", self.seed.map(count)),
             ("--loop", "capture", "loop", yes(self.looped)),
+            ("--from", "capture", "from", from),
+            ("--to", "capture", "to", to),
+            (
+                "--every",
+                "capture",
+                "every",
+                self.every.map(Value::Integer),
+            ),
+            ("--follow", "capture", "follow", yes(self.follow)),
             (
                 "--pixel-format",
                 "capture",

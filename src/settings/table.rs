@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, camera, meaning, view};
+use crate::settings::{arrangement, camera, meaning, range, view};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -207,6 +207,43 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.looped = yes),
         get: |s| Some(Value::Boolean(s.capture.looped)),
+    },
+    Key {
+        section: "capture",
+        name: "from",
+        about: "Of pictures or a video, begin with this frame: its number, from 1, or a time, \"2.5s\", by the video's own rate\n\
+                or the pictures' fps.",
+        example: "120",
+        set: |s, v| range::position(v).map(|at| s.capture.range.from = at),
+        get: |s| range::position_value(s.capture.range.from),
+    },
+    Key {
+        section: "capture",
+        name: "to",
+        about: "And end with this frame, or before this time.",
+        example: "\"10s\"",
+        set: |s, v| range::position(v).map(|at| s.capture.range.to = at),
+        get: |s| range::position_value(s.capture.range.to),
+    },
+    Key {
+        section: "capture",
+        name: "every",
+        about: "Show each how-manieth of them: 3 is the first, the fourth, the seventh, ...",
+        example: "",
+        set: |s, v| range::every(v).map(|every| s.capture.range.every = every),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.capture.range.every.get()).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "follow",
+        about: "Show what is in the folder, and then each picture as it comes, once it is closed or moved there.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.follow = yes),
+        get: |s| Some(Value::Boolean(s.capture.follow)),
     },
     Key {
         section: "capture",

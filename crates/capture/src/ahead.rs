@@ -54,6 +54,13 @@ pub(crate) trait Decode: Send + 'static {
 
     /// Decodes the next frame into the beginning of `pixels`, which has room for the largest.
     fn decode(&mut self, pixels: &mut [u8]) -> Step;
+
+    /// Why a pass had no frame and nothing was wrong.
+    fn nothing(&self) -> SourceError {
+        SourceError::NothingDecoded {
+            reason: "there is none".to_owned(),
+        }
+    }
 }
 
 /// What is known of a set of frames before the first.
@@ -65,6 +72,7 @@ pub(crate) struct Plan {
     /// Decoded bytes of the whole set.
     pub(crate) total_bytes: u64,
     pub(crate) warnings: Vec<String>,
+    pub(crate) news: Option<String>,
 }
 
 /// Memory that a frame is decoded into.
@@ -297,6 +305,10 @@ impl FrameSource for Ahead {
     fn take_warning(&mut self) -> Option<String> {
         self.warnings.pop_front()
     }
+
+    fn take_news(&mut self) -> Option<String> {
+        self.plan.news.take()
+    }
 }
 
 impl Drop for Ahead {
@@ -391,8 +403,10 @@ fn one_pass(
         }
     }
     if is_empty {
-        let reason = first_reason.unwrap_or_else(|| "there is none".to_owned());
-        return Some(Err(SourceError::NothingDecoded { reason }));
+        return Some(Err(match first_reason {
+            Some(reason) => SourceError::NothingDecoded { reason },
+            None => decoder.nothing(),
+        }));
     }
     Some(Ok(()))
 }

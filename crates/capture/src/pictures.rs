@@ -8,11 +8,16 @@ use lariat_wire::SourceKind;
 
 use crate::ahead::{Ahead, Decode, Plan, Step};
 use crate::natural::natural_order;
+use crate::open::FileOptions;
 use crate::picture::{PictureDecoder, is_picture, probe};
+use crate::range::Frames;
 use crate::source::SourceError;
 
 /// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
-pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, SourceError> {
+pub(crate) fn open_pictures(
+    paths: &[PathBuf],
+    options: &FileOptions,
+) -> Result<Ahead, SourceError> {
     let mut files = Vec::new();
     let mut warnings = Vec::new();
     for path in paths {
@@ -35,6 +40,8 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
             files.push(path.clone());
         }
     }
+    let frames = options.range.frames(options.fps)?;
+    let files = selected(files, frames)?;
     // A file whose head is broken is left in the sequence, to be lost when its turn comes.
     let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
     for layout in files.iter().filter_map(|file| probe(file).ok()) {
@@ -45,9 +52,10 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
         kind: SourceKind::Files,
         largest_frame_bytes,
         native_fps: None,
-        looped,
+        looped: options.looped,
         total_bytes,
         warnings,
+        news: frames.news(),
     };
     let pictures = Pictures {
         files,
@@ -55,6 +63,21 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
         decoder: PictureDecoder::default(),
     };
     Ahead::start(pictures, plan)
+}
+
+/// Those of the files that are in the range.
+fn selected(files: Vec<PathBuf>, frames: Frames) -> Result<Vec<PathBuf>, SourceError> {
+    let count = files.len() as u64;
+    if frames.of(count) == 0 {
+        return Err(SourceError::BehindEnd {
+            first: frames.first,
+            count,
+        });
+    }
+    // In range: the first is within the files.
+    let (first, every) = (frames.first as usize - 1, frames.every as usize);
+    let chosen = files.into_iter().skip(first).step_by(every);
+    Ok(chosen.take(frames.of(count) as usize).collect())
 }
 
 /// Adds a folder's pictures; a sentence if it holds other files too.

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
@@ -186,6 +187,30 @@ pub enum SourceError {
         path: PathBuf,
         /// What is wrong with it, and what would be right.
         what: String,
+    },
+    /// A moment of a sequence that has no rate.
+    #[error("{} s tell no frame where frames have no rate: name it by its number, or say how many frames a second are shown", time.as_secs_f64())]
+    NoRate {
+        /// The moment, from the first frame on.
+        time: Duration,
+    },
+    /// A range that ends before it begins.
+    #[error(
+        "frame {first} is to be the first and frame {last} the last: choose a range with a frame in it"
+    )]
+    EmptyRange {
+        /// The number of the first.
+        first: u64,
+        /// Of the last.
+        last: u64,
+    },
+    /// A range that begins behind the end.
+    #[error("frame {first} is to be the first, and there are only {count}: begin earlier")]
+    BehindEnd {
+        /// The number of the first that was asked for.
+        first: u64,
+        /// How many there are.
+        count: u64,
     },
     /// Not one frame of the source can be decoded.
     #[error("no frame can be decoded, the first because {reason}")]
