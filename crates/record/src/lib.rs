@@ -10,6 +10,7 @@ mod losses;
 mod messages;
 mod reading;
 mod schema;
+mod writing;
 
 pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
 pub use cdr::CdrError;
@@ -23,3 +24,7 @@ pub use reading::{
     About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span, Topic,
 };
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
+pub use writing::{
+    Clock, Compression, Drops, Ended, Ending, Existing, Flushed, Head, Images, NoRoom, Options,
+    Recorder, RingOptions, Topic, WriteError, Writer, Written,
+};
