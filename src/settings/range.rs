@@ -103,6 +103,12 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
         return None;
     }
     let why = |what: &str| format!("a folder that is followed {what}: choose one of the two");
+    if capture.source.len() != 1 {
+        return Some((
+            "follow",
+            "one folder can be followed: name it alone".to_owned(),
+        ));
+    }
     if capture.looped {
         return Some(("loop", why("does not end, and cannot begin again")));
     }

@@ -112,8 +112,10 @@ impl PictureDecoder {
         let color = decoder.color_type();
         let Some(upright) = pixels.get_mut(..layout.bytes()) else {
             return Err(format!(
-                "{} has grown since the start, to more than was made room for",
-                path.display()
+                "{} has {}×{} pixels, more than room was made for at the start: begin with the largest",
+                path.display(),
+                layout.width,
+                layout.height
             ));
         };
         let turned = orientation != Orientation::NoTransforms;
