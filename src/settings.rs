@@ -326,6 +326,14 @@ impl Settings {
         }
     }
 
+    /// All that is set, as the text of a `lariat.toml`.
+    pub(crate) fn text(&self) -> String {
+        keys::document(|_, key| match (key.get)(self) {
+            Some(value) => format!("{} = {value}\n", key.name),
+            None => String::new(),
+        })
+    }
+
     /// The settings of one file alone.
     ///
     /// # Errors

@@ -13,7 +13,9 @@ pub(crate) mod status;
 
 use std::os::fd::AsFd;
 
-use lariat_wire::{Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns};
+use lariat_wire::{
+    Announcement, Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns,
+};
 
 use crate::settings::{Arrangement, STAGES, Settings};
 use crate::stop::Stop;
@@ -30,6 +32,9 @@ pub(crate) struct Station {
     arrangement: Arrangement,
     /// Which of [`STAGES`] it is.
     place: usize,
+    /// What it says of itself to others on the machine.
+    settings: String,
+    announcement: Option<Announcement>,
 }
 
 /// What ends a stage, and whom it tells how it is.
@@ -65,6 +70,8 @@ impl Station {
             status,
             arrangement: settings.run.arrangement.clone(),
             place: STAGES.iter().position(|name| *name == stage).unwrap_or(0),
+            settings: settings.text(),
+            announcement: None,
         })
     }
 
@@ -73,6 +80,16 @@ impl Station {
         let lacks = arrangement::apply(&self.arrangement, self.place)?;
         if lacks.any() {
             self.status.lacks(lacks);
+        }
+        let announced = self
+            .domain
+            .announce(&self.rig, STAGES[self.place], &self.settings);
+        match announced {
+            Ok(announcement) => self.announcement = Some(announcement),
+            Err(cause) => tracing::warn!(
+                "{} is not seen by `lariat doctor` and recorders, as its entry could not be written: {cause}",
+                STAGES[self.place]
+            ),
         }
         self.status.ready();
         Ok(())

@@ -7,8 +7,7 @@ use std::time::Duration;
 
 use iceoryx2::prelude::*;
 
-use crate::WireError;
-use crate::memory;
+use crate::{WireError, memory, roster};
 
 /// How long a sweep waits for another process that is sweeping too.
 const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
@@ -67,10 +66,7 @@ pub struct Domain {
 impl Domain {
     /// Joins the domain that `LARIAT_DOMAIN` names, or the machine's.
     pub fn open() -> Result<Self, WireError> {
-        match std::env::var("LARIAT_DOMAIN") {
-            Ok(name) => Self::named(&name),
-            Err(_) => Self::join(Config::global_config().clone()),
-        }
+        Self::join(config_here()?)
     }
 
     /// Joins a domain by name, whatever the environment says.
@@ -102,6 +98,7 @@ impl Domain {
     /// Removes the shared memory and files that killed processes left behind in this domain.
     pub fn sweep(&self) {
         self.node.blocking_cleanup_dead_nodes(SWEEP_TIMEOUT);
+        roster::sweep(self.config());
     }
 
     pub(crate) fn config(&self) -> &Config {
@@ -148,6 +145,14 @@ pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     config.global.prefix = prefix;
     config.global.set_root_path(&root);
     Ok(config)
+}
+
+/// The settings of the domain that `LARIAT_DOMAIN` names, or of the machine's.
+pub(crate) fn config_here() -> Result<Config, WireError> {
+    match std::env::var("LARIAT_DOMAIN") {
+        Ok(name) => config_of(&name),
+        Err(_) => Ok(Config::global_config().clone()),
+    }
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod patience;
 mod ready;
 mod receiver;
 mod relay;
+mod roster;
 mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
@@ -26,4 +27,5 @@ pub use leftovers::{Leftover, leftovers};
 pub use message::*;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};
 pub use relay::{RelayMessage, RelayReceiver, RelaySender};
+pub use roster::{Announcement, Member, members};
 pub use writer::{Slot, Writer};

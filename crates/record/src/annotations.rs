@@ -1,0 +1,158 @@
+//! What Foxglove draws over the image: the ropes as they were seen, and the curves that stand for them.
+
+use lariat_wire::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Unit};
+
+use crate::cdr::{Cdr, Encoder};
+use crate::images::put_time;
+use crate::schema::{Schema, schema};
+
+/// The definition of what is drawn over an image.
+pub const ANNOTATIONS: Schema = schema!(
+    "foxglove_msgs/msg/ImageAnnotations",
+    "ImageAnnotations.msg",
+    "foxglove_msgs/CircleAnnotation" = "CircleAnnotation.msg",
+    "foxglove_msgs/PointsAnnotation" = "PointsAnnotation.msg",
+    "foxglove_msgs/TextAnnotation" = "TextAnnotation.msg",
+    "foxglove_msgs/Point2" = "Point2.msg",
+    "foxglove_msgs/Color" = "Color.msg",
+    "builtin_interfaces/Time" = "Time.msg"
+);
+
+/// As in `PointsAnnotation`.
+const POINTS: u8 = 1;
+const LINE_LOOP: u8 = 2;
+const LINE_STRIP: u8 = 3;
+
+type Color = [f64; 4];
+const NONE: Color = [0.0; 4];
+/// Ropes by their track, so that one keeps its color: well apart for the color-blind too (Okabe and Ito's palette).
+const ROPES: [Color; 6] = [
+    [0.90, 0.62, 0.00, 1.0],
+    [0.34, 0.71, 0.91, 1.0],
+    [0.00, 0.62, 0.45, 1.0],
+    [0.94, 0.89, 0.26, 1.0],
+    [0.80, 0.47, 0.65, 1.0],
+    [0.84, 0.37, 0.00, 1.0],
+];
+/// Points that are covered.
+const HIDDEN: Color = [0.5, 0.5, 0.5, 1.0];
+const WHITE: Color = [1.0; 4];
+const BACKGROUND: Color = [0.0, 0.0, 0.0, 0.5];
+
+fn color(track: u32) -> Color {
+    ROPES[track as usize % ROPES.len()]
+}
+
+/// A message that something is drawn from.
+#[derive(Debug, Clone, Copy)]
+pub enum Annotated<'a> {
+    /// The centerlines as lines, what is hidden in gray, a ring around each crossing, a number at each rope.
+    Centerlines(&'a Centerlines),
+    /// The control polygons, of curves in pixels of the image.
+    Descriptors(&'a Descriptors),
+}
+
+/// Writes `foxglove_msgs/ImageAnnotations` into a buffer, which is emptied first. `stamp_ns`: when the image was taken, in
+/// nanoseconds of Unix time.
+pub fn encode_annotations(of: Annotated, stamp_ns: u64, into: &mut Vec<u8>) {
+    let to = &mut Encoder::new(into);
+    match of {
+        Annotated::Centerlines(seen) => {
+            to.byte_count(seen.crossings().len());
+            for crossing in seen.crossings() {
+                let over = seen.curves().get(crossing.over as usize);
+                let width_px = over.map_or(10.0, |rope| f64::from(rope.width_px));
+                put_circle(to, stamp_ns, crossing.at.map(f64::from), 2.0 * width_px);
+            }
+            to.byte_count(seen.curves().len());
+            for rope in seen.curves() {
+                put_rope(to, stamp_ns, rope);
+            }
+            to.byte_count(seen.curves().len());
+            for rope in seen.curves() {
+                put_label(to, stamp_ns, rope);
+            }
+        }
+        Annotated::Descriptors(shapes) => {
+            to.byte_count(0);
+            let drawn =
+                |shape: &&Descriptor| shapes.unit() == Some(Unit::Pixel) && has_polygon(shape);
+            to.byte_count(2 * shapes.curves().iter().filter(drawn).count());
+            for shape in shapes.curves().iter().filter(drawn) {
+                let color = color(shape.track);
+                for (kind, thickness_px) in [(LINE_STRIP, 1.0), (POINTS, 5.0)] {
+                    put_time(to, stamp_ns);
+                    kind.put(to);
+                    put_points(to, shape.control_points().iter().copied());
+                    color.put(to);
+                    to.byte_count(0);
+                    NONE.put(to);
+                    put_thickness(to, thickness_px);
+                }
+            }
+            to.byte_count(0);
+        }
+    }
+}
+
+/// Whether the control points lie about the curve.
+fn has_polygon(shape: &Descriptor) -> bool {
+    !matches!(shape.basis(), None | Some(Basis::Fourier))
+}
+
+fn put_thickness(to: &mut Encoder, thickness_px: f64) {
+    thickness_px.put(to);
+}
+
+/// Foxglove counts from the corner of the top-left pixel, lariat from its centre.
+fn put_points(to: &mut Encoder, points: impl ExactSizeIterator<Item = [f64; 2]>) {
+    to.byte_count(points.len());
+    points.for_each(|p| p.map(|c| c + 0.5).put(to));
+}
+
+fn put_rope(to: &mut Encoder, stamp_ns: u64, rope: &Curve) {
+    put_time(to, stamp_ns);
+    let is_closed = rope.closed != 0;
+    (if is_closed { LINE_LOOP } else { LINE_STRIP }).put(to);
+    let points = rope.points();
+    put_points(to, points.iter().map(|p| p.map(f64::from)));
+    let own = color(rope.track);
+    own.put(to);
+    let is_hidden = |i| rope.status() == Some(Status::Lost) || rope.is_hidden(i);
+    let colors = if (0..points.len()).any(is_hidden) {
+        // One for each segment.
+        points.len() - usize::from(!is_closed && !points.is_empty())
+    } else {
+        0
+    };
+    to.byte_count(colors);
+    for i in 0..colors {
+        let covered = is_hidden(i) || is_hidden((i + 1) % points.len());
+        (if covered { HIDDEN } else { own }).put(to);
+    }
+    NONE.put(to);
+    put_thickness(to, 2.0);
+}
+
+fn put_circle(to: &mut Encoder, stamp_ns: u64, at: [f64; 2], diameter_px: f64) {
+    put_time(to, stamp_ns);
+    at.map(|c| c + 0.5).put(to);
+    diameter_px.put(to);
+    put_thickness(to, 1.0);
+    NONE.put(to);
+    WHITE.put(to);
+}
+
+fn put_label(to: &mut Encoder, stamp_ns: u64, rope: &Curve) {
+    put_time(to, stamp_ns);
+    let at = rope.points().first().copied().unwrap_or_default();
+    at.map(|c| f64::from(c) + 0.5).put(to);
+    to.string(match rope.status() {
+        Some(Status::Partial) => "partial",
+        Some(Status::Lost) => "lost",
+        _ => "start",
+    });
+    12.0_f64.put(to);
+    color(rope.track).put(to);
+    BACKGROUND.put(to);
+}

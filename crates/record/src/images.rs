@@ -1,0 +1,303 @@
+//! Images, in the schemas that ROS 2 and Foxglove show: `sensor_msgs/Image` and `sensor_msgs/CompressedImage`.
+
+use lariat_wire::{FrameHeader, PixelFormat};
+
+use crate::cdr::{Cdr, CdrError, Decoder, Encoder};
+use crate::schema::{Schema, schema};
+
+const NS_PER_S: u64 = 1_000_000_000;
+
+/// The definition of an image as it is.
+pub const IMAGE: Schema = schema!(
+    "sensor_msgs/msg/Image",
+    "Image.msg",
+    "std_msgs/Header" = "Header.msg",
+    "builtin_interfaces/Time" = "Time.msg"
+);
+/// The definition of an image as PNG or JPEG.
+pub const COMPRESSED_IMAGE: Schema = schema!(
+    "sensor_msgs/msg/CompressedImage",
+    "CompressedImage.msg",
+    "std_msgs/Header" = "Header.msg",
+    "builtin_interfaces/Time" = "Time.msg"
+);
+
+/// The field's name of a pixel format, as in `sensor_msgs/image_encodings`.
+const fn encoding(format: PixelFormat) -> &'static str {
+    match format {
+        PixelFormat::Gray8 => "mono8",
+        PixelFormat::Rgb8 => "rgb8",
+        PixelFormat::Bgr8 => "bgr8",
+        PixelFormat::Yuyv => "yuv422_yuy2",
+        PixelFormat::Uyvy => "uyvy",
+        PixelFormat::Nv12 => "nv12",
+    }
+}
+
+fn format_of(encoding: &str) -> Option<PixelFormat> {
+    Some(match encoding {
+        "mono8" | "8UC1" => PixelFormat::Gray8,
+        "rgb8" => PixelFormat::Rgb8,
+        "bgr8" | "8UC3" => PixelFormat::Bgr8,
+        "yuv422_yuy2" | "yuyv" => PixelFormat::Yuyv,
+        "yuv422" | "uyvy" => PixelFormat::Uyvy,
+        "nv12" => PixelFormat::Nv12,
+        _ => return None,
+    })
+}
+
+/// `std_msgs/Header`.
+fn put_header(to: &mut Encoder, stamp_ns: u64, frame_id: &str) {
+    put_time(to, stamp_ns);
+    to.string(frame_id);
+}
+
+pub(crate) fn put_time(to: &mut Encoder, ns: u64) {
+    ((ns / NS_PER_S) as i32).put(to);
+    ((ns % NS_PER_S) as u32).put(to);
+}
+
+fn stamp(from: &mut Decoder) -> Result<u64, CdrError> {
+    let (s, ns): (i32, u32) = (from.value()?, from.value()?);
+    Ok(s.max(0) as u64 * NS_PER_S + u64::from(ns))
+}
+
+/// Writes a frame as `sensor_msgs/Image` into a buffer, which is emptied first: its rows one behind the other, without
+/// what lies between them in memory.
+///
+/// `stamp_ns`: when it was taken, in nanoseconds of Unix time; `rig`: its frame of reference. `false`, and nothing is
+/// written: the header does not describe these bytes, or has no image.
+pub fn encode_image(
+    header: &FrameHeader,
+    bytes: &[u8],
+    stamp_ns: u64,
+    rig: &str,
+    into: &mut Vec<u8>,
+) -> bool {
+    let (Some(format), Some(size)) = (header.format(), header.image_bytes()) else {
+        return false;
+    };
+    let Some(bytes) = bytes.get(..size).filter(|_| !header.is_blank()) else {
+        return false;
+    };
+    let row = format.row_bytes(header.width);
+    // An NV12's half-size plane ends with its rows.
+    let rows = bytes.len() / header.stride as usize;
+    let mut to = Encoder::new(into);
+    put_header(&mut to, stamp_ns, rig);
+    header.height.put(&mut to);
+    header.width.put(&mut to);
+    to.string(encoding(format));
+    0_u8.put(&mut to);
+    (row as u32).put(&mut to);
+    to.byte_count(rows * row);
+    if row == header.stride as usize {
+        to.raw(bytes);
+    } else {
+        for padded in bytes.chunks_exact(header.stride as usize) {
+            to.raw(&padded[..row]);
+        }
+    }
+    true
+}
+
+/// An image as it stands in a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageRecord<'a> {
+    /// When it was taken, in nanoseconds of Unix time.
+    pub stamp_ns: u64,
+    /// Its frame of reference: the rig.
+    pub frame_id: &'a str,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// What its pixels are called.
+    pub encoding: &'a str,
+    /// Bytes from one row's start to the next.
+    pub step: u32,
+    /// The pixels.
+    pub data: &'a [u8],
+}
+
+impl<'a> ImageRecord<'a> {
+    /// Reads an image, in place.
+    ///
+    /// # Errors
+    /// The bytes are no `sensor_msgs/Image`.
+    pub fn decode(cdr: &'a [u8]) -> Result<Self, CdrError> {
+        let mut from = Decoder::new(cdr)?;
+        let stamp_ns = stamp(&mut from)?;
+        let frame_id = from.string()?;
+        let (height, width) = (from.value()?, from.value()?);
+        let encoding = from.string()?;
+        from.value::<u8>()?;
+        let step = from.value()?;
+        let data = from.bytes()?;
+        Ok(Self {
+            stamp_ns,
+            frame_id,
+            width,
+            height,
+            encoding,
+            step,
+            data,
+        })
+    }
+
+    /// How the bytes make pixels; `None` if lariat has no such format.
+    pub fn format(&self) -> Option<PixelFormat> {
+        format_of(self.encoding)
+    }
+
+    /// Whether there are as many bytes as width, height and step ask for, in a format that lariat knows.
+    pub fn is_whole(&self) -> bool {
+        let header = FrameHeader {
+            width: self.width,
+            height: self.height,
+            stride: self.step,
+            pixel_format: self.format().map_or(0, |format| format as u32),
+            ..FrameHeader::default()
+        };
+        // Wide enough for any product: an image this large is in no memory.
+        let fits = u64::from(self.step) * u64::from(self.height) <= 1 << 40;
+        fits && header.image_bytes() == Some(self.data.len())
+    }
+}
+
+/// Writes a picture file's bytes as `sensor_msgs/CompressedImage` into a buffer, which is emptied first. `format`: `png`
+/// or `jpeg`; the rest as in [`encode_image`].
+pub fn encode_compressed_image(
+    file: &[u8],
+    format: &str,
+    stamp_ns: u64,
+    rig: &str,
+    into: &mut Vec<u8>,
+) {
+    let mut to = Encoder::new(into);
+    put_header(&mut to, stamp_ns, rig);
+    to.string(format);
+    to.byte_count(file.len());
+    to.raw(file);
+}
+
+/// A picture file as it stands in a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CompressedImageRecord<'a> {
+    /// When it was taken, in nanoseconds of Unix time.
+    pub stamp_ns: u64,
+    /// Its frame of reference: the rig.
+    pub frame_id: &'a str,
+    /// `png` or `jpeg`, or what another writer says.
+    pub format: &'a str,
+    /// The picture file.
+    pub data: &'a [u8],
+}
+
+impl<'a> CompressedImageRecord<'a> {
+    /// Reads a picture, in place.
+    ///
+    /// # Errors
+    /// The bytes are no `sensor_msgs/CompressedImage`.
+    pub fn decode(cdr: &'a [u8]) -> Result<Self, CdrError> {
+        let mut from = Decoder::new(cdr)?;
+        Ok(Self {
+            stamp_ns: stamp(&mut from)?,
+            frame_id: from.string()?,
+            format: from.string()?,
+            data: from.bytes()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(format: PixelFormat, width: u32, height: u32, stride: u32) -> FrameHeader {
+        FrameHeader {
+            width,
+            height,
+            stride,
+            pixel_format: format as u32,
+            ..FrameHeader::default()
+        }
+    }
+
+    #[test]
+    fn an_image_comes_back_without_the_padding_of_its_rows() {
+        for (format, row, rows) in [
+            (PixelFormat::Gray8, 6, 3),
+            (PixelFormat::Rgb8, 18, 3),
+            (PixelFormat::Bgr8, 18, 3),
+            (PixelFormat::Yuyv, 12, 3),
+            (PixelFormat::Uyvy, 12, 3),
+            (PixelFormat::Nv12, 6, 5),
+        ] {
+            for padding in [0, 7] {
+                let stride = row + padding;
+                let header = header(format, 6, 3, stride as u32);
+                let bytes: Vec<u8> = (0..(stride * rows + 5) as u32).map(|i| i as u8).collect();
+                let mut cdr = Vec::new();
+                let stamp_ns = 1_700_000_000_123_456_789;
+                assert!(encode_image(&header, &bytes, stamp_ns, "left", &mut cdr));
+                let image = ImageRecord::decode(&cdr).unwrap();
+                assert_eq!((image.width, image.height, image.step), (6, 3, row as u32));
+                assert_eq!((image.stamp_ns, image.frame_id), (stamp_ns, "left"));
+                assert_eq!(image.format(), Some(format));
+                assert!(image.is_whole());
+                let expected: Vec<u8> = (0..rows)
+                    .flat_map(|y| bytes[y * stride..y * stride + row].to_vec())
+                    .collect();
+                assert_eq!(image.data, expected, "{format:?}, padding {padding}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_image_is_not_written() {
+        let mut cdr = vec![7];
+        let short = header(PixelFormat::Gray8, 6, 3, 6);
+        let unknown = FrameHeader {
+            pixel_format: 99,
+            ..short
+        };
+        for header in [short, unknown, FrameHeader::default()] {
+            assert!(!encode_image(&header, &[0; 17], 0, "", &mut cdr));
+            assert_eq!(cdr, [7]);
+        }
+    }
+
+    #[test]
+    fn an_image_that_lies_about_its_size_is_not_whole() {
+        let image = ImageRecord {
+            stamp_ns: 0,
+            frame_id: "",
+            width: 6,
+            height: 3,
+            encoding: "mono8",
+            step: 6,
+            data: &[0; 18],
+        };
+        assert!(image.is_whole());
+        assert!(!ImageRecord { height: 4, ..image }.is_whole());
+        assert!(!ImageRecord { step: 5, ..image }.is_whole());
+        assert!(!ImageRecord { width: 7, ..image }.is_whole());
+        let huge = u32::MAX;
+        let huge = ImageRecord {
+            height: huge,
+            step: huge,
+            ..image
+        };
+        assert!(!huge.is_whole());
+    }
+
+    #[test]
+    fn a_picture_file_comes_back() {
+        let mut cdr = Vec::new();
+        encode_compressed_image(b"PNG...", "png", 5, "default", &mut cdr);
+        let picture = CompressedImageRecord::decode(&cdr).unwrap();
+        assert_eq!((picture.format, picture.data), ("png", &b"PNG..."[..]));
+        assert_eq!((picture.stamp_ns, picture.frame_id), (5, "default"));
+    }
+}

@@ -1,0 +1,180 @@
+//! Who runs on the rigs of a domain: what each stage says of itself while it lives.
+//!
+//! A file for each, in a folder beside the domain's own, which its process holds a lock on: the kernel gives that back
+//! however the process ends, so that what stands in an unlocked file is of the dead, and is removed by whoever finds it.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+
+use crate::WireError;
+use crate::domain::{Domain, Rig, config_here};
+use iceoryx2::config::Config;
+
+/// What a file begins with, so that what is none is left alone.
+const HEAD: &str = "lariat ";
+const FOLDER: &str = "lariat-roster";
+/// Written to under this ending, and put in place whole.
+const UNFINISHED: &str = "new";
+
+/// A process that runs on a rig.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Member {
+    /// The rig's name.
+    pub rig: String,
+    /// What it is: `capture`, `extract`, `fit`, `sink`, `record`.
+    pub stage: String,
+    /// Its process.
+    pub pid: u32,
+    /// The release of lariat that it is of.
+    pub version: String,
+    /// The folder that it was started in, which relative paths in its settings begin at.
+    pub folder: PathBuf,
+    /// Its settings, as the text of a `lariat.toml`.
+    pub settings: String,
+}
+
+/// A process's entry: it stands until this is dropped or the process ends.
+#[derive(Debug)]
+pub struct Announcement {
+    path: PathBuf,
+    _lock: File,
+}
+
+impl Drop for Announcement {
+    fn drop(&mut self) {
+        // Gone already, or of no use to anyone: the lock says so.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+impl Domain {
+    /// Says that this process is `stage` on `rig`, with these settings.
+    ///
+    /// # Errors
+    /// The entry cannot be written. Nothing else depends on it.
+    pub fn announce(&self, rig: &Rig, stage: &str, settings: &str) -> io::Result<Announcement> {
+        announce(&folder_of(self.config()), rig, stage, settings)
+    }
+}
+
+/// Who runs on the rigs of the domain that `LARIAT_DOMAIN` names, or of the machine's, by rig and stage. The domain is not
+/// joined.
+///
+/// # Errors
+/// `LARIAT_DOMAIN` is no name.
+pub fn members() -> Result<Vec<Member>, WireError> {
+    Ok(read_folder(&folder_of(&config_here()?)))
+}
+
+/// Removes what the dead left.
+pub(crate) fn sweep(config: &Config) {
+    read_folder(&folder_of(config));
+}
+
+fn folder_of(config: &Config) -> PathBuf {
+    Path::new(&config.global.root_path().to_string()).join(FOLDER)
+}
+
+fn announce(folder: &Path, rig: &Rig, stage: &str, settings: &str) -> io::Result<Announcement> {
+    fs::create_dir_all(folder)?;
+    let name = format!("{rig}.{stage}.{}", process::id());
+    let path = folder.join(&name);
+    let unfinished = folder.join(format!("{name}.{UNFINISHED}"));
+    let mut file = File::create(&unfinished)?;
+    file.lock()?;
+    let started_in = std::env::current_dir().unwrap_or_default();
+    write!(
+        file,
+        "{HEAD}{}\n{}\n{settings}",
+        env!("CARGO_PKG_VERSION"),
+        started_in.display()
+    )?;
+    fs::rename(&unfinished, &path)?;
+    Ok(Announcement { path, _lock: file })
+}
+
+fn read_folder(folder: &Path) -> Vec<Member> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut members: Vec<_> = entries.filter_map(|entry| read(&entry.path())).collect();
+    members.sort();
+    members
+}
+
+/// The entry in a file, if its process lives.
+fn read(path: &Path) -> Option<Member> {
+    let name = path.file_name()?.to_str()?;
+    let mut words = name.split('.');
+    let (rig, stage, pid) = (words.next()?, words.next()?, words.next()?.parse().ok()?);
+    let is_unfinished = words.next().is_some();
+    let file = File::open(path).ok()?;
+    match file.try_lock_shared() {
+        Err(TryLockError::WouldBlock) if is_unfinished => return None,
+        Err(TryLockError::WouldBlock) => {}
+        Err(TryLockError::Error(_)) => return None,
+        Ok(()) if is_unfinished && fs::metadata(path).is_ok_and(is_young) => return None,
+        Ok(()) => {
+            let _ = fs::remove_file(path);
+            return None;
+        }
+    }
+    let text = io::read_to_string(file).ok()?;
+    let (head, rest) = text.split_once('\n')?;
+    let (folder, settings) = rest.split_once('\n')?;
+    Some(Member {
+        rig: rig.to_owned(),
+        stage: stage.to_owned(),
+        pid,
+        version: head.strip_prefix(HEAD)?.to_owned(),
+        folder: folder.into(),
+        settings: settings.to_owned(),
+    })
+}
+
+/// Whether a file may be one whose process is about to take its lock.
+fn is_young(file: fs::Metadata) -> bool {
+    let age = file.modified().ok().and_then(|at| at.elapsed().ok());
+    age.is_none_or(|age| age.as_secs() < 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = format!("lariat-roster-{name}-{}", process::id());
+        std::env::temp_dir().join(folder)
+    }
+
+    #[test]
+    fn who_lives_is_listed_with_what_it_said() {
+        let folder = folder("lives");
+        let rig: Rig = "left-arm".parse().unwrap();
+        let fit = announce(&folder, &rig, "fit", "[fit]\norder = 8\n").unwrap();
+        let extract = announce(&folder, &rig, "extract", "").unwrap();
+        let members = read_folder(&folder);
+        let stages: Vec<&str> = members.iter().map(|m| m.stage.as_str()).collect();
+        assert_eq!(stages, ["extract", "fit"]);
+        assert_eq!(members[1].settings, "[fit]\norder = 8\n");
+        assert_eq!(
+            (members[1].pid, members[1].rig.as_str()),
+            (process::id(), "left-arm")
+        );
+        assert_eq!(members[1].folder, std::env::current_dir().unwrap());
+        drop(fit);
+        assert_eq!(read_folder(&folder).len(), 1);
+        drop(extract);
+        fs::remove_dir(&folder).expect("nothing is left in it");
+    }
+
+    #[test]
+    fn what_the_dead_left_is_removed() {
+        let folder = folder("dead");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("default.fit.123"), "lariat 0.1.0\n/\n").unwrap();
+        assert_eq!(read_folder(&folder), []);
+        fs::remove_dir(&folder).expect("nothing is left in it");
+        assert_eq!(read_folder(&folder), []);
+    }
+}
