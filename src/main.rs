@@ -17,6 +17,7 @@ mod paper;
 mod pick;
 mod picture;
 mod plane_file;
+mod record;
 mod settings;
 mod snapshot;
 mod stages;
