@@ -15,6 +15,7 @@ use crate::doctor::{self, DoctorArgs};
 use crate::fit_lines::{self, FitArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
+use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
@@ -43,6 +44,8 @@ enum Command {
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(ChainArgs),
+    /// Computes a recording again: to check that the same comes out, or what other settings change
+    Replay(Box<ReplayArgs>),
     /// The shapes of the ropes in pictures
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
@@ -92,6 +95,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Replay(args)) => replay::run(*args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),

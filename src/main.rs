@@ -17,6 +17,8 @@ mod paper;
 mod pick;
 mod picture;
 mod plane_file;
+mod recording;
+mod replay;
 mod settings;
 mod snapshot;
 mod stages;
