@@ -21,7 +21,8 @@ pub use images::{
 pub use losses::Losses;
 pub use messages::Record;
 pub use reading::{
-    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span, Topic,
+    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span,
+    TopicSummary,
 };
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
 pub use writing::{

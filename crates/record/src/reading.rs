@@ -23,4 +23,4 @@ pub use about::{About, METADATA};
 pub use cursor::Messages;
 pub use entry::{Entry, Frame, Pixels};
 pub use error::RecordingError;
-pub use recording::{Place, Recording, Span, Topic};
+pub use recording::{Place, Recording, Span, TopicSummary};

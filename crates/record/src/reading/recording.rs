@@ -49,7 +49,7 @@ pub struct Span {
 
 /// A topic of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Topic {
+pub struct TopicSummary {
     /// Its name.
     pub name: String,
     /// The name of its messages' definition; empty if there is none.
@@ -188,14 +188,14 @@ impl Recording {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn topics(&self) -> Result<Vec<Topic>, RecordingError> {
+    pub fn topics(&self) -> Result<Vec<TopicSummary>, RecordingError> {
         let Source { storage, index, .. } = &self.source;
         let mut unpacker = Unpacker::new(storage.clone());
         let counts = census::take(storage.as_ref(), index, &mut unpacker)?;
         let topics = index.channels.iter().map(|(id, listed)| {
             let schema = index.schemas.get(&listed.schema);
             let count = counts.get(id).copied().unwrap_or_default();
-            Topic {
+            TopicSummary {
                 name: listed.topic.clone(),
                 schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
                 messages: count.messages,
