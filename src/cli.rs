@@ -12,7 +12,9 @@ use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
 use crate::doctor::{self, DoctorArgs};
+use crate::export::{self, ExportArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::info::{self, InfoArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::replay::{self, ReplayArgs};
@@ -46,6 +48,10 @@ enum Command {
     Sink(ChainArgs),
     /// Computes a recording again: to check that the same comes out, or what other settings change
     Replay(Box<ReplayArgs>),
+    /// What was recorded, as a table, JSON lines, a video or pictures
+    Export(ExportArgs),
+    /// What a recording holds
+    Info(InfoArgs),
     /// The shapes of the ropes in pictures
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
@@ -96,6 +102,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
         Some(Command::Replay(args)) => replay::run(*args),
+        Some(Command::Export(args)) => export::run(args),
+        Some(Command::Info(args)) => info::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),

@@ -19,7 +19,7 @@ pub(crate) enum Pixels {
 
 impl Pixels {
     /// What it is, and its bytes.
-    pub(crate) fn split(pixels: Recorded) -> (Self, &[u8]) {
+    pub(crate) fn split(pixels: Recorded<'_>) -> (Self, &[u8]) {
         match pixels {
             Recorded::None => (Self::None, &[]),
             Recorded::Raw(bytes) => (Self::Raw, bytes),
@@ -58,7 +58,7 @@ impl Decoder {
                 "frame {} was recorded without its image",
                 header.trace.sequence
             ),
-            Pixels::Raw => return Ok((*header, bytes)),
+            Pixels::Raw => Ok((*header, bytes)),
             Pixels::Png => {
                 let decoder = PngDecoder::new(Cursor::new(bytes)).with_context(about)?;
                 self.read(header, decoder).with_context(about)

@@ -141,7 +141,7 @@ impl Race {
         };
         // Whoever comes second finds the frame in the cache: each does in half of the frames.
         let mut runs = [(&mut self.then, 0), (&mut self.now, 1)];
-        if self.count % 2 == 0 {
+        if self.count.is_multiple_of(2) {
             runs.reverse();
         }
         for (stages, which) in runs {
