@@ -17,6 +17,7 @@ use crate::fit_lines::{self, FitArgs};
 use crate::info::{self, InfoArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
+use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
@@ -46,6 +47,11 @@ enum Command {
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(ChainArgs),
+    /// Records what a chain sees and says, from outside, as an MCAP file
+    Record(RecordArgs),
+    /// The recorder that `run --record` starts
+    #[command(hide = true)]
+    Recorder(ChainArgs),
     /// Computes a recording again: to check that the same comes out, or what other settings change
     Replay(Box<ReplayArgs>),
     /// What was recorded, as a table, JSON lines, a video or pictures
@@ -101,6 +107,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Record(args)) => record::run(args),
+        Some(Command::Recorder(args)) => record::run_for_chain(&args),
         Some(Command::Replay(args)) => replay::run(*args),
         Some(Command::Export(args)) => export::run(args),
         Some(Command::Info(args)) => info::run(args),

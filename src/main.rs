@@ -19,6 +19,7 @@ mod paper;
 mod pick;
 mod picture;
 mod plane_file;
+mod record;
 mod recording;
 mod replay;
 mod settings;

@@ -20,7 +20,7 @@ pub(super) struct Key {
 }
 
 /// What each section is about.
-const SECTIONS: [(&str, &str); 6] = [
+const SECTIONS: [(&str, &str); 7] = [
     ("run", "The chain as a whole."),
     ("capture", "Where frames come from."),
     ("camera", "Where what is seen in them lies."),
@@ -30,6 +30,7 @@ const SECTIONS: [(&str, &str); 6] = [
     ),
     ("fit", "The curve that describes the centerline."),
     ("sink", "What is shown while the chain runs."),
+    ("record", "What a recording keeps, and how."),
 ];
 
 /// Which of [`KEYS`] are of this section.

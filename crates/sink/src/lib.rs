@@ -37,7 +37,7 @@ mod times;
 mod truth;
 
 pub use figure::Figure;
-pub use losses::Restarts;
+pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
 pub use options::{FinalCounts, Options};
 pub use report::{Report, ReportError};
