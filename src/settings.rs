@@ -13,7 +13,7 @@ mod file;
 mod keys;
 mod meaning;
 mod problem;
-mod range;
+pub(crate) mod range;
 mod recording;
 mod table;
 mod view;
