@@ -16,6 +16,7 @@ mod ready;
 mod receiver;
 mod relay;
 mod roster;
+mod survey;
 mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
@@ -28,4 +29,5 @@ pub use message::*;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};
 pub use relay::{RelayMessage, RelayReceiver, RelaySender};
 pub use roster::{Announcement, Member, members};
+pub use survey::{ChannelEnds, ChannelState, ChannelWriter};
 pub use writer::{Slot, Writer};
