@@ -13,17 +13,19 @@ mod file;
 mod keys;
 mod meaning;
 mod problem;
-mod range;
+pub(crate) mod range;
+mod recording;
 mod table;
 mod view;
 
-pub(crate) use args::{ChainArgs, ShapeArgs};
+pub(crate) use args::{ChainArgs, RecordingArgs, ShapeArgs};
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
 pub(crate) use camera::{CameraSettings, name_and_value};
 pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
 pub(crate) use meaning::{image_size, mask_text, number_text};
 pub(crate) use problem::Problems;
+pub(crate) use recording::{COMPRESSIONS, IMAGES, Recording};
 pub(crate) use view::{Camera, Unit};
 
 use crate::settings::keys::KEYS;
@@ -50,6 +52,7 @@ pub(crate) struct Settings {
     pub(crate) extract: Extract,
     pub(crate) fit: Fit,
     pub(crate) sink: Sink,
+    pub(crate) record: Recording,
 }
 
 /// `[run]`: the chain as a whole.
@@ -69,6 +72,8 @@ pub(crate) struct Run {
     pub(crate) trace: Option<PathBuf>,
     /// The latency that counts as a miss; without it, the frame period.
     pub(crate) deadline: Option<Duration>,
+    /// The recording; without it, none is made.
+    pub(crate) record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub(crate) fuse: bool,
     /// How the stages are arranged on the machine.
@@ -95,6 +100,7 @@ impl Default for Run {
             frames: None,
             out: None,
             trace: None,
+            record: None,
             deadline: None,
             fuse: false,
             arrangement: Arrangement::default(),

@@ -33,6 +33,16 @@ pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
     Ok(Some(Position::Time(time)))
 }
 
+/// The same, as a flag has it.
+pub(crate) fn position_of_flag(text: &str) -> Result<Position, String> {
+    let value = match text.parse() {
+        Ok(number) => Value::Integer(number),
+        Err(_) => Value::String(text.to_owned()),
+    };
+    // Only nothing is no place, and nothing is no flag.
+    position(&value)?.ok_or_else(|| "a place is a frame's number or a time".to_owned())
+}
+
 pub(super) fn position_value(position: Option<Position>) -> Option<Value> {
     Some(match position? {
         Position::Frame(number) => Value::Integer(i64::try_from(number).unwrap_or(i64::MAX)),

@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, camera, meaning, range, view};
+use crate::settings::{arrangement, camera, meaning, range, recording, view};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -64,6 +64,14 @@ pub(super) const KEYS: &[Key] = &[
         example: "\"timeline.json\"",
         set: |s, v| meaning::text(v).map(|text| s.run.trace = Some(PathBuf::from(text))),
         get: |s| s.run.trace.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
+        name: "record",
+        about: "Record what the chain sees and says into this file, which `lariat replay`, ROS 2 and Foxglove read.",
+        example: "\"run.mcap\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.record = Some(PathBuf::from(text))),
+        get: |s| s.run.record.as_ref().map(|path| path_value(path)),
     },
     Key {
         section: "run",
@@ -510,6 +518,73 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.sink.live = yes),
         get: |s| Some(Value::Boolean(s.sink.live)),
+    },
+    Key {
+        section: "record",
+        name: "images",
+        about: "How frames are recorded: \"raw\" (as they are), \"png\" (a quarter to a half, to the bit, for a core's work),\n\
+                \"jpeg\" (a tenth), or \"none\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("kinds of images", &recording::IMAGES, v)
+                .map(|images| s.record.images = images)
+        },
+        get: |s| meaning::name_of(&recording::IMAGES, s.record.images),
+    },
+    Key {
+        section: "record",
+        name: "quality",
+        about: "Quality of JPEGs, 1 to 100.",
+        example: "",
+        set: |s, v| meaning::whole(v, 1, 100).map(|n| s.record.quality = n as u8),
+        get: |s| Some(Value::Integer(s.record.quality.into())),
+    },
+    Key {
+        section: "record",
+        name: "compression",
+        about: "How the recording is compressed: \"none\", \"lz4\" or \"zstd\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("compressions", &recording::COMPRESSIONS, v)
+                .map(|compression| s.record.compression = compression)
+        },
+        get: |s| meaning::name_of(&recording::COMPRESSIONS, s.record.compression),
+    },
+    Key {
+        section: "record",
+        name: "queue_mb",
+        about: "Memory for what waits for the disk, in MB. What finds no room is dropped, and counted.",
+        example: "",
+        set: |s, v| recording::megabytes(v).map(|bytes| s.record.queue_bytes = bytes),
+        get: |s| Some(recording::megabytes_value(s.record.queue_bytes)),
+    },
+    Key {
+        section: "record",
+        name: "ring_s",
+        about: "Keep only the last so many seconds, in memory; `lariat record --flush` writes them.",
+        example: "30",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.record.ring = Some(time)),
+        get: |s| {
+            s.record
+                .ring
+                .map(|time| meaning::number_value(time.as_secs_f64()))
+        },
+    },
+    Key {
+        section: "record",
+        name: "ring_mb",
+        about: "The most memory that these seconds may take, in MB.",
+        example: "",
+        set: |s, v| recording::megabytes(v).map(|bytes| s.record.ring_bytes = bytes),
+        get: |s| Some(recording::megabytes_value(s.record.ring_bytes)),
+    },
+    Key {
+        section: "record",
+        name: "replace",
+        about: "Let a recording that is there already make room for the new one.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.record.replace = yes),
+        get: |s| Some(Value::Boolean(s.record.replace)),
     },
 ];
 

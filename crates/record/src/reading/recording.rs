@@ -220,6 +220,23 @@ impl Recording {
         Ok(count)
     }
 
+    /// How many frames there are in a part, and the log times of the first and the last, in nanoseconds of Unix time.
+    ///
+    /// # Errors
+    /// A place is behind the last frame, or the file cannot be read.
+    pub fn frame_times_ns(&self, span: Span) -> Result<(u64, Option<[u64; 2]>), RecordingError> {
+        let span_ns = self.span_ns(span)?;
+        let (mut count, mut ends) = (0, None);
+        self.each_frame(|at_ns| {
+            if span_ns.contains(&at_ns) {
+                let [_, last_ns] = ends.get_or_insert([at_ns; 2]);
+                *last_ns = at_ns;
+                count += 1;
+            }
+        })?;
+        Ok((count, ends))
+    }
+
     /// A cursor over the messages of a part.
     ///
     /// # Errors
@@ -231,6 +248,21 @@ impl Recording {
             self.each_frame(|at_ns| before += u64::from(at_ns < span_ns.start))?;
         }
         Ok(Messages::new(self.source.clone(), span_ns, before))
+    }
+
+    /// A cursor over a part at the end that has what was said last of losses, and whatever else is there.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn losses(&self) -> Result<Messages, RecordingError> {
+        let Source { index, topics, .. } = &self.source;
+        let has_losses = |indexed: &&Indexed| {
+            let is_losses = |(channel, _): &(u16, u64)| topics.is_losses(*channel);
+            indexed.indexes.is_empty() || indexed.indexes.iter().any(is_losses)
+        };
+        let last = index.parts.iter().rev().find(has_losses);
+        let from = last.map_or(u64::MAX, |last| last.start_ns);
+        Ok(Messages::new(self.source.clone(), from..u64::MAX, 0))
     }
 
     fn span_ns(&self, span: Span) -> Result<Range<u64>, RecordingError> {

@@ -106,6 +106,11 @@ impl Topics {
         Ok(topics)
     }
 
+    /// Whether a channel tells of losses.
+    pub(super) fn is_losses(&self, channel: u16) -> bool {
+        self.kind(channel) == Some(Kind::Losses)
+    }
+
     /// What a channel's messages are; `None` if they are of no concern.
     pub(super) fn kind(&self, channel: u16) -> Option<Kind> {
         self.kinds.get(&channel).copied()
