@@ -13,7 +13,7 @@ mod file;
 mod keys;
 mod meaning;
 mod problem;
-mod range;
+pub(crate) mod range;
 mod recording;
 mod table;
 mod view;
@@ -32,7 +32,8 @@ use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{
-    CameraOptions, FileOptions, Pace, Range, RenderOptions, Request, Source, names_a_camera,
+    CameraOptions, FileOptions, FollowOptions, Pace, Range, RenderOptions, Request, Source,
+    names_a_camera,
 };
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
@@ -168,6 +169,18 @@ impl Capture {
                 request: self.request(),
                 controls: self.camera.controls(),
                 io: self.camera.io,
+            });
+        }
+        if self.follow
+            && let [folder] = &self.source[..]
+        {
+            return Source::Followed(FollowOptions {
+                folder: folder.clone(),
+                fps: match self.fps {
+                    Fps::PerSecond(fps) => Some(fps),
+                    Fps::Max | Fps::Auto => None,
+                },
+                every: self.range.every,
             });
         }
         let defaults = RenderOptions::default();
@@ -307,8 +320,8 @@ impl Settings {
     pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
-            // A camera's best rate is not known before it is asked.
-            Fps::Auto if self.capture.is_camera() => None,
+            // A camera's best rate is not known before it is asked, and a folder that is followed has none.
+            Fps::Auto if self.capture.is_camera() || self.capture.follow => None,
             Fps::Auto => Some((1e9 / USUAL_FPS) as u64),
             Fps::Max => None,
         };
@@ -417,7 +430,9 @@ impl Resolved {
         let origin = |name: &str| {
             keys::position("capture", name).map_or(&Origin::Default, |key| &self.origins[key])
         };
-        let source_is_in_file = matches!(origin("source"), Origin::File { .. });
+        // A new file names the rendered rope, which is no wish.
+        let source_is_in_file = matches!(origin("source"), Origin::File { .. })
+            && !self.is_default("capture", "source");
         let capture = &self.settings.capture;
         for (name, why) in range::meaningless(capture) {
             let is_meant = match origin(name) {

@@ -537,7 +537,7 @@ fn what_the_source_cannot_have_is_said() {
         let complaint = outcome(&folder, &[&["config", "show"], flags].concat()).unwrap_err();
         assert!(complaint.contains(part), "{complaint}");
     }
-    let complaint = complaint("[capture]\nsource = \"rendered\"\nlock = true\nloop = false\n");
+    let complaint = complaint("[capture]\nsource = \"a.png\"\nlock = true\nio = \"auto\"\n");
     assert!(
         complaint.starts_with("lariat: lariat.toml, line 3: it is for a camera"),
         "{complaint}"

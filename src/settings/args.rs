@@ -59,6 +59,14 @@ pub(crate) struct ShapeArgs {
     pub(crate) config: Option<PathBuf>,
 }
 
+impl ShapeArgs {
+    /// Whether any of them was given.
+    pub(crate) fn is_given(&self) -> bool {
+        let config = self.config.is_some();
+        config || !ChainArgs::from(self.clone()).given().is_empty()
+    }
+}
+
 impl From<ShapeArgs> for ChainArgs {
     fn from(shape: ShapeArgs) -> Self {
         Self {

@@ -49,6 +49,19 @@ pub(super) fn sections() -> impl Iterator<Item = &'static str> + Clone {
     SECTIONS.iter().map(|(name, _)| *name)
 }
 
+impl Settings {
+    /// The settings that are other than the defaults: `section.name`, and the value as the file has it.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = (String, String)> {
+        let defaults = Settings::default();
+        KEYS.iter().filter_map(move |key| {
+            let value = (key.get)(self);
+            let is_default = value == (key.get)(&defaults);
+            let value = value.map_or_else(|| "not set".to_owned(), |value| value.to_string());
+            (!is_default).then(|| (format!("{}.{}", key.section, key.name), value))
+        })
+    }
+}
+
 /// The text of a file with every section and, for each of its settings, what `entry` writes.
 pub(super) fn document(mut entry: impl FnMut(usize, &Key) -> String) -> String {
     let mut text = String::new();

@@ -33,6 +33,16 @@ pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
     Ok(Some(Position::Time(time)))
 }
 
+/// The same, as a flag has it.
+pub(crate) fn position_of_flag(text: &str) -> Result<Position, String> {
+    let value = match text.parse() {
+        Ok(number) => Value::Integer(number),
+        Err(_) => Value::String(text.to_owned()),
+    };
+    // Only nothing is no place, and nothing is no flag.
+    position(&value)?.ok_or_else(|| "a place is a frame's number or a time".to_owned())
+}
+
 pub(super) fn position_value(position: Option<Position>) -> Option<Value> {
     Some(match position? {
         Position::Frame(number) => Value::Integer(i64::try_from(number).unwrap_or(i64::MAX)),
@@ -103,6 +113,12 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
         return None;
     }
     let why = |what: &str| format!("a folder that is followed {what}: choose one of the two");
+    if capture.source.len() != 1 {
+        return Some((
+            "follow",
+            "one folder can be followed: name it alone".to_owned(),
+        ));
+    }
     if capture.looped {
         return Some(("loop", why("does not end, and cannot begin again")));
     }

@@ -5,6 +5,7 @@
 //! each frame is due. Nothing here knows of shared memory.
 
 mod ahead;
+mod follow;
 mod lent;
 mod mjpeg;
 pub mod moving;
@@ -23,11 +24,13 @@ mod v4l2;
 mod video;
 mod yuv;
 
+pub use follow::FollowOptions;
 pub use lent::{LentSlot, SlotKey};
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{FileOptions, Source, open};
 pub use pace::{Pace, PaceError, Pacer};
+pub use picture::StillPicture;
 pub use range::{Position, Range};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};

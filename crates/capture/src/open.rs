@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use crate::follow::{Follow, FollowOptions};
 use crate::pictures::open_pictures;
 use crate::range::Range;
 use crate::rendered::{RenderOptions, Rendered};
@@ -22,6 +23,8 @@ pub enum Source {
         /// Which of them, and how often.
         options: FileOptions,
     },
+    /// A folder of pictures, and each picture that is put into it.
+    Followed(FollowOptions),
     /// A camera.
     Camera(CameraOptions),
 }
@@ -63,6 +66,7 @@ impl Source {
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, options } => match paths.iter().find(|path| is_video(path)) {

@@ -1,7 +1,7 @@
 //! Picture files and folders of them as one sequence of frames.
 
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use lariat_wire::SourceKind;
@@ -86,30 +86,13 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
         path: folder.to_owned(),
         error,
     };
-    let mut found = Vec::new();
-    let mut ignored = 0;
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.is_dir() {
-            continue;
-        }
-        if is_named_as_picture(&path) {
-            found.push(path);
-        } else {
-            ignored += 1;
-        }
-    }
+    let (mut found, ignored) = pictures_in(folder).map_err(unreadable)?;
     if found.is_empty() {
         return Err(SourceError::NoPictures {
             path: folder.to_owned(),
             ignored,
         });
     }
-    let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
-    found.sort_by(|a, b| {
-        let (a, b) = (name(a).unwrap_or_default(), name(b).unwrap_or_default());
-        natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
-    });
     files.append(&mut found);
     let plural = if ignored == 1 { "file" } else { "files" };
     Ok((ignored > 0).then(|| {
@@ -120,8 +103,31 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
     }))
 }
 
+/// The pictures of a folder by their names, in natural order, and how many other files are in it.
+pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
+    let mut found = Vec::new();
+    let mut ignored = 0;
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            continue;
+        }
+        if is_named_as_picture(&path) {
+            found.push(path);
+        } else {
+            ignored += 1;
+        }
+    }
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
+    found.sort_by(|a, b| {
+        let (a, b) = (name(a).unwrap_or_default(), name(b).unwrap_or_default());
+        natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
+    });
+    Ok((found, ignored))
+}
+
 /// Hidden files are not: some systems put a `._0001.png` that is no picture beside each `0001.png`.
-fn is_named_as_picture(path: &Path) -> bool {
+pub(crate) fn is_named_as_picture(path: &Path) -> bool {
     let is_hidden = path
         .file_name()
         .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));

@@ -71,7 +71,8 @@ pub trait FrameSource: Send {
     /// What kind of source it is.
     fn kind(&self) -> SourceKind;
 
-    /// The most bytes a frame of this source can have.
+    /// The most bytes a frame of this source can have. 0 if that is not known before the first frame: then it is known when
+    /// that is ready, and has to be [written](Self::write).
     fn largest_frame_bytes(&self) -> usize;
 
     /// Whether [`truth`](Self::truth) has an answer.
@@ -168,11 +169,31 @@ pub enum SourceError {
         /// How many other files are in it.
         ignored: usize,
     },
+    /// What is to be followed is no folder.
+    #[error("{} is no folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
+    NotAFolder {
+        /// The path as it was given.
+        path: PathBuf,
+    },
+    /// The kernel does not tell what happens in a folder.
+    #[error("cannot follow the folder {}: {error} (how many may be followed at a time stands in /proc/sys/fs/inotify)", path.display())]
+    Unwatchable {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
     /// A file of another kind.
     #[error("{} is no PNG or JPEG picture and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
     NotAPicture {
         /// The file.
         path: PathBuf,
+    },
+    /// A picture that cannot be decoded.
+    #[error("{reason}")]
+    Picture {
+        /// Which, and why.
+        reason: String,
     },
     /// A video named beside other paths.
     #[error("{} is a video, and a video is shown alone: name it without other paths", path.display())]

@@ -8,6 +8,7 @@ mod cdr;
 mod images;
 mod losses;
 mod messages;
+mod reading;
 mod schema;
 mod writing;
 
@@ -19,6 +20,10 @@ pub use images::{
 };
 pub use losses::Losses;
 pub use messages::Record;
+pub use reading::{
+    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span,
+    TopicSummary,
+};
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
 pub use writing::{
     Clock, Compression, Drops, Ended, Ending, Existing, Flushed, Head, Images, NoRoom, Options,
