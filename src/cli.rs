@@ -22,6 +22,7 @@ use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
+use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
 
@@ -70,6 +71,8 @@ enum Command {
     Devices(DevicesArgs),
     /// One frame of a camera, or any other source, as a PNG picture
     Snapshot(SnapshotArgs),
+    /// What passes on the channels of a running chain
+    Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -118,6 +121,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Bench(args)) => bench::run(&args),

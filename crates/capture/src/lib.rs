@@ -30,6 +30,7 @@ pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{FileOptions, Source, open};
 pub use pace::{Pace, PaceError, Pacer};
+pub use picture::StillPicture;
 pub use range::{Position, Range};
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};

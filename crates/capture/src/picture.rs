@@ -10,6 +10,7 @@ use lariat_wire::PixelFormat;
 
 use crate::ahead::Layout;
 use crate::orientation;
+use crate::source::SourceError;
 
 /// Larger pictures are refused: more likely a broken head than a camera.
 const LARGEST_BYTES: u64 = 1 << 30;
@@ -60,7 +61,12 @@ fn decoder<'a>(
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let mut decoder = decoder.map_err(|error| broken(path, error))?;
     // A damaged note beside the pixels does not spoil them.
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let orientation = match format {
+        // The decoder knows no notes behind the pixels, where some programs put them.
+        ImageFormat::Png => png_note(bytes).and_then(Orientation::from_exif_chunk),
+        _ => decoder.orientation().ok(),
+    }
+    .unwrap_or(Orientation::NoTransforms);
     let (width, height) = decoder.dimensions();
     let format = if decoder.color_type().has_color() {
         PixelFormat::Rgb8
@@ -86,6 +92,39 @@ fn decoder<'a>(
         format,
     };
     Ok((decoder, layout, orientation))
+}
+
+/// A picture file, decoded as a source of frames shows it: upright, without alpha, 8 bits a channel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StillPicture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `Gray8` if the file has no colour, else `Rgb8`.
+    pub format: PixelFormat,
+    /// Rows one after the other, without padding.
+    pub pixels: Vec<u8>,
+}
+
+impl StillPicture {
+    /// Reads a PNG or JPEG, whatever its name says.
+    ///
+    /// # Errors
+    /// There is no such file, it is no picture, or it is cut off or damaged.
+    pub fn load(path: &Path) -> Result<Self, SourceError> {
+        let broken = |reason| SourceError::Picture { reason };
+        let mut pixels = vec![0; probe(path).map_err(broken)?.bytes()];
+        let mut decoder = PictureDecoder::default();
+        let layout = decoder.decode(path, &mut pixels).map_err(broken)?;
+        pixels.truncate(layout.bytes());
+        Ok(Self {
+            width: layout.width,
+            height: layout.height,
+            format: layout.format,
+            pixels,
+        })
+    }
 }
 
 /// Decodes one picture after the other, in the same memory.
@@ -152,6 +191,20 @@ impl PictureDecoder {
             orientation::turn(orientation, &self.stored, size, channels, upright);
         }
         Ok(layout)
+    }
+}
+
+/// The EXIF note of a PNG (ISO/IEC 15948: each chunk its length, its name, its data, its checksum).
+fn png_note(file: &[u8]) -> Option<&[u8]> {
+    let mut rest = file.get(8..)?;
+    loop {
+        let (head, behind) = rest.split_at_checked(8)?;
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        let (data, behind) = behind.split_at_checked(length)?;
+        if head.ends_with(b"eXIf") {
+            return Some(data);
+        }
+        rest = behind.get(4..)?;
     }
 }
 

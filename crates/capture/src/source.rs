@@ -189,6 +189,12 @@ pub enum SourceError {
         /// The file.
         path: PathBuf,
     },
+    /// A picture that cannot be decoded.
+    #[error("{reason}")]
+    Picture {
+        /// Which, and why.
+        reason: String,
+    },
     /// A video named beside other paths.
     #[error("{} is a video, and a video is shown alone: name it without other paths", path.display())]
     VideoAmongOthers {
