@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from html import escape
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lariat._native import Absent, Lost, Stale
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from lariat._native import Curve, Fit, Scene
+    from lariat._native import Curve, Fit, Frame, Rope, Scene, Shape
 
     Points = NDArray[Any]
 
@@ -45,6 +48,51 @@ def fit(fitted: Fit) -> str:
         svg([polygon(points), path(line, COLORS[0])], *around(np.vstack([line, points])))
         + f"<div>{escape(repr(fitted))}</div>"
     )
+
+
+def shape(seen: Shape) -> str:
+    """A rope's curve with its control points."""
+    return curve_of(seen) + f"<div>{escape(repr(seen))}</div>"
+
+
+def rope(seen: Rope) -> str:
+    """A rope of a frame; its control points alone where it has no curve."""
+    try:
+        drawing = curve_of(seen.shape)
+    except ValueError:
+        points = seen.control_points
+        drawing = svg([polygon(points)], *around(points))
+    return drawing + f"<div>{escape(repr(seen))}</div>"
+
+
+def frame(seen: Frame) -> str:
+    """All ropes of a frame, as they were in its image: dashed where they are lost."""
+    drawing, outlines = [], []
+    for known in seen.ropes(max_age=inf):
+        if isinstance(known, Absent):
+            continue
+        lost = isinstance(known, (Lost, Stale))
+        was = known.as_it_was if isinstance(known, (Lost, Stale)) else known.rope
+        try:
+            line = was.shape.points(200)
+        except ValueError:
+            continue
+        line = np.vstack([line, line[:1]]) if was.closed else line
+        drawing.append(path(line, COLORS[was.track.number % len(COLORS)], dashed=lost))
+        outlines.append(line)
+    width, height = seen.size
+    if seen.unit == "px" and width > 0:
+        corners = (0.0, 0.0, float(width), float(height))
+    else:
+        corners = around(np.vstack(outlines) if outlines else np.zeros((0, 2)))
+    return svg(drawing, *corners) + f"<div>{escape(repr(seen))}</div>"
+
+
+def curve_of(seen: Shape) -> str:
+    """A curve over its control points, which of a closed one are no places."""
+    line = seen.points(200)
+    points = seen.control_points[:0] if seen.closed else seen.control_points
+    return svg([polygon(points), path(line, COLORS[0])], *around(np.vstack([line, points])))
 
 
 THIN = 'vector-effect="non-scaling-stroke" stroke-width="1"'

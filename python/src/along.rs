@@ -36,6 +36,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Rho<'py> {
 }
 
 impl<'py> Rho<'py> {
+    /// How many there are; `None` for a number.
+    pub(crate) fn count(&self) -> Option<usize> {
+        match self {
+            Self::One(_) => None,
+            Self::Many(rhos) => Some(rhos.len()),
+        }
+    }
+
     /// A vector at each: of shape (2,), or (n, 2) for n of them.
     pub(crate) fn vectors(
         &self,

@@ -8,10 +8,16 @@ mod along;
 mod errors;
 mod fit;
 mod fitting;
+mod frame;
 mod pixels;
+mod reader;
+mod rope;
 mod scene;
+mod seen;
+mod shape;
 mod tracer;
 mod views;
+mod way;
 
 /// The module as Python imports it.
 #[pyo3::pymodule]
@@ -21,7 +27,19 @@ mod _native {
     #[pymodule_export]
     use crate::fitting::Fitter;
     #[pymodule_export]
+    use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::reader::Reader;
+    #[pymodule_export]
+    use crate::rope::{Rope, Track};
+    #[pymodule_export]
     use crate::scene::{Crossing, Curve, Notice, Scene};
     #[pymodule_export]
+    use crate::seen::{Absent, Fresh, Lost, Partial, Stale};
+    #[pymodule_export]
+    use crate::shape::Shape;
+    #[pymodule_export]
     use crate::tracer::{Tracer, pick};
+    #[pymodule_export]
+    use crate::way::Trace;
 }
