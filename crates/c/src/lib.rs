@@ -1,0 +1,19 @@
+//! lariat's reader for control loops in C and C++: `lariat_wire::Reader` behind a plain header.
+//!
+//! What a user has to know stands in `lariat.h`, which is made of this crate's comments. Here: every function that C calls
+//! takes pointers that may be NULL, catches what would unwind, and leaves a sentence for `lariat_error`.
+
+// Names are C's: they stand in the header as they stand here.
+#![allow(non_camel_case_types)]
+
+mod error;
+mod message;
+mod reader;
+mod rope;
+mod shape;
+
+pub use error::*;
+pub use message::*;
+pub use reader::*;
+pub use rope::*;
+pub use shape::*;
