@@ -255,12 +255,10 @@ fn picture(header: &FrameHeader, bytes: &[u8], format: &str) -> Vec<u8> {
     let (width, height) = (header.width, header.height);
     let rgb = ExtendedColorType::Rgb8;
     match format {
-        "png" => PngEncoder::new_with_quality(
-            &mut file,
-            CompressionType::Best,
-            FilterType::Adaptive,
-        )
-        .write_image(bytes, width, height, rgb),
+        "png" => {
+            PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive)
+                .write_image(bytes, width, height, rgb)
+        }
         _ => image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, 95)
             .write_image(bytes, width, height, rgb),
     }
