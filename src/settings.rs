@@ -33,7 +33,7 @@ use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{
     CameraOptions, FileOptions, FollowOptions, Pace, Range, RenderOptions, Request, Source,
-    names_a_camera,
+    names_a_camera, names_a_recording,
 };
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;

@@ -116,7 +116,7 @@ impl Making<'_> {
         let mut bytes = vec![0; source.largest_frame_bytes()];
         let (mut extracted, mut fitted) = (0, 0);
         while let Some(frame) = source.next().unwrap() {
-            source.write(&mut bytes).unwrap();
+            source.write(&mut bytes);
             let number = frame.sequence;
             let period_ns = (1e9 * self.render.frame_interval_s) as u64;
             let exposed_ns = BEGIN_NS + number * period_ns;
