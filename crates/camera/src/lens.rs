@@ -164,7 +164,8 @@ fn widest(model: &Model) -> f64 {
     let is_good = |radius: f64| {
         (0..SPOKES).all(|spoke| {
             let angle = std::f64::consts::TAU * spoke as f64 / SPOKES as f64;
-            let point = [radius * angle.cos(), radius * angle.sin()];
+            let (sin, cos) = libm::sincos(angle);
+            let point = [radius * cos, radius * sin];
             let jacobian = match model {
                 Model::Ideal => Some(IDENTITY),
                 Model::Brown(brown) => brown.bend(point).map(|bent| bent.jacobian),

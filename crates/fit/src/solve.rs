@@ -94,11 +94,10 @@ impl Steps {
                 right.fill(0.0);
                 write_columns(points, right);
                 if pinned.ncols() > 0 {
-                    let ends = [points[0], points[points.len() - 1]];
-                    for axis in 0..D {
+                    let ends = points[0].into_iter().zip(points[points.len() - 1]);
+                    for (axis, (first, last)) in ends.enumerate() {
                         for (i, number) in right.column_mut(axis).iter_mut().enumerate() {
-                            *number -=
-                                pinned[(i, 0)] * ends[0][axis] + pinned[(i, 1)] * ends[1][axis];
+                            *number -= pinned[(i, 0)] * first + pinned[(i, 1)] * last;
                         }
                     }
                 }

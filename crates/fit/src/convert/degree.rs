@@ -89,8 +89,8 @@ pub fn reduce_degree<const D: usize>(
             let column = wanted.column_mut(axis);
             factors.apply_transposed(column);
             solve_upper(factors.r(), column);
-            for (found, j) in column.iter().zip(sought.clone()) {
-                reduced[j][axis] = *found;
+            for (point, found) in reduced[sought.clone()].iter_mut().zip(column) {
+                point[axis] = *found;
             }
         }
     }
