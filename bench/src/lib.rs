@@ -8,6 +8,7 @@
 //! | `cargo run --release -p lariat-bench -- accuracy --rendered` | on drawn ropes with known truth, for each class of picture: wrong counts, distance from the centerline, correspondence along it, ends, widths, connections and order at crossings, the worst five. `--class`, `--seed`, `--seeds`, `--size`: which pictures; `--csv`, `--overlay` as above |
 //! | `cargo run --release -p lariat-bench -- rivals` | the same work by OpenCV and scikit-image on the same pictures, one thread each, side by side (`rivals/` says what to install; `--python PATH`): drawn frames, and photographs by `--dataset DIR` or `--images FILE…` |
 //! | `cargo run --release -p lariat-bench -- methods` | 120 centers in the mask of a rope by the paper's clusterings, from k-means++ and from the last frame's centers, beside scikit-learn, MiniSom and scikit-fuzzy from the same start (`--python PATH`) |
+//! | `cargo run --release -p lariat-bench -- recording` | how fast raw frames are recorded with each compression, beside `dd` with the same block size, in the same rounds, both until the disk has it (`--folder DIR`: on which disk) |
 //! | `cargo run --release -p lariat-bench -- time` | on drawn films of moving ropes with known truth, for each story and seed: ropes missed, wrong counts, directions turned, numbers swapped, strands exchanged. `--story`, `--frames`, `--seeds`, `--first-seed`; `--verbose` frame by frame, `--overlay` as above |
 //!
 //! Speed (`benches/`) is printed beside a floor of the same run, so that what counts is the ratio.
