@@ -67,3 +67,6 @@ pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode> {
         ),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,7 @@ mod families;
 mod fit_rivals;
 mod methods;
 mod python;
+mod readers;
 mod recording;
 mod rivals;
 mod time;
@@ -40,6 +41,10 @@ enum Command {
     Recording(recording::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
+    /// What reading costs a control loop, and what control loops cost the chain
+    Readers(readers::Args),
+    #[command(hide = true)]
+    ReadersPart(readers::PartArgs),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +57,8 @@ fn main() -> ExitCode {
         Command::Day(args) => day::run(&args),
         Command::Recording(args) => recording::run(&args),
         Command::Time(args) => time::run(&args),
+        Command::Readers(args) => readers::run(&args),
+        Command::ReadersPart(args) => readers::part(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -23,32 +23,32 @@ const OTHER_MACHINE_PX: f64 = 1e-9;
 
 /// What came out.
 #[derive(Debug, Serialize)]
-struct Outcome {
+pub(super) struct Outcome {
     /// `bits`, or within how many pixels.
-    rule: String,
-    frames: u64,
-    centerlines: u64,
-    descriptors: u64,
+    pub(super) rule: String,
+    pub(super) frames: u64,
+    pub(super) centerlines: u64,
+    pub(super) descriptors: u64,
     /// What could not be computed again, and was passed over: only where curves may lie beside each other.
-    skipped: u64,
+    pub(super) skipped: u64,
     /// The largest distance of two positions, in pixels (of the descriptors' unit).
-    largest_px: f64,
-    frames_per_s: f64,
-    extract_us: f64,
-    fit_us: f64,
-    difference: Option<Shown>,
+    pub(super) largest_px: f64,
+    pub(super) frames_per_s: f64,
+    pub(super) extract_us: f64,
+    pub(super) fit_us: f64,
+    pub(super) difference: Option<Shown>,
 }
 
 /// The first that differs.
 #[derive(Debug, Serialize)]
-struct Shown {
+pub(super) struct Shown {
     /// The source's number.
-    sequence: u64,
-    what: &'static str,
-    field: String,
-    recorded: String,
-    now: String,
-    distance: f64,
+    pub(super) sequence: u64,
+    pub(super) what: &'static str,
+    pub(super) field: String,
+    pub(super) recorded: String,
+    pub(super) now: String,
+    pub(super) distance: f64,
 }
 
 /// Runs the check.
@@ -92,7 +92,8 @@ fn is_same_machine(about: &About) -> bool {
         && about.get("cpu") == cpu.as_deref()
 }
 
-struct Check {
+/// A check, message by message.
+pub(super) struct Check {
     stages: Stages,
     decoders: [Decoder; 2],
     comparer: Comparer,
@@ -113,7 +114,7 @@ struct Check {
 }
 
 impl Check {
-    fn new(
+    pub(super) fn new(
         recorded: &RecordedSettings,
         recording: &Recording,
         within_px: Option<f64>,
@@ -141,7 +142,7 @@ impl Check {
         })
     }
 
-    fn whole(&mut self, recording: &Recording) -> Result<()> {
+    pub(super) fn whole(&mut self, recording: &Recording) -> Result<()> {
         let mut frames = Gather::new(recording, Span::default())?;
         while let Some(gathered) = frames.next()? {
             self.frames += u64::from(gathered.frame().is_some());
@@ -253,7 +254,7 @@ impl Check {
         });
     }
 
-    fn outcome(self, took: Duration) -> Outcome {
+    pub(super) fn outcome(self, took: Duration) -> Outcome {
         let us = |time: Duration, count: u64| 1e6 * time.as_secs_f64() / count.max(1) as f64;
         Outcome {
             rule: match (self.within_px, self.rule) {

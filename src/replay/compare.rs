@@ -10,6 +10,7 @@ use super::ReplayArgs;
 use super::stages::{Stages, prepare};
 use super::table;
 use crate::recording::{Decoder, Gather, Gathered, RecordedSettings};
+use crate::settings::Settings;
 use anyhow::{Context, Result, bail};
 use figures::{Column, Times};
 use lariat_record::{Recording, Span};
@@ -51,18 +52,7 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
         );
     }
     let settings = recorded.changed(&args.shape, args.filter)?;
-    let mut race = Race {
-        then: Stages::new(&recorded.settings)?,
-        now: Stages::new(&settings)?,
-        decoders: Default::default(),
-        recorded: Column::new(),
-        figures: Column::new(),
-        times: [Times::default(), Times::default()],
-        count: 0,
-        skipped: 0,
-        has_truth: false,
-    };
-    race.has_truth = has_truth(&recording)?;
+    let mut race = Race::new(&recorded.settings, &settings, &recording)?;
     race.whole(&recording).with_context(impossible)?;
     let comparison = race.finish();
     if args.json {
@@ -81,7 +71,8 @@ fn has_truth(recording: &Recording) -> Result<bool> {
         .any(|topic| topic.messages > 0 && is_truth(&topic.name)))
 }
 
-struct Race {
+/// Both settings, over the same frames.
+pub(super) struct Race {
     then: Stages,
     now: Stages,
     decoders: [Decoder; 2],
@@ -95,7 +86,21 @@ struct Race {
 }
 
 impl Race {
-    fn whole(&mut self, recording: &Recording) -> Result<()> {
+    pub(super) fn new(then: &Settings, now: &Settings, recording: &Recording) -> Result<Self> {
+        Ok(Self {
+            then: Stages::new(then)?,
+            now: Stages::new(now)?,
+            decoders: Default::default(),
+            recorded: Column::new(),
+            figures: Column::new(),
+            times: [Times::default(), Times::default()],
+            count: 0,
+            skipped: 0,
+            has_truth: has_truth(recording)?,
+        })
+    }
+
+    pub(super) fn whole(&mut self, recording: &Recording) -> Result<()> {
         let mut frames = Gather::new(recording, Span::default())?;
         while let Some(gathered) = frames.next()? {
             self.frame(gathered)?;
@@ -156,7 +161,7 @@ impl Race {
         Ok(())
     }
 
-    fn finish(self) -> Comparison {
+    pub(super) fn finish(self) -> Comparison {
         let [then, now] = self.times;
         let against = match self.has_truth {
             true => "truth",

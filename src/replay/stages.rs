@@ -54,6 +54,22 @@ pub(super) fn prepare<'a>(
     })
 }
 
+#[cfg(test)]
+impl<'a> Prepared<'a> {
+    /// One that comes from no recording.
+    pub(super) fn new(
+        header: FrameHeader,
+        bytes: &'a [u8],
+        mask: Option<(FrameHeader, &'a [u8])>,
+    ) -> Self {
+        Self {
+            header,
+            bytes,
+            mask,
+        }
+    }
+}
+
 impl Prepared<'_> {
     /// Whether there is a mask for it.
     pub(super) fn has_mask(&self) -> bool {
