@@ -116,7 +116,7 @@ impl Making<'_> {
         let mut bytes = vec![0; source.largest_frame_bytes()];
         let (mut extracted, mut fitted) = (0, 0);
         while let Some(frame) = source.next().unwrap() {
-            source.write(&mut bytes).unwrap();
+            source.write(&mut bytes);
             let number = frame.sequence;
             let period_ns = (1e9 * self.render.frame_interval_s) as u64;
             let exposed_ns = BEGIN_NS + number * period_ns;
@@ -255,12 +255,10 @@ fn picture(header: &FrameHeader, bytes: &[u8], format: &str) -> Vec<u8> {
     let (width, height) = (header.width, header.height);
     let rgb = ExtendedColorType::Rgb8;
     match format {
-        "png" => PngEncoder::new_with_quality(
-            &mut file,
-            CompressionType::Best,
-            FilterType::Adaptive,
-        )
-        .write_image(bytes, width, height, rgb),
+        "png" => {
+            PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive)
+                .write_image(bytes, width, height, rgb)
+        }
         _ => image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, 95)
             .write_image(bytes, width, height, rgb),
     }

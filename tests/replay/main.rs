@@ -82,22 +82,36 @@ fn the_golden_recording_comes_out_the_same() {
     assert_eq!(outcome["difference"], Value::Null);
     assert!(outcome["largest_px"].as_f64().unwrap() <= 1e-9);
     let size = std::fs::metadata(GOLDEN).unwrap().len();
-    assert!(size <= 300_000, "{size} bytes are too many for a repository");
+    assert!(
+        size <= 300_000,
+        "{size} bytes are too many for a repository"
+    );
 }
 
 #[test]
 fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
     let place = Place::new();
-    let run = ["run", "--record", "run.mcap", "--frames", "20", "--fps", "100"];
+    let run = [
+        "run", "--record", "run.mcap", "--frames", "20", "--fps", "100",
+    ];
     place.printed(&[&run[..], &["--lossless", "--size", "320x240", "--filter"]].concat());
     let outcome = place.json(&["replay", "run.mcap", "--check", "--json"]);
     assert_eq!(outcome["difference"], Value::Null, "{outcome}");
-    assert_eq!((&outcome["centerlines"], &outcome["rule"]), (&20.into(), &"bits".into()));
+    assert_eq!(
+        (&outcome["centerlines"], &outcome["rule"]),
+        (&20.into(), &"bits".into())
+    );
     let said = place.printed(&["replay", "run.mcap", "--check"]);
-    assert!(said.contains("computed again are the same to the bit"), "{said}");
+    assert!(
+        said.contains("computed again are the same to the bit"),
+        "{said}"
+    );
 
     let info = place.json(&["info", "run.mcap", "--json"]);
-    assert_eq!((&info["closed"], &info["frames"]), (&true.into(), &20.into()));
+    assert_eq!(
+        (&info["closed"], &info["frames"]),
+        (&true.into(), &20.into())
+    );
     assert_eq!(info["settings"]["fit.filter"], "true");
     assert_eq!(info["about"]["rig"], "default");
     let topics = info["topics"].as_array().unwrap();
@@ -105,7 +119,11 @@ fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
     assert_eq!(of("/default/image")["messages"], 20);
     assert_eq!(of("/default/image")["schema"], "sensor_msgs/msg/Image");
     let text = place.printed(&["info", "run.mcap"]);
-    for part in ["20 frames", "/default/descriptors", "nothing was lost, on no link"] {
+    for part in [
+        "20 frames",
+        "/default/descriptors",
+        "nothing was lost, on no link",
+    ] {
         assert!(text.contains(part), "{text}");
     }
 }
@@ -119,7 +137,10 @@ fn a_recording_that_was_cut_off_is_checked_up_to_there() {
     std::fs::write(place.path("cut.mcap"), &golden[..data_end]).unwrap();
     let output = place.run(&["replay", "cut.mcap", "--check"]);
     let complaint = String::from_utf8(output.stderr).unwrap();
-    assert!(complaint.contains("cut.mcap: this recording was not closed"), "{complaint}");
+    assert!(
+        complaint.contains("cut.mcap: this recording was not closed"),
+        "{complaint}"
+    );
     assert!(output.status.success(), "{complaint}");
     assert_eq!(place.json(&["info", "cut.mcap", "--json"])["closed"], false);
 }
@@ -142,13 +163,25 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     let place = Place::new();
     std::fs::write(place.path("text.mcap"), "nothing of the kind").unwrap();
     for (arguments, sentence) in [
-        (&["replay", GOLDEN][..], "say what to do with the recording: --check"),
+        (
+            &["replay", GOLDEN][..],
+            "say what to do with the recording: --check",
+        ),
         (&["replay", "none.mcap", "--check"], "No such file"),
         (&["replay", "text.mcap", "--check"], "this is no recording"),
         (&["info", "text.mcap"], "this is no recording"),
-        (&["replay", GOLDEN, "--compare"], "say what is to be other than in the recording"),
-        (&["replay", GOLDEN, "--check", "--order", "6"], "a check uses the settings of the recording"),
-        (&["replay", GOLDEN, "--check", "--topic", "/none"], "there is no topic /none with images"),
+        (
+            &["replay", GOLDEN, "--compare"],
+            "say what is to be other than in the recording",
+        ),
+        (
+            &["replay", GOLDEN, "--check", "--order", "6"],
+            "a check uses the settings of the recording",
+        ),
+        (
+            &["replay", GOLDEN, "--check", "--topic", "/none"],
+            "there is no topic /none with images",
+        ),
     ] {
         let complaint = place.complaint(arguments);
         assert!(complaint.contains(sentence), "{arguments:?}: {complaint}");
@@ -171,7 +204,10 @@ fn a_check_that_finds_a_difference_fails_and_shows_it() {
     let output = place.run(&["replay", "changed.mcap", "--check"]);
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("the centerlines of frame 7 are not the same:"), "{said}");
+    assert!(
+        said.contains("the centerlines of frame 7 are not the same:"),
+        "{said}"
+    );
     assert!(said.contains("rope 1, point 3, x: recorded"), "{said}");
 }
 

@@ -39,8 +39,16 @@ fn a_recording_comes_out_again_to_the_bit() {
     for (settings, images, compression) in [
         ("", "raw", Compression::None),
         (FILTERED, "png", Compression::Lz4),
-        ("[fit]\nbasis = \"rational\"\norder = 3\n", "raw", Compression::Zstd),
-        ("[extract]\nroi = [8, 6, 140, 100]\npoints = 60\n", "raw", Compression::Lz4),
+        (
+            "[fit]\nbasis = \"rational\"\norder = 3\n",
+            "raw",
+            Compression::Zstd,
+        ),
+        (
+            "[extract]\nroi = [8, 6, 140, 100]\npoints = 60\n",
+            "raw",
+            Compression::Lz4,
+        ),
     ] {
         let made = Making {
             settings,
@@ -99,7 +107,10 @@ fn masks_that_were_made_elsewhere_are_used_again() {
         ..with_masks()
     };
     let sentence = impossible(&without.make());
-    assert!(sentence.contains("extract saw frame 7: its mask was not recorded"), "{sentence}");
+    assert!(
+        sentence.contains("extract saw frame 7: its mask was not recorded"),
+        "{sentence}"
+    );
 }
 
 #[test]
@@ -190,7 +201,10 @@ fn a_frame_that_is_missing_makes_a_check_impossible() {
     };
     let made = made.make();
     let sentence = impossible(&made);
-    assert!(sentence.contains("extract saw frame 6: its frame was not recorded"), "{sentence}");
+    assert!(
+        sentence.contains("extract saw frame 6: its frame was not recorded"),
+        "{sentence}"
+    );
     assert_eq!(check(&made, Some(1.0)).unwrap().skipped, 1);
 
     let made = Making {
@@ -202,7 +216,10 @@ fn a_frame_that_is_missing_makes_a_check_impossible() {
         ..Making::default()
     };
     let sentence = impossible(&made.make());
-    assert!(sentence.contains("fit was sent centerlines of frame 6"), "{sentence}");
+    assert!(
+        sentence.contains("fit was sent centerlines of frame 6"),
+        "{sentence}"
+    );
 }
 
 #[test]
@@ -213,7 +230,10 @@ fn jpegs_are_compared_by_distance_only() {
     };
     let made = made.make();
     let sentence = impossible(&made);
-    assert!(sentence.contains("a JPEG is not the image that extract saw"), "{sentence}");
+    assert!(
+        sentence.contains("a JPEG is not the image that extract saw"),
+        "{sentence}"
+    );
     let outcome = check(&made, Some(0.5)).unwrap();
     assert_eq!(same(&outcome).1, 12);
     assert!(outcome.largest_px > 0.0);

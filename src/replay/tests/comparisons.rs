@@ -56,7 +56,10 @@ fn a_lower_order_fits_worse_and_what_was_lost_is_not() {
     assert_eq!((recorded.lost.capture, now.lost.capture), (3, 0));
     assert_eq!((recorded.frames, now.frames), (8, 12));
     let text = table::text(&comparison);
-    assert!(text.contains("frames lost on the way                       3           0          -3\n"), "{text}");
+    assert!(
+        text.contains("frames lost on the way                       3           0          -3\n"),
+        "{text}"
+    );
 }
 
 #[test]
