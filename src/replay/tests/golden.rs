@@ -13,13 +13,13 @@ fn renew_the_golden_recording() {
         settings: "[extract]\npoints = 60\n\n[fit]\nfilter = true\n",
         compression: Compression::Zstd,
         render: RenderOptions {
-            width: 160,
-            height: 120,
+            width: 144,
+            height: 108,
             rope_px: 5.0,
             noise: 0.0,
-            frame_interval_s: 0.2,
+            frame_interval_s: 0.24,
             truth_points: 60,
-            frames: Some(60),
+            frames: Some(50),
             ..RenderOptions::default()
         },
         ..Making::default()
