@@ -33,7 +33,7 @@ use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{
     CameraOptions, FileOptions, FollowOptions, Pace, Range, RenderOptions, Request, Source,
-    names_a_camera,
+    names_a_camera, names_a_recording,
 };
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
@@ -227,6 +227,12 @@ impl Capture {
         matches!(&self.source[..], [path] if names_a_camera(path))
     }
 
+    /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording.
+    pub(crate) fn has_own_pace(&self) -> bool {
+        let is_recording = matches!(&self.source[..], [path] if names_a_recording(path));
+        self.is_camera() || self.follow || is_recording
+    }
+
     /// What is asked of a camera; "max" is its best rate too.
     fn request(&self) -> Request {
         Request {
@@ -320,8 +326,7 @@ impl Settings {
     pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
-            // A camera's best rate is not known before it is asked, and a folder that is followed has none.
-            Fps::Auto if self.capture.is_camera() || self.capture.follow => None,
+            Fps::Auto if self.capture.has_own_pace() => None,
             Fps::Auto => Some((1e9 / USUAL_FPS) as u64),
             Fps::Max => None,
         };

@@ -169,7 +169,7 @@ pub(super) const KEYS: &[Key] = &[
         section: "capture",
         name: "source",
         about: "\"rendered\" (a rope drawn by lariat), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
-                stays), or a picture, a folder of pictures or a Y4M video, or a list of them.",
+                stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them.",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
         get: |s| {
@@ -182,7 +182,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "fps",
-        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, 30 of all else.",
+        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, as a recording was made, 30 of all else.",
         example: "",
         set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
         get: |s| Some(meaning::fps_value(s.capture.fps)),

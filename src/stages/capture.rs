@@ -22,6 +22,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         0 => {
             station.ready()?;
             let Some(first) = wait_for_first(settings, source.as_mut(), &station)? else {
+                if !station.stop.asked() {
+                    station.status.done();
+                }
                 station.status.sent(Sent::default());
                 return Ok(());
             };
@@ -47,6 +50,7 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         feed: Feed::new(source, &frames)?,
         truth: truth.as_ref(),
         pacer,
+        keeps_own_pace: settings.capture.fps == Fps::Auto,
         lossless: matches!(delivery, Delivery::Lossless { .. }),
         missed: 0,
         sent: Sent::default(),
@@ -77,6 +81,8 @@ struct Sender<'w> {
     feed: Feed<'w>,
     truth: Option<&'w Writer<Centerlines>>,
     pacer: Pacer,
+    /// Whether frames that have a pace of their own come at it.
+    keeps_own_pace: bool,
     /// Whether each frame is sent, however late.
     lossless: bool,
     /// Moments that passed without a frame, as the source was too slow.
@@ -130,8 +136,15 @@ impl Sender<'_> {
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
+        let own_ns = self.feed.source.due_after_ns();
+        let own_ns = own_ns.filter(|_| self.keeps_own_pace);
         let due_ns = frame.exposed_ns.unwrap_or_else(|| {
             let ready_ns = now_ns();
+            if let Some(after_ns) = own_ns {
+                let (due_ns, missed) = self.pacer.own_due_ns(ready_ns, after_ns, !self.lossless);
+                self.missed += missed;
+                return due_ns;
+            }
             if !self.lossless {
                 self.missed += self.pacer.give_up(ready_ns);
             }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::follow::{Follow, FollowOptions};
 use crate::pictures::open_pictures;
 use crate::range::Range;
+use crate::recorded::{RecordingOptions, open_recording};
 use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
 use crate::v4l2::{CameraOptions, open_camera};
@@ -23,6 +24,8 @@ pub enum Source {
         /// Which of them, and how often.
         options: FileOptions,
     },
+    /// What a chain recorded.
+    Recording(RecordingOptions),
     /// A folder of pictures, and each picture that is put into it.
     Followed(FollowOptions),
     /// A camera.
@@ -41,14 +44,19 @@ pub struct FileOptions {
 }
 
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, anything else is paths (a folder of
-    /// that name is `./rendered`).
+    /// The source that these words name: `rendered` alone is the rendered rope, a name that ends in `.mcap` a
+    /// recording, anything else is paths (a folder of the name `rendered` is `./rendered`).
     pub fn named<P: AsRef<Path>>(
         names: &[P],
         options: FileOptions,
         rendered: RenderOptions,
     ) -> Self {
         match names {
+            [name] if names_a_recording(name.as_ref()) => Self::Recording(RecordingOptions {
+                path: name.as_ref().to_owned(),
+                range: options.range,
+                looped: options.looped,
+            }),
             [name] if name.as_ref() == Path::new("rendered") => Self::Rendered(rendered),
             _ => Self::Paths {
                 paths: names.iter().map(|name| name.as_ref().to_owned()).collect(),
@@ -66,6 +74,7 @@ impl Source {
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Recording(options) => Ok(Box::new(open_recording(options)?)),
         Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
@@ -80,6 +89,15 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
 }
 
 fn is_video(path: &Path) -> bool {
-    let is_y4m = |extension: &OsStr| extension.eq_ignore_ascii_case("y4m");
-    path.extension().is_some_and(is_y4m) && !path.is_dir()
+    is_named(path, "y4m") && !path.is_dir()
+}
+
+/// Whether a path is that of a recording, by its name.
+pub fn names_a_recording(path: &Path) -> bool {
+    is_named(path, "mcap")
+}
+
+fn is_named(path: &Path, extension: &str) -> bool {
+    let is_it = |found: &OsStr| found.eq_ignore_ascii_case(extension);
+    path.extension().is_some_and(is_it)
 }

@@ -140,13 +140,33 @@ pub(crate) struct PictureDecoder {
 impl PictureDecoder {
     /// Decodes a file into the beginning of `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
-        self.file.clear();
-        let read = File::open(path).and_then(|mut file| file.read_to_end(&mut self.file));
-        read.map_err(|error| broken(path, error))?;
-        if format_of(&self.file) == Some(ImageFormat::Jpeg) && is_cut_off(&self.file) {
+        let mut file = std::mem::take(&mut self.file);
+        file.clear();
+        let read = File::open(path).and_then(|mut open| open.read_to_end(&mut file));
+        let decoded = match read {
+            Ok(_) => self.decode_file(path, &file, pixels),
+            Err(error) => Err(broken(path, error)),
+        };
+        self.file = file;
+        decoded
+    }
+
+    /// Bytes of the pixels of such a file; a sentence if it says nothing good of them.
+    pub(crate) fn size(path: &Path, file: &[u8]) -> Result<usize, String> {
+        layout(path, file).map(|layout| layout.bytes())
+    }
+
+    /// Decodes the bytes of a file. `path`: what to call it.
+    pub(crate) fn decode_file(
+        &mut self,
+        path: &Path,
+        file: &[u8],
+        pixels: &mut [u8],
+    ) -> Result<Layout, String> {
+        if format_of(file) == Some(ImageFormat::Jpeg) && is_cut_off(file) {
             return Err(broken(path, "the file is cut off"));
         }
-        let (decoder, layout, orientation) = decoder(path, &self.file)?;
+        let (decoder, layout, orientation) = decoder(path, file)?;
         let (width, height) = decoder.dimensions();
         let color = decoder.color_type();
         let Some(upright) = pixels.get_mut(..layout.bytes()) else {

@@ -53,6 +53,7 @@ pub(crate) fn open_pictures(
         largest_frame_bytes,
         native_fps: None,
         looped: options.looped,
+        has_truth: false,
         total_bytes,
         warnings,
         news: frames.news(),

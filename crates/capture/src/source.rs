@@ -127,6 +127,12 @@ pub trait FrameSource: Send {
         false
     }
 
+    /// How long after the source's first frame the one just made ready is due at its own pace, in nanoseconds; none if it has
+    /// no pace of its own.
+    fn due_after_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// A sentence on something that went wrong without ending the source, such as a broken file that was passed
     /// over. Ask after each [`advance`](Self::advance) until there is none.
     fn take_warning(&mut self) -> Option<String> {
@@ -232,6 +238,14 @@ pub enum SourceError {
         first: u64,
         /// How many there are.
         count: u64,
+    },
+    /// A recording that cannot be shown.
+    #[error("cannot show the recording {}: {what}", path.display())]
+    Recording {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong with it, and what would be right.
+        what: String,
     },
     /// Not one frame of the source can be decoded.
     #[error("no frame can be decoded, the first because {reason}")]

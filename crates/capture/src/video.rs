@@ -40,6 +40,7 @@ pub(crate) fn open_video(path: &Path, options: &FileOptions) -> Result<Ahead, So
         largest_frame_bytes: stream.layout.bytes(),
         native_fps,
         looped: options.looped,
+        has_truth: false,
         total_bytes: frames.of(file.len() / frame_bytes) * frame_bytes,
         warnings: Vec::new(),
         news: frames.news(),

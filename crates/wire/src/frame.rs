@@ -91,3 +91,30 @@ impl<'a> Frame<'a> {
         })
     }
 }
+
+/// A frame that is kept: what its message says, copied out of shared memory, so that it stays when the reader looks again,
+/// and can go to another thread.
+#[derive(Debug, Clone)]
+pub struct KeptFrame {
+    message: Option<Box<Descriptors>>,
+    moment: Moment,
+    is_new: bool,
+}
+
+impl Frame<'_> {
+    /// Copies the message, 19 KB, to keep the frame.
+    pub fn keep(&self) -> KeptFrame {
+        KeptFrame {
+            message: self.message.map(|message| Box::new(*message)),
+            moment: self.moment,
+            is_new: self.is_new,
+        }
+    }
+}
+
+impl KeptFrame {
+    /// The frame as it was when it was kept, ages included.
+    pub fn frame(&self) -> Frame<'_> {
+        Frame::new(self.message.as_deref(), self.moment, self.is_new)
+    }
+}

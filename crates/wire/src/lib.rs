@@ -74,7 +74,7 @@ pub use clock::now_ns;
 pub use codes::{Basis, PixelFormat, SourceKind, Status, Unit};
 pub use domain::{Domain, Rig};
 pub use error::WireError;
-pub use frame::Frame;
+pub use frame::{Frame, KeptFrame};
 pub use leftovers::{Leftover, leftovers};
 pub use message::*;
 pub use reader::Reader;

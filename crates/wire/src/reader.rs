@@ -76,7 +76,12 @@ impl Reader {
     /// The transport failed. What it says should be done is to be done.
     pub fn latest(&mut self) -> Result<Frame<'_>, WireError> {
         let is_new = self.take()?;
-        Ok(self.frame(is_new))
+        Ok(self.look(is_new))
+    }
+
+    /// What [`latest`](Self::latest) or [`wait`](Self::wait) found last, as old as it is now; never new.
+    pub fn frame(&self) -> Frame<'_> {
+        self.look(false)
     }
 
     /// What is known as soon as a message comes that this reader has not looked at, or at the deadline: then the frame
@@ -94,12 +99,12 @@ impl Reader {
             }
             self.receiver.sleep(Some(deadline), None)?;
         };
-        Ok(self.frame(is_new))
+        Ok(self.look(is_new))
     }
 
     /// How long ago the image of the newest message that was looked at was taken; `None` before the first.
     pub fn age(&self) -> Option<Duration> {
-        self.frame(false).age()
+        self.frame().age()
     }
 
     /// Makes ready for a `poll`, `epoll` or `select` of one's own on [this reader's descriptor](AsFd::as_fd): call it
@@ -155,7 +160,7 @@ impl Reader {
         Ok(is_new)
     }
 
-    fn frame(&self, is_new: bool) -> Frame<'_> {
+    fn look(&self, is_new: bool) -> Frame<'_> {
         let message = self.newest.as_deref();
         let trace = message.map(|message| &message.trace);
         let moment = Moment {

@@ -19,6 +19,11 @@ pub struct Track {
 }
 
 impl Track {
+    /// The rope of this number, in the run that this reader counts so ([`Frame::run`](crate::Frame::run)).
+    pub fn new(run: u64, number: u32) -> Self {
+        Self { number, run }
+    }
+
     /// The rope's number, as messages, files and pictures have it.
     pub fn number(&self) -> u32 {
         self.number
@@ -183,6 +188,7 @@ impl<'a> Rope<'a> {
         let mut covariances = self.descriptor.covariances;
         growth.after(seconds, &shape, &mut covariances[..count]);
         Ok(Prediction {
+            of: self.descriptor,
             shape,
             control_points,
             covariances,
@@ -196,6 +202,7 @@ pub const FARTHEST: Duration = Duration::from_millis(500);
 /// A rope where it is thought to be at another moment.
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<'a> {
+    of: &'a Descriptor,
     shape: Shape<'a>,
     control_points: [[f64; 2]; MAX_CONTROL_POINTS],
     covariances: [[f64; 3]; MAX_CONTROL_POINTS],
@@ -207,6 +214,15 @@ impl Prediction<'_> {
         let count = self.shape.control_points().len();
         self.shape
             .moved(&self.control_points[..count], &self.covariances[..count])
+    }
+
+    /// The rope's descriptor with the control points and covariances that it has then. All else is as it was seen.
+    pub fn to_descriptor(&self) -> Descriptor {
+        Descriptor {
+            control_points: self.control_points,
+            covariances: self.covariances,
+            ..*self.of
+        }
     }
 }
 

@@ -18,6 +18,16 @@ const MESSAGE_HEAD_BYTES: u64 = HEAD_BYTES + 2 + 4 + 8 + 8;
 pub(super) struct Count {
     pub(super) messages: u64,
     pub(super) bytes: u64,
+    /// Those of the largest message.
+    pub(super) largest: u64,
+}
+
+impl Count {
+    fn add(&mut self, bytes: u64) {
+        self.messages += 1;
+        self.bytes += bytes;
+        self.largest = self.largest.max(bytes);
+    }
 }
 
 /// Counts, by channel.
@@ -82,11 +92,9 @@ fn count_places(places: &mut [(u64, u16)], end: u64, counts: &mut BTreeMap<u16, 
     places.sort_unstable();
     for (i, (place, channel)) in places.iter().enumerate() {
         let behind = places.get(i + 1).map_or(end, |(next, _)| *next);
+        let bytes = behind.saturating_sub(*place);
         let count = counts.entry(*channel).or_default();
-        count.messages += 1;
-        count.bytes += behind
-            .saturating_sub(*place)
-            .saturating_sub(MESSAGE_HEAD_BYTES);
+        count.add(bytes.saturating_sub(MESSAGE_HEAD_BYTES));
     }
 }
 
@@ -96,8 +104,7 @@ fn count_records(records: &[u8], counts: &mut BTreeMap<u16, Count>) {
             && let Some(message) = Message::read(record)
         {
             let count = counts.entry(message.channel).or_default();
-            count.messages += 1;
-            count.bytes += message.bytes.len() as u64;
+            count.add(message.bytes.len() as u64);
         }
     }
 }

@@ -58,6 +58,8 @@ pub struct TopicSummary {
     pub messages: u64,
     /// Their bytes, unpacked.
     pub bytes: u64,
+    /// Bytes of the largest, at most.
+    pub largest: u64,
 }
 
 impl Recording {
@@ -200,6 +202,7 @@ impl Recording {
                 schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
                 messages: count.messages,
                 bytes: count.bytes,
+                largest: count.largest,
             }
         });
         let mut topics: Vec<_> = topics.collect();
