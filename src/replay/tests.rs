@@ -38,6 +38,8 @@ struct Shot<'a> {
     has_frame: bool,
 }
 
+type MaskMaker = fn(&[u8]) -> Vec<u8>;
+
 /// What is recorded, and how.
 struct Making<'a> {
     settings: &'a str,
@@ -51,7 +53,7 @@ struct Making<'a> {
     /// Which of these fit is sent.
     sent: fn(u64) -> bool,
     /// Makes a mask of a frame's bytes.
-    mask: Option<fn(&[u8]) -> Vec<u8>>,
+    mask: Option<MaskMaker>,
     /// Before which frame extract and fit are started anew.
     anew: Option<u64>,
     /// What happens to a frame's messages on their way into the recording.
