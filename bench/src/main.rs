@@ -7,6 +7,7 @@ mod fit_rivals;
 mod methods;
 mod python;
 mod readers;
+mod recording;
 mod rivals;
 mod time;
 
@@ -36,6 +37,8 @@ enum Command {
     Families(families::Args),
     /// A day of frames with the clock turned on by hand: whether the last hour costs what the first did
     Day(day::Args),
+    /// How fast recordings are written, beside dd
+    Recording(recording::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
     /// What reading costs a control loop, and what control loops cost the chain
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         Command::Methods(args) => methods::run(&args),
         Command::Families(args) => families::run(&args),
         Command::Day(args) => day::run(&args),
+        Command::Recording(args) => recording::run(&args),
         Command::Time(args) => time::run(&args),
         Command::Readers(args) => readers::run(&args),
         Command::ReadersPart(args) => readers::part(&args),

@@ -95,7 +95,7 @@ impl Chain {
         let (stages, beside) = self.children.split_at(RECORDER);
         let stages: Vec<String> = stages.iter().flatten().map(name).collect();
         let beside = beside.iter().flatten().map(name);
-        let beside: String = beside.map(|name| format!(", {name}")).collect();
+        let beside: String = beside.map(|name| format!(" + {name}")).collect();
         format!("lariat: {}{beside}", stages.join(" → "))
     }
 

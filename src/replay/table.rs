@@ -29,7 +29,7 @@ pub(super) fn text(comparison: &Comparison) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{:<34}{:>12}{:>12}{:>12}",
+        "\n{:<40}{:>12}{:>12}{:>12}",
         "", "recorded", "now", "change"
     );
     let of = match *against {
@@ -114,7 +114,7 @@ fn row(text: &mut String, name: &str, [recorded, now]: [Option<f64>; 2], kind: K
     };
     let _ = writeln!(
         text,
-        "{name:<34}{:>12}{:>12}{change:>12}",
+        "{name:<40}{:>12}{:>12}{change:>12}",
         shown(recorded),
         shown(now)
     );

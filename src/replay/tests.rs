@@ -38,6 +38,8 @@ struct Shot<'a> {
     has_frame: bool,
 }
 
+type MaskMaker = fn(&[u8]) -> Vec<u8>;
+
 /// What is recorded, and how.
 struct Making<'a> {
     settings: &'a str,
@@ -51,7 +53,7 @@ struct Making<'a> {
     /// Which of these fit is sent.
     sent: fn(u64) -> bool,
     /// Makes a mask of a frame's bytes.
-    mask: Option<fn(&[u8]) -> Vec<u8>>,
+    mask: Option<MaskMaker>,
     /// Before which frame extract and fit are started anew.
     anew: Option<u64>,
     /// What happens to a frame's messages on their way into the recording.
@@ -116,7 +118,7 @@ impl Making<'_> {
         let mut bytes = vec![0; source.largest_frame_bytes()];
         let (mut extracted, mut fitted) = (0, 0);
         while let Some(frame) = source.next().unwrap() {
-            source.write(&mut bytes).unwrap();
+            source.write(&mut bytes);
             let number = frame.sequence;
             let period_ns = (1e9 * self.render.frame_interval_s) as u64;
             let exposed_ns = BEGIN_NS + number * period_ns;

@@ -46,7 +46,7 @@ fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {
     let mut source = lariat_capture::open(&Source::Rendered(RenderOptions::default())).unwrap();
     let mut extractor = Extractor::new(lariat_extract::Options::default()).unwrap();
     let options = lariat_fit::Options {
-        family: lariat_fit::Family::Bezier { order: 6 },
+        basis: lariat_fit::Basis::Bezier { order: 6 },
         ..lariat_fit::Options::default()
     };
     let mut fitter = Fitter::new(options).unwrap();
@@ -156,7 +156,11 @@ fn a_recorder_by_itself_is_there_before_the_rig_and_across_its_restart() {
     for points in ["100", "110"] {
         let flags = ["run", "--lossless", "--fps", "max", "--frames", "40"];
         let ended = bench.run(&[&flags[..], &["--points", points]].concat());
-        assert!(ended.status.success());
+        assert!(
+            ended.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ended.stderr)
+        );
     }
     send(recorder.id() as i32, Signal::TERM);
     let ended = recorder.wait().unwrap();

@@ -1,5 +1,7 @@
 //! What becomes of a recording, and of the chain, when something goes wrong.
 
+use std::time::{Duration, Instant};
+
 use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 
 use crate::recording::Recording;
@@ -10,6 +12,15 @@ fn recorder(chain: &Running) -> i32 {
     let mut words = chain.introduction.split_whitespace();
     words.find(|word| *word == "recorder");
     words.next().and_then(|id| id.parse().ok()).expect("an id")
+}
+
+/// Waits until a file has so many bytes: more than a chunk, say.
+fn wait_for_bytes(bench: &Bench, name: &str, bytes: u64) {
+    let deadline = Instant::now() + Duration::from_secs(30);
+    while std::fs::metadata(bench.path(name)).map_or(0, |file| file.len()) < bytes {
+        assert!(Instant::now() < deadline, "{name} does not grow");
+        std::thread::yield_now();
+    }
 }
 
 /// The chain went on to its end, and says at the end that its recording did not.
@@ -27,8 +38,8 @@ fn a_killed_recorder_leaves_whole_chunks_and_the_chain_goes_on() {
     let bench = Bench::new();
     let flags = ["--fps", "100", "--frames", "400", "--out", "out"];
     let mut chain = bench.start(&[&flags[..], &["--record", "run.mcap"]].concat());
-    // The sink speaks each second: by the second time some chunks are written.
     chain.wait_for_frames();
+    wait_for_bytes(&bench, "run.mcap", 5_000_000);
     send(recorder(&chain), Signal::KILL);
     let ended = chain.end();
     assert_only_the_recording_suffered(&bench, &ended, "was killed by signal 9 (SIGKILL)", 400);

@@ -1,15 +1,20 @@
 #!/bin/sh
 # Records the rendered rope in every way, and has each recording read by the Python packages `mcap` and `mcap-ros2-support`.
 #
-#     tests/record/read.sh [PYTHON]
+#     tests/record/read.sh [PYTHON [LARIAT]]
 #
-# PYTHON: an interpreter that has what requirements.txt names (default: python3). Builds and runs the release binary.
+# PYTHON: an interpreter that has what requirements.txt names (default: python3). LARIAT: the binary (default: the release's,
+# which is built).
 set -eu
 python=${1:-python3}
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
-cd "$here/../.."
-cargo build --release --quiet
-lariat=${CARGO_TARGET_DIR:-$PWD/target}/release/lariat
+if [ -n "${2:-}" ]; then
+    lariat=$(realpath "$2")
+else
+    cd "$here/../.."
+    cargo build --release --quiet
+    lariat=${CARGO_TARGET_DIR:-$PWD/target}/release/lariat
+fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export LARIAT_DOMAIN="read-$$"
@@ -25,6 +30,8 @@ done
 # Live, with a rig whose name is no ROS name, and a recorder of its own.
 "$lariat" record --rig left-arm --out live.mcap 2>said &
 recorder=$!
+# The file is made when all channels are open.
+while [ ! -e live.mcap ]; do sleep 0.1; done
 "$lariat" run --rig left-arm --fps 60 --frames 90 >/dev/null 2>&1
 kill -TERM $recorder
 wait $recorder || { cat said; exit 1; }

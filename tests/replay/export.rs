@@ -15,11 +15,11 @@ fn control_points_are_a_table() {
         ("sequence", "track", "y8")
     );
     let rows: Vec<_> = rows.collect();
-    assert_eq!(rows.len(), 60);
+    assert_eq!(rows.len(), 50);
     assert!(rows.iter().all(|row| row.len() == head.len()));
     assert_eq!((rows[6][0], rows[6][4], rows[6][6]), ("7", "ok", "bezier"));
     let x: f64 = rows[6][14].parse().unwrap();
-    assert!((0.0..160.0).contains(&x));
+    assert!((0.0..144.0).contains(&x));
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_video_and_pictures_show_the_frames_again() {
     let picture = image::open(place.path("frames/frame-00000003.png"))
         .unwrap()
         .into_rgb8();
-    assert_eq!(picture.dimensions(), (160, 120));
+    assert_eq!(picture.dimensions(), (144, 108));
     assert!(names.pop().is_some());
 
     // Both are sources again.
@@ -114,10 +114,10 @@ fn a_video_and_pictures_show_the_frames_again() {
 fn what_fails_leaves_no_file() {
     let place = Place::new();
     for format in ["csv", "y4m", "png", "jsonl"] {
-        let none = ["--from", "61", "--format", format, "--out", "out"];
+        let none = ["--from", "51", "--format", format, "--out", "out"];
         let complaint = place.complaint(&[&["export", GOLDEN][..], &none].concat());
         assert!(
-            complaint.contains("there is no frame 61: the recording holds 60"),
+            complaint.contains("there is no frame 51: the recording holds 50"),
             "{complaint}"
         );
         assert_eq!(std::fs::read_dir(place.folder.path()).unwrap().count(), 0);

@@ -101,7 +101,7 @@ impl Brown {
 /// OpenCV's projection onto a sensor tilted about x by `tau_x`, then about y by `tau_y`, radians (`computeTiltProjectionMatrix`;
 /// Louhichi et al. 2007).
 fn tilt([tau_x, tau_y]: [f64; 2]) -> Matrix {
-    let ((sx, cx), (sy, cy)) = (tau_x.sin_cos(), tau_y.sin_cos());
+    let ((sx, cx), (sy, cy)) = (libm::sincos(tau_x), libm::sincos(tau_y));
     let about_x = [[1.0, 0.0, 0.0], [0.0, cx, sx], [0.0, -sx, cx]];
     let about_y = [[cy, 0.0, -sy], [0.0, 1.0, 0.0], [sy, 0.0, cy]];
     let r = projective::product(&about_y, &about_x);

@@ -22,11 +22,11 @@ impl Fisheye {
 
     /// Where an ideal point comes to lie.
     pub(crate) fn bend(&self, [x, y]: [f64; 2]) -> Place {
-        let r = x.hypot(y);
+        let r = libm::hypot(x, y);
         if r < MIDDLE {
             return Place::itself([x, y]);
         }
-        let theta = r.atan();
+        let theta = libm::atan(r);
         let [radius, slope] = self.radius(theta);
         let across = radius / r;
         let along = slope / (1.0 + r * r);
@@ -41,11 +41,11 @@ impl Fisheye {
 
     /// The ideal point that is seen here, of those within `most` from the middle, up to where the model is one-to-one.
     pub(crate) fn straighten(&self, [x, y]: [f64; 2], most: f64) -> Option<[f64; 2]> {
-        let seen = x.hypot(y);
+        let seen = libm::hypot(x, y);
         if seen < MIDDLE {
             return Some([x, y]);
         }
-        let (mut low, mut high) = (0.0, most.atan());
+        let (mut low, mut high) = (0.0, libm::atan(most));
         let inside = seen <= self.radius(high)[0];
         inside.then_some(())?;
         // Newton, kept between the bounds by halving: the radius grows with the angle all the way.
@@ -69,7 +69,7 @@ impl Fisheye {
                 break;
             }
         }
-        let stretch = theta.tan() / seen;
+        let stretch = libm::tan(theta) / seen;
         Some([x * stretch, y * stretch])
     }
 }

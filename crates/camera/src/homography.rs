@@ -143,7 +143,7 @@ impl Normal {
         let middle = [0, 1].map(|i| pairs.iter().map(|p| place(p)[i]).sum::<f64>() / count);
         let distances = pairs.iter().map(|p| {
             let [x, y] = place(p);
-            (x - middle[0]).hypot(y - middle[1])
+            libm::hypot(x - middle[0], y - middle[1])
         });
         let scale = std::f64::consts::SQRT_2 * count / distances.sum::<f64>();
         (scale.is_finite() && scale > 0.0).then_some(Self { middle, scale })

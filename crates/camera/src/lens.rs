@@ -78,13 +78,13 @@ impl Lens {
 
     /// How far from the axis the model may be asked, degrees.
     pub fn widest_deg(&self) -> f64 {
-        self.widest.atan().to_degrees()
+        libm::atan(self.widest).to_degrees()
     }
 
     /// Where a ray with these tangents is seen. `None` outside of the disc in which the model is one-to-one.
     pub fn distort(&self, ideal: [f64; 2]) -> Option<Place> {
         // Not `>`: what is not a number is nowhere.
-        (ideal[0].hypot(ideal[1]) <= self.widest).then_some(())?;
+        (libm::hypot(ideal[0], ideal[1]) <= self.widest).then_some(())?;
         match &self.model {
             Model::Ideal => Some(Place::itself(ideal)),
             Model::Brown(brown) => brown.tilted(brown.bend(ideal)?),
@@ -120,7 +120,7 @@ impl Lens {
 /// The ideal point that the lens bends to `seen`, with the derivative *of the bend* there.
 fn newton(brown: &Brown, seen: [f64; 2], widest: f64) -> Option<Place> {
     let away = |p: [f64; 2]| [p[0] - seen[0], p[1] - seen[1]];
-    let length = |v: [f64; 2]| v[0].hypot(v[1]);
+    let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
     let tolerance = NEAR * (1.0 + length(seen));
     let far = length(seen);
     let inward = if far > widest {
@@ -164,7 +164,8 @@ fn widest(model: &Model) -> f64 {
     let is_good = |radius: f64| {
         (0..SPOKES).all(|spoke| {
             let angle = std::f64::consts::TAU * spoke as f64 / SPOKES as f64;
-            let point = [radius * angle.cos(), radius * angle.sin()];
+            let (sin, cos) = libm::sincos(angle);
+            let point = [radius * cos, radius * sin];
             let jacobian = match model {
                 Model::Ideal => Some(IDENTITY),
                 Model::Brown(brown) => brown.bend(point).map(|bent| bent.jacobian),
@@ -173,7 +174,7 @@ fn widest(model: &Model) -> f64 {
             jacobian.is_some_and(|j| is_monotone(&j) && determinant(&j).is_finite())
         })
     };
-    let at = |ring: usize| (WIDEST_DEG * ring as f64 / RINGS as f64).to_radians().tan();
+    let at = |ring: usize| libm::tan((WIDEST_DEG * ring as f64 / RINGS as f64).to_radians());
     let Some(first_bad) = (0..=RINGS).find(|&ring| !is_good(at(ring))) else {
         return at(RINGS);
     };

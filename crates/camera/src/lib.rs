@@ -36,6 +36,8 @@
 //! Pure: no I/O, no clock, and nothing is allocated once a [`Mapping`] is made. The centre of the top-left pixel is (0, 0),
 //! as in OpenCV.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod brown;
 mod calibration;
 mod camera;

@@ -12,12 +12,12 @@ pub(crate) fn rodrigues(r: [f64; 3]) -> Matrix {
     let (s, c) = if angle < 1e-8 {
         (1.0, 0.5)
     } else {
-        let half = (0.5 * angle).sin() / angle;
-        (angle.sin() / angle, 2.0 * half * half)
+        let half = libm::sin(0.5 * angle) / angle;
+        (libm::sin(angle) / angle, 2.0 * half * half)
     };
     let [x, y, z] = r;
     let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
-    let diagonal = angle.cos();
+    let diagonal = libm::cos(angle);
     [0, 1, 2].map(|i| {
         [0, 1, 2].map(|j| {
             let unit = if i == j { diagonal } else { 0.0 };

@@ -11,8 +11,8 @@ mod sums;
 
 use crate::color;
 use crate::{Image, PixelFormat};
+use lariat_portable::{Arch, Simd, WithSimd};
 use middle::Middle;
-use pulp::{Arch, Simd, WithSimd};
 use samples::{Levels, MOST_STEPS, Measure, STEPS, Samples};
 use sums::{Sum, cholesky, solve};
 

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 use crate::line::Line;
 use crate::plane::Plane;
@@ -159,7 +159,7 @@ mod tests {
 
     struct Finding<'a>(&'a mut [Lanes], &'a [u32; LANES]);
 
-    impl pulp::WithSimd for Finding<'_> {
+    impl lariat_portable::WithSimd for Finding<'_> {
         type Output = Lanes;
 
         fn with_simd<S: Simd>(self, simd: S) -> Lanes {
@@ -177,7 +177,7 @@ mod tests {
                     rows[(5 * k + l) % 13][l] = f32::from(value);
                 }
             }
-            let found = pulp::Arch::new().dispatch(Finding(&mut rows, &counts));
+            let found = lariat_portable::Arch::new().dispatch(Finding(&mut rows, &counts));
             for (mut lane, found) in lanes.into_iter().zip(found).filter(|(lane, _)| !lane.is_empty()) {
                 lane.sort_unstable();
                 prop_assert_eq!(found, f32::from(lane[lane.len() / 2]));

@@ -67,7 +67,8 @@ impl Doubter {
         let is_empty = of.mask.used.is_empty();
         // A rope that crosses itself n times encloses n + 1 holes.
         if !is_empty
-            && pulp::Arch::new().dispatch(PiecesLessHoles(of.mask)) < -(MOST_CROSSINGS as i64)
+            && lariat_portable::Arch::new().dispatch(PiecesLessHoles(of.mask))
+                < -(MOST_CROSSINGS as i64)
         {
             return Some(Notice::CheckeredTable);
         }
@@ -136,7 +137,7 @@ impl Seen {
 /// so it is the number of runs in the unions of neighboring rows less the number of runs in the rows.
 struct PiecesLessHoles<'a>(&'a Strips);
 
-impl pulp::NullaryFnOnce for PiecesLessHoles<'_> {
+impl lariat_portable::NullaryFnOnce for PiecesLessHoles<'_> {
     type Output = i64;
 
     #[inline(always)]
@@ -225,7 +226,7 @@ mod tests {
             let holes = count(&picture, Connectivity::Four) - 1;
             let mut strips = Strips::default();
             strips.take(&plane);
-            let number = pulp::Arch::new().dispatch(PiecesLessHoles(&strips));
+            let number = lariat_portable::Arch::new().dispatch(PiecesLessHoles(&strips));
             prop_assert_eq!(number, pieces - holes);
         }
     }

@@ -85,8 +85,8 @@ pub(crate) fn known_way(a: &End, b: &End, past: &Past, same: bool) -> Option<(f3
     }
     // Ends that point away from where they are to go did not come from there.
     let (out, back) = (vec2::dot(a.out, chord), vec2::dot(b.out, chord));
-    let faces =
-        chord_px < width_px || out > SHARPEST.cos() * chord_px && -back > SHARPEST.cos() * chord_px;
+    let faces = chord_px < width_px
+        || out > libm::cosf(SHARPEST) * chord_px && -back > libm::cosf(SHARPEST) * chord_px;
     best.filter(|_| faces)
 }
 

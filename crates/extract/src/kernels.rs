@@ -129,18 +129,22 @@ impl Kernels {
         }
         Self {
             three_channels: |row, table, out| {
-                pulp::Arch::new().dispatch(|| three_channels(row, table, out));
+                lariat_portable::Arch::new().dispatch(|| three_channels(row, table, out));
             },
             spread: spread::spread,
-            three_channel_band: |band| pulp::Arch::new().dispatch(|| three_channel_band(band)),
+            three_channel_band: |band| {
+                lariat_portable::Arch::new().dispatch(|| three_channel_band(band))
+            },
             yuyv_band: None,
             uyvy_band: None,
             look: None,
             collect,
             patch_at_least: |patch, cut, words| {
-                pulp::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
+                lariat_portable::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
             },
-            at_least: |row, cut, words| pulp::Arch::new().dispatch(|| at_least(row, cut, words)),
+            at_least: |row, cut, words| {
+                lariat_portable::Arch::new().dispatch(|| at_least(row, cut, words))
+            },
         }
     }
 }

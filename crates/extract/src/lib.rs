@@ -55,6 +55,8 @@
 //! from border to border of 640×480 pixels with hundreds of crossings, take some 25 times as long as one rope; stripes 8
 //! times; eight real ropes, or one that crosses itself ten times, 4 to 5 times.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod abut;
 mod background;
 mod bits;

@@ -1,6 +1,6 @@
 //! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
 
-use pulp::{Arch, NullaryFnOnce};
+use lariat_portable::{Arch, NullaryFnOnce};
 
 use crate::plane::Plane;
 use crate::ray::LANES;

@@ -251,13 +251,13 @@ impl Rule for Smooth {
 
 /// How many pixels are set, and how many of their sides are the outline.
 fn outline(mask: &Strips) -> (usize, usize) {
-    pulp::Arch::new().dispatch(Outline(mask))
+    lariat_portable::Arch::new().dispatch(Outline(mask))
 }
 
 /// The same, to be compiled for each kind of machine.
 struct Outline<'a>(&'a Strips);
 
-impl pulp::NullaryFnOnce for Outline<'_> {
+impl lariat_portable::NullaryFnOnce for Outline<'_> {
     type Output = (usize, usize);
 
     #[inline(always)]

@@ -92,8 +92,8 @@ pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agr
     } else {
         (ahead, back)
     };
-    let cost = ratio.ln()
-        + width.ln()
+    let cost = libm::logf(ratio)
+        + libm::logf(width)
         + curve.color_levels / COLOR_LEVELS
         + (ahead.min(back) + 0.2 * vec2::norm(shift)) / rope.length_px;
     Some(Agreement {

@@ -91,7 +91,7 @@ pub(crate) fn step(rule: impl Rule, plane: &mut Strips, next: &mut Strips) {
 /// Makes the blocks `over` of `to` what `rule` makes of `from`. The other blocks of both are equal.
 fn apply<R: Rule>(rule: R, from: &Strips, over: &Blocks, to: &mut Strips) {
     let shape = &from.shape;
-    pulp::Arch::new().dispatch(Apply {
+    lariat_portable::Arch::new().dispatch(Apply {
         rule,
         shape,
         from: &from.words,
@@ -109,7 +109,7 @@ struct Apply<'a, R> {
     to: &'a mut [u64],
 }
 
-impl<R: Rule> pulp::NullaryFnOnce for Apply<'_, R> {
+impl<R: Rule> lariat_portable::NullaryFnOnce for Apply<'_, R> {
     type Output = ();
 
     #[inline(always)]

@@ -30,7 +30,7 @@ pub(crate) fn arc([here, before, oldest]: [Vec2; 3], is_arc: bool) -> impl Fn(f3
 /// The sine and the cosine, by their series where that is enough for every digit but the last.
 fn sin_cos(x: f32) -> (f32, f32) {
     if x.abs() > 1.5 {
-        return x.sin_cos();
+        return libm::sincosf(x);
     }
     let xx = x * x;
     // 1 / (k · (k + 1)) for every second k.

@@ -12,7 +12,7 @@
 mod axis;
 mod lines;
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use crate::Image;
 use crate::place::{Place, tangent};
@@ -153,7 +153,7 @@ fn verdict(a: Surprise, b: Surprise) -> Verdict {
     let margin = a.off.above(b.off) + a.unsteady.above(b.unsteady);
     Verdict {
         second: margin > 0.0,
-        confidence: (CERTAINTY * margin.abs()).tanh(),
+        confidence: libm::tanhf(CERTAINTY * margin.abs()),
     }
 }
 

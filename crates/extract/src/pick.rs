@@ -117,7 +117,7 @@ fn class_near(evidence: &Evidence, at: [f32; 2]) -> Option<usize> {
     let mut nearest = None;
     for y in y0 - reach..=y0 + reach {
         for x in x0 - reach..=x0 + reach {
-            let distance = (x as f32 - at[0]).hypot(y as f32 - at[1]);
+            let distance = libm::hypotf(x as f32 - at[0], y as f32 - at[1]);
             if let Some(Label::Rope(class)) = evidence.get(x, y)
                 && distance <= nearest.map_or(BESIDE_PX, |(nearest, _)| nearest)
             {

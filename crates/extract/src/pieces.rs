@@ -122,7 +122,7 @@ impl Pieces {
     fn find_caps(&mut self, plane: &Strips, kind: Kind, most: u32) -> usize {
         self.caps.clear();
         let caps = &mut self.caps;
-        pulp::Arch::new().dispatch(FindCaps {
+        lariat_portable::Arch::new().dispatch(FindCaps {
             plane,
             kind,
             most,
@@ -225,7 +225,7 @@ struct FindCaps<'a> {
     caps: &'a mut Vec<Cap>,
 }
 
-impl pulp::NullaryFnOnce for FindCaps<'_> {
+impl lariat_portable::NullaryFnOnce for FindCaps<'_> {
     type Output = usize;
 
     #[inline(always)]

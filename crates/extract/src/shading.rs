@@ -6,7 +6,7 @@
 //! level is the rope's true edge. Half of the contrast in the middle would draw a round rope too narrow by a third of
 //! a pixel, and beside a lamp aside as well.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use crate::line::Line;
 use crate::plane::Plane;
@@ -75,7 +75,7 @@ impl Shading {
         for k in 0..12 {
             let sigmas = 0.25 * (k as f32 + 0.5);
             let u = (1.0 - sigmas * blur_px / half_px).max(0.0);
-            let w = (-0.5 * sigmas * sigmas).exp();
+            let w = libm::expf(-0.5 * sigmas * sigmas);
             let round = a + b * (1.0 - u * u).sqrt();
             weight += w;
             within[0] += w * (round - d * u);

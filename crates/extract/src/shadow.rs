@@ -33,7 +33,7 @@ pub(crate) fn clear(image: &Image, background: &Background, faint: &mut BitPlane
         tolerance,
         pixel: |x: usize, y: usize| color::native(image, x, y),
     };
-    let arch = pulp::Arch::new();
+    let arch = lariat_portable::Arch::new();
     match image.format() {
         PixelFormat::Rgb8 => arch.dispatch(clear.with(|x, y| three(image, x, y))),
         PixelFormat::Bgr8 => arch.dispatch(clear.with(|x, y| {
@@ -74,7 +74,7 @@ impl<'a, P> Clear<'a, P> {
     }
 }
 
-impl<P: Fn(usize, usize) -> [u8; 3]> pulp::NullaryFnOnce for Clear<'_, P> {
+impl<P: Fn(usize, usize) -> [u8; 3]> lariat_portable::NullaryFnOnce for Clear<'_, P> {
     type Output = ();
 
     #[inline(always)]

@@ -48,7 +48,7 @@ impl Skeleton {
     /// Lists the pixels of `thin`, the skeleton of `mask`, which stands in `rows`, too. An image that is noise gets none.
     pub(crate) fn list(&mut self, thin: &Strips, mask: &Strips, rows: &BitPlane) {
         self.clearance.take(mask);
-        pulp::Arch::new().dispatch(List {
+        lariat_portable::Arch::new().dispatch(List {
             skeleton: self,
             thin,
             mask: rows,
@@ -193,7 +193,7 @@ struct List<'a> {
     mask: &'a BitPlane,
 }
 
-impl pulp::NullaryFnOnce for List<'_> {
+impl lariat_portable::NullaryFnOnce for List<'_> {
     type Output = ();
 
     #[inline(always)]

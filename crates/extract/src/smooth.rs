@@ -6,7 +6,7 @@
 //! R·(ℓ/R)⁴, where ℓ = λ^¼ is the reach; a moving average of the same reach loses ℓ²/R. Where
 //! nothing is measured (w = 0) the solution goes on as a cubic: that is how a crossing is bridged.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use crate::line::{Line, Sample};
 

@@ -240,7 +240,7 @@ impl Strips {
 
     /// How many pixels are set in the blocks that may hold something.
     pub(crate) fn count(&self) -> usize {
-        pulp::Arch::new().dispatch(Count(self))
+        lariat_portable::Arch::new().dispatch(Count(self))
     }
 
     /// Whether pixel (x, y) is set; outside of the picture nothing is.
@@ -255,7 +255,7 @@ impl Strips {
     pub(crate) fn take(&mut self, plane: &BitPlane) {
         let shape = Shape::of(plane);
         self.resize(&shape);
-        pulp::Arch::new().dispatch(Take {
+        lariat_portable::Arch::new().dispatch(Take {
             strips: self,
             plane,
         });
@@ -268,7 +268,7 @@ struct Take<'a> {
     plane: &'a BitPlane,
 }
 
-impl pulp::NullaryFnOnce for Take<'_> {
+impl lariat_portable::NullaryFnOnce for Take<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -587,7 +587,7 @@ fn near(shape: &Shape, strip: usize, group: usize, bits: impl Fn(usize) -> u64) 
 /// The counting of pixels, to be compiled for each kind of machine.
 struct Count<'a>(&'a Strips);
 
-impl pulp::NullaryFnOnce for Count<'_> {
+impl lariat_portable::NullaryFnOnce for Count<'_> {
     type Output = usize;
 
     #[inline(always)]

@@ -27,7 +27,7 @@ impl Thinner {
     /// Thins `mask`. Returns whether it came to rest within `max_passes`.
     pub(crate) fn thin(&mut self, mask: &Strips, max_passes: u32) -> bool {
         self.begin(mask);
-        let arch = pulp::Arch::new();
+        let arch = lariat_portable::Arch::new();
         for _ in 0..max_passes {
             arch.dispatch(SubIteration::<false>(self));
             arch.dispatch(SubIteration::<true>(self));
@@ -77,7 +77,7 @@ impl Thinner {
 /// A sub-iteration to be compiled for each kind of machine.
 struct SubIteration<'a, const SOUTH_EAST: bool>(&'a mut Thinner);
 
-impl<const SOUTH_EAST: bool> pulp::NullaryFnOnce for SubIteration<'_, SOUTH_EAST> {
+impl<const SOUTH_EAST: bool> lariat_portable::NullaryFnOnce for SubIteration<'_, SOUTH_EAST> {
     type Output = ();
 
     #[inline(always)]

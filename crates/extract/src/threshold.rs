@@ -10,7 +10,7 @@ use crate::bits::BitPlane;
 use crate::kernels::{Kernels, Patch};
 use crate::plane::Plane;
 use crate::strips::{BLOCK, Shape, Strips};
-use pulp::Arch;
+use lariat_portable::Arch;
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
 /// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
@@ -119,7 +119,7 @@ impl Levels {
 /// How many bytes are not below a level, and their sum.
 struct Above<'a>(&'a [u8], u8);
 
-impl pulp::NullaryFnOnce for Above<'_> {
+impl lariat_portable::NullaryFnOnce for Above<'_> {
     type Output = (usize, usize);
 
     #[inline(always)]

@@ -59,7 +59,7 @@ impl Tiles {
         if self.at.len() != plane.shape.words() / BLOCK {
             self.reserve(plane);
         }
-        pulp::Arch::new().dispatch(Open {
+        lariat_portable::Arch::new().dispatch(Open {
             tiles: self,
             plane,
             across,
@@ -198,7 +198,7 @@ struct Open<'a> {
     across: usize,
 }
 
-impl pulp::NullaryFnOnce for Open<'_> {
+impl lariat_portable::NullaryFnOnce for Open<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -171,7 +171,7 @@ fn extend(
     };
     let known_out = vec2::sub(known(tip_px), known(tip_px + backed as f32 * step_px));
     let turn = vec2::angle(known_out, out);
-    let (sin, cos) = turn.sin_cos();
+    let (sin, cos) = libm::sincosf(turn);
     let steps = count(tip_px);
     let (mut bare, mut good) = (0, 0);
     // Behind the line as it is, until it is known which of the two is taken.

@@ -52,5 +52,5 @@ pub(crate) fn normal(a: Vec2) -> Vec2 {
 
 /// The angle from `a` to `b`, −π to π.
 pub(crate) fn angle(a: Vec2, b: Vec2) -> f32 {
-    cross(a, b).atan2(dot(a, b))
+    libm::atan2f(cross(a, b), dot(a, b))
 }

@@ -38,7 +38,7 @@ impl Widths {
             weighted.clear();
             weighted.reserve(MOST_WIDTHS);
         }
-        pulp::Arch::new().dispatch(Measure {
+        lariat_portable::Arch::new().dispatch(Measure {
             widths: self,
             sure,
             all,
@@ -93,7 +93,7 @@ struct Measure<'a> {
     all: Both<'a>,
 }
 
-impl pulp::NullaryFnOnce for Measure<'_> {
+impl lariat_portable::NullaryFnOnce for Measure<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -335,8 +335,9 @@ fn line_direction(points: impl Iterator<Item = Vec2> + Clone, far: Vec2) -> Vec2
         let d = vec2::sub(p, mean);
         (xx, xy, yy) = (xx + d[0] * d[0], xy + d[0] * d[1], yy + d[1] * d[1]);
     }
-    let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
-    let axis = [turn.cos(), turn.sin()];
+    let turn = 0.5 * libm::atan2f(2.0 * xy, xx - yy);
+    let (sin, cos) = libm::sincosf(turn);
+    let axis = [cos, sin];
     let outward = vec2::sub(first, far);
     if vec2::dot(axis, outward) < 0.0 {
         vec2::scale(axis, -1.0)

@@ -4,15 +4,13 @@
 use crate::arc_length;
 use crate::basis::{Basis, Knots};
 use crate::error::FitError;
+use crate::factor::Qr;
 use crate::fitter::Residuals;
 use crate::functions::{self, MAX_KNOTS};
 use crate::linear::Linear;
 use crate::options::{Options, Rho, Weights};
-use crate::solve::QrOfB;
 use crate::system::System;
 use crate::weighted::{Problem, Weighted};
-use faer::linalg::triangular_inverse::invert_upper_triangular;
-use faer::{Mat, Par};
 
 pub(crate) struct Adaptive<const D: usize> {
     weighted: Weighted<D>,
@@ -36,28 +34,16 @@ impl<const D: usize> Adaptive<D> {
     pub(crate) fn new(linear: &Linear<D>, options: &Options) -> Self {
         let (points, count) = (linear.b.nrows(), linear.b.ncols());
         let system = System::new(linear.basis, linear.b.clone(), options.ridge, false);
-        let factors = QrOfB::new(&system.a);
-        let r = factors.r();
-        let mut r_inverse = Mat::zeros(count, count);
-        invert_upper_triangular(r_inverse.as_mut(), r, Par::Seq);
-        let ridge = system.penalty.transpose() * &system.penalty;
-        let rows = |m: &Mat<f64>, is_kept: fn(usize, usize) -> bool| {
-            let at = |at: usize| (at / count, at % count);
-            (0..m.nrows() * count)
-                .map(|place| match at(place) {
-                    (i, j) if is_kept(i, j) => m[(i, j)],
-                    _ => 0.0,
-                })
-                .collect::<Vec<f64>>()
-        };
+        let r_inverse = Qr::new(&system.a).inverse_of_r();
+        let ridge = system.penalty.transposed().times(&system.penalty);
         let mut own = [0.0; MAX_KNOTS];
         own[..linear.knots.len()].copy_from_slice(&linear.knots);
         Self {
             weighted: Weighted::new(points, count),
             basis: linear.basis,
-            b: rows(&linear.b, |_, _| true),
-            r_inverse: rows(&r_inverse, |i, j| i <= j),
-            ridge: (options.ridge > 0.0).then(|| rows(&ridge, |_, _| true)),
+            b: linear.b.row_by_row(),
+            r_inverse: r_inverse.row_by_row(),
+            ridge: (options.ridge > 0.0).then(|| ridge.row_by_row()),
             rho: (0..points)
                 .map(|i| linear.basis.even_rho(i, points))
                 .collect(),

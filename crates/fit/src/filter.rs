@@ -100,7 +100,7 @@ struct Seen {
 pub struct Filter<const D: usize> {
     options: FilterOptions,
     most: usize,
-    arch: pulp::Arch,
+    arch: lariat_portable::Arch,
     seen: Option<Seen>,
     state: State<D>,
     /// The state at another moment, while it is being worked on.
@@ -129,7 +129,7 @@ impl<const D: usize> Filter<D> {
         Ok(Self {
             options,
             most,
-            arch: pulp::Arch::new(),
+            arch: lariat_portable::Arch::new(),
             seen: None,
             state: State::new(most),
             ahead: State::new(most),

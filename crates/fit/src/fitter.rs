@@ -59,7 +59,7 @@ impl<const D: usize> Fit<D> {
 /// Fits curves of one family to centerlines of one number of points in `D` dimensions.
 pub struct Fitter<const D: usize = 2> {
     options: Options,
-    arch: pulp::Arch,
+    arch: lariat_portable::Arch,
     /// One, or one of each size to choose from, the smallest first.
     sizes: Vec<Size<D>>,
     /// Whose knots, condition and covariance `fit` holds.
@@ -155,8 +155,8 @@ impl Fitter<2> {
         }
         let linear = &self.sizes[self.shown].linear;
         let even = EvenFit {
-            p: linear.matrix.as_ref(),
-            b: linear.b.as_ref(),
+            p: &linear.matrix,
+            b: &linear.b,
         };
         let growth = self.propagation.run(&even, line, squares, covariances);
         let fit = &self.fit;
@@ -205,7 +205,7 @@ impl<const D: usize> Fitter<D> {
         };
         Ok(Self {
             options,
-            arch: pulp::Arch::new(),
+            arch: lariat_portable::Arch::new(),
             shown: largest,
             points: Points::new(options.points, condition::is_mirrored(options.basis)),
             sizes,
@@ -418,12 +418,11 @@ impl<const D: usize> Fitter<D> {
     /// None where the fitter's own limits were kept; the type says what else could be wrong.
     pub fn curve_space(&self) -> Result<CurveSpace, CurveSpaceError> {
         let linear = &self.sizes[self.sizes.len() - 1].linear;
-        let rows = linear.b.row_iter().flat_map(|row| row.iter().copied());
         let count = linear.basis.control_points();
         match linear.basis {
             // Lines between points bend at them: the points themselves are what moves.
             Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
-            _ => CurveSpace::new(&rows.collect::<Vec<f64>>(), count),
+            _ => CurveSpace::new(&linear.b.row_by_row(), count),
         }
     }
 
@@ -431,11 +430,7 @@ impl<const D: usize> Fitter<D> {
     /// every axis. It is the Jacobian `∂s/∂c̄` of the descriptor by the points, and constant; of the size that
     /// was last chosen where sizes are.
     pub fn matrix(&self) -> impl ExactSizeIterator<Item = &[f64]> {
-        self.sizes[self.shown].linear.matrix.col_iter().map(|row| {
-            // A column of an owned faer matrix is contiguous.
-            row.try_as_col_major()
-                .map_or(&[][..], |contiguous| contiguous.as_slice())
-        })
+        self.sizes[self.shown].linear.matrix.columns()
     }
 }
 
@@ -444,7 +439,7 @@ impl<const D: usize> Fitter<D> {
 fn information(residuals: &Residuals, dimensions: usize, parameters: usize) -> f64 {
     let n = dimensions as f64 * residuals.weights;
     let variance = (residuals.weighted_sum / n).max(EXACT_PX * EXACT_PX);
-    n * variance.ln() + parameters as f64 * n.ln()
+    n * libm::log(variance) + parameters as f64 * libm::log(n)
 }
 
 /// Whether every coordinate is one of a place in a picture.

@@ -4,8 +4,8 @@
 //! half the control points cost half the multiply-adds of the whole. Other bases are not folded: their points
 //! are all "sums", and there are no differences.
 
+use crate::matrix::Matrix;
 use crate::solve::Halves;
-use faer::MatRef;
 
 /// Points at a time: so many that loops over them are whole pairs of vectors on every machine.
 pub(crate) const BLOCK: usize = 16;
@@ -53,7 +53,7 @@ pub(crate) struct Rows {
 impl Rows {
     /// Takes `m`, m × N, so that the rows times the points are `p = m c`. Folded, `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎` must hold, and
     /// they are `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎`. A row or point that is its own mirror image counts twice in the sums.
-    pub(crate) fn of_product(m: MatRef<'_, f64>, folded: bool) -> Self {
+    pub(crate) fn of_product(m: &Matrix, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
         }
@@ -70,7 +70,7 @@ impl Rows {
 
     /// Takes `m`, the transpose of `B`, so that control points times the rows are the points on the curve; folded,
     /// `pⱼ ± p₍ₙ₋ⱼ₎` times the rows are the sums and the differences of mirrored points on the curve.
-    pub(crate) fn of_curve(m: MatRef<'_, f64>, folded: bool) -> Self {
+    pub(crate) fn of_curve(m: &Matrix, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
         }
@@ -85,7 +85,7 @@ impl Rows {
         })
     }
 
-    fn whole(m: MatRef<'_, f64>) -> Self {
+    fn whole(m: &Matrix) -> Self {
         Self {
             count: m.nrows(),
             folded: false,
@@ -94,7 +94,7 @@ impl Rows {
         }
     }
 
-    fn folded(m: MatRef<'_, f64>, value: impl Fn(usize, usize, f64) -> f64) -> Self {
+    fn folded(m: &Matrix, value: impl Fn(usize, usize, f64) -> f64) -> Self {
         let half = m.ncols().div_ceil(2);
         Self {
             count: m.nrows(),

@@ -90,7 +90,7 @@ fn bspline(degree: usize, knots: &[f64], rho: f64, values: &mut [f64]) {
 fn fourier(rho: f64, values: &mut [f64]) {
     values[0] = 1.0;
     for (before, pair) in values[1..].chunks_exact_mut(2).enumerate() {
-        let (sin, cos) = ((before + 1) as f64 * TAU * rho).sin_cos();
+        let (sin, cos) = libm::sincos((before + 1) as f64 * TAU * rho);
         (pair[0], pair[1]) = (cos, sin);
     }
 }

@@ -1,4 +1,4 @@
-//! The three loops of a fit, in vectors as wide as the machine has (pulp chooses at run time):
+//! The three loops of a fit, in the machine's widest registers:
 //!
 //! ```text
 //! load        cᵢ                 → cᵢ ± c₍N₋₁₋ᵢ₎, or cᵢ, each axis by itself
@@ -9,7 +9,7 @@
 //! The crate's tests hold each of them to the plain definition.
 
 use crate::folded::{BLOCK, Points, Rows};
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// Loads points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
 /// not.
@@ -24,7 +24,7 @@ impl<const D: usize> WithSimd for Load<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        // Plain code: the compiler makes vectors of it for the machine that pulp has chosen.
+        // Plain code: the compiler makes vectors of it for the registers that were chosen.
         if self.into.folded {
             fold(self.points, self.bound, self.into)
         } else {

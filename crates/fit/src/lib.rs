@@ -62,6 +62,8 @@
 //! So a Bezier curve of high order is drawn rightly, but its control points are not a feature to servo on; a B-spline's
 //! are, whatever their number.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod adaptive;
 mod arc_length;
 mod basis;
@@ -71,12 +73,14 @@ mod condition;
 mod convert;
 mod curve;
 mod error;
+mod factor;
 mod filter;
 mod fitter;
 mod folded;
 mod functions;
 mod kernel;
 mod linear;
+mod matrix;
 mod noise;
 mod options;
 mod rational;

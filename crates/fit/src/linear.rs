@@ -3,13 +3,14 @@
 use crate::basis::Basis;
 use crate::condition;
 use crate::error::FitterError;
+use crate::factor::Qr;
 use crate::fitter::MAX_COORDINATE_PX;
 use crate::folded::{Points, Rows};
 use crate::kernel::{Describe, Fit, Load, Residuals, SquaredResiduals};
+use crate::matrix::Matrix;
 use crate::options::{Options, Solver};
-use crate::solve::{Halves, QrOfB, Solve};
+use crate::solve::{Halves, Solve};
 use crate::system::{self, Estimator, System};
-use faer::Mat;
 
 pub(crate) struct Linear<const D: usize> {
     pub(crate) basis: Basis,
@@ -18,11 +19,11 @@ pub(crate) struct Linear<const D: usize> {
     /// The 2-norm condition number of what is solved: `B`, without the pinned columns, above the ridge's rows.
     pub(crate) condition: f64,
     /// `P` transposed, column-major N × m: its columns are the rows of `P`.
-    pub(crate) matrix: Mat<f64>,
+    pub(crate) matrix: Matrix,
     /// `C = P Pᵀ`, m × m, row by row.
     pub(crate) covariance: Vec<f64>,
     /// `B`, N × m.
-    pub(crate) b: Mat<f64>,
+    pub(crate) b: Matrix,
     /// Degrees of freedom of one coordinate's residuals.
     pub(crate) freedom: f64,
     solve: Solve,
@@ -34,7 +35,7 @@ pub(crate) struct Linear<const D: usize> {
 struct Factored {
     system: System,
     /// None where the pinned ends leave nothing to solve for.
-    factors: Option<QrOfB>,
+    factors: Option<Qr>,
     condition: f64,
 }
 
@@ -47,21 +48,21 @@ impl<const D: usize> Linear<D> {
         let mirrored = condition::is_mirrored(basis);
         let (p, b, condition, solve, exact) = match system::selection(basis, points) {
             Some(p) => {
-                let solve = Solve::pinv(p.as_ref(), false);
+                let solve = Solve::pinv(&p, false);
                 let b = condition::matrix(basis, &knots, points);
                 (p, b, 1.0, solve, false)
             }
             None => {
                 let Factored {
                     system,
-                    mut factors,
+                    factors,
                     condition,
                 } = Factored::new(basis, &knots, options);
                 let refused = || refusal(basis, options, condition);
                 if condition > condition::limit(solver) {
                     return Err(refused());
                 }
-                let p = system.estimator(factors.as_mut());
+                let p = system.estimator(factors.as_ref());
                 let p = if mirrored { mirrored_mean(&p) } else { p };
                 let solve = match (solver, factors) {
                     (Solver::Cholesky, Some(_)) => {
@@ -69,7 +70,7 @@ impl<const D: usize> Linear<D> {
                         Solve::cholesky(&system, D, mirrored).ok_or_else(refused)?
                     }
                     (Solver::Qr, Some(factors)) => Solve::qr(factors, &system, D),
-                    (Solver::Pinv, _) | (_, None) => Solve::pinv(p.as_ref(), mirrored),
+                    (Solver::Pinv, _) | (_, None) => Solve::pinv(&p, mirrored),
                 };
                 let exact = system.offset() == 0 && system.penalty.nrows() == 0;
                 (p, system.b, condition, solve, exact)
@@ -79,7 +80,7 @@ impl<const D: usize> Linear<D> {
             p,
             covariance,
             freedom,
-        } = Estimator::new(p, b.as_ref(), exact);
+        } = Estimator::new(p, &b, exact);
         let count = basis.control_points();
         Ok(Self {
             basis,
@@ -89,13 +90,11 @@ impl<const D: usize> Linear<D> {
                 _ => Vec::new(),
             },
             condition,
-            matrix: p.transpose().to_owned(),
-            covariance: (0..count * count)
-                .map(|at| covariance[(at / count, at % count)])
-                .collect(),
+            matrix: p.transposed(),
+            covariance: covariance.row_by_row(),
             freedom,
             solve,
-            curve: Rows::of_curve(b.transpose(), mirrored),
+            curve: Rows::of_curve(&b.transposed(), mirrored),
             b,
             halves: Halves::new(count),
         })
@@ -105,7 +104,7 @@ impl<const D: usize> Linear<D> {
     /// columns. `None` if a coordinate is no place in a picture. Allocates nothing.
     pub(crate) fn fit(
         &mut self,
-        arch: pulp::Arch,
+        arch: lariat_portable::Arch,
         points: &[[f64; D]],
         lanes: &mut Points<D>,
         control_points: &mut [[f64; D]],
@@ -140,7 +139,7 @@ impl<const D: usize> Linear<D> {
     /// As [`Linear::fit`], without a look at the curve; `None` also with a solver that has no product to be so fast by.
     pub(crate) fn describe(
         &mut self,
-        arch: pulp::Arch,
+        arch: lariat_portable::Arch,
         points: &[[f64; D]],
         lanes: &mut Points<D>,
         control_points: &mut [[f64; D]],
@@ -183,16 +182,9 @@ impl Factored {
                 condition: 1.0,
             };
         }
-        let factors = QrOfB::new(&system.a);
-        // `A = QR` has the singular values of `R`.
-        let r = factors.r();
-        let upper = Mat::from_fn(
-            r.nrows(),
-            r.ncols(),
-            |i, j| if i <= j { r[(i, j)] } else { 0.0 },
-        );
+        let factors = Qr::new(&system.a);
         Self {
-            condition: condition::number(upper.as_ref()),
+            condition: factors.condition(),
             factors: Some(factors),
             system,
         }
@@ -218,9 +210,9 @@ fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
 
 /// `m`, whose rows read backwards are its rows from the last to the first but for rounding, made so exactly:
 /// the mean of itself and its mirror image.
-fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
+fn mirrored_mean(m: &Matrix) -> Matrix {
     let (rows, columns) = (m.nrows(), m.ncols());
-    Mat::from_fn(rows, columns, |j, i| {
+    Matrix::from_fn(rows, columns, |j, i| {
         0.5 * (m[(j, i)] + m[(rows - 1 - j, columns - 1 - i)])
     })
 }

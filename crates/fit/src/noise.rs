@@ -27,9 +27,9 @@
 //! of the even fit, and each control point's covariance is scaled as that point's own factor in `C` is.
 
 use crate::basis::MAX_CONTROL_POINTS;
+use crate::matrix::Matrix;
 use crate::options::MAX_POINTS;
 use crate::resample::Resampler;
-use faer::MatRef;
 
 /// Room for the sums over a line's points.
 #[derive(Debug, Clone)]
@@ -50,8 +50,8 @@ pub(crate) struct Propagation {
 
 /// The even fit: `P` transposed and `B`, each N × m.
 pub(crate) struct EvenFit<'a> {
-    pub(crate) p: MatRef<'a, f64>,
-    pub(crate) b: MatRef<'a, f64>,
+    pub(crate) p: &'a Matrix,
+    pub(crate) b: &'a Matrix,
 }
 
 impl Propagation {
@@ -103,7 +103,7 @@ impl Propagation {
         self.u[..count].fill(0.0);
         self.v[..count].fill([0.0; 2]);
         let mut ends = [0.0; 2];
-        let fitted = column(fit.p, j).iter().zip(column(fit.b, j));
+        let fitted = fit.p.column(j).iter().zip(fit.b.column(j));
         for ((k, mean), (&p, &b)) in line.means[..count].iter().enumerate().zip(fitted) {
             let along = self.tangents[k].map(|c| p * c);
             for (i, weight) in line.sources(mean) {
@@ -175,7 +175,7 @@ impl Propagation {
         let points = line.points();
         self.curve[..count].fill([0.0; 2]);
         for j in 0..fit.p.ncols() {
-            let (p, b) = (column(fit.p, j), column(fit.b, j));
+            let (p, b) = (fit.p.column(j), fit.b.column(j));
             let sum = |axis: usize| p.iter().zip(points).map(|(p, point)| p * point[axis]).sum();
             let control_point: [f64; 2] = [sum(0), sum(1)];
             for (at, b) in self.curve[..count].iter_mut().zip(b) {
@@ -222,14 +222,9 @@ impl Propagation {
     }
 }
 
-/// The numbers of a column, which in an owned matrix lie one behind the other.
-fn column(m: MatRef<'_, f64>, j: usize) -> &[f64] {
-    (m.col(j).try_as_col_major()).map_or(&[][..], |contiguous| contiguous.as_slice())
-}
-
 /// A vector made one long; `other`, if it has no direction.
 fn direction(vector: [f64; 2], other: [f64; 2]) -> [f64; 2] {
-    let size = vector[0].hypot(vector[1]);
+    let size = libm::hypot(vector[0], vector[1]);
     if size > 1e-9 {
         vector.map(|c| c / size)
     } else {

@@ -199,7 +199,7 @@ impl<const D: usize> RationalFitter<D> {
             steps += taken;
             if converged
                 && descent.projection.squared <= polynomial
-                && descent.largest_log_weight() <= MAX_WEIGHT.ln()
+                && descent.largest_log_weight() <= libm::log(MAX_WEIGHT)
             {
                 return (true, steps);
             }

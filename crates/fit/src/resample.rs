@@ -159,7 +159,7 @@ impl Resampler {
         for i in 0..steps {
             let (from, to) = (points[i], points[(i + 1) % self.count]);
             let way = [to[0] - from[0], to[1] - from[1]];
-            let length = way[0].hypot(way[1]);
+            let length = libm::hypot(way[0], way[1]);
             if !(length > 0.0 && length.is_finite()) {
                 return Err(ResampleError::NoStep(i));
             }

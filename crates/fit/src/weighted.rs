@@ -120,7 +120,7 @@ impl<const D: usize> Problem<'_, D> {
 pub(crate) struct Weighted<const D: usize> {
     pub(crate) points: usize,
     pub(crate) count: usize,
-    pub(crate) arch: pulp::Arch,
+    pub(crate) arch: lariat_portable::Arch,
     /// The columns of `B`.
     b: Columns,
     /// A column of zeros.
@@ -167,7 +167,7 @@ impl<const D: usize> Weighted<D> {
         Self {
             points,
             count,
-            arch: pulp::Arch::new(),
+            arch: lariat_portable::Arch::new(),
             b: Columns::new(count, points),
             zeros: Columns::new(1, points),
             a: Columns::new(count + D, points),

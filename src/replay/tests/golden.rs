@@ -5,22 +5,21 @@ use lariat_capture::RenderOptions;
 use lariat_record::Compression;
 use std::path::Path;
 
-/// A rope that crosses itself, filtered, without the noise that no compression takes.
+/// A rope that crosses itself, filtered, and without noise: so the table is the same in all frames, which zstd makes use of.
 #[test]
 #[ignore = "it renews tests/recordings/rope.mcap, for when results are meant to change"]
 fn renew_the_golden_recording() {
     let made = Making {
         settings: "[extract]\npoints = 60\n\n[fit]\nfilter = true\n",
-        images: "png",
         compression: Compression::Zstd,
         render: RenderOptions {
-            width: 160,
-            height: 120,
+            width: 144,
+            height: 108,
             rope_px: 5.0,
             noise: 0.0,
-            frame_interval_s: 0.2,
+            frame_interval_s: 0.24,
             truth_points: 60,
-            frames: Some(60),
+            frames: Some(50),
             ..RenderOptions::default()
         },
         ..Making::default()

@@ -86,7 +86,7 @@ impl Placer {
             let along = direction(seen, i, curve.closed != 0);
             let step = [dot(a, along), dot(b, along)];
             let area = (a[0] * b[1] - a[1] * b[0]).abs();
-            self.widths[i] = f64::from(curve.widths_px()[i]) * area / step[0].hypot(step[1]);
+            self.widths[i] = f64::from(curve.widths_px()[i]) * area / libm::hypot(step[0], step[1]);
         }
         let widths = &mut self.widths[..count];
         self.width = match count {
@@ -123,7 +123,7 @@ fn direction(points: &[[f32; 2]], i: usize, closed: bool) -> [f64; 2] {
         (i.saturating_sub(1), (i + 1).min(count - 1))
     };
     let way = [0, 1].map(|axis| f64::from(points[after][axis]) - f64::from(points[before][axis]));
-    let size = way[0].hypot(way[1]);
+    let size = libm::hypot(way[0], way[1]);
     if size > 0.0 {
         way.map(|c| c / size)
     } else {

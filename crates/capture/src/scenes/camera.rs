@@ -67,7 +67,7 @@ fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
     // The Gaussian is below 2 % of its middle beyond 2.8 σ.
     let reach = (2.8 * sigma_px).ceil().max(1.0) as isize;
     let mut kernel: Vec<f32> = (-reach..=reach)
-        .map(|d| (-0.5 * (d as f32 / sigma_px).powi(2)).exp())
+        .map(|d| libm::expf(-0.5 * (d as f32 / sigma_px).powi(2)))
         .collect();
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|weight| *weight /= sum);

@@ -87,7 +87,7 @@ pub(super) fn open(random: &mut SplitMix64, room: Room, swing: f64) -> Line {
 /// A closed curve that fills the room.
 pub(super) fn closed(random: &mut SplitMix64, room: Room) -> Line {
     let waves: [[f64; 4]; 4] = std::array::from_fn(|k| {
-        let size = 1.0 / ((k + 1) as f64 * (k + 1) as f64).powf(0.8);
+        let size = 1.0 / libm::pow((k + 1) as f64 * (k + 1) as f64, 0.8);
         [
             random.uniform(-size, size),
             random.uniform(0.0, 1.0),

@@ -1,6 +1,6 @@
 //! The middle one of many small numbers.
 
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// The middle one of `values`, none of which is above `most` (of an even number the upper one). Those above it are not
 /// counted.
@@ -45,7 +45,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_middle_is_where_sorting_puts_it(mut values in prop::collection::vec(0u16..1024, 1..500)) {
-            let found = pulp::Arch::new().dispatch(Middle { values: &values, most: 1023 });
+            let found = lariat_portable::Arch::new().dispatch(Middle { values: &values, most: 1023 });
             values.sort_unstable();
             prop_assert_eq!(found, values[values.len() / 2]);
         }

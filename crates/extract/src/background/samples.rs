@@ -1,7 +1,7 @@
 //! The samples of the grid, and how far they are off the table's surface.
 
 use super::{GRID, LANES, Lanes, TERMS, along_row, rounded};
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// Residuals are counted in sixteenths of a level, finer than anything made of their median, up to one beyond which no
 /// rope would stand out.
@@ -78,7 +78,7 @@ impl<S: Simd, const N: usize> Row<'_, S, N> {
             let level = simd.and_u32s(simd.wrapping_dyn_shr_u32s(pixels, shift), byte);
             let level = simd.or_u32s(level, simd.transmute_u32s_f32s(ones));
             *color = simd.sub_f32s(simd.transmute_f32s_u32s(level), ones);
-            let surface = simd.mul_add_e_f32s(u, simd.mul_add_e_f32s(u, c, b), a);
+            let surface = simd.mul_add_f32s(u, simd.mul_add_f32s(u, c, b), a);
             let mut off = simd.abs_f32s(simd.sub_f32s(*color, surface));
             if channel > 0 {
                 off = simd.mul_f32s(self.chroma, off);

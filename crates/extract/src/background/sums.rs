@@ -5,7 +5,7 @@
 
 use super::samples::{Row, Samples};
 use super::{GRID, TERMS};
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// The terms of the surface are 1, u, v, u², uv, v²: of each the powers of u and v.
 const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
@@ -62,7 +62,7 @@ impl<S: Simd, const N: usize> RowSums<S, N> {
                 sums.powers[k] = simd.add_f32s(sums.powers[k], power);
                 if k < 3 {
                     for (levels, &color) in sums.levels.iter_mut().zip(&colors) {
-                        levels[k] = simd.mul_add_e_f32s(power, color, levels[k]);
+                        levels[k] = simd.mul_add_f32s(power, color, levels[k]);
                     }
                 }
                 power = simd.mul_f32s(power, u);
@@ -89,12 +89,12 @@ impl<S: Simd, const N: usize> Sums<S, N> {
         for a in 0..5 {
             let sums = self.powers[a].iter_mut().zip(weights).take(5 - a);
             for (sum, weight) in sums {
-                *sum = simd.mul_add_e_f32s(weight, row.powers[a], *sum);
+                *sum = simd.mul_add_f32s(weight, row.powers[a], *sum);
             }
         }
         for (sums, levels) in self.levels.iter_mut().zip(&row.levels) {
             for (sum, [a, b]) in sums.iter_mut().zip(POWERS) {
-                *sum = simd.mul_add_e_f32s(weights[b], levels[a], *sum);
+                *sum = simd.mul_add_f32s(weights[b], levels[a], *sum);
             }
         }
     }

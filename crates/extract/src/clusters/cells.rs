@@ -1,6 +1,6 @@
 //! The cells of centers in a mask: which pixels have which center nearest.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::Pixels;
 use super::blocks::Blocks;

@@ -7,7 +7,7 @@
 //!
 //! The first is off by 3·10⁻⁷ of the power at most, the second by 3·10⁻⁷, or that part of logarithms beyond 1.
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 /// Below this, powers are taken to be 2 to this: they and their sums stay normal numbers.
 const LEAST: f32 = -120.0;
@@ -35,7 +35,7 @@ pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let f = simd.sub_f32s(z, simd.sub_f32s(n, whole));
     let mut power = simd.splat_f32s(POWERS[6]);
     for k in 0..6 {
-        power = simd.mul_add_e_f32s(power, f, simd.splat_f32s(POWERS[5 - k]));
+        power = simd.mul_add_f32s(power, f, simd.splat_f32s(POWERS[5 - k]));
     }
     let raised = simd.wrapping_dyn_shl_u32s(simd.transmute_u32s_f32s(n), simd.splat_u32s(MANTISSA));
     simd.transmute_f32s_u32s(simd.add_u32s(simd.transmute_u32s_f32s(power), raised))
@@ -60,15 +60,15 @@ pub(crate) fn logarithm<S: Simd>(simd: S, s: S::f32s) -> S::f32s {
     let twice = 2.0 * std::f32::consts::LOG2_E;
     let mut series = simd.splat_f32s(twice / 7.0);
     for odd in [5.0, 3.0, 1.0] {
-        series = simd.mul_add_e_f32s(series, square, simd.splat_f32s(twice / odd));
+        series = simd.mul_add_f32s(series, square, simd.splat_f32s(twice / odd));
     }
-    simd.mul_add_e_f32s(series, t, n)
+    simd.mul_add_f32s(series, t, n)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pulp::{Arch, WithSimd};
+    use lariat_portable::{Arch, WithSimd};
 
     struct Powers<'a>(&'a mut [f32]);
 

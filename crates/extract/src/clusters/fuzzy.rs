@@ -13,7 +13,7 @@
 
 mod membership;
 
-use pulp::Arch;
+use lariat_portable::Arch;
 
 use super::extent::Extent;
 use super::seeding::Seeding;

@@ -5,7 +5,7 @@
 //! a on have the sum n·(a + (n − 1)/2). Sums are taken from the center, so that they are how far it moves, without
 //! cancellation.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::blocks::{Block, Blocks, Lanes};
 use super::nearest::Nearest;
@@ -223,8 +223,8 @@ impl WithSimd for Summing<'_> {
                 for (lane, ((count, x), y)) in counts.zip(xs).zip(ys).enumerate() {
                     let part = part(simd, block, nearest, i, lane);
                     *count = simd.add_f32s(*count, part.count);
-                    *x = simd.mul_add_e_f32s(part.count, part.x, *x);
-                    *y = simd.mul_add_e_f32s(part.count, part.y, *y);
+                    *x = simd.mul_add_f32s(part.count, part.x, *x);
+                    *y = simd.mul_add_f32s(part.count, part.y, *y);
                 }
             }
         }
@@ -269,9 +269,9 @@ impl WithSimd for Measuring<'_> {
                     // Of n pixels around their middle: (n² − 1)/12 each.
                     let around = simd.sub_f32s(simd.mul_f32s(count, count), one);
                     let mut square = simd.mul_f32s(around, twelfth);
-                    square = simd.mul_add_e_f32s(x, x, square);
-                    square = simd.mul_add_e_f32s(y, y, square);
-                    squares = simd.mul_add_e_f32s(count, square, squares);
+                    square = simd.mul_add_f32s(x, x, square);
+                    square = simd.mul_add_f32s(y, y, square);
+                    squares = simd.mul_add_f32s(count, square, squares);
                 }
             }
             inertia += f64::from(simd.reduce_sum_f32s(squares));

@@ -17,7 +17,7 @@
 
 mod expectation;
 
-use pulp::Arch;
+use lariat_portable::Arch;
 
 use super::extent::Extent;
 use super::seeding::Seeding;
@@ -138,7 +138,7 @@ impl Gaussian {
 
     /// The logarithm to base 2 of its part of the density at its middle, and how it falls: log₂ = level − fall·d².
     fn shape(&self) -> [f64; 2] {
-        let level = (self.weight / (std::f64::consts::TAU * self.variance)).log2();
+        let level = libm::log2(self.weight / (std::f64::consts::TAU * self.variance));
         [level, 0.5 * std::f64::consts::LOG2_E / self.variance]
     }
 }

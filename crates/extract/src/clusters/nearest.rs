@@ -13,7 +13,7 @@
 //!
 //! A pixel as far from one as from the other goes to the right one; of centers on one place the first has all.
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 use super::blocks::{Block, LANES, Lanes};
 

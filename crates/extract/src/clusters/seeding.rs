@@ -5,7 +5,7 @@
 //! is farther from it than its farthest pixel is from a center is not looked at. So all K centers cost about as much as
 //! ln K passes over the pixels, not K.
 
-use pulp::{Arch, NullaryFnOnce};
+use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::random::Random;
 use super::{Pixels, Start};

@@ -11,7 +11,7 @@
 //!
 //! This is `MiniSom(1, K, 2)` with its Gaussian neighborhood and its default decay, to a third of where it began.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::exponential::power_of_two;
 use super::extent::Extent;
@@ -187,7 +187,7 @@ impl<S: Simd> Line<'_, S> {
         let (mut winner, mut least) = (index, simd.splat_f32s(f32::INFINITY));
         for (cx, cy) in self.x.iter().zip(&*self.y) {
             let (dx, dy) = (simd.sub_f32s(x, *cx), simd.sub_f32s(y, *cy));
-            let square = simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy));
+            let square = simd.mul_add_f32s(dx, dx, simd.mul_f32s(dy, dy));
             let nearer = simd.less_than_f32s(square, least);
             winner = simd.select_f32s(nearer, index, winner);
             least = simd.min_f32s(square, least);
@@ -219,7 +219,7 @@ impl<S: Simd> Line<'_, S> {
             let is_node = simd.less_than_f32s(index, self.count);
             let share = simd.select_f32s(is_node, share, simd.splat_f32s(0.0));
             for (at, c) in [(x, &mut self.x[i]), (y, &mut self.y[i])] {
-                *c = simd.mul_add_e_f32s(share, simd.sub_f32s(at, *c), *c);
+                *c = simd.mul_add_f32s(share, simd.sub_f32s(at, *c), *c);
             }
         }
     }
@@ -250,7 +250,7 @@ mod tests {
             };
             // The first of several is what this takes as well.
             let winner = (0..nodes.len()).min_by_key(|&i| square(&nodes[i])).expect("there is a node");
-            for arch in [Arch::new(), Arch::Scalar] {
+            for arch in [Arch::new(), Arch::Plain] {
                 let (mut found_x, mut found_y) = (x.clone(), y.clone());
                 let training = Training { rounds: 1, rate: 0.5, sigma };
                 arch.dispatch(Train {

@@ -3,7 +3,7 @@
 //! Plain loops over blocks of 64 pixels, compiled for the widest registers that the machine turns out to have. What is
 //! left at the end of a row, and a row of less than a block, goes pixel by pixel.
 
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 const BLOCK: usize = 64;
 

@@ -1,6 +1,6 @@
 //! From strands to curves: the lines that are laid along them, what the last image knows better, and their points.
 
-use pulp::{Arch, NullaryFnOnce};
+use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::{Extractor, MOST_PIECES};
 use crate::background::median;

@@ -48,7 +48,7 @@ impl Cube {
         self.words.resize(256 * 256 * ROW, 0);
         for (r, range) in ranges.iter().enumerate() {
             let banding = Banding::new(range, r, ranges.len());
-            pulp::Arch::new().dispatch(Fill {
+            lariat_portable::Arch::new().dispatch(Fill {
                 words: &mut self.words,
                 bands: &mut self.bands,
                 range,
@@ -118,7 +118,7 @@ struct Fill<'a> {
     banding: &'a Banding,
 }
 
-impl pulp::NullaryFnOnce for Fill<'_> {
+impl lariat_portable::NullaryFnOnce for Fill<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -449,7 +449,7 @@ pub(super) mod tests {
         ) {
             for c in (0..256).step_by(LANES) {
                 let first = [a.into(), b.into(), c];
-                let is_in = pulp::Arch::new().dispatch(|| if yuv {
+                let is_in = lariat_portable::Arch::new().dispatch(|| if yuv {
                     Row::of::<true>(first).judge(&range)
                 } else {
                     Row::of::<false>(first).judge(&range)

@@ -42,9 +42,9 @@ impl Default for Kernels {
 
 const PLAIN: Kernels = Kernels {
     split_three,
-    split_yuyv: |row, out| pulp::Arch::new().dispatch(|| split_pairs::<0>(row, out)),
-    split_uyvy: |row, out| pulp::Arch::new().dispatch(|| split_pairs::<8>(row, out)),
-    split_uv: |row, out| pulp::Arch::new().dispatch(|| split_uv(row, out)),
+    split_yuyv: |row, out| lariat_portable::Arch::new().dispatch(|| split_pairs::<0>(row, out)),
+    split_uyvy: |row, out| lariat_portable::Arch::new().dispatch(|| split_pairs::<8>(row, out)),
+    split_uv: |row, out| lariat_portable::Arch::new().dispatch(|| split_uv(row, out)),
     select,
 };
 

@@ -1,6 +1,6 @@
 //! A strand's axis around a crossing, sixteen samples side by side.
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 use super::MOST_SAMPLES;
 use crate::place::{around, split};
@@ -193,7 +193,7 @@ mod tests {
 
     struct Measuring<'a>(&'a Axis, &'a Block, f32);
 
-    impl pulp::WithSimd for Measuring<'_> {
+    impl lariat_portable::WithSimd for Measuring<'_> {
         type Output = Lanes;
 
         fn with_simd<S: Simd>(self, simd: S) -> Lanes {
@@ -231,7 +231,7 @@ mod tests {
                 prop_assert!((vec2::norm(way) - 1.0).abs() < 0.2);
                 prop_assert!(vec2::dot(way, pair[0].1).abs() < 0.1);
             }
-            let squares = pulp::Arch::new().dispatch(Measuring(&axis, &axis.blocks[0], 3.0));
+            let squares = lariat_portable::Arch::new().dispatch(Measuring(&axis, &axis.blocks[0], 3.0));
             for (l, &(at, normal)) in samples.iter().enumerate().take(LANES) {
                 let aside = vec2::along(at, normal, 3.0);
                 let nearest = samples.iter().map(|(at, _)| vec2::distance(*at, aside)).fold(f32::MAX, f32::min);

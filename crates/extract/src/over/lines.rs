@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 use super::axis::Axis;
 use super::{MOST_SAMPLES, Mean, Surprise, around_px, beyond_px};

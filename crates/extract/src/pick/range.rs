@@ -80,11 +80,11 @@ fn own_hue(own: &[[u8; 3]]) -> Option<f32> {
     let mut sum = [0.0f32; 2];
     for &rgb in own {
         let (hue, saturation, value) = hsv::hsv(rgb);
-        let (sin, cos) = hue.to_radians().sin_cos();
+        let (sin, cos) = libm::sincosf(hue.to_radians());
         sum[0] += saturation * value * cos;
         sum[1] += saturation * value * sin;
     }
-    has_hue(median_color(own)).then(|| sum[1].atan2(sum[0]).to_degrees().rem_euclid(360.0))
+    has_hue(median_color(own)).then(|| libm::atan2f(sum[1], sum[0]).to_degrees().rem_euclid(360.0))
 }
 
 fn steps(rgb: [u8; 3], middle: f32) -> [u16; 3] {

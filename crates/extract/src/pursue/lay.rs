@@ -2,7 +2,7 @@
 
 use super::narrow::whole;
 use crate::vec2::{self, Vec2};
-use pulp::{Arch, Simd, WithSimd};
+use lariat_portable::{Arch, Simd, WithSimd};
 
 /// Chords that a piece of the spline is measured by.
 const CHORDS: usize = 4;

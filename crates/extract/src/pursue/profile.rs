@@ -52,14 +52,14 @@ pub(super) fn dispatch<W: Work>(work: W) {
         return wide.dispatch(work);
     }
     struct Op<W>(W);
-    impl<W: Work> pulp::NullaryFnOnce for Op<W> {
+    impl<W: Work> lariat_portable::NullaryFnOnce for Op<W> {
         type Output = ();
         #[inline(always)]
         fn call(self) {
             self.0.run(Plain);
         }
     }
-    pulp::Arch::new().dispatch(Op(work));
+    lariat_portable::Arch::new().dispatch(Op(work));
 }
 
 /// Without registers of a known width.

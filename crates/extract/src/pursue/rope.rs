@@ -160,7 +160,7 @@ impl Rope {
         for i in 0..unread {
             let far_px = (unread - i) as f32 * self.spacing_px();
             // The chord to a point on a circle lies half the angle off the tangent.
-            let (sin, cos) = (0.5 * turn * (1.0 + far_px / way_px)).sin_cos();
+            let (sin, cos) = libm::sincosf(0.5 * turn * (1.0 + far_px / way_px));
             let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
             let share = far_px / (unread as f32 * self.spacing_px());
             let place = self.place(end, i);

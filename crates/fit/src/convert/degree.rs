@@ -2,8 +2,8 @@
 
 use crate::bezier::bernstein;
 use crate::curve::{Curve, CurveError};
-use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
+use crate::factor::{Qr, solve_upper};
+use crate::matrix::Matrix;
 
 /// A Bezier curve brought to a lower order.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,8 +69,8 @@ pub fn reduce_degree<const D: usize>(
         // The square of a difference is of degree 2 n: n + 1 nodes give its integral exactly, so that least
         // squares over the nodes are those over the whole curve.
         let nodes = gauss_legendre(from + 1);
-        let mut matrix = Mat::zeros(nodes.len(), sought.len());
-        let mut wanted = Mat::zeros(nodes.len(), D);
+        let mut matrix = Matrix::zeros(nodes.len(), sought.len());
+        let mut wanted = Matrix::zeros(nodes.len(), D);
         let mut values = vec![0.0; order + 1];
         for (row, &[rho, weight]) in nodes.iter().enumerate() {
             let root = weight.sqrt();
@@ -84,9 +84,14 @@ pub fn reduce_degree<const D: usize>(
                 wanted[(row, axis)] = root * (point[axis] - kept);
             }
         }
-        let found = matrix.qr().solve_lstsq(&wanted);
-        for (row, j) in sought.enumerate() {
-            reduced[j] = std::array::from_fn(|axis| found[(row, axis)]);
+        let factors = Qr::new(&matrix);
+        for axis in 0..D {
+            let column = wanted.column_mut(axis);
+            factors.apply_transposed(column);
+            solve_upper(factors.r(), column);
+            for (point, found) in reduced[sought.clone()].iter_mut().zip(column) {
+                point[axis] = *found;
+            }
         }
     }
     let mut difference = elevate_degree(&reduced, from - order);
@@ -107,7 +112,7 @@ fn gauss_legendre(count: usize) -> Vec<[f64; 2]> {
     (0..count)
         .map(|i| {
             let guess = std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5);
-            let mut x = guess.cos();
+            let mut x = libm::cos(guess);
             let mut slope = 1.0;
             // Three steps do; the rest cost nothing.
             for _ in 0..8 {

@@ -13,7 +13,7 @@ pub(crate) fn jet<const D: usize, const K: usize>(
         return jet;
     };
     // Once around is where it began, to the last bit.
-    let (sin, cos) = (TAU * (rho - rho.floor())).sin_cos();
+    let (sin, cos) = libm::sincos(TAU * (rho - rho.floor()));
     let (mut s, mut c) = (sin, cos);
     for (before, pair) in harmonics.chunks_exact(2).enumerate() {
         let frequency = TAU * (before + 1) as f64;

@@ -7,7 +7,7 @@
 //! congruence           T, P     → TᵀPT
 //! ```
 //!
-//! Plain code, inlined into functions that pulp compiles for each kind of vectors: a running sum stays in
+//! Plain code, inlined into functions that are compiled for each kind of registers: a running sum stays in
 //! registers over all rows, four vectors of it at a time.
 
 /// Numbers in a vector: a row is padded with zeros to a multiple of it. Four and not eight, since nine

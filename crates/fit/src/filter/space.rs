@@ -2,8 +2,9 @@
 
 use super::error::CurveSpaceError;
 use super::rows::{Rows, vectors};
+use crate::factor::Qr;
+use crate::matrix::Matrix;
 use crate::options::{MAX_ORDER, MAX_POINTS};
-use faer::Mat;
 use std::sync::Arc;
 
 /// The highest condition number of `B`: at it, going to curve coordinates and back loses a millionth, as a
@@ -59,19 +60,15 @@ impl CurveSpace {
                 column: index % columns,
             });
         }
-        let b = Mat::from_fn(rows, columns, |i, j| b[i * columns + j]);
-        let condition = match b.singular_values().as_deref() {
-            Ok([largest, .., smallest]) if *smallest > 0.0 => largest / smallest,
-            Ok([only]) if *only > 0.0 => 1.0,
-            _ => f64::INFINITY,
-        };
+        let factors = Qr::new(&Matrix::from_fn(rows, columns, |i, j| b[i * columns + j]));
+        let condition = factors.condition();
         if condition > MAX_CONDITION {
             return Err(CurveSpaceError::IllConditioned {
                 condition,
                 limit: MAX_CONDITION,
             });
         }
-        let r = b.qr().thin_R().to_owned();
+        let r = factors.r();
         let scale = (columns as f64 / rows as f64).sqrt();
         let mut to_curve = Rows::square(columns);
         let mut to_control_points = Rows::square(columns);

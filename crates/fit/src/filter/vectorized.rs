@@ -1,10 +1,10 @@
-//! The filter's three tasks, each compiled as a whole for every kind of vectors; pulp chooses at run time.
+//! The filter's three tasks, each compiled as a whole for every kind of registers.
 
 use super::Prediction;
 use super::rows::{Rows, congruence, eliminate};
 use super::space::{CurveSpace, transform};
 use super::state::State;
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// Carries a state on and has it take in a measurement: see [`State::propagate`] and [`State::measure`].
 pub(super) struct TakeIn<'a, const D: usize> {

@@ -64,6 +64,6 @@ impl Belief {
     /// Φ.
     pub(super) fn merit(&self, squared: f64, log_weights: &[f64]) -> f64 {
         let sum: f64 = log_weights.iter().map(|v| v * v).sum();
-        self.freedom * self.variance(squared).ln() + sum / (DEVIATION * DEVIATION)
+        self.freedom * libm::log(self.variance(squared)) + sum / (DEVIATION * DEVIATION)
     }
 }

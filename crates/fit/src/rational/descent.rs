@@ -31,7 +31,7 @@ const LARGEST_RADIUS: f64 = 4.0;
 
 /// A search and where it is.
 pub(super) struct Descent {
-    arch: pulp::Arch,
+    arch: lariat_portable::Arch,
     /// The points, an axis after the other.
     pub(super) points: Vec<f64>,
     log_weights: Vec<f64>,
@@ -54,7 +54,7 @@ impl Descent {
     pub(super) fn new(design: &Design, dimension: usize) -> Self {
         let count = design.count;
         Self {
-            arch: pulp::Arch::new(),
+            arch: lariat_portable::Arch::new(),
             points: vec![0.0; dimension * design.stride],
             log_weights: vec![0.0; count],
             kept: vec![0.0; count],
@@ -113,8 +113,8 @@ impl Descent {
             }
             for (v, step) in self.log_weights.iter_mut().zip(&self.region.step) {
                 // Linear in the weights themselves; none may become negative.
-                *v = (*v + (1.0 + step).max(1.0 / MAX_WEIGHT).ln())
-                    .clamp(-MAX_WEIGHT.ln(), MAX_WEIGHT.ln());
+                *v = (*v + libm::log((1.0 + step).max(1.0 / MAX_WEIGHT)))
+                    .clamp(-libm::log(MAX_WEIGHT), libm::log(MAX_WEIGHT));
             }
             self.recenter();
             self.project(design);
@@ -223,7 +223,7 @@ impl Descent {
 
     fn project(&mut self, design: &Design) {
         for (weight, v) in self.projection.weights.iter_mut().zip(&self.log_weights) {
-            *weight = v.exp();
+            *weight = libm::exp(*v);
         }
         self.arch.dispatch(Project {
             design,

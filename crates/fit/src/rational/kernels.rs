@@ -1,11 +1,11 @@
-//! The inner products of the rational fit, in vectors as wide as the machine has: three rows by three at a
+//! The inner products of the rational fit, in the machine's widest registers: three rows by three at a
 //! time, so that every number loaded is used three times.
 //!
 //! ```text
 //! products   out[a][b] = Σᵢ left[a][i] · right[b][i]
 //! ```
 
-use pulp::Simd;
+use lariat_portable::Simd;
 
 /// Rows are padded with zeros to a multiple of this many numbers: the widest vector register.
 const LANES: usize = 8;
@@ -132,8 +132,8 @@ pub(super) fn rows(numbers: &[f64], stride: usize) -> Rows<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lariat_portable::WithSimd;
     use proptest::prelude::*;
-    use pulp::WithSimd;
 
     struct Products<'a>([Rows<'a>; 2], usize, Part, &'a mut [f64], usize);
 
@@ -159,7 +159,7 @@ mod tests {
             let rows = counts.map(|count| Rows { numbers: &seed[..count * stride], stride, count });
             let mut out = vec![f64::NAN; counts[0] * (counts[1] + 2)];
             let part = if lower { Part::Lower } else { Part::All };
-            pulp::Arch::new().dispatch(Products(rows, length, part, &mut out, counts[1] + 2));
+            lariat_portable::Arch::new().dispatch(Products(rows, length, part, &mut out, counts[1] + 2));
             for a in 0..counts[0] {
                 for b in 0..if lower { counts[1].min(a + 1) } else { counts[1] } {
                     let defined: f64 = (0..length)

@@ -9,7 +9,7 @@ use super::design::Design;
 use super::kernels::{Part, Rows, add_multiple, multiply, padded, products, rows};
 use super::projection::Projection;
 use super::triangular::solve_lower;
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// Which quadratic stands for the squared residuals. They differ in what the derivative is taken around:
 /// the curve and a multiple of the residuals.
@@ -277,9 +277,9 @@ mod tests {
         let mut projection = Projection::new(design, 2);
         let mut linearization = Linearization::new(design, 2);
         for (weight, v) in projection.weights.iter_mut().zip(log_weights) {
-            *weight = v.exp();
+            *weight = libm::exp(*v);
         }
-        let arch = pulp::Arch::new();
+        let arch = lariat_portable::Arch::new();
         arch.dispatch(Project {
             design,
             points,

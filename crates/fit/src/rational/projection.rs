@@ -10,7 +10,7 @@
 use super::design::Design;
 use super::kernels::{Part, Rows, add_multiple, multiply, products, rows, subtract};
 use super::triangular::{factorize, solve_lower, solve_lower_transposed};
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// The best curve at some weights.
 pub(super) struct Projection {

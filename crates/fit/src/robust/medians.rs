@@ -2,7 +2,7 @@
 //! Data Analysis*, 1977). Four of the nine may be anywhere. On a bent rope they cut the corners a little, so
 //! they are a start and not a result.
 
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// How many neighbours a median is of.
 const WINDOW: usize = 9;
@@ -65,7 +65,7 @@ impl Medians {
 
     /// Writes to `medians` at each chosen point the median of `column` over the nine chosen points around it;
     /// of the first and the last four it is that of the first and the last nine. Elsewhere 0.
-    pub(super) fn run(&mut self, arch: pulp::Arch, column: &[f64], medians: &mut [f64]) {
+    pub(super) fn run(&mut self, arch: lariat_portable::Arch, column: &[f64], medians: &mut [f64]) {
         for (number, &at) in self.numbers.iter_mut().zip(&self.seen) {
             *number = column[at];
         }
@@ -130,7 +130,7 @@ mod tests {
                 return Ok(());
             }
             let mut found = vec![f64::NAN; points.len()];
-            medians.run(pulp::Arch::new(), &column, &mut found);
+            medians.run(lariat_portable::Arch::new(), &column, &mut found);
             for (i, &found) in found.iter().enumerate() {
                 let expected = match kept.iter().position(|&at| at == i) {
                     None => 0.0,

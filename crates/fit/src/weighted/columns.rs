@@ -1,5 +1,5 @@
 //! A matrix by columns, each as long as whole registers and begun on a line of the cache, and the five loops
-//! over all points, in vectors as wide as the machine has (pulp chooses at run time):
+//! over all points, in the machine's widest registers:
 //!
 //! ```text
 //! transpose    rows, point by point        → columns
@@ -12,7 +12,7 @@
 //! What lies beyond the last point is zero in all columns and weighs nothing.
 
 use super::ends::Ends;
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// Columns are padded to a multiple of this many numbers: one of the widest registers, one line of the cache.
 pub(super) const LANES: usize = 8;

@@ -7,7 +7,7 @@
 //! ```
 
 use super::columns::{LANES, padded};
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 /// `[M | AᵀWc | I]`, row by row, and after the factorization `[Lᵀ | y | L⁻¹]`.
 pub(crate) struct Normal<const D: usize> {
@@ -54,7 +54,7 @@ impl<const D: usize> Normal<D> {
     }
 
     /// The factorization. False where `M` is not positive definite to working accuracy.
-    pub(super) fn factor(&mut self, arch: pulp::Arch) -> bool {
+    pub(super) fn factor(&mut self, arch: lariat_portable::Arch) -> bool {
         arch.dispatch(Factor {
             rows: &mut self.rows,
             stride: self.stride,

@@ -322,7 +322,7 @@ proptest! {
     fn narrow_registers_give_the_same(case in cases()) {
         let (wide, fit, _) = case.fit().unwrap();
         let mut weighted = Weighted::new(case.points.len(), case.count);
-        weighted.arch = pulp::Arch::Scalar;
+        weighted.arch = lariat_portable::Arch::Plain;
         let mut narrow = wide.clone();
         let other = weighted.solve(&case.problem(&case.ridge()), &mut narrow).unwrap();
         prop_assert!(apart(&wide, &narrow) < 1e-7);

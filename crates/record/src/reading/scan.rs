@@ -85,7 +85,11 @@ impl Scan<'_> {
                 return Ok(End::Torn { at });
             };
             if kind == kind::DATA_END {
-                return Ok(End::WithoutIndex);
+                // What is torn behind this is the index alone.
+                return Ok(match self.has_end()? {
+                    true => End::WithoutIndex,
+                    false => End::Torn { at },
+                });
             }
             let part = (at, next - at);
             match kind {
@@ -97,6 +101,13 @@ impl Scan<'_> {
             }
             at = next;
         }
+    }
+
+    /// Whether the file ends as it should.
+    fn has_end(&self) -> Result<bool, RecordingError> {
+        let mut end = [0; MAGIC.len()];
+        let at = self.storage.size().saturating_sub(MAGIC.len() as u64);
+        Ok(self.storage.read_some(at, &mut end)? == MAGIC)
     }
 
     fn chunk(&mut self, (offset, length): (u64, u64), begin: &[u8]) {

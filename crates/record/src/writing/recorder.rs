@@ -299,7 +299,7 @@ impl Recorder {
         last.map_or(0, |last| count.saturating_sub(last.saturating_add(1)))
     }
 
-    /// Records a frame's head and, if it has them, its pixels; `false` if there was no room for either.
+    /// Records a frame's head and, if it has them, its pixels; `false` if there was no room for one of them.
     fn image(
         &mut self,
         [head, pixels]: [Topic; 2],
@@ -307,28 +307,32 @@ impl Recorder {
         bytes: &[u8],
     ) -> Result<bool, Ended> {
         let at = (header.trace.sequence, header.trace.captured_ns);
-        let recorded = self.small(head, at, |cdr| header.encode(cdr))?;
         if self.options.images == Images::None || header.is_blank() {
-            return Ok(recorded);
+            return self.small(head, at, |cdr| header.encode(cdr));
         }
         // What beside the pixels is in an image's message is its rig's name and a few numbers.
         let most = header.image_bytes().unwrap_or(0).min(bytes.len()) + self.rig.len() + 128;
-        let Some(mut cdr) = self.buffer(most)? else {
+        let image = self.buffer(most)?;
+        // That there was a frame is recorded even if its image is not; but no image without its head.
+        let recorded = self.small(head, at, |cdr| header.encode(cdr))?;
+        let Some(mut cdr) = image else {
             return Ok(false);
         };
         let stamp_ns = self.options.clock.wall_ns(header.trace.exposed_ns);
         let rig = &self.rig;
+        // Not in a format that this version does not know.
         let mut is_image = false;
-        self.intake.fill(&mut cdr, |cdr| {
-            is_image = encode_image(header, bytes, stamp_ns, rig, cdr);
-        });
+        if recorded {
+            self.intake.fill(&mut cdr, |cdr| {
+                is_image = encode_image(header, bytes, stamp_ns, rig, cdr);
+            });
+        }
         if !is_image {
-            // In a format that this version does not know.
             self.intake.keep(cdr);
             return Ok(false);
         }
         let parcel = self.parcel(pixels, at, cdr);
-        Ok(self.send(parcel)? && recorded)
+        self.send(parcel)
     }
 
     /// Records a message of some kilobytes; `false` if there was no room.

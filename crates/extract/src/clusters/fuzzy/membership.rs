@@ -8,7 +8,7 @@
 //!
 //! One division for two centers keeps the divider no busier than the multipliers are beside it.
 
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 use super::Pixels;
 use crate::clusters::aligned::{Aligned, LINE};
@@ -181,7 +181,7 @@ impl WithSimd for Moved<'_> {
                         simd.mul_f32s(room.weights[0][k][v], before),
                         simd.mul_f32s(room.weights[1][k][v], now),
                     );
-                    squares = simd.mul_add_e_f32s(change, change, squares);
+                    squares = simd.mul_add_f32s(change, change, squares);
                 }
             }
             total += f64::from(simd.reduce_sum_f32s(squares));
@@ -266,8 +266,8 @@ impl<S: Simd> Room<'_, S> {
                 let u = simd.mul_f32s(weights[v], shares[v]);
                 let square = simd.mul_f32s(u, u);
                 moments[0] = simd.add_f32s(moments[0], square);
-                moments[1] = simd.mul_add_e_f32s(square, x[v], moments[1]);
-                moments[2] = simd.mul_add_e_f32s(square, y[v], moments[2]);
+                moments[1] = simd.mul_add_f32s(square, x[v], moments[1]);
+                moments[2] = simd.mul_add_f32s(square, y[v], moments[2]);
             }
         }
     }
@@ -297,7 +297,7 @@ fn seen_from<S: Simd>(simd: S, middle: [f32; 2], center: &[f32; 2]) -> [S::f32s;
 #[inline(always)]
 fn square<S: Simd>(simd: S, x: S::f32s, y: S::f32s, center: [S::f32s; 2]) -> S::f32s {
     let (dx, dy) = (simd.sub_f32s(x, center[0]), simd.sub_f32s(y, center[1]));
-    let square = simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy));
+    let square = simd.mul_add_f32s(dx, dx, simd.mul_f32s(dy, dy));
     simd.max_f32s(square, simd.splat_f32s(LEAST_SQUARE))
 }
 
@@ -305,8 +305,8 @@ fn square<S: Simd>(simd: S, x: S::f32s, y: S::f32s, center: [S::f32s; 2]) -> S::
 mod tests {
     use super::*;
     use crate::Run;
+    use lariat_portable::Arch;
     use proptest::prelude::*;
-    use pulp::Arch;
 
     /// The definition of one round, in doubles: the memberships and J before it, and the centers after it.
     fn defined(pixels: &Pixels, centers: &[[f32; 2]]) -> (Vec<Vec<f64>>, f64, Vec<[f64; 2]>) {
@@ -349,7 +349,7 @@ mod tests {
                 centers[0] = [pixels.xs()[0], pixels.ys()[0]];
             }
             let (before, objective, expected) = defined(&pixels, &centers);
-            for arch in [Arch::new(), Arch::Scalar] {
+            for arch in [Arch::new(), Arch::Plain] {
                 let mut memory = Memory::default();
                 memory.take(&pixels, [45.0, 35.0], centers.len());
                 let memory = &mut memory;

@@ -10,7 +10,7 @@
 //! Each Gaussian left out has less than 2⁻ᵀ of the density of any pixel there. With T = 24 + log₂ K all of them together
 //! have less than 2⁻²⁴, which is where a float's 24 bits end.
 
-use pulp::{Simd, WithSimd};
+use lariat_portable::{Simd, WithSimd};
 
 use super::super::exponential::{logarithm, power_of_two};
 use super::super::tiles::Tile;
@@ -84,7 +84,7 @@ impl WithSimd for Expectation<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let mut likelihood = 0.0;
-        let margin = 24.0 + (self.gaussians.len() as f32).log2();
+        let margin = 24.0 + libm::log2f(self.gaussians.len() as f32);
         let lists = self.tiles.lists();
         for tile in self.tiles.tiles() {
             let best = self.memory.bound(simd, tile);
@@ -138,8 +138,8 @@ impl Memory {
         for (((x, y), (level, fall)), most) in gaussians.zip(shapes).zip(most) {
             let (near_x, far_x) = reach(simd, *x, low_x, high_x);
             let (near_y, far_y) = reach(simd, *y, low_y, high_y);
-            let near = simd.mul_add_e_f32s(near_x, near_x, simd.mul_f32s(near_y, near_y));
-            let far = simd.mul_add_e_f32s(far_x, far_x, simd.mul_f32s(far_y, far_y));
+            let near = simd.mul_add_f32s(near_x, near_x, simd.mul_f32s(near_y, near_y));
+            let far = simd.mul_add_f32s(far_x, far_x, simd.mul_f32s(far_y, far_y));
             *most = simd.sub_f32s(*level, simd.mul_f32s(*fall, near));
             let least = simd.sub_f32s(*level, simd.mul_f32s(*fall, far));
             best = simd.max_f32s(best, least);
@@ -192,9 +192,9 @@ impl<S: Simd> Work<'_, S> {
         for (candidate, density) in self.candidates.iter().zip(&mut *self.densities) {
             let dx = simd.sub_f32s(x, simd.splat_f32s(candidate.x));
             let dy = simd.sub_f32s(y, simd.splat_f32s(candidate.y));
-            let square = simd.mul_add_e_f32s(dx, dx, simd.mul_f32s(dy, dy));
+            let square = simd.mul_add_f32s(dx, dx, simd.mul_f32s(dy, dy));
             let fall = simd.splat_f32s(-candidate.fall);
-            *density = simd.mul_add_e_f32s(fall, square, simd.splat_f32s(candidate.level));
+            *density = simd.mul_add_f32s(fall, square, simd.splat_f32s(candidate.level));
             most = simd.max_f32s(most, *density);
         }
         let mut sum = simd.splat_f32s(0.0);
@@ -203,13 +203,13 @@ impl<S: Simd> Work<'_, S> {
             sum = simd.add_f32s(sum, *density);
         }
         let share = simd.div_f32s(count, sum);
-        let square = simd.mul_add_e_f32s(x, x, simd.mul_f32s(y, y));
+        let square = simd.mul_add_f32s(x, x, simd.mul_f32s(y, y));
         for (density, moments) in self.densities.iter().zip(&mut *self.moments) {
             let r = simd.mul_f32s(*density, share);
             moments[0] = simd.add_f32s(moments[0], r);
-            moments[1] = simd.mul_add_e_f32s(r, x, moments[1]);
-            moments[2] = simd.mul_add_e_f32s(r, y, moments[2]);
-            moments[3] = simd.mul_add_e_f32s(r, square, moments[3]);
+            moments[1] = simd.mul_add_f32s(r, x, moments[1]);
+            moments[2] = simd.mul_add_f32s(r, y, moments[2]);
+            moments[3] = simd.mul_add_f32s(r, square, moments[3]);
         }
         simd.mul_f32s(count, simd.add_f32s(most, logarithm(simd, sum)))
     }
@@ -232,8 +232,8 @@ impl Sums {
 mod tests {
     use super::*;
     use crate::{Pixels, Run};
+    use lariat_portable::Arch;
     use proptest::prelude::*;
-    use pulp::Arch;
 
     /// The definition: every pixel asked about every Gaussian, in doubles. The log-likelihood, the largest logarithm of a
     /// density in it, and the sums.
@@ -286,7 +286,7 @@ mod tests {
             let (likelihood, largest, expected) = defined(&pixels, &gaussians);
             let mut tiles = Tiles::default();
             tiles.fill(&pixels);
-            for arch in [Arch::new(), Arch::Scalar] {
+            for arch in [Arch::new(), Arch::Plain] {
                 let mut sums = vec![Sums::default(); gaussians.len()];
                 let mut memory = Memory::default();
                 memory.take(&gaussians);

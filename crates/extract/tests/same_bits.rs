@@ -1,0 +1,90 @@
+//! The same pictures give the same numbers, to the last bit, whatever vectors a machine has, whoever made it, and however the
+//! code was compiled: drawn films through the extractor and through every kind of fit, held against a file of hashes.
+//!
+//! A line of the file is a case and a step, and a hash for each frame: the first that differs says where to look. Where a change
+//! is meant, `LARIAT_WRITE_HASHES=1 cargo test -p lariat-extract --test same_bits` writes the file anew.
+//! `tests/simd/run` runs this test on processors of other kinds.
+
+mod drawing;
+#[path = "same_bits/fitted.rs"]
+mod fitted;
+#[path = "same_bits/hash.rs"]
+mod hash;
+#[path = "same_bits/seen.rs"]
+mod seen;
+
+use std::fmt::Write;
+
+use lariat_portable::Arch;
+
+/// Of each step of each case the frames' hashes.
+#[derive(Default)]
+struct Told(Vec<(String, Vec<u32>)>);
+
+impl Told {
+    fn frame(&mut self, case: &str, step: &str, hash: hash::Hash) {
+        let name = format!("{case}, {step}");
+        match self.0.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, hashes)) => hashes.push(hash.value()),
+            None => self.0.push((name, vec![hash.value()])),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for (name, hashes) in &self.0 {
+            let _ = write!(text, "{name}:");
+            for hash in hashes {
+                let _ = write!(text, " {hash:08x}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// The lines in which they differ, and from which frame on.
+fn differences(found: &str, expected: &str) -> Vec<String> {
+    let expected: Vec<&str> = expected.lines().collect();
+    let mut differences = Vec::new();
+    for (i, line) in found.lines().enumerate() {
+        let other = expected.get(i).copied().unwrap_or("");
+        if line == other {
+            continue;
+        }
+        let name = line.split(':').next().unwrap_or(line);
+        let frame = line
+            .split(' ')
+            .zip(other.split(' '))
+            .take_while(|(a, b)| a == b)
+            .count();
+        let words = name.split(' ').count();
+        differences.push(format!(
+            "{name}: from frame {} on",
+            frame.saturating_sub(words)
+        ));
+    }
+    differences
+}
+
+#[test]
+fn the_same_pictures_give_the_same_bits_on_every_machine() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/same_bits/hashes.txt");
+    let mut is_written_anew = std::env::var_os("LARIAT_WRITE_HASHES").is_some();
+    let (pictures, lines) = (seen::Pictures::draw(), fitted::lines());
+    for arch in Arch::all() {
+        arch.keep_to();
+        let mut told = Told::default();
+        pictures.tell(&mut told);
+        fitted::fits(&mut told, &lines);
+        let found = told.text();
+        if is_written_anew {
+            std::fs::write(path, &found).expect("the file of hashes can be written");
+            is_written_anew = false;
+        }
+        let expected = std::fs::read_to_string(path).expect("the file of hashes can be read");
+        let differences = differences(&found, &expected);
+        assert!(differences.is_empty(), "{arch:?}: {differences:#?}");
+        assert_eq!(found.lines().count(), expected.lines().count());
+    }
+}

@@ -1,0 +1,177 @@
+//! What is seen: films in all pixel formats, cold and followed; the clusterings; a picture of each class.
+
+use lariat_capture::moving::{Film, Story};
+use lariat_capture::scenes::{self, Class, Still};
+use lariat_extract::{
+    Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat, Scene, mask_of, pick,
+};
+
+use super::Told;
+use super::drawing::formats::formats;
+use super::hash::Hash;
+
+const SIZE: [usize; 2] = [360, 270];
+
+/// A frame in one of the formats.
+struct Frame {
+    bytes: Vec<u8>,
+    stride: usize,
+    format: PixelFormat,
+}
+
+impl Frame {
+    fn of(rgb: &[u8], format: PixelFormat) -> Self {
+        let all = formats(rgb, SIZE[0], SIZE[1]).into_iter();
+        let found = { all }.find(|(other, ..)| *other == format);
+        let (format, bytes, stride) = found.expect("a picture in every format");
+        Self {
+            bytes,
+            stride,
+            format,
+        }
+    }
+
+    fn image(&self) -> Image<'_> {
+        let [width, height] = SIZE;
+        Image::new(&self.bytes, width, height, self.stride, self.format).expect("a whole image")
+    }
+}
+
+fn blue() -> Mask {
+    Mask::Hsv(vec![HsvRange {
+        hue_deg: [200.0, 250.0],
+        saturation: [0.3, 1.0],
+        value: [0.1, 1.0],
+    }])
+}
+
+fn tell(told: &mut Told, case: &str, scene: &Scene) {
+    let mut hash = Hash::new();
+    for curve in scene.curves {
+        hash = hash
+            .floats(curve.points.as_flattened())
+            .floats(&curve.widths_px)
+            .floats(&[curve.width_px, curve.length_px])
+            .bytes(&curve.track.to_le_bytes())
+            .bytes(
+                &curve
+                    .hidden
+                    .iter()
+                    .map(|&hidden| u8::from(hidden))
+                    .collect::<Vec<_>>(),
+            )
+            .bytes(&[
+                curve.status as u8,
+                u8::from(curve.closed),
+                u8::from(scene.followed),
+            ]);
+    }
+    told.frame(case, "curves", hash);
+    let mut hash = Hash::new();
+    for crossing in scene.crossings {
+        hash = hash
+            .floats(&crossing.at)
+            .floats(&[crossing.over_rho, crossing.under_rho, crossing.confidence])
+            .bytes(&[crossing.over as u8, crossing.under as u8]);
+    }
+    told.frame(case, "crossings", hash);
+}
+
+/// All that is looked at, drawn once.
+pub(crate) struct Pictures {
+    films: Vec<(String, Mask, Vec<Frame>)>,
+    /// For the clusterings.
+    short: Vec<Frame>,
+    stills: Vec<(String, Still)>,
+}
+
+fn film(story: Story, seed: u64, format: PixelFormat, frames: usize) -> Vec<Frame> {
+    let mut film = Film::new(story, seed, SIZE[0] as u32, SIZE[1] as u32);
+    let mut rgb = Vec::new();
+    (0..frames)
+        .map(|_| {
+            film.next(&mut rgb);
+            Frame::of(&rgb, format)
+        })
+        .collect()
+}
+
+impl Pictures {
+    /// Every story in a format of its own, to be seen by the automatic mask or by a range of colors; a picture of each class.
+    pub(crate) fn draw() -> Self {
+        use PixelFormat::{Bgr8, Gray8, Nv12, Rgb8, Uyvy, Yuyv};
+        let films = [
+            (Story::Writhing, Rgb8, Mask::Auto, 32),
+            (Story::Two, Bgr8, Mask::Auto, 20),
+            (Story::Vanishing, Gray8, Mask::Auto, 16),
+            (Story::Gripper, Yuyv, Mask::Auto, 16),
+            (Story::Visitor, Uyvy, Mask::Auto, 16),
+            (Story::Cuts, Nv12, Mask::Auto, 16),
+            (Story::BadFrames, Rgb8, Mask::Auto, 16),
+            (Story::Writhing, Rgb8, blue(), 8),
+            (Story::Two, Yuyv, blue(), 8),
+            (Story::Two, Nv12, blue(), 8),
+        ];
+        let stills = Class::ALL.map(|class| {
+            let still = scenes::draw(class, 11, 640, 480);
+            let still = still.expect("there is room in the picture");
+            (format!("class {class}"), still)
+        });
+        Self {
+            films: Vec::from(films.map(|(story, format, mask, frames)| {
+                let how = if mask == Mask::Auto { "auto" } else { "hsv" };
+                let case = format!("{} in {format:?} by {how}", story.name());
+                (case, mask, film(story, 7, format, frames))
+            })),
+            short: film(Story::Two, 3, Rgb8, 3),
+            stills: stills.into(),
+        }
+    }
+
+    /// What is seen in them.
+    pub(crate) fn tell(&self, told: &mut Told) {
+        for (case, mask, frames) in &self.films {
+            let options = Options {
+                mask: mask.clone(),
+                ..Options::default()
+            };
+            let mut extractor = Extractor::new(options).expect("valid options");
+            for (number, frame) in (0..).zip(frames) {
+                told.frame(case, "picture", Hash::new().bytes(&frame.bytes));
+                let image = frame.image();
+                if number % 8 == 0 {
+                    told.frame(case, "mask", Hash::new().bytes(&mask_of(&image, mask)));
+                }
+                tell(
+                    told,
+                    case,
+                    &extractor.at(number * 33_000_000).extract(&image),
+                );
+            }
+            let picked = format!("{:?}", pick(&frames[0].image(), None));
+            told.frame(case, "pick", Hash::new().bytes(picked.as_bytes()));
+        }
+        // The clusterings in the place of the skeleton.
+        for (name, method) in Method::ALL.into_iter().skip(1) {
+            let options = Options {
+                method,
+                ..Options::default()
+            };
+            let mut extractor = Extractor::new(options).expect("valid options");
+            for frame in &self.short {
+                tell(told, name, &extractor.extract(&frame.image()));
+            }
+        }
+        let mut extractor = Extractor::new(Options::default()).expect("valid options");
+        for (case, still) in &self.stills {
+            told.frame(case, "picture", Hash::new().bytes(&still.rgb));
+            let image = Image::new(&still.rgb, 640, 480, 3 * 640, PixelFormat::Rgb8);
+            extractor.reset();
+            tell(
+                told,
+                case,
+                &extractor.extract(&image.expect("a whole image")),
+            );
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Which registers work runs in.
+
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use pulp::NullaryFnOnce;
+
+use crate::plain::Plain;
+use crate::simd::Simd;
+#[cfg(target_arch = "x86_64")]
+use crate::x86::Two;
+#[cfg(target_arch = "x86_64")]
+use pulp::x86::{V3, V4};
+
+/// Work that is compiled for every kind of registers.
+pub trait WithSimd {
+    /// What comes of it.
+    type Output;
+
+    /// Does it. To be marked `#[inline(always)]`, as all that it calls: only so is it compiled for these registers.
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+impl<F: NullaryFnOnce> WithSimd for F {
+    type Output = F::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> F::Output {
+        self.call()
+    }
+}
+
+/// The registers of a machine. What work gives does not depend on them.
+#[derive(Clone, Copy, Debug)]
+pub enum Arch {
+    /// Those that every machine of its kind has.
+    Plain,
+    /// AVX2 and what else the third level of x86-64 has.
+    #[cfg(target_arch = "x86_64")]
+    V3(V3),
+    /// AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    V4(V4),
+}
+
+/// The registers that a test keeps to; 0: the widest.
+static KEPT_TO: AtomicU8 = AtomicU8::new(0);
+#[cfg(target_arch = "x86_64")]
+const V3_ONLY: u8 = 2;
+const PLAIN_ONLY: u8 = 1;
+
+impl Arch {
+    /// The widest that this machine has.
+    #[inline]
+    pub fn new() -> Self {
+        let kept_to = KEPT_TO.load(Ordering::Relaxed);
+        #[cfg(target_arch = "x86_64")]
+        if kept_to != PLAIN_ONLY {
+            if kept_to != V3_ONLY
+                && let Some(v4) = V4::try_new()
+            {
+                return Self::V4(v4);
+            }
+            if let Some(v3) = V3::try_new() {
+                return Self::V3(v3);
+            }
+        }
+        let _ = kept_to;
+        Self::Plain
+    }
+
+    /// Has [`new`](Self::new) give these from now on, in the whole process. Nothing that is computed changes by it: this is for
+    /// the tests that show so.
+    pub fn keep_to(self) {
+        let kept_to = match self {
+            Self::Plain => PLAIN_ONLY,
+            #[cfg(target_arch = "x86_64")]
+            Self::V3(_) => V3_ONLY,
+            #[cfg(target_arch = "x86_64")]
+            Self::V4(_) => 0,
+        };
+        KEPT_TO.store(kept_to, Ordering::Relaxed);
+    }
+
+    /// All that this machine has, the plain ones first: for tests that hold them equal.
+    pub fn all() -> Vec<Self> {
+        #[cfg(target_arch = "x86_64")]
+        let wide = [V3::try_new().map(Self::V3), V4::try_new().map(Self::V4)];
+        #[cfg(not(target_arch = "x86_64"))]
+        let wide = [];
+        std::iter::once(Self::Plain)
+            .chain(wide.into_iter().flatten())
+            .collect()
+    }
+
+    /// Does the work in these registers.
+    #[inline(always)]
+    pub fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
+        match self {
+            Self::Plain => work.with_simd(Plain),
+            #[cfg(target_arch = "x86_64")]
+            Self::V3(v3) => pulp::Simd::vectorize(v3, In(Two(v3), work)),
+            #[cfg(target_arch = "x86_64")]
+            Self::V4(v4) => pulp::Simd::vectorize(v4, In(v4, work)),
+        }
+    }
+}
+
+impl Default for Arch {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Work with its registers, as pulp takes it.
+#[cfg(target_arch = "x86_64")]
+struct In<S, W>(S, W);
+
+#[cfg(target_arch = "x86_64")]
+impl<S: Simd, W: WithSimd> NullaryFnOnce for In<S, W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.1.with_simd(self.0)
+    }
+}
