@@ -67,7 +67,8 @@ pub extern "C" fn lariat_close(reader: *mut lariat_reader) {
     });
 }
 
-/// Takes up the newest message, without waiting and without a system call.
+/// Takes up the newest message, without waiting, and without a system call but in the one look that takes up the channel of a
+/// chain that has just started.
 ///
 /// Returns 1 if one came since the last look, 0 if not (the last one stays, and gets older), or an error.
 #[unsafe(no_mangle)]
