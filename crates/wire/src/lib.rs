@@ -39,8 +39,9 @@
 //! | [`Descriptors`], [`Descriptor`], [`Trace`] | the message itself, as it lies in shared memory |
 //! | [`WireError`], [`NoShape`], [`NoPrediction`] | what can go wrong, in sentences that say what to do |
 //!
-//! Reading disturbs nobody: a reader that is slow, stopped or killed holds up neither the chain nor other readers. Once a
-//! reader is open, it allocates nothing, and [`latest`](Reader::latest) makes no system call.
+//! Reading disturbs nobody: a reader that is slow, stopped or killed holds up neither the chain nor other readers. An open
+//! reader allocates nothing, and [`latest`](Reader::latest) makes no system call, but for the one look that takes up the
+//! channel of a chain that has just started.
 //!
 //! # Below that
 //!

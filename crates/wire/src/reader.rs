@@ -48,7 +48,8 @@ impl Reader {
     /// Opens the reader of a rig: `"default"`, or what the chain was started with (`--rig NAME`). Whether it runs does not
     /// matter.
     ///
-    /// Once it is open, only [`Shape::covariance`](crate::Shape::covariance) allocates, when first asked in its thread.
+    /// Once it is open, it allocates when it takes up the channel of a chain that has just started, and
+    /// [`Shape::covariance`](crate::Shape::covariance) does when first asked in its thread; nothing else.
     ///
     /// # Errors
     /// No such name, no shared memory, a chain of another release or of another user, or 24 readers already.
@@ -71,6 +72,8 @@ impl Reader {
     }
 
     /// What is known now, without waiting: of the newest message, whether it came just now or earlier.
+    ///
+    /// It makes no system call, but in the one look that takes up the channel of a chain that has just started.
     ///
     /// # Errors
     /// The transport failed. What it says should be done is to be done.
