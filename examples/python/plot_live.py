@@ -21,15 +21,15 @@ options = arguments.parse_args()
 
 figure, (scene, times) = plt.subplots(1, 2, figsize=(11, 5), width_ratios=[3, 2])
 scene.set_aspect("equal")
-times.set(xlabel="frame", ylabel="exposed → here, ms", title="latency")
+times.set(xlabel="frame", ylabel="exposed → fitted, ms")
 (line,) = times.plot([], [], ".-", markersize=3, linewidth=0.5)
 latencies: deque[float] = deque(maxlen=SHOWN)
 drawn = 0
 
 with lariat.Reader(options.rig, timeout=0.5) as reader:
     for frame in reader:
-        if frame.is_new and frame.age is not None:
-            latencies.append(1e3 * frame.age)
+        if frame.is_new and frame.trace:
+            latencies.append(1e-6 * (frame.trace.fitted_ns - frame.trace.exposed_ns))
         width, height = frame.size
         for artist in [*scene.lines, *scene.texts]:
             artist.remove()
