@@ -12,12 +12,17 @@ use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
 use crate::doctor::{self, DoctorArgs};
+use crate::export::{self, ExportArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::info::{self, InfoArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
+use crate::record::{self, RecordArgs};
+use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
+use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
 
@@ -43,6 +48,17 @@ enum Command {
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(ChainArgs),
+    /// Records what a chain sees and says, from outside, as an MCAP file
+    Record(RecordArgs),
+    /// The recorder that `run --record` starts
+    #[command(hide = true)]
+    Recorder(ChainArgs),
+    /// Computes a recording again: to check that the same comes out, or what other settings change
+    Replay(Box<ReplayArgs>),
+    /// What was recorded, as a table, JSON lines, a video or pictures
+    Export(ExportArgs),
+    /// What a recording holds
+    Info(InfoArgs),
     /// The shapes of the ropes in pictures
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
@@ -55,6 +71,8 @@ enum Command {
     Devices(DevicesArgs),
     /// One frame of a camera, or any other source, as a PNG picture
     Snapshot(SnapshotArgs),
+    /// What passes on the channels of a running chain
+    Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -92,12 +110,18 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Record(args)) => record::run(args),
+        Some(Command::Recorder(args)) => record::run_for_chain(&args),
+        Some(Command::Replay(args)) => replay::run(*args),
+        Some(Command::Export(args)) => export::run(args),
+        Some(Command::Info(args)) => info::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Bench(args)) => bench::run(&args),

@@ -9,3 +9,4 @@ mod fused;
 mod masks;
 mod rig;
 mod sources;
+mod topic;

@@ -4,6 +4,7 @@
 //! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
 //! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
 
+use crate::step::Step;
 use crate::times::{LONGEST_NS, Times};
 use lariat_wire::Trace;
 
@@ -49,6 +50,21 @@ impl Row {
         Self::Links,
         Self::Jitter,
     ];
+
+    /// The step of the way that it times; `None` if it is another figure.
+    pub(crate) fn step(self) -> Option<Step> {
+        match self {
+            Self::Total => Some(Step::Received),
+            Self::Fitted => Some(Step::Fitted),
+            Self::Capture => Some(Step::Capture),
+            Self::WaitExtract => Some(Step::WaitExtract),
+            Self::Extract => Some(Step::Extract),
+            Self::WaitFit => Some(Step::WaitFit),
+            Self::Fit => Some(Step::Fit),
+            Self::WaitSink => Some(Step::WaitSink),
+            Self::Overhead | Self::Links | Self::Jitter => None,
+        }
+    }
 
     /// The row's name, as in `summary.json` where it stands there, and of its `.hgrm` file.
     pub(crate) fn name(self) -> &'static str {
@@ -104,23 +120,10 @@ impl Latency {
 
     /// Records one message. Returns the whole way in nanoseconds, if it is known.
     pub(crate) fn record(&mut self, trace: &Trace, received_ns: u64) -> Option<u64> {
-        let pieces = [
-            (Row::Capture, trace.exposed_ns, trace.captured_ns),
-            (
-                Row::WaitExtract,
-                trace.captured_ns,
-                trace.extract_started_ns,
-            ),
-            (Row::Extract, trace.extract_started_ns, trace.extracted_ns),
-            (Row::WaitFit, trace.extracted_ns, trace.fit_started_ns),
-            (Row::Fit, trace.fit_started_ns, trace.fitted_ns),
-            (Row::WaitSink, trace.fitted_ns, received_ns),
-            (Row::Fitted, trace.exposed_ns, trace.fitted_ns),
-            (Row::Total, trace.exposed_ns, received_ns),
-        ];
         let mut backwards = false;
-        for (row, from, to) in pieces {
-            if from != 0 && to != 0 {
+        for row in Row::ALL {
+            let ends = row.step().and_then(|step| step.ends_ns(trace, received_ns));
+            if let Some((from, to)) = ends {
                 backwards |= to < from;
                 self.add(row, to.saturating_sub(from));
             }

@@ -19,6 +19,7 @@
 //! println!("{}", sink.report());
 //! ```
 
+mod drawn;
 mod error;
 mod figure;
 mod hgrm;
@@ -30,17 +31,20 @@ mod options;
 mod polyline;
 mod report;
 mod sink;
+mod step;
 mod summary;
 mod table;
 mod timeline;
 mod times;
 mod truth;
 
+pub use drawn::points_along;
 pub use figure::Figure;
-pub use losses::Restarts;
+pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
 pub use options::{FinalCounts, Options};
 pub use report::{Report, ReportError};
 pub use sink::Sink;
+pub use step::Step;
 pub use summary::{Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary};
 pub use times::Times;

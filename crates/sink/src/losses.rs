@@ -28,7 +28,7 @@ type Counters = [u64; 4];
 
 /// What a message is to the counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Arrival {
+pub enum Arrival {
     /// The first one.
     First,
     /// A later one.
@@ -37,9 +37,9 @@ pub(crate) enum Arrival {
     Stale,
 }
 
-/// The ledger.
+/// The ledger: what was received, and what was lost on which link, from the counters in the traces.
 #[derive(Debug, Clone)]
-pub(crate) struct Ledger {
+pub struct Ledger {
     from_start: bool,
     last: Option<(Counters, u64)>,
     /// Sums of the steps Δs, Δc, Δe, Δf.
@@ -52,7 +52,9 @@ pub(crate) struct Ledger {
 }
 
 impl Ledger {
-    pub(crate) fn new(from_start: bool) -> Self {
+    /// Begins with nothing. `from_start`: it is there before the first frame, so that what is missing before the first message
+    /// was lost.
+    pub fn new(from_start: bool) -> Self {
         Self {
             from_start,
             last: None,
@@ -65,7 +67,7 @@ impl Ledger {
     }
 
     /// Counts one descriptors message.
-    pub(crate) fn received(&mut self, trace: &Trace) -> Arrival {
+    pub fn received(&mut self, trace: &Trace) -> Arrival {
         let now = [
             trace.sequence,
             trace.captured,
@@ -89,7 +91,7 @@ impl Ledger {
     }
 
     /// Counts what was under way when the chain stopped.
-    pub(crate) fn finish(&mut self, sent: FinalCounts) {
+    pub fn finish(&mut self, sent: FinalCounts) {
         self.masks_late = sent.masks_late.unwrap_or(0);
         let (before, fitted_ns) = match self.last {
             Some(last) => last,
@@ -137,22 +139,22 @@ impl Ledger {
     }
 
     /// Frames that capture sent, as far as known.
-    pub(crate) fn published(&self) -> u64 {
+    pub fn published(&self) -> u64 {
         self.steps[1]
     }
 
     /// Messages that came, each counted once.
-    pub(crate) fn received_count(&self) -> u64 {
+    pub fn received_count(&self) -> u64 {
         self.received
     }
 
     /// Messages that came again or late, and were not counted.
-    pub(crate) fn stale(&self) -> u64 {
+    pub fn stale(&self) -> u64 {
         self.stale
     }
 
     /// What each link lost. The subtractions cannot be negative: no step is smaller than the next stage's.
-    pub(crate) fn lost(&self) -> Lost {
+    pub fn lost(&self) -> Lost {
         let [source, captured, extracted, fitted] = self.steps;
         // A sink that came late has not counted all that extract skipped.
         let mask = self.masks_late.min(captured - extracted);
@@ -166,7 +168,7 @@ impl Ledger {
     }
 
     /// Which stages began anew.
-    pub(crate) fn restarts(&self) -> Restarts {
+    pub fn restarts(&self) -> Restarts {
         self.restarts
     }
 }

@@ -4,6 +4,7 @@ use crate::error::Comparison;
 use crate::figure::Figure;
 use crate::latency::Row;
 use crate::report::Report;
+use crate::step::Step;
 use crate::summary::Distances;
 use std::fmt::{Formatter, Result, Write};
 
@@ -53,18 +54,16 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     writeln!(f)?;
     let whole = median_us(report, Row::Total);
     for row in Row::ALL {
-        let label = match row {
-            Row::Total => "exposed → received",
-            Row::Fitted => "exposed → fitted",
-            Row::Capture => "  capture",
-            Row::WaitExtract => "    wait for extract",
-            Row::Extract => "  extract",
-            Row::WaitFit => "    wait for fit",
-            Row::Fit => "  fit",
-            Row::WaitSink => "    wait for sink",
-            Row::Overhead | Row::Links | Row::Jitter => continue,
+        let Some(step) = row.step() else {
+            continue;
         };
-        spread(report, row, label, f)?;
+        let indent = match step {
+            Step::Received | Step::Fitted => "",
+            step if step.is_wait() => "    ",
+            _ => "  ",
+        };
+        let label = format!("{indent}{}", step.label());
+        spread(report, row, &label, f)?;
         let median = median_us(report, row);
         if let (Some(period_ns), Some(median)) = (period_ns, median) {
             write!(f, "{:>10.2} %", 1e5 * median / period_ns as f64)?;

@@ -4,12 +4,10 @@
 //! waits for the others in a ring of the last frames, found by the source's number; the moment of exposure, where both
 //! know it, tells the frames of a source that began anew from those before.
 
+use crate::drawn::points_along;
 use crate::error::{Comparison, Frame};
 use crate::polyline::{Point, Polylines};
-use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
-use lariat_wire::{
-    self as wire, Centerlines, Descriptor, Descriptors, MAX_CURVES, Status, Trace, Unit,
-};
+use lariat_wire::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
 
 /// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
 /// may be many frames behind.
@@ -208,49 +206,15 @@ impl Drawn {
             if !is_seen(descriptor.status()) {
                 continue;
             }
-            let mut knots = [0.0; MAX_KNOTS];
-            match curve(descriptor, &mut knots) {
-                Some(curve) => {
-                    let steps = (SAMPLES - 1) as f64;
-                    let points = std::array::from_fn(|i| curve.point(i as f64 / steps));
-                    self.curves.push((points, descriptor.closed != 0));
-                }
-                None => unknown += 1,
+            let mut points = [[0.0; 2]; SAMPLES];
+            if points_along(descriptor, &mut points) {
+                self.curves.push((points, descriptor.closed != 0));
+            } else {
+                unknown += 1;
             }
         }
         unknown
     }
-}
-
-/// The curve that a descriptor means, if it means one. `knots` is room for a B-spline's.
-fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option<Curve<'a>> {
-    let control_points = descriptor.control_points();
-    let (count, order) = (control_points.len(), descriptor.order as usize);
-    let mut weights: &[f64] = &[];
-    let mut total = 0;
-    let basis = match descriptor.basis()? {
-        wire::Basis::Bezier => fit::Basis::Bezier { order },
-        wire::Basis::RationalBezier => {
-            weights = &descriptor.weights[..count];
-            fit::Basis::RationalBezier { order }
-        }
-        wire::Basis::BSpline => {
-            let inner = count.checked_sub(order + 1)?;
-            total = count + order + 1;
-            knots[..=order].fill(0.0);
-            knots[order + 1..count].copy_from_slice(&descriptor.knots[..inner]);
-            knots[count..total].fill(1.0);
-            fit::Basis::BSpline {
-                degree: order,
-                control_points: count,
-                knots: Knots::Averaged,
-            }
-        }
-        wire::Basis::Fourier => fit::Basis::Fourier { harmonics: order },
-        wire::Basis::FeaturePoints => fit::Basis::FeaturePoints { count },
-        wire::Basis::CenterOfMass => fit::Basis::CenterOfMass,
-    };
-    Curve::new(basis, control_points, weights, &knots[..total]).ok()
 }
 
 fn compare_centerlines(mut frame: Frame, centerlines: &Polylines) {

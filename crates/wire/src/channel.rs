@@ -58,6 +58,11 @@ impl<P: ?Sized> Channel<P> {
         }
     }
 
+    /// The channel's name, the same on every rig.
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// The channel's full name on a rig.
     pub fn on(&self, rig: &Rig) -> String {
         format!("lariat/{rig}/{}", self.name)
@@ -257,7 +262,8 @@ fn in_use(domain: &Domain, name: &ServiceName) -> Option<InUse> {
     })
 }
 
-fn describe(payload: &TypeDetail, header: &TypeDetail) -> String {
+/// Both types of a channel's messages, by the names that carry their versions.
+pub(crate) fn describe(payload: &TypeDetail, header: &TypeDetail) -> String {
     let (payload, header) = (
         payload.type_name().to_string(),
         header.type_name().to_string(),

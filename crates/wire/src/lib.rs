@@ -66,6 +66,7 @@ mod rope;
 mod roster;
 mod seen;
 mod shape;
+mod survey;
 mod writer;
 
 pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
@@ -83,4 +84,5 @@ pub use rope::{FARTHEST, Motion, NoPrediction, Prediction, Rope, Track};
 pub use roster::{Announcement, Member, members};
 pub use seen::{Absent, LastKnown, Seen};
 pub use shape::{Covariance, Jacobian, NoShape, Shape};
+pub use survey::{ChannelEnds, ChannelState, ChannelWriter};
 pub use writer::{Slot, Writer};

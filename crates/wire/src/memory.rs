@@ -1,7 +1,7 @@
 //! Shared memory is asked for before it is used: a full `/dev/shm` otherwise shows as SIGBUS at the first touch of a
 //! page, in the middle of a frame.
 
-use std::fs;
+use std::fs::{self, DirEntry};
 use std::io;
 
 use rustix::fs::{FallocateFlags, fallocate, statvfs};
@@ -31,15 +31,7 @@ pub(crate) fn require_space(channel: &str, bytes: u64) -> Result<(), WireError> 
 
 /// Takes the pages of a segment now. Other processes may take what `require_space` saw, so only this is certain.
 pub(crate) fn reserve_segment(channel: &str, id: &str) -> Result<(), WireError> {
-    let Ok(entries) = fs::read_dir(SHM) else {
-        return Ok(());
-    };
-    let segment = entries.flatten().find(|entry| {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        name.contains(id) && name.ends_with(".data")
-    });
-    let Some(segment) = segment else {
+    let Some(segment) = segment_of(id) else {
         return Ok(());
     };
     let reserve = || -> io::Result<u64> {
@@ -60,6 +52,22 @@ pub(crate) fn reserve_segment(channel: &str, id: &str) -> Result<(), WireError> 
         // Without fallocate (an old kernel) the pages come at their first touch, as they would have anyway.
         _ => Ok(()),
     }
+}
+
+/// The shared memory that holds a writer's slots, by the transport's number for it.
+fn segment_of(id: &str) -> Option<DirEntry> {
+    let entries = fs::read_dir(SHM).ok()?;
+    entries.flatten().find(|entry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        name.contains(id) && name.ends_with(".data")
+    })
+}
+
+/// Its size; 0 if it is gone.
+pub(crate) fn segment_bytes(id: &str) -> u64 {
+    let data = segment_of(id).and_then(|segment| segment.metadata().ok());
+    data.map_or(0, |data| data.len())
 }
 
 fn too_little(channel: &str, needed: u64, available: u64) -> WireError {

@@ -1,5 +1,7 @@
 //! Where readers predict a rope, held to the chain's own filter, which knows more than the message says.
 
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
 use lariat_fit::{CurveSpace, Filter, FilterOptions, Fitter, Noise, Options};
 use lariat_wire::*;
 
@@ -14,7 +16,8 @@ struct Followed {
 
 impl Followed {
     fn over(frames: u64, rate: f64, noise_px: f64, order: usize) -> Self {
-        let name = format!("p{}-{frames}-{rate:.0}-{order}", std::process::id());
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("p{}-{}", std::process::id(), NEXT.fetch_add(1, Relaxed));
         let rig = Rig::default();
         let reader = Reader::open_in(Domain::named(&name).unwrap(), &rig).unwrap();
         let domain = Domain::named(&name).unwrap();

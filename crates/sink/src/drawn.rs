@@ -1,0 +1,49 @@
+//! A descriptor's curve as points: to draw it, or to hold it against others.
+
+use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
+use lariat_wire::{self as wire, Descriptor};
+
+/// Fills `points` with points of the curve that a descriptor means, at even steps of ρ from 0 to 1, in its message's unit.
+/// `false` if it means none that this version knows.
+pub fn points_along(descriptor: &Descriptor, points: &mut [[f64; 2]]) -> bool {
+    let mut knots = [0.0; MAX_KNOTS];
+    let Some(curve) = curve(descriptor, &mut knots) else {
+        return false;
+    };
+    let steps = points.len().saturating_sub(1).max(1) as f64;
+    for (i, point) in points.iter_mut().enumerate() {
+        *point = curve.point(i as f64 / steps);
+    }
+    true
+}
+
+/// The curve that a descriptor means, if it means one. `knots` is room for a B-spline's.
+fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option<Curve<'a>> {
+    let control_points = descriptor.control_points();
+    let (count, order) = (control_points.len(), descriptor.order as usize);
+    let mut weights: &[f64] = &[];
+    let mut total = 0;
+    let basis = match descriptor.basis()? {
+        wire::Basis::Bezier => fit::Basis::Bezier { order },
+        wire::Basis::RationalBezier => {
+            weights = &descriptor.weights[..count];
+            fit::Basis::RationalBezier { order }
+        }
+        wire::Basis::BSpline => {
+            let inner = count.checked_sub(order + 1)?;
+            total = count + order + 1;
+            knots[..=order].fill(0.0);
+            knots[order + 1..count].copy_from_slice(&descriptor.knots[..inner]);
+            knots[count..total].fill(1.0);
+            fit::Basis::BSpline {
+                degree: order,
+                control_points: count,
+                knots: Knots::Averaged,
+            }
+        }
+        wire::Basis::Fourier => fit::Basis::Fourier { harmonics: order },
+        wire::Basis::FeaturePoints => fit::Basis::FeaturePoints { count },
+        wire::Basis::CenterOfMass => fit::Basis::CenterOfMass,
+    };
+    Curve::new(basis, control_points, weights, &knots[..total]).ok()
+}

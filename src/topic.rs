@@ -1,0 +1,255 @@
+//! `lariat topic`: what passes on the channels of a rig, looked at from a terminal.
+//!
+//! Whoever looks is one more reader, and a reader costs the chain what waking it costs: a notification of 5 to 20 µs for
+//! each message, in the writer. So only `echo`, whose lines are to be there when their messages are, and `delay
+//! --in-hand`, which measures just that, are woken. All else goes by the stamps and counters in the messages, which are the
+//! same whenever they are read, and looks by itself before a buffer can overflow ([`nap`]). A `--lossless` chain is the
+//! exception: it waits for each of its readers to take up its end, and then for the slowest, so there all of them are
+//! woken, and it is said.
+
+mod bandwidth;
+mod delay;
+mod echo;
+mod list;
+mod nap;
+mod probe;
+mod rate;
+mod watch;
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, Subcommand, ValueEnum};
+use lariat_wire::{ChannelState, Domain, Rig};
+
+use crate::settings::duration;
+
+/// Look at what passes on the channels of a running chain
+#[derive(Debug, Args)]
+pub(crate) struct TopicArgs {
+    #[command(subcommand)]
+    command: TopicCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum TopicCommand {
+    /// The rigs and their channels: writer, readers, messages, shared memory
+    List(ListArgs),
+    /// How many messages a second, how evenly, and what was lost
+    Hz(MeterArgs),
+    /// The messages themselves, without pixels
+    Echo(EchoArgs),
+    /// How long frames are under way, step by step
+    Delay(DelayArgs),
+    /// How many megabytes a second
+    Bw(MeterArgs),
+}
+
+#[derive(Debug, Args)]
+struct ListArgs {
+    /// Only this camera chain
+    #[arg(long, value_name = "NAME")]
+    rig: Option<String>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What all that follow a channel have in common.
+#[derive(Debug, Args)]
+struct MeterArgs {
+    /// The channel
+    #[arg(value_enum, default_value_t = ChannelName::Descriptors)]
+    channel: ChannelName,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+struct CommonArgs {
+    /// Camera chain (default: `default`, or the only one there is)
+    #[arg(long, value_name = "NAME")]
+    rig: Option<String>,
+    /// Print JSON objects, one a line
+    #[arg(long)]
+    json: bool,
+    /// Measure for so long (10s, 2m), print once, and end
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    duration: Option<Duration>,
+}
+
+#[derive(Debug, Args)]
+struct DelayArgs {
+    /// Also measure until the message is in a reader's hands: costs the chain a wake-up a frame
+    #[arg(long)]
+    in_hand: bool,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+struct EchoArgs {
+    /// The channel
+    #[arg(value_enum, default_value_t = ChannelName::Descriptors)]
+    channel: ChannelName,
+    /// Print one message and end
+    #[arg(long, conflicts_with = "count")]
+    once: bool,
+    /// Print so many messages and end
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    count: Option<u64>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// A channel as it is called on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ChannelName {
+    Frames,
+    Masks,
+    Centerlines,
+    Descriptors,
+    Truth,
+}
+
+impl ChannelName {
+    fn as_str(self) -> &'static str {
+        match self {
+            Self::Frames => lariat_wire::FRAMES.name(),
+            Self::Masks => lariat_wire::MASKS.name(),
+            Self::Centerlines => lariat_wire::CENTERLINES.name(),
+            Self::Descriptors => lariat_wire::DESCRIPTORS.name(),
+            Self::Truth => lariat_wire::TRUTH.name(),
+        }
+    }
+}
+
+/// Runs `lariat topic`.
+///
+/// # Errors
+/// What is asked for is not there, or cannot be read.
+pub(crate) fn run(args: TopicArgs) -> Result<ExitCode> {
+    match args.command {
+        TopicCommand::List(args) => list::run(&args),
+        TopicCommand::Hz(args) => {
+            let meter = rate::Rate::new(args.channel);
+            watch::run(
+                &Place::find(&args.common, args.channel)?,
+                &args.common,
+                meter,
+            )
+        }
+        TopicCommand::Bw(args) => {
+            let meter = bandwidth::Bandwidth::new(args.channel);
+            watch::run(
+                &Place::find(&args.common, args.channel)?,
+                &args.common,
+                meter,
+            )
+        }
+        TopicCommand::Delay(args) => {
+            let place = Place::find(&args.common, ChannelName::Descriptors)?;
+            watch::run(&place, &args.common, delay::Delay::new(args.in_hand))
+        }
+        TopicCommand::Echo(args) => {
+            let place = Place::find(&args.common, args.channel)?;
+            let most = if args.once { Some(1) } else { args.count };
+            watch::run(
+                &place,
+                &args.common,
+                echo::Echo::new(args.channel, args.common.json, most),
+            )
+        }
+    }
+}
+
+/// The channel that is looked at.
+struct Place {
+    domain: Domain,
+    rig: Rig,
+    channel: ChannelName,
+}
+
+impl Place {
+    /// The channel on the rig that was asked for; an error if there is no such rig.
+    fn find(args: &CommonArgs, channel: ChannelName) -> Result<Self> {
+        let wanted: Option<Rig> = args.rig.as_deref().map(str::parse).transpose()?;
+        let domain = Domain::open()?;
+        let states = domain.channels()?;
+        let rig = choose_rig(wanted, &states)?;
+        let on_rig = states.iter().filter(|state| state.rig == rig);
+        let names: Vec<&str> = on_rig.map(|state| state.channel).collect();
+        if !names.contains(&channel.as_str()) {
+            bail!(
+                "rig {rig} has no channel {}, only {}{}",
+                channel.as_str(),
+                names.join(", "),
+                match channel {
+                    ChannelName::Masks => " (masks are there with the setting mask = \"external\")",
+                    ChannelName::Truth => " (only of a rendered rope the true shape is known)",
+                    _ => ": is the whole chain running (`lariat run`)?",
+                }
+            );
+        }
+        Ok(Self {
+            domain,
+            rig,
+            channel,
+        })
+    }
+
+    /// The channel as it is now; `None` if nobody has it open.
+    fn state(&self) -> Option<ChannelState> {
+        self.domain.channel(&self.rig, self.channel.as_str())
+    }
+}
+
+/// The rig that is meant: the one asked for, the usual one, or the only one.
+fn choose_rig(wanted: Option<Rig>, states: &[ChannelState]) -> Result<Rig> {
+    let mut rigs: Vec<&Rig> = states.iter().map(|state| &state.rig).collect();
+    rigs.dedup();
+    let names = || -> String {
+        let names: Vec<&str> = rigs.iter().map(|rig| rig.as_str()).collect();
+        names.join(", ")
+    };
+    match wanted {
+        _ if rigs.is_empty() => Err(nothing_runs()),
+        Some(rig) if rigs.contains(&&rig) => Ok(rig),
+        Some(rig) => bail!("there is no rig {rig} here: there is {}", names()),
+        None if rigs.contains(&&Rig::default()) => Ok(Rig::default()),
+        None => match rigs.as_slice() {
+            [only] => Ok((*only).clone()),
+            _ => bail!("say which rig with --rig NAME: there is {}", names()),
+        },
+    }
+}
+
+/// What is said where no rig is to be seen.
+fn nothing_runs() -> anyhow::Error {
+    let domain = match std::env::var("LARIAT_DOMAIN") {
+        Ok(name) => format!(" in the domain {name}, which LARIAT_DOMAIN names"),
+        Err(_) => String::new(),
+    };
+    anyhow::anyhow!(
+        "no chain is running{domain}: start one with `lariat run`{}",
+        if domain.is_empty() {
+            " (one that was started with LARIAT_DOMAIN is seen with the same LARIAT_DOMAIN only)"
+        } else {
+            ""
+        }
+    )
+}
+
+/// An error of the wire, with where to look for who is in the way.
+fn with_a_hint<T>(result: Result<T, lariat_wire::WireError>) -> Result<T> {
+    match result {
+        Err(full @ lariat_wire::WireError::TooManyReaders { .. }) => {
+            Err(full).context("there is no room to look in (`lariat topic list` says who reads)")
+        }
+        other => Ok(other?),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+//! `lariat topic bw`: how many megabytes a second pass on a channel.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use lariat_sink::Figure;
+use lariat_wire::Rig;
+use serde::Serialize;
+
+use super::ChannelName;
+use super::probe::Any;
+use super::rate::count_and_stamp;
+use super::watch::Meter;
+
+/// The figures since the last report.
+pub(super) struct Bandwidth {
+    channel: ChannelName,
+    last: Option<(u64, u64)>,
+    is_titled: bool,
+    messages: u64,
+    bytes: u64,
+    least: Option<usize>,
+    most: Option<usize>,
+    /// How far the writer's counter and its clock went.
+    sent: u64,
+    span_ns: u64,
+}
+
+impl Bandwidth {
+    pub(super) fn new(channel: ChannelName) -> Self {
+        Self {
+            channel,
+            last: None,
+            is_titled: false,
+            messages: 0,
+            bytes: 0,
+            least: None,
+            most: None,
+            sent: 0,
+            span_ns: 0,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Figures<'a> {
+    schema: u32,
+    rig: &'a str,
+    channel: &'static str,
+    /// That were read here.
+    messages: u64,
+    /// Sent, in 10⁶ bytes a second.
+    mb_per_s: Option<f64>,
+    /// Sent a second.
+    hz: Option<f64>,
+    message_bytes: Size,
+}
+
+#[derive(Serialize)]
+struct Size {
+    mean: Option<f64>,
+    min: Option<usize>,
+    max: Option<usize>,
+}
+
+impl Meter for Bandwidth {
+    fn is_woken(&self) -> bool {
+        false
+    }
+
+    fn period(&self) -> Option<Duration> {
+        Some(Duration::from_secs(1))
+    }
+
+    fn see(&mut self, message: Any, _now_ns: u64) -> Result<String> {
+        let bytes = message.bytes();
+        self.messages += 1;
+        self.bytes += bytes as u64;
+        self.least = Some(self.least.map_or(bytes, |least| least.min(bytes)));
+        self.most = Some(self.most.map_or(bytes, |most| most.max(bytes)));
+        let (count, stamp_ns) = count_and_stamp(self.channel, message.trace());
+        if let Some((count_before, stamp_before)) = self.last
+            && count > count_before
+            && stamp_ns > stamp_before
+        {
+            self.sent += count - count_before;
+            self.span_ns += stamp_ns - stamp_before;
+        }
+        self.last = Some((count, stamp_ns));
+        Ok(String::new())
+    }
+
+    fn report(&mut self, rig: &Rig, json: bool) -> Result<String> {
+        let mean = (self.messages > 0).then(|| self.bytes as f64 / self.messages as f64);
+        let hz = (self.span_ns > 0).then(|| self.sent as f64 * 1e9 / self.span_ns as f64);
+        let mb_per_s = mean.zip(hz).map(|(mean, hz)| mean * hz / 1e6);
+        let text = if json {
+            let figures = Figures {
+                schema: 1,
+                rig: rig.as_str(),
+                channel: self.channel.as_str(),
+                messages: self.messages,
+                mb_per_s,
+                hz,
+                message_bytes: Size {
+                    mean,
+                    min: self.least,
+                    max: self.most,
+                },
+            };
+            serde_json::to_string(&figures)? + "\n"
+        } else {
+            let title = match std::mem::replace(&mut self.is_titled, true) {
+                true => "",
+                false => "    MB/s  messages/s  mean kB  min kB  max kB\n",
+            };
+            let kb = |bytes: Option<usize>| Figure(bytes.map(|bytes| bytes as f64 / 1e3));
+            format!(
+                "{title}{:>8} {:>11} {:>8} {:>7} {:>7}\n",
+                Figure(Some(mb_per_s.unwrap_or(0.0))),
+                Figure(Some(hz.unwrap_or(0.0))),
+                Figure(mean.map(|mean| mean / 1e3)),
+                kb(self.least),
+                kb(self.most),
+            )
+        };
+        *self = Self {
+            last: self.last,
+            is_titled: self.is_titled,
+            ..Self::new(self.channel)
+        };
+        Ok(text)
+    }
+}

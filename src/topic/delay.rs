@@ -1,0 +1,155 @@
+//! `lariat topic delay`: how long frames are under way, and how long each step of it takes.
+//!
+//! Descriptors carry the stamps of all stages, so that one look at them tells the whole way, whenever it is. Only how long
+//! a message takes into a reader's hands cannot be told so: `--in-hand` waits for each, as a control loop does.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use lariat_sink::{Figure, Step, Times};
+use lariat_wire::Rig;
+use serde::{Serialize, Serializer};
+
+use super::probe::Any;
+use super::watch::Meter;
+
+/// All since the start: percentiles need their time.
+pub(super) struct Delay {
+    is_in_hand: bool,
+    /// The newest one is given to a late reader, however old it is.
+    first: bool,
+    messages: u64,
+    steps: Vec<(Step, Times)>,
+}
+
+impl Delay {
+    pub(super) fn new(is_in_hand: bool) -> Self {
+        let steps = Step::ALL.into_iter();
+        let shown =
+            steps.filter(|step| is_in_hand || !matches!(step, Step::Received | Step::WaitSink));
+        Self {
+            is_in_hand,
+            first: true,
+            messages: 0,
+            steps: shown.map(|step| (step, Times::default())).collect(),
+        }
+    }
+}
+
+/// The name of a step in JSON, as in a report's `summary.json`.
+fn key(step: Step) -> &'static str {
+    match step {
+        Step::Received => "total",
+        Step::Fitted => "fitted",
+        Step::Capture => "capture",
+        Step::WaitExtract => "wait_extract",
+        Step::Extract => "extract",
+        Step::WaitFit => "wait_fit",
+        Step::Fit => "fit",
+        Step::WaitSink => "wait_reader",
+    }
+}
+
+#[derive(Serialize)]
+struct Figures<'a> {
+    schema: u32,
+    rig: &'a str,
+    channel: &'static str,
+    messages: u64,
+    latency_us: Steps<'a>,
+}
+
+/// An object with a key a step, in the order of the way.
+struct Steps<'a>(&'a [(Step, Times)]);
+
+impl Serialize for Steps<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let entry = |(step, times): &(Step, Times)| (key(*step), Percentiles::of(times));
+        serializer.collect_map(self.0.iter().map(entry))
+    }
+}
+
+#[derive(Serialize)]
+struct Percentiles {
+    p50: Option<f64>,
+    p90: Option<f64>,
+    p99: Option<f64>,
+    p999: Option<f64>,
+    max: Option<f64>,
+}
+
+impl Percentiles {
+    fn of(times: &Times) -> Self {
+        Self {
+            p50: times.quantile_us(0.5),
+            p90: times.quantile_us(0.9),
+            p99: times.quantile_us(0.99),
+            p999: times.quantile_us(0.999),
+            max: times.quantile_us(1.0),
+        }
+    }
+}
+
+impl Meter for Delay {
+    fn is_woken(&self) -> bool {
+        self.is_in_hand
+    }
+
+    fn period(&self) -> Option<Duration> {
+        Some(Duration::from_secs(5))
+    }
+
+    fn see(&mut self, message: Any, now_ns: u64) -> Result<String> {
+        let is_first = std::mem::replace(&mut self.first, false);
+        if message.is_blank() || is_first && self.is_in_hand {
+            return Ok(String::new());
+        }
+        self.messages += 1;
+        for (step, times) in &mut self.steps {
+            if let Some(ns) = step.ns(message.trace(), now_ns) {
+                times.add(ns);
+            }
+        }
+        Ok(String::new())
+    }
+
+    fn report(&mut self, rig: &Rig, json: bool) -> Result<String> {
+        if json {
+            let figures = Figures {
+                schema: 1,
+                rig: rig.as_str(),
+                channel: lariat_wire::DESCRIPTORS.name(),
+                messages: self.messages,
+                latency_us: Steps(&self.steps),
+            };
+            return Ok(serde_json::to_string(&figures)? + "\n");
+        }
+        let mut text = format!(
+            "{:<20}    p50    p90    p99  p99.9    max   of {} frames\n",
+            "latency, µs", self.messages
+        );
+        for (step, times) in &self.steps {
+            let indent = match step {
+                Step::Received | Step::Fitted => "",
+                step if step.is_wait() => "    ",
+                _ => "  ",
+            };
+            let label = match step {
+                Step::WaitSink => "wait for reader",
+                step => step.label(),
+            };
+            let Percentiles {
+                p50,
+                p90,
+                p99,
+                p999,
+                max,
+            } = Percentiles::of(times);
+            let [p50, p90, p99, p999, max] = [p50, p90, p99, p999, max].map(Figure);
+            let label = format!("{indent}{label}");
+            text += &format!("{label:<20} {p50:>6} {p90:>6} {p99:>6} {p999:>6} {max:>6}\n");
+        }
+        text.push('\n');
+        Ok(text)
+    }
+}

@@ -1,0 +1,173 @@
+//! A message as a few lines to read.
+
+use std::fmt::Write;
+
+use lariat_sink::{Figure, Step};
+use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, Trace};
+
+use super::{basis, pixel_format, source, status, unit};
+use crate::topic::probe::Any;
+
+/// The message as a paragraph, with an empty line behind it.
+pub(super) fn paragraph(channel: &str, message: Any) -> String {
+    let mut text = heading(channel, message.trace());
+    match message {
+        _ if message.is_blank() => text += "  no image: the source has none to give\n",
+        Any::Image(header, pixels) => {
+            text += &format!(
+                "  {}×{} {} from {}, {} bytes a row, {} bytes\n",
+                header.width,
+                header.height,
+                pixel_format(header.pixel_format),
+                source(header.source),
+                header.stride,
+                pixels.len()
+            );
+        }
+        Any::Centerlines(message) => centerlines(message, &mut text),
+        Any::Descriptors(message) => descriptors(message, &mut text),
+    }
+    // What is known of ropes goes on without an image.
+    if let (true, Any::Descriptors(message)) = (message.is_blank(), message) {
+        descriptors(message, &mut text);
+    }
+    text.push('\n');
+    text
+}
+
+fn heading(channel: &str, trace: &Trace) -> String {
+    let exposed_s = trace.exposed_ns as f64 / 1e9;
+    let mut text = format!(
+        "{channel}: frame {}, exposed {exposed_s:.6} s; sent: captured {}",
+        trace.sequence, trace.captured
+    );
+    for (name, count) in [("extracted", trace.extracted), ("fitted", trace.fitted)] {
+        if count > 0 {
+            text += &format!(", {name} {count}");
+        }
+    }
+    let steps: Vec<String> = Step::ALL
+        .iter()
+        .skip(2)
+        .filter_map(|step| {
+            let us = step.ns(trace, 0)? as f64 / 1e3;
+            Some(format!("{} {}", step.label(), Figure(Some(us))))
+        })
+        .collect();
+    text + "\n  µs: " + &steps.join(", ") + "\n"
+}
+
+fn centerlines(message: &Centerlines, text: &mut String) {
+    if message.curves().is_empty() {
+        *text += "  no rope\n";
+    }
+    for curve in message.curves() {
+        one_curve(curve, text);
+    }
+    for crossing in message.crossings() {
+        let [x, y] = crossing.at;
+        *text += &format!(
+            "  crossing at ({x:.1}, {y:.1}): curve {} at ρ {:.3} over curve {} at ρ {:.3}, confidence {:.2}\n",
+            crossing.over,
+            crossing.over_rho,
+            crossing.under,
+            crossing.under_rho,
+            crossing.confidence
+        );
+    }
+}
+
+fn one_curve(curve: &Curve, text: &mut String) {
+    let points = curve.points();
+    let hidden = (0..points.len()).filter(|&i| curve.is_hidden(i)).count();
+    *text += &format!(
+        "  rope {}  {}{}  {:.1} px long, {:.1} wide, {} points{}\n",
+        curve.track,
+        status(curve.status),
+        more(curve.closed, curve.border, curve.age_ns),
+        curve.length_px,
+        curve.width_px,
+        points.len(),
+        match hidden {
+            0 => String::new(),
+            hidden => format!(", {hidden} hidden"),
+        }
+    );
+    let as_f64 = points.iter().map(|point| point.map(f64::from));
+    in_lines(as_f64, text);
+}
+
+fn descriptors(message: &Descriptors, text: &mut String) {
+    if message.curves().is_empty() {
+        *text += "  no rope\n";
+    }
+    let unit = unit(message.unit);
+    for curve in message.curves() {
+        one_descriptor(curve, &unit, text);
+    }
+}
+
+fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
+    let name = basis(curve.basis);
+    *text += &format!(
+        "  rope {}  {}{}  {name} of order {}, {:.1} {unit} long, {:.1} wide\n",
+        curve.track,
+        status(curve.status),
+        more(curve.closed, curve.border, curve.age_ns),
+        curve.order,
+        curve.length,
+        curve.width,
+    );
+    let sigma = |[xx, _, yy]: [f64; 3]| (xx.max(yy)).max(0.0).sqrt();
+    let count = curve.control_points().len();
+    let least_certain = curve.covariances[..count].iter().copied().map(sigma);
+    *text += &format!(
+        "    rms {}, max {} {unit} of {} points ({} hidden), condition {}, control points known to {} {unit}{}\n",
+        Figure(Some(curve.rms)),
+        Figure(Some(curve.max)),
+        curve.samples,
+        curve.hidden,
+        Figure(Some(curve.condition)),
+        Figure(least_certain.reduce(f64::max)),
+        if curve.filtered == 0 {
+            ""
+        } else {
+            ", filtered"
+        },
+    );
+    in_lines(curve.control_points().iter().copied(), text);
+}
+
+/// What is not so of most ropes.
+fn more(closed: u32, border: u32, age_ns: u64) -> String {
+    let mut text = String::new();
+    if age_ns > 0 {
+        text += &format!(" for {:.2} s", age_ns as f64 / 1e9);
+    }
+    if closed != 0 {
+        text += ", closed";
+    }
+    match border & 3 {
+        0 => {}
+        1 => text += ", its first end leaves the image",
+        2 => text += ", its last end leaves the image",
+        _ => text += ", both ends leave the image",
+    }
+    text
+}
+
+/// Points, six a line.
+fn in_lines(points: impl Iterator<Item = [f64; 2]>, text: &mut String) {
+    for (i, [x, y]) in points.enumerate() {
+        *text += if i % 6 > 0 {
+            " "
+        } else if i > 0 {
+            "\n    "
+        } else {
+            "    "
+        };
+        // Writing to a string does not fail.
+        let _ = write!(text, "({x:.1}, {y:.1})");
+    }
+    text.push('\n');
+}

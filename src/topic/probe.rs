@@ -1,0 +1,142 @@
+//! A reader of any of the channels, and what a message of any of them has in common with the others.
+
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use lariat_wire::{
+    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Descriptors, Domain, FRAMES, FrameHeader,
+    MASKS, Payload, Receiver, Rig, TRUTH, Trace, WireError, now_ns,
+};
+
+use super::nap::Nap;
+use super::{ChannelName, Place, with_a_hint};
+use crate::stop::Stop;
+
+/// A message of some channel.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Any<'a> {
+    Image(&'a FrameHeader, &'a [u8]),
+    Centerlines(&'a Centerlines),
+    Descriptors(&'a Descriptors),
+}
+
+impl Any<'_> {
+    pub(super) fn trace(&self) -> &Trace {
+        match self {
+            Self::Image(header, _) => &header.trace,
+            Self::Centerlines(message) => &message.trace,
+            Self::Descriptors(message) => &message.trace,
+        }
+    }
+
+    /// Whether the source had no image to give.
+    pub(super) fn is_blank(&self) -> bool {
+        match self {
+            Self::Image(header, _) => header.is_blank(),
+            Self::Centerlines(message) => message.width == 0,
+            Self::Descriptors(message) => message.width == 0,
+        }
+    }
+
+    /// Bytes of the message, with what stands beside it.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Image(_, pixels) => size_of::<FrameHeader>() + pixels.len(),
+            Self::Centerlines(_) => size_of::<Centerlines>(),
+            Self::Descriptors(_) => size_of::<Descriptors>(),
+        }
+    }
+}
+
+enum Reader {
+    Images(Receiver<[u8]>),
+    Centerlines(Receiver<Centerlines>),
+    Descriptors(Receiver<Descriptors>),
+}
+
+/// A reader of the channel that is looked at.
+pub(super) struct Probe {
+    reader: Reader,
+    /// Of one that is not woken.
+    nap: Option<Nap>,
+    came: usize,
+}
+
+impl Probe {
+    /// Becomes a reader of the channel as it is. `woken`: by each message.
+    pub(super) fn open(place: &Place, woken: bool, buffer: usize) -> Result<Self> {
+        let Place { domain, rig, .. } = place;
+        let reader = match place.channel {
+            ChannelName::Frames => Reader::Images(open(domain, rig, &FRAMES, woken)?),
+            ChannelName::Masks => Reader::Images(open(domain, rig, &MASKS, woken)?),
+            ChannelName::Centerlines => {
+                Reader::Centerlines(open(domain, rig, &CENTERLINES, woken)?)
+            }
+            ChannelName::Truth => Reader::Centerlines(open(domain, rig, &TRUTH, woken)?),
+            ChannelName::Descriptors => {
+                Reader::Descriptors(open(domain, rig, &DESCRIPTORS, woken)?)
+            }
+        };
+        Ok(Self {
+            reader,
+            nap: (!woken).then(|| Nap::new(buffer)),
+            came: 0,
+        })
+    }
+
+    /// Hands over the oldest message that waits, with the moment it was in hand; `None` if none does.
+    pub(super) fn next<T>(
+        &mut self,
+        see: impl FnOnce(Any, u64) -> T,
+    ) -> Result<Option<T>, WireError> {
+        let seen = match &self.reader {
+            Reader::Images(reader) => reader
+                .next()?
+                .map(|message| see(Any::Image(message.header(), &message), now_ns())),
+            Reader::Centerlines(reader) => reader
+                .next()?
+                .map(|message| see(Any::Centerlines(&message), now_ns())),
+            Reader::Descriptors(reader) => reader
+                .next()?
+                .map(|message| see(Any::Descriptors(&message), now_ns())),
+        };
+        self.came += usize::from(seen.is_some());
+        Ok(seen)
+    }
+
+    /// Sleeps until it is time to look again, until the deadline, or until a signal came.
+    pub(super) fn sleep(&mut self, deadline: Instant, stop: &Stop) -> Result<(), WireError> {
+        let came = std::mem::take(&mut self.came);
+        if let Some(nap) = &mut self.nap {
+            let left = deadline.saturating_duration_since(Instant::now());
+            sleep_for(nap.after(came).min(left), stop);
+            return Ok(());
+        }
+        let (deadline, stop) = (Some(deadline), Some(stop.as_fd()));
+        match &self.reader {
+            Reader::Images(reader) => reader.sleep(deadline, stop),
+            Reader::Centerlines(reader) => reader.sleep(deadline, stop),
+            Reader::Descriptors(reader) => reader.sleep(deadline, stop),
+        }
+    }
+}
+
+/// Sleeps for so long, or until a signal came.
+pub(super) fn sleep_for(time: Duration, stop: &Stop) {
+    let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+    stop.sleep_until(now_ns().saturating_add(ns));
+}
+
+fn open<P: Payload + ?Sized>(
+    domain: &Domain,
+    rig: &Rig,
+    channel: &Channel<P>,
+    woken: bool,
+) -> Result<Receiver<P>> {
+    with_a_hint(if woken {
+        Receiver::create(domain, rig, channel, None)
+    } else {
+        Receiver::create_unwoken(domain, rig, channel, None)
+    })
+}

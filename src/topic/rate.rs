@@ -1,0 +1,301 @@
+//! `lariat topic hz`: how many messages a second, how evenly, and what was lost.
+//!
+//! By the stamps and counters of whoever sent them, not by when they are read here: a reader that is late, or misses some,
+//! sees the same rate.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use lariat_sink::{Arrival, Figure, Ledger, Lost};
+use lariat_wire::{Rig, Trace};
+use serde::Serialize;
+
+use super::ChannelName;
+use super::probe::Any;
+use super::watch::Meter;
+
+/// The counter and the stamp that the channel's writer gives its messages.
+pub(super) fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
+    match channel {
+        // A mask has the stamps of its frame.
+        ChannelName::Frames | ChannelName::Masks | ChannelName::Truth => {
+            (trace.captured, trace.captured_ns)
+        }
+        ChannelName::Centerlines => (trace.extracted, trace.extracted_ns),
+        ChannelName::Descriptors => (trace.fitted, trace.fitted_ns),
+    }
+}
+
+/// A trace as if the frame's way ended with this channel: what a ledger then takes for lost behind the last stage is what
+/// was sent and not read here.
+fn ended_here(channel: ChannelName, trace: &Trace) -> Trace {
+    let (count, stamp_ns) = count_and_stamp(channel, trace);
+    let extracted = match channel {
+        ChannelName::Centerlines | ChannelName::Descriptors => trace.extracted,
+        _ => count,
+    };
+    Trace {
+        extracted,
+        fitted: count,
+        fitted_ns: stamp_ns,
+        ..*trace
+    }
+}
+
+/// The figures since the last report.
+pub(super) struct Rate {
+    channel: ChannelName,
+    ledger: Ledger,
+    /// Frames lost up to the last report.
+    lost_before: Lost,
+    last: Option<(u64, u64)>,
+    is_titled: bool,
+    interval: Intervals,
+}
+
+#[derive(Default)]
+struct Intervals {
+    messages: u64,
+    /// How far the writer's counter and its clock went.
+    sent: u64,
+    span_ns: u64,
+    /// Between messages that were sent one after the other, and both read: number, sum and sum of squares (s).
+    count: u64,
+    sum_s: f64,
+    squares_s2: f64,
+    shortest_ns: Option<u64>,
+    longest_ns: Option<u64>,
+}
+
+impl Rate {
+    pub(super) fn new(channel: ChannelName) -> Self {
+        Self {
+            channel,
+            ledger: Ledger::new(false),
+            lost_before: Lost::default(),
+            last: None,
+            is_titled: false,
+            interval: Intervals::default(),
+        }
+    }
+
+    fn figures<'a>(&self, rig: &'a Rig) -> Figures<'a> {
+        let seen = &self.interval;
+        let lost = self.ledger.lost();
+        let before = self.lost_before;
+        let mean_s = (seen.count > 0).then(|| seen.sum_s / seen.count as f64);
+        let variance = mean_s.map(|mean| seen.squares_s2 / seen.count as f64 - mean * mean);
+        let ms = |ns: u64| ns as f64 / 1e6;
+        Figures {
+            schema: 1,
+            rig: rig.as_str(),
+            channel: self.channel.as_str(),
+            messages: seen.messages,
+            hz: (seen.span_ns > 0).then(|| seen.sent as f64 * 1e9 / seen.span_ns as f64),
+            interval_ms: Spread {
+                mean: mean_s.map(|mean| mean * 1e3),
+                min: seen.shortest_ns.map(ms),
+                max: seen.longest_ns.map(ms),
+                jitter: variance.map(|variance| variance.max(0.0).sqrt() * 1e3),
+            },
+            lost: LostHere {
+                source: lost.source - before.source,
+                capture: lost.capture - before.capture,
+                extract: lost.extract - before.extract,
+                here: lost.fit - before.fit,
+            },
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Figures<'a> {
+    schema: u32,
+    rig: &'a str,
+    channel: &'static str,
+    /// That were read here.
+    messages: u64,
+    /// Sent a second.
+    hz: Option<f64>,
+    interval_ms: Spread,
+    lost: LostHere,
+}
+
+/// Of the intervals between messages.
+#[derive(Serialize)]
+struct Spread {
+    mean: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+    /// Their standard deviation.
+    jitter: Option<f64>,
+}
+
+/// Frames lost: at the source, after capture, after extract, and between the channel and this reader.
+#[derive(Serialize)]
+struct LostHere {
+    source: u64,
+    capture: u64,
+    extract: u64,
+    here: u64,
+}
+
+impl Meter for Rate {
+    fn is_woken(&self) -> bool {
+        false
+    }
+
+    fn period(&self) -> Option<Duration> {
+        Some(Duration::from_secs(1))
+    }
+
+    fn see(&mut self, message: Any, _now_ns: u64) -> Result<String> {
+        let trace = message.trace();
+        if self.ledger.received(&ended_here(self.channel, trace)) == Arrival::Stale {
+            return Ok(String::new());
+        }
+        let (count, stamp_ns) = count_and_stamp(self.channel, trace);
+        let seen = &mut self.interval;
+        seen.messages += 1;
+        if let Some((count_before, stamp_before)) = self.last
+            && count > count_before
+            && stamp_ns > stamp_before
+        {
+            let ns = stamp_ns - stamp_before;
+            seen.sent += count - count_before;
+            seen.span_ns += ns;
+            if count == count_before + 1 {
+                let s = ns as f64 / 1e9;
+                seen.count += 1;
+                seen.sum_s += s;
+                seen.squares_s2 += s * s;
+                seen.shortest_ns = Some(seen.shortest_ns.map_or(ns, |least| least.min(ns)));
+                seen.longest_ns = Some(seen.longest_ns.map_or(ns, |most| most.max(ns)));
+            }
+        }
+        self.last = Some((count, stamp_ns));
+        Ok(String::new())
+    }
+
+    fn report(&mut self, rig: &Rig, json: bool) -> Result<String> {
+        let figures = self.figures(rig);
+        let text = if json {
+            serde_json::to_string(&figures)? + "\n"
+        } else {
+            let title = match std::mem::replace(&mut self.is_titled, true) {
+                true => "",
+                false => {
+                    "messages/s   mean ms    min ms    max ms    jitter    lost: source  capture  extract  here\n"
+                }
+            };
+            let Spread {
+                mean,
+                min,
+                max,
+                jitter,
+            } = figures.interval_ms;
+            let LostHere {
+                source,
+                capture,
+                extract,
+                here,
+            } = figures.lost;
+            format!(
+                "{title}{:>10} {:>9} {:>9} {:>9} {:>9} {source:>15} {capture:>8} {extract:>8} {here:>5}\n",
+                Figure(Some(figures.hz.unwrap_or(0.0))),
+                Figure(mean),
+                Figure(min),
+                Figure(max),
+                Figure(jitter),
+            )
+        };
+        self.lost_before = self.ledger.lost();
+        self.interval = Intervals::default();
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lariat_wire::{Centerlines, Descriptors};
+
+    fn shape(sequence: u64, captured: u64, extracted: u64, fitted: u64, ms: u64) -> Descriptors {
+        let mut message = Descriptors::EMPTY;
+        message.trace = Trace {
+            sequence,
+            captured,
+            extracted,
+            fitted,
+            fitted_ns: ms * 1_000_000,
+            ..Trace::EMPTY
+        };
+        message
+    }
+
+    fn figures(rate: &Rate) -> serde_json::Value {
+        serde_json::to_value(rate.figures(&Rig::default())).expect("JSON")
+    }
+
+    #[test]
+    fn the_rate_is_the_writers_however_many_of_its_messages_are_read() {
+        let mut rate = Rate::new(ChannelName::Descriptors);
+        // Every 10 ms; one that was sent is not read here, one came 2 ms late.
+        for (fitted, ms) in [(5, 100), (6, 110), (8, 130), (9, 142), (10, 150)] {
+            let message = shape(fitted, fitted, fitted, fitted, ms);
+            rate.see(Any::Descriptors(&message), 0).expect("seen");
+        }
+        let found = figures(&rate);
+        assert_eq!(
+            (&found["messages"], &found["hz"]),
+            (&5.into(), &100.0.into())
+        );
+        assert_eq!(found["lost"]["here"], 1);
+        let interval = &found["interval_ms"];
+        assert_eq!(
+            (&interval["min"], &interval["max"]),
+            (&8.0.into(), &12.0.into())
+        );
+        // 10, 12 and 8 ms: the gap is no interval.
+        let jitter = interval["jitter"].as_f64().expect("a figure");
+        assert!((jitter - (8.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{jitter}");
+    }
+
+    #[test]
+    fn what_was_lost_is_told_by_the_link_and_each_time_only_since_the_last() {
+        let mut rate = Rate::new(ChannelName::Descriptors);
+        for message in [shape(1, 1, 1, 1, 10), shape(10, 8, 5, 4, 40)] {
+            rate.see(Any::Descriptors(&message), 0).expect("seen");
+        }
+        let lost = &figures(&rate)["lost"];
+        let counts = ["source", "capture", "extract", "here"].map(|link| lost[link].as_u64());
+        assert_eq!(counts, [2, 3, 1, 2].map(Some));
+        rate.report(&Rig::default(), true).expect("JSON");
+        assert_eq!(figures(&rate)["lost"]["source"], 0);
+    }
+
+    #[test]
+    fn a_channel_in_the_middle_is_counted_by_its_own_stage() {
+        let mut rate = Rate::new(ChannelName::Centerlines);
+        let mut message = Box::new(Centerlines::EMPTY);
+        for (number, ms) in [(1, 10), (2, 20), (4, 40)] {
+            message.trace = Trace {
+                sequence: number + 1,
+                captured: number + 1,
+                extracted: number,
+                extracted_ns: ms * 1_000_000,
+                ..Trace::EMPTY
+            };
+            rate.see(Any::Centerlines(&message), 0).expect("seen");
+        }
+        let found = figures(&rate);
+        assert_eq!(
+            (&found["messages"], &found["hz"]),
+            (&3.into(), &100.0.into())
+        );
+        assert_eq!(
+            (&found["lost"]["here"], &found["lost"]["capture"]),
+            (&1.into(), &0.into())
+        );
+    }
+}

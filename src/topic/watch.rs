@@ -1,0 +1,186 @@
+//! Following a channel: as long as it is wanted, over restarts of the chain, to the end of a pipe.
+
+use std::io::{self, ErrorKind, Write};
+use std::os::fd::AsFd;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use lariat_wire::Rig;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use super::probe::{Any, Probe, sleep_for};
+use super::{CommonArgs, Place};
+use crate::stop::Stop;
+
+/// How often it is looked whether the writer is still there, and whether anyone still reads what is printed.
+const CHECK: Duration = Duration::from_millis(500);
+/// How often a writer is looked for that is not there.
+const SEARCH: Duration = Duration::from_millis(100);
+
+/// What is made of the messages.
+pub(super) trait Meter {
+    /// Whether each message is to be in hand at once, though its writer has to wake this process.
+    fn is_woken(&self) -> bool;
+    /// How often [`report`](Self::report) is due; `None`: only at the end.
+    fn period(&self) -> Option<Duration>;
+    /// A message, in hand at this moment of `CLOCK_MONOTONIC`. What it returns is printed.
+    fn see(&mut self, message: Any, now_ns: u64) -> Result<String>;
+    /// Whether enough has been seen.
+    fn is_done(&self) -> bool {
+        false
+    }
+    /// What is printed when it is due, and at the end.
+    fn report(&mut self, rig: &Rig, json: bool) -> Result<String>;
+}
+
+/// Shows the meter what comes until a signal, its time or the end of the pipe.
+pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Result<ExitCode> {
+    let stop = Stop::on_signals()?;
+    let end = args.duration.map(|time| Instant::now() + time);
+    let period = meter.period().filter(|_| args.duration.is_none());
+    let mut due = period.map(|period| Instant::now() + period);
+    let mut link = Link::new(place);
+    while !stop.asked() && !meter.is_done() && end.is_none_or(|end| Instant::now() < end) {
+        if let Some(probe) = link.probe(&meter)? {
+            let mut text = String::new();
+            // No more than that at a time: what is due and signals come in between, however fast messages come.
+            for _ in 0..64 {
+                match probe.next(|message, now_ns| meter.see(message, now_ns))? {
+                    Some(seen) => text += &seen?,
+                    None => break,
+                }
+                if meter.is_done() {
+                    break;
+                }
+            }
+            if !print(&text)? {
+                return Ok(ExitCode::SUCCESS);
+            }
+        }
+        if let (Some(at), Some(period)) = (due, period)
+            && Instant::now() >= at
+        {
+            due = Some((at + period).max(Instant::now()));
+            if !print(&meter.report(&place.rig, args.json)?)? {
+                return Ok(ExitCode::SUCCESS);
+            }
+        }
+        if link.is_check_due() && !is_read() {
+            return Ok(ExitCode::SUCCESS);
+        }
+        if meter.is_done() {
+            break;
+        }
+        let until = [end, due].into_iter().flatten().min();
+        link.sleep(until, &stop)?;
+    }
+    print(&meter.report(&place.rig, args.json)?)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The reader, as long as there is a writer.
+///
+/// A reader that stays when the writer has gone would keep the channel as it was: a chain that is started anew with
+/// another delivery, or of another release, would be refused for its sake. So it goes with the writer, and comes back with
+/// the next one.
+struct Link<'p> {
+    place: &'p Place,
+    probe: Option<Probe>,
+    checked: Option<Instant>,
+    said: bool,
+}
+
+impl<'p> Link<'p> {
+    fn new(place: &'p Place) -> Self {
+        Self {
+            place,
+            probe: None,
+            checked: None,
+            said: false,
+        }
+    }
+
+    fn is_check_due(&self) -> bool {
+        self.probe.is_none() || self.checked.is_none_or(|at| at.elapsed() >= CHECK)
+    }
+
+    /// The reader, if there is a writer.
+    fn probe(&mut self, meter: &impl Meter) -> Result<Option<&mut Probe>> {
+        if !self.is_check_due() {
+            return Ok(self.probe.as_mut());
+        }
+        self.checked = Some(Instant::now());
+        let state = self.place.state();
+        let is_written = state.as_ref().is_some_and(|state| {
+            // Of another version: opening it says so.
+            state.ends.as_ref().is_none_or(|ends| ends.writer.is_some())
+        });
+        match state {
+            Some(state) if is_written => {
+                if self.probe.is_none() {
+                    if state.lossless {
+                        eprintln!(
+                            "lariat: rig {} is --lossless: it waits for this reader too",
+                            self.place.rig
+                        );
+                    }
+                    let woken = meter.is_woken() || state.lossless;
+                    self.probe = Some(Probe::open(self.place, woken, state.buffer)?);
+                    self.said = false;
+                }
+            }
+            _ => {
+                self.probe = None;
+                if !self.said {
+                    self.said = true;
+                    eprintln!(
+                        "lariat: nothing writes {} on rig {}; waiting for it",
+                        self.place.channel.as_str(),
+                        self.place.rig
+                    );
+                }
+            }
+        }
+        Ok(self.probe.as_mut())
+    }
+
+    fn sleep(&mut self, until: Option<Instant>, stop: &Stop) -> Result<()> {
+        let now = Instant::now();
+        match &mut self.probe {
+            Some(probe) => {
+                let check = self.checked.unwrap_or(now) + CHECK;
+                probe.sleep(until.map_or(check, |until| until.min(check)), stop)?;
+            }
+            None => {
+                let left = until.map_or(SEARCH, |until| until.saturating_duration_since(now));
+                sleep_for(left.min(SEARCH), stop);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Prints; `false` if nobody reads it any more, as after `| head`, which is no fault.
+pub(super) fn print(text: &str) -> Result<bool> {
+    if text.is_empty() {
+        return Ok(true);
+    }
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => Ok(true),
+        Err(cause) if cause.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(cause) => Err(cause.into()),
+    }
+}
+
+/// Whether standard output still has someone at its other end.
+fn is_read() -> bool {
+    let out = io::stdout();
+    let mut polled = [PollFd::from_borrowed_fd(out.as_fd(), PollFlags::empty())];
+    let at_once = Timespec::default();
+    match poll(&mut polled, Some(&at_once)) {
+        Ok(_) => !polled[0].revents().contains(PollFlags::ERR),
+        Err(_) => true,
+    }
+}
