@@ -5,8 +5,8 @@ with ctypes over the `iceoryx2` wheel, the other way that there is.
     cargo build --release
     python python/bench.py [--fps 200] [--frames 2000]
 
-Both read one running chain, in turns, each in a process of its own: two copies of iceoryx2 in one process take each other's
-nodes for dead, since the locks that tell belong to the process.
+Both read one running chain, in turns, each in a process of its own: in one process a reader is cut off from its channel
+when the wheel joins the same domain.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@
 
 use lariat_wire::Descriptors;
 use numpy::ndarray::{ArrayView, Dimension, Ix1, Ix2};
-use numpy::{Element, PyArray, PyArrayMethods};
+use numpy::{Element, PyArray, PyUntypedArrayMethods, npyffi};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
@@ -64,6 +64,10 @@ where
     // SAFETY: what is borrowed from the owner is valid and unchanged while that lives, being of a frozen class, and the
     // array holds a reference to it.
     let array = unsafe { PyArray::borrow_from_array(&numbers, owner.clone().into_any()) };
-    array.readwrite().make_nonwriteable();
+    // SAFETY: the array is new, and nobody else's yet.
+    unsafe {
+        let fields = npyffi::_PyArray_GET_ITEM_DATA(array.as_array_ptr());
+        (*fields).flags &= !npyffi::NPY_ARRAY_WRITEABLE;
+    }
     array
 }
