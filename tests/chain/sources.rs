@@ -234,3 +234,56 @@ fn a_folder_that_stays_empty_is_followed_until_the_chain_is_told_to_end() {
     assert!(chain.end().status.success());
     bench.assert_nothing_is_left();
 }
+
+#[test]
+fn what_was_recorded_is_seen_again_as_it_was() {
+    let bench = Bench::new();
+    let recorded = [
+        "run",
+        "--fps",
+        "max",
+        "--frames",
+        "40",
+        "--lossless",
+        "--record",
+        "run.mcap",
+    ];
+    let output = bench.run(&recorded);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    // At its own pace, and of a part as fast as it goes.
+    let whole = ["--source", "run.mcap", "--lossless", "--out", "whole"];
+    let part = [
+        "--source",
+        "run.mcap",
+        "--lossless",
+        "--out",
+        "part",
+        "--fps",
+        "max",
+        "--from",
+        "11",
+        "--to",
+        "30",
+        "--every",
+        "2",
+    ];
+    for (arguments, folder, count) in [(&whole[..], "whole", 40), (&part, "part", 10)] {
+        let output = bench.run(&[&["run"], arguments].concat());
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let summary = bench.summary(folder);
+        assert_eq!(summary["frames"]["received"].as_u64(), Some(count));
+        assert_eq!(summary["frames"]["lost"]["source"].as_u64(), Some(0));
+        // The truth came along, and the curves are where it is.
+        let error = summary["error_px"]["centerline"]["mean"].as_f64();
+        assert!(error.is_some_and(|error| error < 0.3), "{summary}");
+    }
+    bench.assert_nothing_is_left();
+}

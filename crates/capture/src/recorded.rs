@@ -126,8 +126,13 @@ impl Opening {
             kind: SourceKind::Files,
             unpacked: None,
         };
-        // What is damaged is said when its turn comes.
-        while let Ok(Some(frame)) = messages.next_frame() {
+        loop {
+            let frame = match messages.next_frame() {
+                Ok(None) => break,
+                // What is damaged is said when its turn comes.
+                Err(_) => continue,
+                Ok(Some(frame)) => frame,
+            };
             opening.kind = kind_of(frame.header.source);
             match frame.pixels {
                 Pixels::None => continue,
@@ -263,6 +268,9 @@ impl Decode for Recorded {
     fn decode(&mut self, pixels: &mut [u8]) -> Step {
         self.is_fresh = false;
         let about = |what: &str| Step::Wrong(format!("{}: {what}", self.path.display()));
+        if let Some(error) = self.lookahead.take_error() {
+            return about(&with_causes(&error));
+        }
         loop {
             let stashed = self.lookahead.next_frame();
             let (header, recorded) = match &stashed {

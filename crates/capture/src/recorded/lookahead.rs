@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use lariat_record::{Entry, Frame, Messages, Pixels};
+use lariat_record::{Entry, Frame, Messages, Pixels, RecordingError};
 use lariat_wire::{Centerlines, FrameHeader, Trace};
 
 /// Frames that are read ahead at most: a truth that is not there by then was not recorded. The recorder takes both up
@@ -47,6 +47,8 @@ pub(super) struct Lookahead {
     truths: VecDeque<Box<Centerlines>>,
     /// The frame whose truth is asked for.
     asked: Trace,
+    /// What was wrong on the way.
+    error: Option<RecordingError>,
 }
 
 impl Lookahead {
@@ -57,6 +59,7 @@ impl Lookahead {
             spare: Vec::new(),
             truths: VecDeque::new(),
             asked: Trace::EMPTY,
+            error: None,
         }
     }
 
@@ -66,6 +69,11 @@ impl Lookahead {
         while let Some(stashed) = self.frames.pop_front() {
             self.keep_room(stashed);
         }
+    }
+
+    /// What was wrong with the messages that were passed, to be said.
+    pub(super) fn take_error(&mut self) -> Option<RecordingError> {
+        self.error.take()
     }
 
     /// The first of the frames that were met, to be given back as [room](Self::keep_room).
@@ -94,8 +102,11 @@ impl Lookahead {
             match messages.next() {
                 Ok(Some(Entry::Truth(truth))) => self.truth_came(truth),
                 Ok(Some(Entry::Frame(frame))) => self.stash(&frame),
-                // What is damaged is no truth; what comes behind it may be.
-                Ok(Some(_)) | Err(_) => {}
+                Ok(Some(_)) => {}
+                Err(error) => {
+                    self.error = Some(error);
+                    break;
+                }
                 Ok(None) => break,
             }
         }
