@@ -12,9 +12,13 @@ use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
 use crate::doctor::{self, DoctorArgs};
+use crate::export::{self, ExportArgs};
 use crate::fit_lines::{self, FitArgs};
+use crate::info::{self, InfoArgs};
 use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
+use crate::record::{self, RecordArgs};
+use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
@@ -45,6 +49,17 @@ enum Command {
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(ChainArgs),
+    /// Records what a chain sees and says, from outside, as an MCAP file
+    Record(RecordArgs),
+    /// The recorder that `run --record` starts
+    #[command(hide = true)]
+    Recorder(ChainArgs),
+    /// Computes a recording again: to check that the same comes out, or what other settings change
+    Replay(Box<ReplayArgs>),
+    /// What was recorded, as a table, JSON lines, a video or pictures
+    Export(ExportArgs),
+    /// What a recording holds
+    Info(InfoArgs),
     /// The shapes of the ropes in pictures
     Trace(TraceArgs),
     /// The colours of the ropes in a picture, as a mask for lariat.toml
@@ -98,6 +113,11 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
         Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
         Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Record(args)) => record::run(args),
+        Some(Command::Recorder(args)) => record::run_for_chain(&args),
+        Some(Command::Replay(args)) => replay::run(*args),
+        Some(Command::Export(args)) => export::run(args),
+        Some(Command::Info(args)) => info::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),

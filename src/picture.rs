@@ -1,34 +1,36 @@
 //! A picture file, decoded.
 
 use anyhow::{Context, Result};
-use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, RgbImage};
+use lariat_capture::StillPicture;
 use lariat_extract::{Image, ImageError, PixelFormat};
+use std::fs::File;
 use std::path::Path;
 
 /// A decoded picture: grey if the file is, else RGB, 8 bits a channel.
 pub(crate) struct Picture(DynamicImage);
 
 impl Picture {
-    /// Reads a PNG or JPEG, whatever its name says, turned as its EXIF orientation asks.
+    /// Reads a PNG or JPEG, whatever its name says, as the chain sees it.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.
     pub(crate) fn load(path: &Path) -> Result<Self> {
         let shown = path.display();
-        let reader = ImageReader::open(path)
-            .and_then(ImageReader::with_guessed_format)
-            .with_context(|| format!("cannot open the picture {shown}"))?;
+        File::open(path).with_context(|| format!("cannot open the picture {shown}"))?;
         let about = || format!("cannot read {shown} as a PNG or JPEG picture");
-        let mut decoder = reader.into_decoder().with_context(about)?;
-        // A damaged note beside the pixels does not spoil them.
-        let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-        let mut decoded = DynamicImage::from_decoder(decoder).with_context(about)?;
-        decoded.apply_orientation(orientation);
-        Ok(Self(match decoded {
-            DynamicImage::ImageLuma8(_) | DynamicImage::ImageRgb8(_) => decoded,
-            other => DynamicImage::ImageRgb8(other.into_rgb8()),
-        }))
+        let StillPicture {
+            width,
+            height,
+            format,
+            pixels,
+        } = StillPicture::load(path).with_context(about)?;
+        let decoded = if format == lariat_wire::PixelFormat::Gray8 {
+            GrayImage::from_raw(width, height, pixels).map(DynamicImage::ImageLuma8)
+        } else {
+            RgbImage::from_raw(width, height, pixels).map(DynamicImage::ImageRgb8)
+        };
+        decoded.map(Self).with_context(about)
     }
 
     pub(crate) fn width(&self) -> u32 {

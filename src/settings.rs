@@ -13,22 +13,28 @@ mod file;
 mod keys;
 mod meaning;
 mod problem;
+pub(crate) mod range;
+mod recording;
 mod table;
 mod view;
 
-pub(crate) use args::{ChainArgs, ShapeArgs};
+pub(crate) use args::{ChainArgs, RecordingArgs, ShapeArgs};
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
 pub(crate) use camera::{CameraSettings, name_and_value};
 pub(crate) use curve::{Family, Fit};
 pub(crate) use keys::template;
 pub(crate) use meaning::{image_size, mask_text, number_text};
 pub(crate) use problem::Problems;
+pub(crate) use recording::{COMPRESSIONS, IMAGES, Recording};
 pub(crate) use view::{Camera, Unit};
 
 use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
-use lariat_capture::{CameraOptions, Pace, RenderOptions, Request, Source, names_a_camera};
+use lariat_capture::{
+    CameraOptions, FileOptions, FollowOptions, Pace, Range, RenderOptions, Request, Source,
+    names_a_camera, names_a_recording,
+};
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
 use std::path::{Path, PathBuf};
@@ -46,6 +52,7 @@ pub(crate) struct Settings {
     pub(crate) extract: Extract,
     pub(crate) fit: Fit,
     pub(crate) sink: Sink,
+    pub(crate) record: Recording,
 }
 
 /// `[run]`: the chain as a whole.
@@ -65,6 +72,8 @@ pub(crate) struct Run {
     pub(crate) trace: Option<PathBuf>,
     /// The latency that counts as a miss; without it, the frame period.
     pub(crate) deadline: Option<Duration>,
+    /// The recording; without it, none is made.
+    pub(crate) record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub(crate) fuse: bool,
     /// How the stages are arranged on the machine.
@@ -91,6 +100,7 @@ impl Default for Run {
             frames: None,
             out: None,
             trace: None,
+            record: None,
             deadline: None,
             fuse: false,
             arrangement: Arrangement::default(),
@@ -124,6 +134,10 @@ pub(crate) struct Capture {
     pub(crate) seed: u64,
     /// Whether files begin again after the last.
     pub(crate) looped: bool,
+    /// Which part of files is shown.
+    pub(crate) range: Range,
+    /// Whether a folder is waited at for more.
+    pub(crate) follow: bool,
     /// What is asked of a camera.
     pub(crate) camera: CameraSettings,
 }
@@ -139,6 +153,8 @@ impl Default for Capture {
             size: None,
             seed: 1,
             looped: false,
+            range: Range::default(),
+            follow: false,
             camera: CameraSettings::default(),
         }
     }
@@ -155,6 +171,18 @@ impl Capture {
                 io: self.camera.io,
             });
         }
+        if self.follow
+            && let [folder] = &self.source[..]
+        {
+            return Source::Followed(FollowOptions {
+                folder: folder.clone(),
+                fps: match self.fps {
+                    Fps::PerSecond(fps) => Some(fps),
+                    Fps::Max | Fps::Auto => None,
+                },
+                every: self.range.every,
+            });
+        }
         let defaults = RenderOptions::default();
         let rendered = RenderOptions {
             seed: self.seed,
@@ -169,7 +197,15 @@ impl Capture {
             truth_points: points as u32,
             ..defaults
         };
-        Source::named(&self.source, self.looped, rendered)
+        let files = FileOptions {
+            range: self.range,
+            looped: self.looped,
+            fps: match self.pace() {
+                Pace::Fps(fps) => Some(fps),
+                Pace::Max => None,
+            },
+        };
+        Source::named(&self.source, files, rendered)
     }
 
     /// When frames are due.
@@ -189,6 +225,12 @@ impl Capture {
     /// Whether the source is a camera.
     pub(crate) fn is_camera(&self) -> bool {
         matches!(&self.source[..], [path] if names_a_camera(path))
+    }
+
+    /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording.
+    pub(crate) fn has_own_pace(&self) -> bool {
+        let is_recording = matches!(&self.source[..], [path] if names_a_recording(path));
+        self.is_camera() || self.follow || is_recording
     }
 
     /// What is asked of a camera; "max" is its best rate too.
@@ -284,8 +326,7 @@ impl Settings {
     pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
-            // A camera's best rate is not known before it is asked.
-            Fps::Auto if self.capture.is_camera() => None,
+            Fps::Auto if self.capture.has_own_pace() => None,
             Fps::Auto => Some((1e9 / USUAL_FPS) as u64),
             Fps::Max => None,
         };
@@ -346,6 +387,7 @@ impl Resolved {
             resolved.check_fit(&mut problems);
             resolved.check_arrangement(&mut problems);
             resolved.check_camera(&mut problems);
+            resolved.check_source(&mut problems);
         }
         problems.into_result()?;
         Ok(resolved)
@@ -385,6 +427,41 @@ impl Resolved {
                 .max();
             problems.add(said.unwrap_or(&Origin::Default), why);
         }
+    }
+
+    /// Whether what is asked of the source can be asked of it. What stands in the file for another source than the one that a
+    /// flag names is no fault.
+    fn check_source(&self, problems: &mut Problems) {
+        let origin = |name: &str| {
+            keys::position("capture", name).map_or(&Origin::Default, |key| &self.origins[key])
+        };
+        // A new file names the rendered rope, which is no wish.
+        let source_is_in_file = matches!(origin("source"), Origin::File { .. })
+            && !self.is_default("capture", "source");
+        let capture = &self.settings.capture;
+        for (name, why) in range::meaningless(capture) {
+            let is_meant = match origin(name) {
+                Origin::Default => false,
+                Origin::File { .. } => source_is_in_file && !self.is_default("capture", name),
+                Origin::Flag(_) => true,
+            };
+            if is_meant {
+                problems.add(origin(name), why);
+            }
+        }
+        if problems.is_empty()
+            && let Some((name, why)) = range::contradiction(capture)
+        {
+            problems.add(origin(name).max(origin("follow")), why);
+        }
+    }
+
+    /// Whether a setting is what it is if nobody says anything.
+    fn is_default(&self, section: &str, name: &str) -> bool {
+        keys::position(section, name).is_none_or(|key| {
+            let get = KEYS[key].get;
+            get(&self.settings) == get(&Settings::default())
+        })
     }
 
     /// Whether the stages can be arranged so.

@@ -454,6 +454,8 @@ fn a_cameras_controls_come_from_the_file_and_single_ones_from_flags() {
     let flags = [
         "config",
         "show",
+        "--source",
+        "/dev/video0",
         "--control",
         "gain=30",
         "--control",
@@ -474,4 +476,86 @@ fn a_cameras_controls_come_from_the_file_and_single_ones_from_flags() {
         let complaint = outcome(&folder, &["config", "show", "--control", wrong]).unwrap_err();
         assert!(complaint.contains("NAME=VALUE"), "{complaint}");
     }
+}
+
+#[test]
+fn a_part_of_the_files_is_from_a_frame_or_a_time_on() {
+    let folder = TempDir::new().unwrap();
+    write(
+        &folder,
+        "[capture]\nsource = \"film.y4m\"\nfrom = 120\nto = \"1.5min\"\nevery = 3\n",
+    );
+    let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
+    let capture = &shown["capture"];
+    assert_eq!(capture["from"].as_integer(), Some(120));
+    assert_eq!(capture["to"].as_str(), Some("90s"));
+    assert_eq!(capture["every"].as_integer(), Some(3));
+    let flags = [
+        "config",
+        "show",
+        "--from",
+        "0s",
+        "--to",
+        "2400",
+        "--every=1",
+    ];
+    let shown = values(&outcome(&folder, &flags).unwrap());
+    assert_eq!(shown["capture"]["from"].as_str(), Some("0s"));
+    assert_eq!(shown["capture"]["to"].as_integer(), Some(2400));
+    for wrong in ["0", "-3", "2.5", "2.5 parsecs", "soon", "-1s"] {
+        let flags = ["config", "show", &format!("--from={wrong}")];
+        let complaint = outcome(&folder, &flags).unwrap_err();
+        assert!(complaint.starts_with("lariat: --from"), "{complaint}");
+    }
+    assert!(outcome(&folder, &["config", "show", "--every=0"]).is_err());
+}
+
+#[test]
+fn what_the_source_cannot_have_is_said() {
+    let folder = TempDir::new().unwrap();
+    for (flags, part) in [
+        (
+            &["--from", "3"][..],
+            "it is for pictures and videos, and the source is the rendered rope",
+        ),
+        (
+            &["--follow", "--source", "/dev/video0"],
+            "--follow: it is for pictures and videos, and the source is a camera",
+        ),
+        (&["--loop", "--source", "/dev/video0"], "--loop: "),
+        (
+            &["--pixel-format", "yuyv", "--source", "a.png"],
+            "--pixel-format: it is for a camera",
+        ),
+        (&["--control", "gain=3"], "--control: it is for a camera"),
+        (&["--follow", "--loop", "--source", "a"], "does not end"),
+        (
+            &["--follow", "--to", "9", "--source", "a"],
+            "shown as it grows",
+        ),
+    ] {
+        let complaint = outcome(&folder, &[&["config", "show"], flags].concat()).unwrap_err();
+        assert!(complaint.contains(part), "{complaint}");
+    }
+    let complaint = complaint("[capture]\nsource = \"a.png\"\nlock = true\nio = \"auto\"\n");
+    assert!(
+        complaint.starts_with("lariat: lariat.toml, line 3: it is for a camera"),
+        "{complaint}"
+    );
+    assert_eq!(complaint.lines().count(), 1, "{complaint}");
+}
+
+#[test]
+fn what_the_file_has_for_one_source_does_not_keep_a_flag_from_naming_another() {
+    let folder = TempDir::new().unwrap();
+    write(
+        &folder,
+        "[capture]\nsource = \"/dev/video0\"\nlock = true\n",
+    );
+    outcome(&folder, &["config", "show", "--source", "a.png"]).unwrap();
+    write(&folder, "[capture]\nlock = true\nfrom = 3\n");
+    for source in ["rendered", "a.png", "/dev/video0"] {
+        outcome(&folder, &["config", "show", "--source", source]).unwrap();
+    }
+    outcome(&folder, &["config", "check"]).unwrap();
 }

@@ -9,6 +9,7 @@
 //! | `cargo run --release -p lariat-bench -- rivals` | the same work by OpenCV and scikit-image on the same pictures, one thread each, side by side (`rivals/` says what to install; `--python PATH`): drawn frames, and photographs by `--dataset DIR` or `--images FILE…` |
 //! | `cargo run --release -p lariat-bench -- methods` | 120 centers in the mask of a rope by the paper's clusterings, from k-means++ and from the last frame's centers, beside scikit-learn, MiniSom and scikit-fuzzy from the same start (`--python PATH`) |
 //! | `cargo run --release -p lariat-bench -- time` | on drawn films of moving ropes with known truth, for each story and seed: ropes missed, wrong counts, directions turned, numbers swapped, strands exchanged. `--story`, `--frames`, `--seeds`, `--first-seed`; `--verbose` frame by frame, `--overlay` as above |
+//! | `cargo run --release -p lariat-bench -- readers` | what a look at the newest message costs a control loop in Rust and in C, how long a waiting one sleeps after a message was sent beside bare iceoryx2 in turn, and the chain with no control loop, with 16, and with 16 of which one is stopped and one killed. Builds of the program and of `lariat-c` come first. `--seconds`, `--rounds`, `--readers`, `--fps` |
 //!
 //! Speed (`benches/`) is printed beside a floor of the same run, so that what counts is the ratio.
 //! What the measurements share is here: frames, the floor, medians, tables.

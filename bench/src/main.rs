@@ -6,6 +6,7 @@ mod families;
 mod fit_rivals;
 mod methods;
 mod python;
+mod readers;
 mod rivals;
 mod time;
 
@@ -37,6 +38,10 @@ enum Command {
     Day(day::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
+    /// What reading costs a control loop, and what control loops cost the chain
+    Readers(readers::Args),
+    #[command(hide = true)]
+    ReadersPart(readers::PartArgs),
 }
 
 fn main() -> ExitCode {
@@ -48,6 +53,8 @@ fn main() -> ExitCode {
         Command::Families(args) => families::run(&args),
         Command::Day(args) => day::run(&args),
         Command::Time(args) => time::run(&args),
+        Command::Readers(args) => readers::run(&args),
+        Command::ReadersPart(args) => readers::part(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use lariat_capture::{Source, open};
+use lariat_capture::{FileOptions, Source, open};
 use lariat_extract::PixelFormat;
 use lariat_wire as wire;
 
@@ -55,7 +55,7 @@ pub fn photographs(folder: &Path) -> Result<Vec<PhotoSet>> {
 pub fn load(paths: Vec<PathBuf>) -> Result<Vec<Picture>> {
     let mut source = open(&Source::Paths {
         paths,
-        looped: false,
+        options: FileOptions::default(),
     })?;
     let mut pictures = Vec::new();
     while let Some(frame) = source.next()? {

@@ -100,7 +100,7 @@ impl Child {
             .args(arguments)
             .env(STATUS_FD, its_end.as_raw_fd().to_string())
             .env(CHAIN_PID, std::process::id().to_string())
-            .stdin(if stage == "sink" {
+            .stdin(if stage == "sink" || stage == "recorder" {
                 Stdio::piped()
             } else {
                 Stdio::null()

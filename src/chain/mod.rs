@@ -22,11 +22,17 @@ const FUSED: [Stage; 3] = [stages::capture::run, stages::extract::run, stages::f
 const CAPTURE: usize = 0;
 const EXTRACT: usize = 1;
 const SINK: usize = 3;
+/// Beside the stages, if there is a recording: it starts before them and ends after them, so that all they send is in it.
+const RECORDER: usize = 4;
+const CHILDREN: [&str; 5] = [STAGES[0], STAGES[1], STAGES[2], STAGES[3], "recorder"];
 
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
 /// How long a stage may take to end once it was told to: what waits for it is worked off first.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
+const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
@@ -39,7 +45,11 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
     // From the end to the beginning, so that every message finds its reader there.
-    for (place, stage) in STAGES.iter().enumerate().rev() {
+    let children = match settings.run.record {
+        Some(_) => &CHILDREN[..],
+        None => &CHILDREN[..RECORDER],
+    };
+    for (place, stage) in children.iter().enumerate().rev() {
         let child = match FUSED.get(place) {
             Some(run) if settings.run.fuse => Child::start_here(stage, *run, &settings)?,
             _ => Child::start(stage, arguments)?,
@@ -58,6 +68,7 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
         tracing::warn!("{lacks}");
     }
     eprintln!("{}", chain.introduce());
+    chain.began = true;
     chain.watch(&stop)?;
     chain.stop_in_order(false);
     Ok(chain.verdict())
@@ -65,9 +76,13 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
 
 #[derive(Default)]
 struct Chain {
-    children: [Option<Child>; STAGES.len()],
+    children: [Option<Child>; CHILDREN.len()],
     /// The first that ended when it should not have.
     fallen: Option<usize>,
+    /// All stages are up.
+    began: bool,
+    /// The recorder ended when it should not have, and the chain went on.
+    recording_lost: bool,
 }
 
 impl Chain {
@@ -76,11 +91,12 @@ impl Chain {
     }
 
     fn introduce(&self) -> String {
-        let ids: Vec<String> = self
-            .stages()
-            .map(|child| format!("{} {}", child.stage, child.id()))
-            .collect();
-        format!("lariat: {}", ids.join(" → "))
+        let name = |child: &Child| format!("{} {}", child.stage, child.id());
+        let (stages, beside) = self.children.split_at(RECORDER);
+        let stages: Vec<String> = stages.iter().flatten().map(name).collect();
+        let beside = beside.iter().flatten().map(name);
+        let beside: String = beside.map(|name| format!(", {name}")).collect();
+        format!("lariat: {}{beside}", stages.join(" → "))
     }
 
     /// `false` if the chain is to end before it began.
@@ -97,7 +113,7 @@ impl Chain {
             if Instant::now() >= deadline {
                 eprintln!(
                     "lariat: {} was not ready after {} s",
-                    STAGES[place],
+                    CHILDREN[place],
                     START_TIMEOUT.as_secs()
                 );
                 self.fallen = Some(place);
@@ -141,6 +157,14 @@ impl Chain {
             match child.ending() {
                 Some(Ending::Well) if child.is_done() || child.was_told_to_stop() => {}
                 None if !child.was_told_by_another() => {}
+                // A chain is there for its robot: without a recording it goes on.
+                Some(ending) if place == RECORDER && self.began => {
+                    if !std::mem::replace(&mut self.recording_lost, true) {
+                        eprintln!("lariat: the recorder {ending}; the chain goes on without it");
+                    }
+                }
+                // It wants no more than the word that it would be given at the end.
+                None if place == RECORDER => child.tell(""),
                 _ => {
                     self.fallen.get_or_insert(place);
                 }
@@ -152,21 +176,22 @@ impl Chain {
     /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
     /// worked off. `never`: the chain never came up, and there is nothing to report.
     fn stop_in_order(&mut self, never: bool) {
-        for place in 0..STAGES.len() {
-            if place == SINK {
-                let word = if never {
-                    "never\n".into()
-                } else {
-                    self.counts()
-                };
-                if let Some(sink) = &mut self.children[SINK] {
-                    sink.tell(&word);
-                }
-            }
+        for place in 0..CHILDREN.len() {
+            let word = match place {
+                SINK | RECORDER if never => "never\n".into(),
+                SINK | RECORDER => self.counts(),
+                _ => String::new(),
+            };
             if let Some(child) = &mut self.children[place] {
+                child.tell(&word);
                 child.tell_to_stop();
             }
-            let deadline = Instant::now() + STOP_TIMEOUT;
+            let timeout = if place == RECORDER {
+                RECORDER_STOP_TIMEOUT
+            } else {
+                STOP_TIMEOUT
+            };
+            let deadline = Instant::now() + timeout;
             while self.children[place]
                 .as_ref()
                 .is_some_and(|child| child.ending().is_none())
@@ -205,15 +230,19 @@ impl Chain {
 
     /// How it went. Sweeps up after a stage that was killed.
     fn verdict(&self) -> ExitCode {
-        let Some(fallen) = self.fallen else {
+        if self.fallen.is_none() && !self.recording_lost {
             return ExitCode::SUCCESS;
-        };
+        }
         if let Ok(domain) = Domain::open() {
             domain.sweep();
         }
-        let ending = self.children[fallen].as_ref().and_then(Child::ending);
-        if let Some(ending) = ending {
-            eprintln!("lariat: {} {ending}; the chain was stopped", STAGES[fallen]);
+        let fallen = self
+            .fallen
+            .and_then(|fallen| self.children[fallen].as_ref());
+        if let Some(fallen) = fallen
+            && let Some(ending) = fallen.ending()
+        {
+            eprintln!("lariat: {} {ending}; the chain was stopped", fallen.stage);
         }
         ExitCode::FAILURE
     }

@@ -1,6 +1,6 @@
 //! The flags that overrule the file.
 
-use crate::settings::{camera, duration};
+use crate::settings::{camera, duration, recording};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -59,6 +59,14 @@ pub(crate) struct ShapeArgs {
     pub(crate) config: Option<PathBuf>,
 }
 
+impl ShapeArgs {
+    /// Whether any of them was given.
+    pub(crate) fn is_given(&self) -> bool {
+        let config = self.config.is_some();
+        config || !ChainArgs::from(self.clone()).given().is_empty()
+    }
+}
+
 impl From<ShapeArgs> for ChainArgs {
     fn from(shape: ShapeArgs) -> Self {
         Self {
@@ -66,6 +74,32 @@ impl From<ShapeArgs> for ChainArgs {
             ..Self::default()
         }
     }
+}
+
+/// The flags of every command that records.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct RecordingArgs {
+    /// How frames are recorded: raw, png, jpeg or none
+    #[arg(long, value_name = "KIND")]
+    pub(crate) images: Option<String>,
+    /// Quality of JPEGs, 1 to 100
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) quality: Option<i64>,
+    /// How the recording is compressed: none, lz4 or zstd
+    #[arg(long, value_name = "NAME")]
+    pub(crate) compression: Option<String>,
+    /// Memory for what waits for the disk, for instance 128MB
+    #[arg(long, value_name = "SIZE", value_parser = recording::size)]
+    pub(crate) queue: Option<usize>,
+    /// Keep only the last so much in memory, for instance 30s, and write it when told to (SIGUSR1)
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub(crate) ring: Option<Duration>,
+    /// The most memory that --ring may take, for instance 1GB
+    #[arg(long, value_name = "SIZE", value_parser = recording::size)]
+    pub(crate) ring_memory: Option<usize>,
+    /// Replace a recording that is there already
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// The flags of every command that runs the chain or a part of it.
@@ -101,6 +135,11 @@ pub(crate) struct ChainArgs {
     /// Write when each stage worked on the last 1,000 frames into this file, for ui.perfetto.dev
     #[arg(long, value_name = "FILE.json")]
     pub(crate) trace: Option<PathBuf>,
+    /// Record what the chain sees and says into this file
+    #[arg(long, value_name = "FILE.mcap")]
+    pub(crate) record: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) recording: RecordingArgs,
     /// Size of a camera's picture or the rendered one, for instance 640x480
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<String>,
@@ -152,6 +191,18 @@ pub(crate) struct ChainArgs {
     /// Begin again after the last file
     #[arg(long = "loop")]
     pub(crate) looped: bool,
+    /// Of pictures or a video, begin with this frame: its number, or a time such as 2.5s
+    #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
+    pub(crate) from: Option<String>,
+    /// And end with this frame, or before this time
+    #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
+    pub(crate) to: Option<String>,
+    /// Show each how-manieth frame of pictures or a video
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) every: Option<i64>,
+    /// Show what is in a folder, and then each picture as it comes
+    #[arg(long)]
+    pub(crate) follow: bool,
 }
 
 impl ChainArgs {
@@ -163,22 +214,36 @@ impl ChainArgs {
         let yes = |given: bool| given.then_some(Value::Boolean(true));
         let text = |text: &Option<String>| text.clone().map(Value::String);
         let fps = self.fps.as_ref().map(|text| number_or_text(text));
-        let order = self.shape.order.as_ref().map(|text| match text.parse() {
+        let whole = |text: &String| match text.parse() {
             Ok(number) => Value::Integer(number),
             Err(_) => Value::String(text.clone()),
-        });
+        };
+        let order = self.shape.order.as_ref().map(whole);
+        let (from, to) = (self.from.as_ref().map(whole), self.to.as_ref().map(whole));
         let source =
             (!self.source.is_empty()).then(|| Value::Array(self.source.iter().map(path).collect()));
         let duration_s = self.duration.map(|d| Value::Float(d.as_secs_f64()));
         let deadline_us = self.deadline.map(|d| Value::Float(1e6 * d.as_secs_f64()));
         let spin_us = self.spin.map(|d| Value::Float(1e6 * d.as_secs_f64()));
         let priority = self.priority.map(Value::Integer);
+        let megabytes = |bytes: Option<usize>| bytes.map(recording::megabytes_value);
+        let recording = &self.recording;
+        let ring_s = recording.ring.map(|d| Value::Float(d.as_secs_f64()));
         [
             ("--source", "capture", "source", source),
             ("--fps", "capture", "fps", fps),
             ("--size", "capture", "size", text(&self.size)),
             ("--seed", "capture", "seed", self.seed.map(count)),
             ("--loop", "capture", "loop", yes(self.looped)),
+            ("--from", "capture", "from", from),
+            ("--to", "capture", "to", to),
+            (
+                "--every",
+                "capture",
+                "every",
+                self.every.map(Value::Integer),
+            ),
+            ("--follow", "capture", "follow", yes(self.follow)),
             (
                 "--pixel-format",
                 "capture",
@@ -201,6 +266,7 @@ impl ChainArgs {
             ("--deadline", "run", "deadline_us", deadline_us),
             ("--out", "run", "out", self.out.as_ref().map(path)),
             ("--trace", "run", "trace", self.trace.as_ref().map(path)),
+            ("--record", "run", "record", self.record.as_ref().map(path)),
             ("--fuse", "run", "fuse", yes(self.fuse)),
             ("--realtime", "run", "realtime", yes(self.realtime)),
             ("--cpus", "run", "cpus", text(&self.cpus)),
@@ -250,6 +316,28 @@ impl ChainArgs {
             ("--robust", "fit", "robust", yes(self.shape.robust)),
             ("--filter", "fit", "filter", yes(self.filter)),
             ("--solver", "fit", "solver", text(&self.shape.solver)),
+            ("--images", "record", "images", text(&recording.images)),
+            (
+                "--quality",
+                "record",
+                "quality",
+                recording.quality.map(Value::Integer),
+            ),
+            (
+                "--compression",
+                "record",
+                "compression",
+                text(&recording.compression),
+            ),
+            ("--queue", "record", "queue_mb", megabytes(recording.queue)),
+            ("--ring", "record", "ring_s", ring_s),
+            (
+                "--ring-memory",
+                "record",
+                "ring_mb",
+                megabytes(recording.ring_memory),
+            ),
+            ("--force", "record", "replace", yes(recording.force)),
         ]
         .into_iter()
         .filter_map(|(flag, section, name, value)| Some((flag, section, name, value?)))

@@ -16,6 +16,11 @@ const UNITS_S: [(&str, f64); 8] = [
 
 /// A time longer than nothing, or why `text` is none.
 pub(crate) fn parse(text: &str) -> Result<Duration, String> {
+    from_s(seconds(text)?)
+}
+
+/// The seconds that `text` is, whether that makes sense or not.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let split = text
         .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
@@ -30,7 +35,7 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
             "\"{unit}\" is no unit of time here: use us, ms, s, m or h"
         ));
     };
-    from_s(number * unit_s)
+    Ok(number * unit_s)
 }
 
 /// A time of so many seconds: more than 0, at most a year, which is longer than any chain is meant to run.

@@ -20,7 +20,7 @@ pub(super) struct Key {
 }
 
 /// What each section is about.
-const SECTIONS: [(&str, &str); 6] = [
+const SECTIONS: [(&str, &str); 7] = [
     ("run", "The chain as a whole."),
     ("capture", "Where frames come from."),
     ("camera", "Where what is seen in them lies."),
@@ -30,6 +30,7 @@ const SECTIONS: [(&str, &str); 6] = [
     ),
     ("fit", "The curve that describes the centerline."),
     ("sink", "What is shown while the chain runs."),
+    ("record", "What a recording keeps, and how."),
 ];
 
 /// Which of [`KEYS`] are of this section.
@@ -46,6 +47,19 @@ pub(super) fn position(section: &str, name: &str) -> Option<usize> {
 /// The names of the sections.
 pub(super) fn sections() -> impl Iterator<Item = &'static str> + Clone {
     SECTIONS.iter().map(|(name, _)| *name)
+}
+
+impl Settings {
+    /// The settings that are other than the defaults: `section.name`, and the value as the file has it.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = (String, String)> {
+        let defaults = Settings::default();
+        KEYS.iter().filter_map(move |key| {
+            let value = (key.get)(self);
+            let is_default = value == (key.get)(&defaults);
+            let value = value.map_or_else(|| "not set".to_owned(), |value| value.to_string());
+            (!is_default).then(|| (format!("{}.{}", key.section, key.name), value))
+        })
+    }
 }
 
 /// The text of a file with every section and, for each of its settings, what `entry` writes.

@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, camera, meaning, view};
+use crate::settings::{arrangement, camera, meaning, range, recording, view};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -64,6 +64,14 @@ pub(super) const KEYS: &[Key] = &[
         example: "\"timeline.json\"",
         set: |s, v| meaning::text(v).map(|text| s.run.trace = Some(PathBuf::from(text))),
         get: |s| s.run.trace.as_ref().map(|path| path_value(path)),
+    },
+    Key {
+        section: "run",
+        name: "record",
+        about: "Record what the chain sees and says into this file, which `lariat replay`, ROS 2 and Foxglove read.",
+        example: "\"run.mcap\"",
+        set: |s, v| meaning::text(v).map(|text| s.run.record = Some(PathBuf::from(text))),
+        get: |s| s.run.record.as_ref().map(|path| path_value(path)),
     },
     Key {
         section: "run",
@@ -161,7 +169,7 @@ pub(super) const KEYS: &[Key] = &[
         section: "capture",
         name: "source",
         about: "\"rendered\" (a rope drawn by lariat), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
-                stays), or a picture, a folder of pictures or a Y4M video, or a list of them.",
+                stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them.",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
         get: |s| {
@@ -174,7 +182,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "fps",
-        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, 30 of all else.",
+        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, as a recording was made, 30 of all else.",
         example: "",
         set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
         get: |s| Some(meaning::fps_value(s.capture.fps)),
@@ -207,6 +215,43 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.looped = yes),
         get: |s| Some(Value::Boolean(s.capture.looped)),
+    },
+    Key {
+        section: "capture",
+        name: "from",
+        about: "Of pictures or a video, begin with this frame: its number, from 1, or a time, \"2.5s\", by the video's own rate\n\
+                or the pictures' fps.",
+        example: "120",
+        set: |s, v| range::position(v).map(|at| s.capture.range.from = at),
+        get: |s| range::position_value(s.capture.range.from),
+    },
+    Key {
+        section: "capture",
+        name: "to",
+        about: "And end with this frame, or before this time.",
+        example: "\"10s\"",
+        set: |s, v| range::position(v).map(|at| s.capture.range.to = at),
+        get: |s| range::position_value(s.capture.range.to),
+    },
+    Key {
+        section: "capture",
+        name: "every",
+        about: "Show each how-manieth of them: 3 is the first, the fourth, the seventh, ...",
+        example: "",
+        set: |s, v| range::every(v).map(|every| s.capture.range.every = every),
+        get: |s| {
+            Some(Value::Integer(
+                i64::try_from(s.capture.range.every.get()).unwrap_or(i64::MAX),
+            ))
+        },
+    },
+    Key {
+        section: "capture",
+        name: "follow",
+        about: "Show what is in the folder, and then each picture as it comes, once it is closed or moved there.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.follow = yes),
+        get: |s| Some(Value::Boolean(s.capture.follow)),
     },
     Key {
         section: "capture",
@@ -473,6 +518,73 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.sink.live = yes),
         get: |s| Some(Value::Boolean(s.sink.live)),
+    },
+    Key {
+        section: "record",
+        name: "images",
+        about: "How frames are recorded: \"raw\" (as they are), \"png\" (a quarter to a half, to the bit, for a core's work),\n\
+                \"jpeg\" (a tenth), or \"none\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("kinds of images", &recording::IMAGES, v)
+                .map(|images| s.record.images = images)
+        },
+        get: |s| meaning::name_of(&recording::IMAGES, s.record.images),
+    },
+    Key {
+        section: "record",
+        name: "quality",
+        about: "Quality of JPEGs, 1 to 100.",
+        example: "",
+        set: |s, v| meaning::whole(v, 1, 100).map(|n| s.record.quality = n as u8),
+        get: |s| Some(Value::Integer(s.record.quality.into())),
+    },
+    Key {
+        section: "record",
+        name: "compression",
+        about: "How the recording is compressed: \"none\", \"lz4\" or \"zstd\".",
+        example: "",
+        set: |s, v| {
+            meaning::named("compressions", &recording::COMPRESSIONS, v)
+                .map(|compression| s.record.compression = compression)
+        },
+        get: |s| meaning::name_of(&recording::COMPRESSIONS, s.record.compression),
+    },
+    Key {
+        section: "record",
+        name: "queue_mb",
+        about: "Memory for what waits for the disk, in MB. What finds no room is dropped, and counted.",
+        example: "",
+        set: |s, v| recording::megabytes(v).map(|bytes| s.record.queue_bytes = bytes),
+        get: |s| Some(recording::megabytes_value(s.record.queue_bytes)),
+    },
+    Key {
+        section: "record",
+        name: "ring_s",
+        about: "Keep only the last so many seconds, in memory; `lariat record --flush` writes them.",
+        example: "30",
+        set: |s, v| meaning::time(v, 1.0, "seconds").map(|time| s.record.ring = Some(time)),
+        get: |s| {
+            s.record
+                .ring
+                .map(|time| meaning::number_value(time.as_secs_f64()))
+        },
+    },
+    Key {
+        section: "record",
+        name: "ring_mb",
+        about: "The most memory that these seconds may take, in MB.",
+        example: "",
+        set: |s, v| recording::megabytes(v).map(|bytes| s.record.ring_bytes = bytes),
+        get: |s| Some(recording::megabytes_value(s.record.ring_bytes)),
+    },
+    Key {
+        section: "record",
+        name: "replace",
+        about: "Let a recording that is there already make room for the new one.",
+        example: "",
+        set: |s, v| meaning::yes_or_no(v).map(|yes| s.record.replace = yes),
+        get: |s| Some(Value::Boolean(s.record.replace)),
     },
 ];
 

@@ -169,6 +169,25 @@ pub(crate) fn apply(wanted: &Arrangement, place: usize) -> anyhow::Result<Lacks>
     Ok(lacks)
 }
 
+/// Keeps this thread, and all that it starts, from the cores that the stages may have to themselves, if it is left others.
+pub(crate) fn keep_apart(wanted: &Arrangement) {
+    let theirs: Vec<usize> = match wanted.cpus {
+        Cpus::Cores(cores) => cores.into_iter().flatten().collect(),
+        Cpus::Auto if wanted.realtime && wanted.wake == Wake::Event => {
+            chosen_core().into_iter().collect()
+        }
+        Cpus::Auto | Cpus::Anywhere => Vec::new(),
+    };
+    let Ok(mut left) = sched_getaffinity(None) else {
+        return;
+    };
+    theirs.into_iter().for_each(|core| left.unset(core));
+    if count(&left) > 0 {
+        // Not to be had is no fault: an ordinary thread makes way for one of realtime priority anyway.
+        let _ = sched_setaffinity(None, &left);
+    }
+}
+
 /// The core that was measured to be best for the stages: one for all (ARCHITECTURE.md, "Arrangement").
 fn chosen_core() -> Option<usize> {
     let isolated = fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();

@@ -16,7 +16,22 @@ use crate::stop::Stop;
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     let mut station = Station::open(settings, "capture", seat)?;
-    let source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let first = match source.largest_frame_bytes() {
+        // What room the frames need is known with the first.
+        0 => {
+            station.ready()?;
+            let Some(first) = wait_for_first(settings, source.as_mut(), &station)? else {
+                if !station.stop.asked() {
+                    station.status.done();
+                }
+                station.status.sent(Sent::default());
+                return Ok(());
+            };
+            Some(first)
+        }
+        _ => None,
+    };
     let pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
@@ -35,13 +50,18 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         feed: Feed::new(source, &frames)?,
         truth: truth.as_ref(),
         pacer,
+        keeps_own_pace: settings.capture.fps == Fps::Auto,
         lossless: matches!(delivery, Delivery::Lossless { .. }),
         missed: 0,
         sent: Sent::default(),
         lasts_ns: settings.run.duration_ns(),
         end_ns: None,
     };
-    station.ready()?;
+    if let Some(first) = first {
+        sender.send(&first, &mut |_| true)?;
+    } else {
+        station.ready()?;
+    }
     let outcome = sender.send_all(
         &station.stop,
         &mut station.rest(),
@@ -61,6 +81,8 @@ struct Sender<'w> {
     feed: Feed<'w>,
     truth: Option<&'w Writer<Centerlines>>,
     pacer: Pacer,
+    /// Whether frames that have a pace of their own come at it.
+    keeps_own_pace: bool,
     /// Whether each frame is sent, however late.
     lossless: bool,
     /// Moments that passed without a frame, as the source was too slow.
@@ -83,12 +105,7 @@ impl Sender<'_> {
             let until = Until::new(deadline_ns, stop.as_fd());
             let next = self.feed.source.advance(&until);
             rest.has_waited(until.waited_ns());
-            while let Some(warning) = self.feed.source.take_warning() {
-                tracing::warn!("{warning}");
-            }
-            while let Some(news) = self.feed.source.take_news() {
-                tracing::info!("{news}");
-            }
+            tell(self.feed.source.as_mut());
             match next.context("the source ended with a fault")? {
                 Next::Frame(frame) => {
                     let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));
@@ -119,8 +136,15 @@ impl Sender<'_> {
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
+        let own_ns = self.feed.source.due_after_ns();
+        let own_ns = own_ns.filter(|_| self.keeps_own_pace);
         let due_ns = frame.exposed_ns.unwrap_or_else(|| {
             let ready_ns = now_ns();
+            if let Some(after_ns) = own_ns {
+                let (due_ns, missed) = self.pacer.own_due_ns(ready_ns, after_ns, !self.lossless);
+                self.missed += missed;
+                return due_ns;
+            }
             if !self.lossless {
                 self.missed += self.pacer.give_up(ready_ns);
             }
@@ -163,6 +187,40 @@ impl Sender<'_> {
         std::thread::yield_now();
         self.feed.lend()?;
         Ok(true)
+    }
+}
+
+/// The first frame of a source that has none yet; none if the chain's time is over or it is stopped before.
+fn wait_for_first(
+    settings: &Settings,
+    source: &mut dyn FrameSource,
+    station: &Station,
+) -> anyhow::Result<Option<Frame>> {
+    let lasts_ns = settings.run.duration_ns();
+    let deadline_ns = lasts_ns.map(|lasts_ns| now_ns().saturating_add(lasts_ns));
+    loop {
+        let next = source.advance(&Until::new(deadline_ns, station.stop.as_fd()));
+        tell(source);
+        match next.context("the source ended with a fault")? {
+            Next::Frame(frame) => return Ok(Some(frame)),
+            Next::Nothing => {
+                let is_over = deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns);
+                if is_over || station.stop.asked() {
+                    return Ok(None);
+                }
+            }
+            Next::End => return Ok(None),
+        }
+    }
+}
+
+/// Says what the source has to say.
+fn tell(source: &mut dyn FrameSource) {
+    while let Some(warning) = source.take_warning() {
+        tracing::warn!("{warning}");
+    }
+    while let Some(news) = source.take_news() {
+        tracing::info!("{news}");
     }
 }
 

@@ -3,7 +3,7 @@
 use lariat_extract::{Extractor, Image, PixelFormat, Region, Scene, Status};
 use lariat_wire::{
     CENTERLINES, Centerlines, Crossing, FRAMES, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS,
-    Message, Writer, now_ns,
+    Writer, now_ns,
 };
 
 use super::masks::Masks;
@@ -46,7 +46,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         let mut slot = centerlines.slot()?;
         slot.trace = header.trace;
         slot.trace.extract_started_ns = started_ns;
-        eye.look(&frame, mask, &mut slot);
+        let seen = Seen::new(header, &frame);
+        let mask = mask.map(|mask| Seen::new(mask.header(), mask));
+        eye.look(seen, mask, &mut slot);
         // Read, the frame makes room for another.
         let sequence = header.trace.sequence;
         drop(frame);
@@ -63,8 +65,26 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// An extractor that answers every frame.
-struct Eye {
+/// A frame, or its mask, wherever it lies: in shared memory or in a recording.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    header: &'a FrameHeader,
+    bytes: &'a [u8],
+}
+
+impl<'a> Seen<'a> {
+    /// `bytes` as the header describes them; none of a blank frame.
+    pub(crate) fn new(header: &'a FrameHeader, bytes: &'a [u8]) -> Self {
+        Self { header, bytes }
+    }
+
+    fn image(self) -> anyhow::Result<Image<'a>> {
+        image(self.header, self.bytes)
+    }
+}
+
+/// An extractor that answers every frame: all that extract does but to receive, to wait and to send.
+pub(crate) struct Eye {
     extractor: Extractor,
     /// What of the frames is read, if not all.
     region: Option<Region>,
@@ -77,7 +97,8 @@ struct Eye {
 }
 
 impl Eye {
-    fn new(settings: &Settings) -> anyhow::Result<Self> {
+    /// Prepares for the settings' likely size.
+    pub(crate) fn new(settings: &Settings) -> anyhow::Result<Self> {
         let mut extractor = Extractor::new(settings.extract.options())?;
         // Most likely the size that is coming. Another is prepared for with its first frame.
         let mut size = settings.capture.likely_size().map(|side| side as usize);
@@ -98,14 +119,9 @@ impl Eye {
     }
 
     /// Fills in what is seen in a frame: nothing, if it cannot be read; what is known without, if there is no image in it.
-    /// It is answered all the same: a stage never goes silent while frames come in.
-    fn look(
-        &mut self,
-        frame: &Message<[u8]>,
-        mask: Option<&Message<[u8]>>,
-        message: &mut Centerlines,
-    ) {
-        let header = frame.header();
+    /// It is answered all the same: a stage never goes silent while frames come in. The message's trace is left as it is.
+    pub(crate) fn look(&mut self, frame: Seen, mask: Option<Seen>, message: &mut Centerlines) {
+        let header = frame.header;
         (message.width, message.height) = (header.width, header.height);
         if header.is_blank() {
             self.extractor.at(header.trace.exposed_ns);
@@ -119,23 +135,22 @@ impl Eye {
 
     fn see(
         &mut self,
-        frame: &Message<[u8]>,
-        mask: Option<&Message<[u8]>>,
+        frame: Seen,
+        mask: Option<Seen>,
         message: &mut Centerlines,
     ) -> anyhow::Result<()> {
-        let whole = image(frame.header(), frame)?;
+        let whole = frame.image()?;
         let (region, seen) = part(&whole, self.region)?;
         self.origin = [region.x, region.y];
         if self.size != (seen.width(), seen.height()) {
             self.size = (seen.width(), seen.height());
             self.extractor.prepare(self.size.0, self.size.1);
         }
-        self.extractor.at(frame.header().trace.exposed_ns);
+        self.extractor.at(frame.header.trace.exposed_ns);
         let scene = match mask {
             None => self.extractor.extract(&seen),
             Some(mask) => {
-                let mask = image(mask.header(), mask)?;
-                let mask = part_of_mask(mask, &whole, region)?;
+                let mask = part_of_mask(mask.image()?, &whole, region)?;
                 self.extractor.extract_masked(&seen, &mask)?
             }
         };

@@ -81,18 +81,19 @@ impl Station {
         if lacks.any() {
             self.status.lacks(lacks);
         }
-        let announced = self
-            .domain
-            .announce(&self.rig, STAGES[self.place], &self.settings);
-        match announced {
+        self.announce_ready(STAGES[self.place]);
+        Ok(())
+    }
+
+    /// The same, for what is no stage and has no place of its own: under this name.
+    pub(crate) fn announce_ready(&mut self, name: &str) {
+        match self.domain.announce(&self.rig, name, &self.settings) {
             Ok(announcement) => self.announcement = Some(announcement),
             Err(cause) => tracing::warn!(
-                "{} is not seen by `lariat doctor` and recorders, as its entry could not be written: {cause}",
-                STAGES[self.place]
+                "{name} is not seen by `lariat doctor` and recorders, as its entry could not be written: {cause}"
             ),
         }
         self.status.ready();
-        Ok(())
     }
 
     /// Has the stage rest when it must.

@@ -132,7 +132,7 @@ impl Channels {
 /// What the chain says at the end, on standard input: what each stage sent; `None` if it never came up.
 ///
 /// A chain that was killed says nothing, and the report stands on the messages alone.
-fn last_word() -> Option<FinalCounts> {
+pub(crate) fn last_word() -> Option<FinalCounts> {
     let mut word = String::new();
     let _ = std::io::stdin().lock().read_to_string(&mut word);
     let mut counts = FinalCounts::default();

@@ -147,7 +147,7 @@ pub(crate) struct Running {
     pub(crate) process: Child,
     stderr: BufReader<std::process::ChildStderr>,
     /// What it said before the stages were up.
-    introduction: String,
+    pub(crate) introduction: String,
     /// capture, extract, fit, sink.
     pub(crate) ids: [i32; 4],
 }

@@ -155,3 +155,82 @@ fn a_table_that_cannot_be_told_from_a_rope_is_named_once() {
     assert_eq!(said.matches("the table is checkered").count(), 1, "{said}");
     bench.assert_nothing_is_left();
 }
+
+#[test]
+fn a_part_of_a_folder_is_shown_and_nothing_of_the_rest_is_lost() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("pictures")).unwrap();
+    for number in 1..=10 {
+        rope_on_a_table(300, 200)
+            .save(bench.path(&format!("pictures/{number}.png")))
+            .unwrap();
+    }
+    let arguments = [
+        "run",
+        "--source",
+        "pictures",
+        "--fps",
+        "max",
+        "--lossless",
+        "--out",
+        "out",
+        "--from",
+        "2",
+        "--to",
+        "9",
+        "--every",
+        "3",
+    ];
+    let output = bench.run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("frame n is frame 2 + 3 (n - 1)"), "{said}");
+    let frames = &bench.summary("out")["frames"];
+    assert_eq!(frames["received"].as_u64(), Some(3));
+    assert_eq!(frames["lost"]["source"].as_u64(), Some(0));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_folder_that_is_followed_from_its_first_picture_on_ends_after_so_many() {
+    let bench = Bench::new();
+    let folder = bench.path("growing");
+    fs::create_dir(&folder).unwrap();
+    let arguments = [
+        "--source", "growing", "--follow", "--frames", "3", "--out", "out",
+    ];
+    let chain = bench.start(&arguments);
+    for number in 1..=3 {
+        let beside = bench.path("beside.png");
+        rope_on_a_table(320, 240).save(&beside).unwrap();
+        fs::rename(&beside, folder.join(format!("{number}.png"))).unwrap();
+    }
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let frames = &bench.summary("out")["frames"];
+    assert_eq!(frames["received"].as_u64(), Some(3));
+    assert_eq!(frames["with_curve"].as_u64(), Some(3));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_folder_that_stays_empty_is_followed_until_the_chain_is_told_to_end() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("empty")).unwrap();
+    let arguments = [
+        "run",
+        "--source",
+        "empty",
+        "--follow",
+        "--duration",
+        "300ms",
+    ];
+    let output = bench.run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("no picture is there yet"), "{said}");
+    let chain = bench.start(&["--source", "empty", "--follow"]);
+    chain.signal_chain(rustix::process::Signal::INT);
+    assert!(chain.end().status.success());
+    bench.assert_nothing_is_left();
+}

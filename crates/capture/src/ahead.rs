@@ -3,15 +3,20 @@
 //! It decodes into the slots it is lent; where it is lent none, into buffers of its own that go round: thread → frame in
 //! use → thread. A small set that is shown again and again is decoded once and kept.
 
-use std::collections::{HashSet, VecDeque};
-use std::thread::{self, JoinHandle};
+mod clock;
+mod thread;
+
+use std::collections::VecDeque;
+use std::thread::JoinHandle;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
-use lariat_wire::{PixelFormat, SourceKind};
+use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
 use crate::lent::LentSlot;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::Until;
+use clock::OwnClock;
+use thread::{Room, decode_ahead};
 
 /// Frames that wait decoded.
 const AHEAD: usize = 3;
@@ -35,16 +40,47 @@ impl Layout {
     pub(crate) fn bytes(&self) -> usize {
         self.format.image_bytes(self.stride, self.height)
     }
+
+    fn frame(self, sequence: u64) -> Frame {
+        let Self {
+            width,
+            height,
+            stride,
+            format,
+        } = self;
+        Frame {
+            sequence,
+            width,
+            height,
+            stride,
+            format,
+            exposed_ns: None,
+            slot: None,
+        }
+    }
 }
 
 /// One try at the next frame.
 pub(crate) enum Step {
     /// It is decoded.
     Decoded(Layout),
+    /// It is decoded, and was numbered and timed when it was recorded.
+    Recorded(Layout, Moment),
     /// There was one, and it is lost: a sentence that says why.
     Lost(String),
+    /// Something is wrong, of which the numbers tell how many frames it cost: a sentence.
+    Wrong(String),
     /// The pass is over: what was wrong with the end of it, if anything was.
     End(Option<String>),
+}
+
+/// Which of a pass's frames it is, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Moment {
+    /// From 1; a gap is a loss.
+    pub(crate) number: u64,
+    /// How long after the pass's first frame, in nanoseconds: more than that of the frame before.
+    pub(crate) after_ns: u64,
 }
 
 /// What turns files into frames.
@@ -54,6 +90,18 @@ pub(crate) trait Decode: Send + 'static {
 
     /// Decodes the next frame into the beginning of `pixels`, which has room for the largest.
     fn decode(&mut self, pixels: &mut [u8]) -> Step;
+
+    /// Fills in the truth of the frame just decoded, as [`FrameSource::truth`] does; `false` if it is not known.
+    fn truth(&mut self, _truth: &mut Centerlines) -> bool {
+        false
+    }
+
+    /// Why a pass had no frame and nothing was wrong.
+    fn nothing(&self) -> SourceError {
+        SourceError::NothingDecoded {
+            reason: "there is none".to_owned(),
+        }
+    }
 }
 
 /// What is known of a set of frames before the first.
@@ -62,54 +110,52 @@ pub(crate) struct Plan {
     pub(crate) largest_frame_bytes: usize,
     pub(crate) native_fps: Option<f64>,
     pub(crate) looped: bool,
+    /// Whether the truth of its frames is known.
+    pub(crate) has_truth: bool,
     /// Decoded bytes of the whole set.
     pub(crate) total_bytes: u64,
     pub(crate) warnings: Vec<String>,
+    pub(crate) news: Option<String>,
 }
 
 /// Memory that a frame is decoded into.
-enum Buffer {
+struct Buffer {
+    pixels: Memory,
+    /// None where there is none to be known.
+    truth: Option<Box<Truth>>,
+}
+
+enum Memory {
     Own(Vec<u8>),
     Lent(LentSlot),
 }
 
+/// A frame's truth, if it is known.
+struct Truth {
+    centerlines: Centerlines,
+    is_known: bool,
+}
+
 impl Buffer {
     fn pixels(&mut self) -> &mut [u8] {
-        match self {
-            Self::Own(pixels) => pixels,
-            Self::Lent(slot) => slot,
+        match &mut self.pixels {
+            Memory::Own(pixels) => pixels,
+            Memory::Lent(slot) => slot,
         }
-    }
-}
-
-/// Where the thread has its buffers from.
-struct Room {
-    spare: Receiver<Buffer>,
-    /// Bytes of each.
-    bytes: usize,
-    /// That of a frame that was lost.
-    left: Option<Buffer>,
-}
-
-impl Room {
-    /// A buffer, waited for; none if nobody listens any more.
-    fn take(&mut self) -> Option<Buffer> {
-        let mut buffer = self.left.take().or_else(|| self.spare.recv().ok())?;
-        if let Buffer::Own(pixels) = &mut buffer {
-            pixels.resize(self.bytes, 0);
-        }
-        Some(buffer)
     }
 }
 
 struct Picture {
     frame: Frame,
+    /// How long after its pass's first frame it was, if that is known.
+    after_ns: Option<u64>,
     /// None where the frame says which slot it is in.
     pixels: Vec<u8>,
+    truth: Option<Box<Truth>>,
 }
 
 enum Message {
-    Decoded(Frame, Buffer),
+    Decoded(Frame, Option<u64>, Buffer),
     Warning(String),
     /// All is decoded; so many sequence numbers were used.
     End(u64),
@@ -135,6 +181,9 @@ pub(crate) struct Ahead {
     /// How many sequence numbers a round has, once the thread has ended.
     round: Option<u64>,
     rounds: u64,
+    clock: OwnClock,
+    /// Room for truths that is in no buffer.
+    spare_truths: Vec<Box<Truth>>,
     has_ended: bool,
 }
 
@@ -152,7 +201,7 @@ impl Ahead {
             bytes: plan.largest_frame_bytes,
             left: None,
         };
-        let decoder = thread::Builder::new()
+        let decoder = std::thread::Builder::new()
             .name("decode".to_owned())
             .spawn(move || decode_ahead(decoder, again, room, &ready_in))
             .map_err(SourceError::NoThread)?;
@@ -169,17 +218,27 @@ impl Ahead {
             is_supplied: false,
             round: None,
             rounds: 0,
+            clock: OwnClock::default(),
+            spare_truths: Vec::new(),
             has_ended: false,
         };
-        source.supply(Buffer::Own(Vec::new()));
+        source.supply(Memory::Own(Vec::new()));
         source.is_primed = source.turn()?;
         Ok(source)
     }
 
     /// Gives the thread a buffer to decode into. If it has ended there is no use for it.
-    fn supply(&self, buffer: Buffer) {
+    fn supply(&mut self, pixels: Memory) {
+        let none = || {
+            Box::new(Truth {
+                centerlines: Centerlines::EMPTY,
+                is_known: false,
+            })
+        };
+        let truth = self.plan.has_truth;
+        let truth = truth.then(|| self.spare_truths.pop().unwrap_or_else(none));
         if let Some(spare) = &self.spare {
-            let _ = spare.try_send(buffer);
+            let _ = spare.try_send(Buffer { pixels, truth });
         }
     }
 
@@ -187,8 +246,8 @@ impl Ahead {
     fn turn(&mut self) -> Result<bool, SourceError> {
         while self.round.is_none() {
             match self.ready.as_ref().and_then(|ready| ready.recv().ok()) {
-                Some(Message::Decoded(frame, buffer)) => {
-                    self.hold(frame, buffer);
+                Some(Message::Decoded(frame, after_ns, buffer)) => {
+                    self.hold(frame, after_ns, buffer);
                     return Ok(true);
                 }
                 Some(Message::Warning(warning)) => self.warnings.push_back(warning),
@@ -211,30 +270,35 @@ impl Ahead {
         Ok(true)
     }
 
-    fn hold(&mut self, mut frame: Frame, buffer: Buffer) {
-        let pixels = match buffer {
-            Buffer::Own(mut pixels) => {
+    fn hold(&mut self, mut frame: Frame, after_ns: Option<u64>, buffer: Buffer) {
+        let pixels = match buffer.pixels {
+            Memory::Own(mut pixels) => {
                 if self.keeps {
                     pixels.shrink_to_fit();
                 }
                 pixels
             }
-            Buffer::Lent(slot) => {
+            Memory::Lent(slot) => {
                 frame.slot = Some(slot.give_back());
                 Vec::new()
             }
         };
         if self.keeps {
             if self.is_supplied {
-                self.supply(Buffer::Own(Vec::new()));
+                self.supply(Memory::Own(Vec::new()));
             }
-        } else if let Some(shown) = self.held.pop()
-            && shown.frame.slot.is_none()
-            && frame.slot.is_none()
-        {
-            self.supply(Buffer::Own(shown.pixels));
+        } else if let Some(shown) = self.held.pop() {
+            self.spare_truths.extend(shown.truth);
+            if shown.frame.slot.is_none() && frame.slot.is_none() {
+                self.supply(Memory::Own(shown.pixels));
+            }
         }
-        self.held.push(Picture { frame, pixels });
+        self.held.push(Picture {
+            frame,
+            after_ns,
+            pixels,
+            truth: buffer.truth,
+        });
         self.current = self.held.len() - 1;
     }
 
@@ -265,12 +329,12 @@ impl FrameSource for Ahead {
 
     fn lend(&mut self, slot: LentSlot) {
         self.is_supplied = true;
-        self.supply(Buffer::Lent(slot));
+        self.supply(Memory::Lent(slot));
     }
 
     fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         if !std::mem::replace(&mut self.is_supplied, true) {
-            (0..OWN).for_each(|_| self.supply(Buffer::Own(Vec::new())));
+            (0..OWN).for_each(|_| self.supply(Memory::Own(Vec::new())));
         }
         if self.has_ended {
             return Ok(Next::End);
@@ -280,11 +344,34 @@ impl FrameSource for Ahead {
             self.has_ended = true;
             self.has_ended = !self.turn()?;
         }
-        Ok(if self.has_ended {
-            Next::End
-        } else {
-            Next::Frame(self.frame())
-        })
+        if self.has_ended {
+            return Ok(Next::End);
+        }
+        if let Some(after_ns) = self.held[self.current].after_ns {
+            self.clock.advance(after_ns);
+        }
+        Ok(Next::Frame(self.frame()))
+    }
+
+    fn has_truth(&self) -> bool {
+        self.plan.has_truth
+    }
+
+    fn truth(&self, truth: &mut Centerlines) -> bool {
+        let current = self.held.get(self.current);
+        let known = current.and_then(|picture| picture.truth.as_deref());
+        let Some(known) = known.filter(|known| known.is_known) else {
+            return false;
+        };
+        let trace = truth.trace;
+        *truth = known.centerlines;
+        truth.trace = trace;
+        true
+    }
+
+    fn due_after_ns(&self) -> Option<u64> {
+        let current = self.held.get(self.current)?;
+        current.after_ns.map(|_| self.clock.due_ns)
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
@@ -297,6 +384,10 @@ impl FrameSource for Ahead {
     fn take_warning(&mut self) -> Option<String> {
         self.warnings.pop_front()
     }
+
+    fn take_news(&mut self) -> Option<String> {
+        self.plan.news.take()
+    }
 }
 
 impl Drop for Ahead {
@@ -308,91 +399,4 @@ impl Drop for Ahead {
             let _ = decoder.join();
         }
     }
-}
-
-/// The thread: passes over the set, once or again and again, until it fails or nobody listens any more.
-fn decode_ahead(mut decoder: impl Decode, again: bool, mut room: Room, ready: &Sender<Message>) {
-    let mut sequence = 0;
-    // What was said is not said again on the next pass.
-    let mut said = HashSet::new();
-    loop {
-        match one_pass(&mut decoder, &mut sequence, &mut said, &mut room, ready) {
-            Some(Ok(())) if again => {}
-            Some(Ok(())) => {
-                let _ = ready.send(Message::End(sequence));
-                return;
-            }
-            Some(Err(error)) => {
-                let _ = ready.send(Message::Failed(error));
-                return;
-            }
-            None => return,
-        }
-    }
-}
-
-/// From the first frame to the last; `None` if nobody listens any more.
-fn one_pass(
-    decoder: &mut impl Decode,
-    sequence: &mut u64,
-    said: &mut HashSet<String>,
-    room: &mut Room,
-    ready: &Sender<Message>,
-) -> Option<Result<(), SourceError>> {
-    let mut first_reason = None;
-    let mut is_empty = true;
-    if let Err(error) = decoder.rewind() {
-        return Some(Err(error));
-    }
-    loop {
-        let mut buffer = room.take()?;
-        let (warning, reason, is_end) = match decoder.decode(buffer.pixels()) {
-            Step::Decoded(layout) => {
-                *sequence += 1;
-                is_empty = false;
-                let Layout {
-                    width,
-                    height,
-                    stride,
-                    format,
-                } = layout;
-                let frame = Frame {
-                    sequence: *sequence,
-                    width,
-                    height,
-                    stride,
-                    format,
-                    exposed_ns: None,
-                    slot: None,
-                };
-                if let Buffer::Own(pixels) = &mut buffer {
-                    pixels.truncate(layout.bytes());
-                }
-                ready.send(Message::Decoded(frame, buffer)).ok()?;
-                continue;
-            }
-            Step::Lost(reason) => {
-                *sequence += 1;
-                (format!("lost frame {sequence}: {reason}"), reason, false)
-            }
-            Step::End(Some(reason)) => (reason.clone(), reason, true),
-            Step::End(None) => {
-                room.left = Some(buffer);
-                break;
-            }
-        };
-        room.left = Some(buffer);
-        if said.insert(reason.clone()) {
-            ready.send(Message::Warning(warning)).ok()?;
-        }
-        first_reason.get_or_insert(reason);
-        if is_end {
-            break;
-        }
-    }
-    if is_empty {
-        let reason = first_reason.unwrap_or_else(|| "there is none".to_owned());
-        return Some(Err(SourceError::NothingDecoded { reason }));
-    }
-    Some(Ok(()))
 }

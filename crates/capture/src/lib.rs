@@ -5,6 +5,7 @@
 //! each frame is due. Nothing here knows of shared memory.
 
 mod ahead;
+mod follow;
 mod lent;
 mod mjpeg;
 pub mod moving;
@@ -14,6 +15,8 @@ mod orientation;
 mod pace;
 mod picture;
 mod pictures;
+mod range;
+mod recorded;
 mod rendered;
 pub mod scenes;
 mod source;
@@ -22,11 +25,15 @@ mod v4l2;
 mod video;
 mod yuv;
 
+pub use follow::FollowOptions;
 pub use lent::{LentSlot, SlotKey};
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
-pub use open::{Source, open};
+pub use open::{FileOptions, Source, names_a_recording, open};
 pub use pace::{Pace, PaceError, Pacer};
+pub use picture::StillPicture;
+pub use range::{Position, Range};
+pub use recorded::RecordingOptions;
 pub use rendered::RenderOptions;
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};

@@ -3,7 +3,10 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use crate::follow::{Follow, FollowOptions};
 use crate::pictures::open_pictures;
+use crate::range::Range;
+use crate::recorded::{RecordingOptions, open_recording};
 use crate::rendered::{RenderOptions, Rendered};
 use crate::source::{FrameSource, SourceError};
 use crate::v4l2::{CameraOptions, open_camera};
@@ -18,22 +21,46 @@ pub enum Source {
     Paths {
         /// Shown in this order; the pictures of a folder in natural order.
         paths: Vec<PathBuf>,
-        /// Whether to begin again after the last frame.
-        looped: bool,
+        /// Which of them, and how often.
+        options: FileOptions,
     },
+    /// What a chain recorded.
+    Recording(RecordingOptions),
+    /// A folder of pictures, and each picture that is put into it.
+    Followed(FollowOptions),
     /// A camera.
     Camera(CameraOptions),
 }
 
+/// How a sequence of files is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FileOptions {
+    /// Which part of it.
+    pub range: Range,
+    /// Whether to begin again after the last frame.
+    pub looped: bool,
+    /// Frames per second by which a time in the range is a frame, where the files themselves tell none.
+    pub fps: Option<f64>,
+}
+
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, anything else is paths (a folder of
-    /// that name is `./rendered`).
-    pub fn named<P: AsRef<Path>>(names: &[P], looped: bool, rendered: RenderOptions) -> Self {
+    /// The source that these words name: `rendered` alone is the rendered rope, a name that ends in `.mcap` a
+    /// recording, anything else is paths (a folder of the name `rendered` is `./rendered`).
+    pub fn named<P: AsRef<Path>>(
+        names: &[P],
+        options: FileOptions,
+        rendered: RenderOptions,
+    ) -> Self {
         match names {
+            [name] if names_a_recording(name.as_ref()) => Self::Recording(RecordingOptions {
+                path: name.as_ref().to_owned(),
+                range: options.range,
+                looped: options.looped,
+            }),
             [name] if name.as_ref() == Path::new("rendered") => Self::Rendered(rendered),
             _ => Self::Paths {
                 paths: names.iter().map(|name| name.as_ref().to_owned()).collect(),
-                looped,
+                options,
             },
         }
     }
@@ -42,16 +69,18 @@ impl Source {
 /// Opens a source: everything that can be known to be wrong is said here, before the first frame.
 ///
 /// # Errors
-/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video, a camera that
-/// cannot be used.
+/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video, a range without a
+/// frame, a camera that cannot be used.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Recording(options) => Ok(Box::new(open_recording(options)?)),
+        Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
-        Source::Paths { paths, looped } => match paths.iter().find(|path| is_video(path)) {
-            None => Ok(Box::new(open_pictures(paths, *looped)?)),
-            Some(video) if paths.len() == 1 => Ok(Box::new(open_video(video, *looped)?)),
+        Source::Paths { paths, options } => match paths.iter().find(|path| is_video(path)) {
+            None => Ok(Box::new(open_pictures(paths, options)?)),
+            Some(video) if paths.len() == 1 => Ok(Box::new(open_video(video, options)?)),
             Some(video) => Err(SourceError::VideoAmongOthers {
                 path: video.clone(),
             }),
@@ -60,6 +89,15 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
 }
 
 fn is_video(path: &Path) -> bool {
-    let is_y4m = |extension: &OsStr| extension.eq_ignore_ascii_case("y4m");
-    path.extension().is_some_and(is_y4m) && !path.is_dir()
+    is_named(path, "y4m") && !path.is_dir()
+}
+
+/// Whether a path is that of a recording, by its name.
+pub fn names_a_recording(path: &Path) -> bool {
+    is_named(path, "mcap")
+}
+
+fn is_named(path: &Path, extension: &str) -> bool {
+    let is_it = |found: &OsStr| found.eq_ignore_ascii_case(extension);
+    path.extension().is_some_and(is_it)
 }

@@ -104,6 +104,26 @@ impl Pacer {
         self.count += 1;
         due_ns
     }
+
+    /// The same for frames that have a pace of their own: the next one is due so long after the first. Frames later than 0.1 s
+    /// put all that follow off by as much, if `may_give_up`. Says how many moments were missed by that, too, at the mean pace so
+    /// far.
+    pub fn own_due_ns(&mut self, now_ns: u64, after_ns: u64, may_give_up: bool) -> (u64, u64) {
+        let start_ns = *self.start_ns.get_or_insert(now_ns.saturating_sub(after_ns));
+        let due_ns = start_ns.saturating_add(after_ns);
+        let late_ns = now_ns.saturating_sub(due_ns);
+        let is_too_late = may_give_up && late_ns > TOO_LATE_NS;
+        let mean_ns = after_ns.checked_div(self.count).unwrap_or(0).max(1);
+        self.count += 1;
+        if !is_too_late {
+            return (due_ns, 0);
+        }
+        let missed = late_ns / mean_ns;
+        // The newest of the moments that have passed.
+        let put_off_ns = missed * mean_ns;
+        self.start_ns = Some(start_ns + put_off_ns);
+        (due_ns + put_off_ns, missed)
+    }
 }
 
 #[cfg(test)]
@@ -136,6 +156,26 @@ mod tests {
         pacer.next_due_ns(0);
         assert_eq!(pacer.give_up(900_000_000), 0, "late, but the newest");
         assert_eq!(pacer.next_due_ns(900_000_000), 500_000_000);
+    }
+
+    #[test]
+    fn frames_with_a_pace_of_their_own_are_due_as_far_apart_as_they_were() {
+        let mut pacer = Pacer::new(Pace::Fps(30.0)).unwrap();
+        for (now_ns, after_ns, due_ns) in [(1000, 0, 1000), (1005, 7, 1007), (1100, 9, 1009)] {
+            assert_eq!(pacer.own_due_ns(now_ns, after_ns, true), (due_ns, 0));
+        }
+        let second = NS_PER_S;
+        let mut pacer = Pacer::new(Pace::Max).unwrap();
+        assert_eq!(pacer.own_due_ns(0, 0, true), (0, 0));
+        assert_eq!(pacer.own_due_ns(0, second / 10, true), (second / 10, 0));
+        // 0.35 s late at a mean of 0.1 s.
+        let late_ns = second / 5 + second * 35 / 100;
+        assert_eq!(pacer.own_due_ns(late_ns, second / 5, true), (second / 2, 3));
+        assert_eq!(
+            pacer.own_due_ns(0, second * 3 / 10, true),
+            (second * 6 / 10, 0)
+        );
+        assert_eq!(pacer.own_due_ns(9 * second, second * 4 / 10, false).1, 0);
     }
 
     #[test]

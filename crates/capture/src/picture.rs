@@ -10,6 +10,7 @@ use lariat_wire::PixelFormat;
 
 use crate::ahead::Layout;
 use crate::orientation;
+use crate::source::SourceError;
 
 /// Larger pictures are refused: more likely a broken head than a camera.
 const LARGEST_BYTES: u64 = 1 << 30;
@@ -60,7 +61,12 @@ fn decoder<'a>(
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let mut decoder = decoder.map_err(|error| broken(path, error))?;
     // A damaged note beside the pixels does not spoil them.
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let orientation = match format {
+        // The decoder knows no notes behind the pixels, where some programs put them.
+        ImageFormat::Png => png_note(bytes).and_then(Orientation::from_exif_chunk),
+        _ => decoder.orientation().ok(),
+    }
+    .unwrap_or(Orientation::NoTransforms);
     let (width, height) = decoder.dimensions();
     let format = if decoder.color_type().has_color() {
         PixelFormat::Rgb8
@@ -88,6 +94,39 @@ fn decoder<'a>(
     Ok((decoder, layout, orientation))
 }
 
+/// A picture file, decoded as a source of frames shows it: upright, without alpha, 8 bits a channel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StillPicture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `Gray8` if the file has no colour, else `Rgb8`.
+    pub format: PixelFormat,
+    /// Rows one after the other, without padding.
+    pub pixels: Vec<u8>,
+}
+
+impl StillPicture {
+    /// Reads a PNG or JPEG, whatever its name says.
+    ///
+    /// # Errors
+    /// There is no such file, it is no picture, or it is cut off or damaged.
+    pub fn load(path: &Path) -> Result<Self, SourceError> {
+        let broken = |reason| SourceError::Picture { reason };
+        let mut pixels = vec![0; probe(path).map_err(broken)?.bytes()];
+        let mut decoder = PictureDecoder::default();
+        let layout = decoder.decode(path, &mut pixels).map_err(broken)?;
+        pixels.truncate(layout.bytes());
+        Ok(Self {
+            width: layout.width,
+            height: layout.height,
+            format: layout.format,
+            pixels,
+        })
+    }
+}
+
 /// Decodes one picture after the other, in the same memory.
 #[derive(Default)]
 pub(crate) struct PictureDecoder {
@@ -101,19 +140,41 @@ pub(crate) struct PictureDecoder {
 impl PictureDecoder {
     /// Decodes a file into the beginning of `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
-        self.file.clear();
-        let read = File::open(path).and_then(|mut file| file.read_to_end(&mut self.file));
-        read.map_err(|error| broken(path, error))?;
-        if format_of(&self.file) == Some(ImageFormat::Jpeg) && is_cut_off(&self.file) {
+        let mut file = std::mem::take(&mut self.file);
+        file.clear();
+        let read = File::open(path).and_then(|mut open| open.read_to_end(&mut file));
+        let decoded = match read {
+            Ok(_) => self.decode_file(path, &file, pixels),
+            Err(error) => Err(broken(path, error)),
+        };
+        self.file = file;
+        decoded
+    }
+
+    /// Bytes of the pixels of such a file; a sentence if it says nothing good of them.
+    pub(crate) fn size(path: &Path, file: &[u8]) -> Result<usize, String> {
+        layout(path, file).map(|layout| layout.bytes())
+    }
+
+    /// Decodes the bytes of a file. `path`: what to call it.
+    pub(crate) fn decode_file(
+        &mut self,
+        path: &Path,
+        file: &[u8],
+        pixels: &mut [u8],
+    ) -> Result<Layout, String> {
+        if format_of(file) == Some(ImageFormat::Jpeg) && is_cut_off(file) {
             return Err(broken(path, "the file is cut off"));
         }
-        let (decoder, layout, orientation) = decoder(path, &self.file)?;
+        let (decoder, layout, orientation) = decoder(path, file)?;
         let (width, height) = decoder.dimensions();
         let color = decoder.color_type();
         let Some(upright) = pixels.get_mut(..layout.bytes()) else {
             return Err(format!(
-                "{} has grown since the start, to more than was made room for",
-                path.display()
+                "{} has {}×{} pixels, more than room was made for at the start: begin with the largest",
+                path.display(),
+                layout.width,
+                layout.height
             ));
         };
         let turned = orientation != Orientation::NoTransforms;
@@ -150,6 +211,20 @@ impl PictureDecoder {
             orientation::turn(orientation, &self.stored, size, channels, upright);
         }
         Ok(layout)
+    }
+}
+
+/// The EXIF note of a PNG (ISO/IEC 15948: each chunk its length, its name, its data, its checksum).
+fn png_note(file: &[u8]) -> Option<&[u8]> {
+    let mut rest = file.get(8..)?;
+    loop {
+        let (head, behind) = rest.split_at_checked(8)?;
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        let (data, behind) = behind.split_at_checked(length)?;
+        if head.ends_with(b"eXIf") {
+            return Some(data);
+        }
+        rest = behind.get(4..)?;
     }
 }
 

@@ -1,18 +1,23 @@
 //! Picture files and folders of them as one sequence of frames.
 
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use lariat_wire::SourceKind;
 
 use crate::ahead::{Ahead, Decode, Plan, Step};
 use crate::natural::natural_order;
+use crate::open::FileOptions;
 use crate::picture::{PictureDecoder, is_picture, probe};
+use crate::range::Frames;
 use crate::source::SourceError;
 
 /// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
-pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, SourceError> {
+pub(crate) fn open_pictures(
+    paths: &[PathBuf],
+    options: &FileOptions,
+) -> Result<Ahead, SourceError> {
     let mut files = Vec::new();
     let mut warnings = Vec::new();
     for path in paths {
@@ -35,6 +40,8 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
             files.push(path.clone());
         }
     }
+    let frames = options.range.frames(options.fps)?;
+    let files = selected(files, frames)?;
     // A file whose head is broken is left in the sequence, to be lost when its turn comes.
     let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
     for layout in files.iter().filter_map(|file| probe(file).ok()) {
@@ -45,9 +52,11 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
         kind: SourceKind::Files,
         largest_frame_bytes,
         native_fps: None,
-        looped,
+        looped: options.looped,
+        has_truth: false,
         total_bytes,
         warnings,
+        news: frames.news(),
     };
     let pictures = Pictures {
         files,
@@ -57,36 +66,34 @@ pub(crate) fn open_pictures(paths: &[PathBuf], looped: bool) -> Result<Ahead, So
     Ahead::start(pictures, plan)
 }
 
+/// Those of the files that are in the range.
+fn selected(files: Vec<PathBuf>, frames: Frames) -> Result<Vec<PathBuf>, SourceError> {
+    let count = files.len() as u64;
+    if frames.of(count) == 0 {
+        return Err(SourceError::BehindEnd {
+            first: frames.first,
+            count,
+        });
+    }
+    // In range: the first is within the files.
+    let (first, every) = (frames.first as usize - 1, frames.every as usize);
+    let chosen = files.into_iter().skip(first).step_by(every);
+    Ok(chosen.take(frames.of(count) as usize).collect())
+}
+
 /// Adds a folder's pictures; a sentence if it holds other files too.
 fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>, SourceError> {
     let unreadable = |error| SourceError::Unreadable {
         path: folder.to_owned(),
         error,
     };
-    let mut found = Vec::new();
-    let mut ignored = 0;
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.is_dir() {
-            continue;
-        }
-        if is_named_as_picture(&path) {
-            found.push(path);
-        } else {
-            ignored += 1;
-        }
-    }
+    let (mut found, ignored) = pictures_in(folder).map_err(unreadable)?;
     if found.is_empty() {
         return Err(SourceError::NoPictures {
             path: folder.to_owned(),
             ignored,
         });
     }
-    let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
-    found.sort_by(|a, b| {
-        let (a, b) = (name(a).unwrap_or_default(), name(b).unwrap_or_default());
-        natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
-    });
     files.append(&mut found);
     let plural = if ignored == 1 { "file" } else { "files" };
     Ok((ignored > 0).then(|| {
@@ -97,8 +104,31 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
     }))
 }
 
+/// The pictures of a folder by their names, in natural order, and how many other files are in it.
+pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
+    let mut found = Vec::new();
+    let mut ignored = 0;
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            continue;
+        }
+        if is_named_as_picture(&path) {
+            found.push(path);
+        } else {
+            ignored += 1;
+        }
+    }
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
+    found.sort_by(|a, b| {
+        let (a, b) = (name(a).unwrap_or_default(), name(b).unwrap_or_default());
+        natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
+    });
+    Ok((found, ignored))
+}
+
 /// Hidden files are not: some systems put a `._0001.png` that is no picture beside each `0001.png`.
-fn is_named_as_picture(path: &Path) -> bool {
+pub(crate) fn is_named_as_picture(path: &Path) -> bool {
     let is_hidden = path
         .file_name()
         .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
@@ -70,7 +71,8 @@ pub trait FrameSource: Send {
     /// What kind of source it is.
     fn kind(&self) -> SourceKind;
 
-    /// The most bytes a frame of this source can have.
+    /// The most bytes a frame of this source can have. 0 if that is not known before the first frame: then it is known when
+    /// that is ready, and has to be [written](Self::write).
     fn largest_frame_bytes(&self) -> usize;
 
     /// Whether [`truth`](Self::truth) has an answer.
@@ -125,6 +127,12 @@ pub trait FrameSource: Send {
         false
     }
 
+    /// How long after the source's first frame the one just made ready is due at its own pace, in nanoseconds; none if it has
+    /// no pace of its own.
+    fn due_after_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// A sentence on something that went wrong without ending the source, such as a broken file that was passed
     /// over. Ask after each [`advance`](Self::advance) until there is none.
     fn take_warning(&mut self) -> Option<String> {
@@ -167,11 +175,31 @@ pub enum SourceError {
         /// How many other files are in it.
         ignored: usize,
     },
+    /// What is to be followed is no folder.
+    #[error("{} is no folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
+    NotAFolder {
+        /// The path as it was given.
+        path: PathBuf,
+    },
+    /// The kernel does not tell what happens in a folder.
+    #[error("cannot follow the folder {}: {error} (how many may be followed at a time stands in /proc/sys/fs/inotify)", path.display())]
+    Unwatchable {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        error: io::Error,
+    },
     /// A file of another kind.
     #[error("{} is no PNG or JPEG picture and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
     NotAPicture {
         /// The file.
         path: PathBuf,
+    },
+    /// A picture that cannot be decoded.
+    #[error("{reason}")]
+    Picture {
+        /// Which, and why.
+        reason: String,
     },
     /// A video named beside other paths.
     #[error("{} is a video, and a video is shown alone: name it without other paths", path.display())]
@@ -183,6 +211,38 @@ pub enum SourceError {
     #[error("cannot show the video {}: {what}", path.display())]
     Video {
         /// The video.
+        path: PathBuf,
+        /// What is wrong with it, and what would be right.
+        what: String,
+    },
+    /// A moment of a sequence that has no rate.
+    #[error("{} s tell no frame where frames have no rate: name it by its number, or say how many frames a second are shown", time.as_secs_f64())]
+    NoRate {
+        /// The moment, from the first frame on.
+        time: Duration,
+    },
+    /// A range that ends before it begins.
+    #[error(
+        "frame {first} is to be the first and frame {last} the last: choose a range with a frame in it"
+    )]
+    EmptyRange {
+        /// The number of the first.
+        first: u64,
+        /// Of the last.
+        last: u64,
+    },
+    /// A range that begins behind the end.
+    #[error("frame {first} is to be the first, and there are only {count}: begin earlier")]
+    BehindEnd {
+        /// The number of the first that was asked for.
+        first: u64,
+        /// How many there are.
+        count: u64,
+    },
+    /// A recording that cannot be shown.
+    #[error("cannot show the recording {}: {what}", path.display())]
+    Recording {
+        /// The recording.
         path: PathBuf,
         /// What is wrong with it, and what would be right.
         what: String,

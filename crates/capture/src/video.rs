@@ -1,15 +1,16 @@
 //! Y4M video files: raw planes behind a line of text.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use lariat_wire::SourceKind;
 use y4m::Colorspace;
 
 use crate::ahead::{Ahead, Decode, Layout, Plan, Step};
+use crate::open::FileOptions;
+use crate::range::Frames;
 use crate::source::SourceError;
 use crate::yuv::Chroma;
 
@@ -19,7 +20,7 @@ const LARGEST_SIDE: u64 = 16384;
 const HEAD_BYTES: u64 = 1024;
 
 /// Opens a Y4M video.
-pub(crate) fn open_video(path: &Path, looped: bool) -> Result<Ahead, SourceError> {
+pub(crate) fn open_video(path: &Path, options: &FileOptions) -> Result<Ahead, SourceError> {
     let file = std::fs::metadata(path).map_err(|error| SourceError::Unreadable {
         path: path.to_owned(),
         error,
@@ -32,18 +33,23 @@ pub(crate) fn open_video(path: &Path, looped: bool) -> Result<Ahead, SourceError
         });
     }
     let (stream, native_fps) = Stream::open(path)?;
+    let frames = options.range.frames(native_fps.or(options.fps))?;
+    let frame_bytes = stream.frame_bytes();
     let plan = Plan {
         kind: SourceKind::Video,
         largest_frame_bytes: stream.layout.bytes(),
         native_fps,
-        looped,
-        total_bytes: file.len(),
+        looped: options.looped,
+        has_truth: false,
+        total_bytes: frames.of(file.len() / frame_bytes) * frame_bytes,
         warnings: Vec::new(),
+        news: frames.news(),
     };
     let video = Video {
         path: path.to_owned(),
         stream,
-        shown: 0,
+        frames,
+        at: 0,
     };
     Ahead::start(video, plan)
 }
@@ -51,16 +57,16 @@ pub(crate) fn open_video(path: &Path, looped: bool) -> Result<Ahead, SourceError
 struct Video {
     path: PathBuf,
     stream: Stream,
-    /// Frames decoded in this pass.
-    shown: u64,
+    frames: Frames,
+    /// The frame that was passed last, in this pass: 0 before the first.
+    at: u64,
 }
 
 /// A file that is being read.
 struct Stream {
-    decoder: y4m::Decoder<Counted>,
-    /// Bytes that the decoder has taken: it calls every end the same, and only by this a clean one is told from a
-    /// frame cut off.
-    taken: Arc<AtomicU64>,
+    decoder: y4m::Decoder<Shared>,
+    /// What the decoder reads.
+    input: Arc<Mutex<Input>>,
     chroma: Chroma,
     layout: Layout,
 }
@@ -82,15 +88,16 @@ impl Stream {
         read.map_err(unreadable)?;
         check_head(&head).map_err(unfit)?;
 
-        let taken = Arc::new(AtomicU64::new(0));
-        let reader = Counted {
+        let input = Arc::new(Mutex::new(Input {
             reader: BufReader::new(File::open(path).map_err(unreadable)?),
-            taken: Arc::clone(&taken),
-        };
-        let decoder = y4m::Decoder::new(reader).map_err(|error| match error {
-            y4m::Error::UnknownColorspace => unfit(CHROMA_NEEDED),
-            _ => unfit("its first line is not that of a Y4M video"),
-        })?;
+            taken: 0,
+            line: Vec::new(),
+        }));
+        let decoder =
+            y4m::Decoder::new(Shared(Arc::clone(&input))).map_err(|error| match error {
+                y4m::Error::UnknownColorspace => unfit(CHROMA_NEEDED),
+                _ => unfit("its first line is not that of a Y4M video"),
+            })?;
         let chroma = chroma_of(&decoder).ok_or_else(|| unfit(CHROMA_NEEDED))?;
         // Sizes in range: the head was looked at.
         let (width, height) = (decoder.get_width() as u32, decoder.get_height() as u32);
@@ -98,18 +105,38 @@ impl Stream {
         let native_fps = (rate.num > 0 && rate.den > 0).then(|| rate.num as f64 / rate.den as f64);
         let stream = Self {
             decoder,
-            taken,
+            input,
             chroma,
             layout: chroma.layout(width, height),
         };
         Ok((stream, native_fps))
+    }
+
+    /// Bytes of a frame's planes in the file.
+    fn frame_bytes(&self) -> u64 {
+        let (width, height) = (self.decoder.get_width(), self.decoder.get_height());
+        self.chroma.plane_bytes(width, height) as u64
+    }
+
+    /// Passes over so many frames without reading their pixels; `false` if they are not all there. It then stands where the
+    /// first begins that is not, for the decoder to say what is wrong with it.
+    fn pass(&mut self, count: u64, at: &mut u64) -> io::Result<bool> {
+        let frame_bytes = self.frame_bytes();
+        let mut input = lock(&self.input);
+        for _ in 0..count {
+            if !input.pass_frame(frame_bytes)? {
+                return Ok(false);
+            }
+            *at += 1;
+        }
+        Ok(true)
     }
 }
 
 const CHROMA_NEEDED: &str = "its pixels are none of 8-bit 4:2:0, 4:2:2, 4:4:4 and mono \
      (convert it with `ffmpeg -i IN -pix_fmt yuv420p OUT.y4m`)";
 
-fn chroma_of(decoder: &y4m::Decoder<Counted>) -> Option<Chroma> {
+fn chroma_of(decoder: &y4m::Decoder<Shared>) -> Option<Chroma> {
     let mut words = decoder.get_raw_params().split(|&c| c == b' ');
     let full_range = words.any(|word| word == b"XCOLORRANGE=FULL");
     Some(match decoder.get_colorspace() {
@@ -150,35 +177,59 @@ fn check_head(head: &[u8]) -> Result<(), &'static str> {
     Ok(())
 }
 
-impl Decode for Video {
-    fn rewind(&mut self) -> Result<(), SourceError> {
-        // At first the stream stands where it was opened.
-        if self.shown > 0 {
-            let (stream, _) = Stream::open(&self.path)?;
-            if stream.layout != self.stream.layout {
-                return Err(SourceError::Video {
-                    path: self.path.clone(),
-                    what: "the file was replaced by one of another size while it was shown"
-                        .to_owned(),
-                });
-            }
-            self.stream = stream;
+impl Video {
+    /// Goes back to the beginning. At first the stream stands where it was opened.
+    fn reopen(&mut self) -> Result<(), SourceError> {
+        let (stream, _) = Stream::open(&self.path)?;
+        if stream.layout != self.stream.layout {
+            return Err(SourceError::Video {
+                path: self.path.clone(),
+                what: "the file was replaced by one of another size while it was shown".to_owned(),
+            });
         }
-        self.shown = 0;
+        (self.stream, self.at) = (stream, 0);
         Ok(())
     }
 
+    /// How many frames lie before the next one that is shown.
+    fn between(&self) -> u64 {
+        match self.at {
+            0 => self.frames.first - 1,
+            _ => self.frames.every - 1,
+        }
+    }
+}
+
+impl Decode for Video {
+    fn rewind(&mut self) -> Result<(), SourceError> {
+        match self.at {
+            0 => Ok(()),
+            _ => self.reopen(),
+        }
+    }
+
     fn decode(&mut self, pixels: &mut [u8]) -> Step {
+        let between = self.between();
+        if self.at.saturating_add(between) >= self.frames.last {
+            return Step::End(None);
+        }
+        let path = self.path.display();
+        let unreadable =
+            |error: io::Error| Step::End(Some(format!("{path} cannot be read on: {error}")));
+        let is_reached = match self.stream.pass(between, &mut self.at) {
+            Ok(is_reached) => is_reached,
+            Err(error) => return unreadable(error),
+        };
         let Stream {
             decoder,
-            taken,
+            input,
             chroma,
             layout,
         } = &mut self.stream;
-        let before = taken.load(Ordering::Relaxed);
-        let path = self.path.display();
+        let taken = || lock(input).taken;
+        let before = taken();
         let reason = match decoder.read_frame() {
-            Ok(frame) => {
+            Ok(frame) if is_reached => {
                 let planes = [
                     frame.get_y_plane(),
                     frame.get_u_plane(),
@@ -186,34 +237,77 @@ impl Decode for Video {
                 ];
                 // The room was made for this layout.
                 chroma.write(layout, planes, &mut pixels[..layout.bytes()]);
-                self.shown += 1;
+                self.at += 1;
                 return Step::Decoded(*layout);
             }
-            Err(y4m::Error::EOF) if taken.load(Ordering::Relaxed) == before && self.shown > 0 => {
+            Err(y4m::Error::EOF) if taken() == before && self.at > 0 => {
                 return Step::End(None);
             }
-            Err(y4m::Error::EOF) if taken.load(Ordering::Relaxed) == before => {
-                format!("{path} holds no frame")
-            }
-            Err(y4m::Error::EOF) => format!("{path} is cut off in frame {}", self.shown + 1),
-            Err(y4m::Error::IoError(error)) => format!("{path} cannot be read on: {error}"),
-            Err(_) => format!("{path} is damaged after frame {}", self.shown),
+            Err(y4m::Error::EOF) if taken() == before => format!("{path} holds no frame"),
+            // One that is there now was not a moment ago: it is being written.
+            Ok(_) | Err(y4m::Error::EOF) => format!("{path} is cut off in frame {}", self.at + 1),
+            Err(y4m::Error::IoError(error)) => return unreadable(error),
+            Err(_) => format!("{path} is damaged after frame {}", self.at),
         };
         // Where the next frame would begin is not known.
         Step::End(Some(reason))
     }
+
+    fn nothing(&self) -> SourceError {
+        SourceError::BehindEnd {
+            first: self.frames.first,
+            count: self.at,
+        }
+    }
 }
 
-/// Counts what is read.
-struct Counted {
+/// A file as its decoder reads it, and past it: the decoder cannot skip a frame.
+struct Input {
     reader: BufReader<File>,
-    taken: Arc<AtomicU64>,
+    /// Bytes from the beginning of the file: the decoder calls every end the same, and only by this a clean one is told from
+    /// a frame cut off.
+    taken: u64,
+    /// The line that was passed last.
+    line: Vec<u8>,
 }
 
-impl Read for Counted {
+impl Input {
+    /// Passes over a frame's line and its pixels. `false`, and nothing is passed, if there is no line that begins one, or not
+    /// all of its pixels.
+    fn pass_frame(&mut self, frame_bytes: u64) -> io::Result<bool> {
+        let begin = self.taken;
+        let line = &mut self.line;
+        line.clear();
+        let mut head = (&mut self.reader).take(HEAD_BYTES);
+        let line_bytes = head.read_until(b'\n', line)? as u64;
+        let end = begin + line_bytes + frame_bytes;
+        let is_frame =
+            line.ends_with(b"\n") && (line[..] == b"FRAME\n"[..] || line.starts_with(b"FRAME "));
+        let is_whole = is_frame && end <= self.reader.get_ref().metadata()?.len();
+        // Sizes are checked: a frame has less than 2³² bytes.
+        let step = if is_whole {
+            frame_bytes as i64
+        } else {
+            -(line_bytes as i64)
+        };
+        self.reader.seek_relative(step)?;
+        self.taken = if is_whole { end } else { begin };
+        Ok(is_whole)
+    }
+}
+
+/// Nobody who holds it panics; and if: a position is whole in any case.
+fn lock(input: &Mutex<Input>) -> MutexGuard<'_, Input> {
+    input.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Shared(Arc<Mutex<Input>>);
+
+impl Read for Shared {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let count = self.reader.read(into)?;
-        self.taken.fetch_add(count as u64, Ordering::Relaxed);
+        let mut input = lock(&self.0);
+        let count = input.reader.read(into)?;
+        input.taken += count as u64;
         Ok(count)
     }
 }

@@ -38,6 +38,17 @@ impl Chroma {
         }
     }
 
+    /// Bytes of the planes together.
+    pub(crate) fn plane_bytes(self, width: usize, height: usize) -> usize {
+        let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
+        match self {
+            Self::Mono => width * height,
+            Self::Half => width * height + 2 * half_width * half_height,
+            Self::HalfWidth => width * height + 2 * half_width * height,
+            Self::Full { .. } => 3 * width * height,
+        }
+    }
+
     /// Writes the planes as one image of that layout.
     pub(crate) fn write(self, layout: &Layout, planes: Planes, pixels: &mut [u8]) {
         match self {

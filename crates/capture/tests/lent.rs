@@ -4,7 +4,7 @@
 use std::ptr::NonNull;
 
 use image::{GrayImage, Luma};
-use lariat_capture::{Frame, FrameSource, LentSlot, RenderOptions, Source, open};
+use lariat_capture::{FileOptions, Frame, FrameSource, LentSlot, RenderOptions, Source, open};
 
 /// Slots as the sender of frames has them: some of memory, lent again when their frame was read.
 struct Slots(Vec<Vec<u8>>);
@@ -53,7 +53,7 @@ fn pictures_are_decoded_into_the_slots_that_are_lent() {
         }
     }
     let paths = [folder.path().to_owned()];
-    let source = Source::named(&paths, false, RenderOptions::default());
+    let source = Source::named(&paths, FileOptions::default(), RenderOptions::default());
     let (expected, none) = shown(&mut *open(&source).unwrap(), &mut Slots(Vec::new()));
     assert_eq!((expected.len(), none), (8, 0));
     for lent in 1..=4 {
@@ -79,7 +79,7 @@ fn a_source_that_is_dropped_has_let_go_of_its_slots() {
             .unwrap();
     }
     let paths = [folder.path().to_owned()];
-    let source = Source::named(&paths, false, RenderOptions::default());
+    let source = Source::named(&paths, FileOptions::default(), RenderOptions::default());
     let mut slots = Slots(vec![vec![0; 64 * 64]; 4]);
     let mut opened = open(&source).unwrap();
     (0..4).for_each(|index| slots.lend(index, &mut *opened));

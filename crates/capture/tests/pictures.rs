@@ -4,14 +4,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba};
-use lariat_capture::{Frame, FrameSource, RenderOptions, Source, SourceError, open};
+use lariat_capture::{FileOptions, Frame, FrameSource, RenderOptions, Source, SourceError, open};
 use lariat_wire::{PixelFormat, SourceKind};
 use tempfile::TempDir;
 
 type Opened = Result<Box<dyn FrameSource>, SourceError>;
 
 fn open_paths(paths: &[PathBuf], looped: bool) -> Opened {
-    open(&Source::named(paths, looped, RenderOptions::default()))
+    let options = FileOptions {
+        looped,
+        ..FileOptions::default()
+    };
+    open(&Source::named(paths, options, RenderOptions::default()))
 }
 
 fn folder() -> TempDir {
@@ -398,11 +402,11 @@ fn a_picture_needs_no_extension_if_it_is_named() {
 fn only_the_bare_word_is_the_rendered_rope() {
     let options = RenderOptions::default();
     assert_eq!(
-        Source::named(&["rendered"], true, options),
+        Source::named(&["rendered"], FileOptions::default(), options),
         Source::Rendered(options)
     );
     for names in [&["./rendered"][..], &["rendered", "a.png"], &[]] {
-        let source = Source::named(names, false, options);
+        let source = Source::named(names, FileOptions::default(), options);
         assert!(matches!(source, Source::Paths { .. }), "{source:?}");
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use lariat_capture::{Frame, FrameSource, RenderOptions, Source, SourceError, open};
+use lariat_capture::{FileOptions, Frame, FrameSource, RenderOptions, Source, SourceError, open};
 use lariat_wire::{PixelFormat, SourceKind};
 use tempfile::TempDir;
 
@@ -20,7 +20,11 @@ fn video(line: &str, frames: &[&[u8]]) -> Vec<u8> {
 }
 
 fn open_path(path: &Path, looped: bool) -> Opened {
-    open(&Source::named(&[path], looped, RenderOptions::default()))
+    let options = FileOptions {
+        looped,
+        ..FileOptions::default()
+    };
+    open(&Source::named(&[path], options, RenderOptions::default()))
 }
 
 /// Opens a video of these bytes; what is not yet read may go.
@@ -204,7 +208,7 @@ fn a_missing_video_and_a_video_among_others_are_refused() {
     );
     let named = Source::named(
         &[&*path, Path::new("a.png")],
-        false,
+        FileOptions::default(),
         RenderOptions::default(),
     );
     let said = open(&named).err().unwrap().to_string();

@@ -8,7 +8,9 @@ mod cdr;
 mod images;
 mod losses;
 mod messages;
+mod reading;
 mod schema;
+mod writing;
 
 pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
 pub use cdr::CdrError;
@@ -18,4 +20,12 @@ pub use images::{
 };
 pub use losses::Losses;
 pub use messages::Record;
+pub use reading::{
+    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span,
+    TopicSummary,
+};
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
+pub use writing::{
+    Clock, Compression, Drops, Ended, Ending, Existing, Flushed, Head, Images, NoRoom, Options,
+    Recorder, RingOptions, Topic, WriteError, Writer, Written,
+};

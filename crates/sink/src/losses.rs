@@ -37,7 +37,7 @@ pub enum Arrival {
     Stale,
 }
 
-/// Counts messages, and by their traces those that did not come.
+/// The ledger: what was received, and what was lost on which link, from the counters in the traces.
 #[derive(Debug, Clone)]
 pub struct Ledger {
     from_start: bool,
@@ -52,8 +52,8 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Nothing yet. `from_start`: every counter began at 1, and what is missing up to the first message was lost; else
-    /// the counting begins at the first message.
+    /// Begins with nothing. `from_start`: it is there before the first frame, so that what is missing before the first message
+    /// was lost.
     pub fn new(from_start: bool) -> Self {
         Self {
             from_start,
@@ -91,7 +91,7 @@ impl Ledger {
     }
 
     /// Counts what was under way when the chain stopped.
-    pub(crate) fn finish(&mut self, sent: FinalCounts) {
+    pub fn finish(&mut self, sent: FinalCounts) {
         self.masks_late = sent.masks_late.unwrap_or(0);
         let (before, fitted_ns) = match self.last {
             Some(last) => last,

@@ -8,9 +8,11 @@ use std::time::{Duration, Instant};
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
+use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
+use crate::reader::WriterId;
 use crate::ready::{self, Ear};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
 
@@ -51,6 +53,22 @@ impl Receiver<Descriptors> {
     pub fn descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
         Self::create(domain, rig, &DESCRIPTORS, None)
     }
+
+    /// The same for a reader who wants the newest only: then one message waits for it, and there is none to be skipped. On
+    /// a lossless channel, whose writer would wait for it with each, as many wait as ever.
+    pub(crate) fn newest_descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
+        let ear = Ear::new(domain, &DESCRIPTORS.on(rig), DESCRIPTORS.readers)?;
+        Self::new(domain, rig, &DESCRIPTORS, None, Some(ear), Waiting::Newest)
+    }
+}
+
+/// How many messages wait for a reader.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Waiting {
+    /// As many as the channel has room for.
+    All,
+    /// The newest, where it may take the place of the one before.
+    Newest,
 }
 
 impl<P: Payload + ?Sized> Receiver<P> {
@@ -63,7 +81,7 @@ impl<P: Payload + ?Sized> Receiver<P> {
     ) -> Result<Self, WireError> {
         // The ear first: a message that comes between the two is then heard of.
         let ear = Ear::new(domain, &channel.on(rig), channel.readers)?;
-        Self::new(domain, rig, channel, delivery, Some(ear))
+        Self::new(domain, rig, channel, delivery, Some(ear), Waiting::All)
     }
 
     /// The same, but never woken: it looks when something else wakes its process, and costs the writer no notification.
@@ -73,7 +91,7 @@ impl<P: Payload + ?Sized> Receiver<P> {
         channel: &Channel<P>,
         delivery: Option<&Delivery>,
     ) -> Result<Self, WireError> {
-        Self::new(domain, rig, channel, delivery, None)
+        Self::new(domain, rig, channel, delivery, None, Waiting::All)
     }
 
     fn new(
@@ -82,21 +100,21 @@ impl<P: Payload + ?Sized> Receiver<P> {
         channel: &Channel<P>,
         delivery: Option<&Delivery>,
         ear: Option<Ear>,
+        waiting: Waiting,
     ) -> Result<Self, WireError> {
         let name = channel.on(rig);
         let service = channel.open(domain, rig, delivery)?;
-        let subscriber = service
-            .subscriber_builder()
-            .create()
-            .map_err(|cause| match cause {
-                SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
-                    WireError::TooManyReaders {
-                        channel: name.clone(),
-                        most: channel.readers,
-                    }
-                }
-                cause => WireError::transport(format!("becoming a reader of {name}"), cause),
-            })?;
+        let mut builder = service.subscriber_builder();
+        if waiting == Waiting::Newest && service.static_config().has_safe_overflow() {
+            builder = builder.buffer_size(1);
+        }
+        let subscriber = builder.create().map_err(|cause| match cause {
+            SubscriberCreateError::ExceedsMaxSupportedSubscribers => WireError::TooManyReaders {
+                channel: name.clone(),
+                most: channel.readers,
+            },
+            cause => WireError::transport(format!("becoming a reader of {name}"), cause),
+        })?;
         Ok(Self {
             subscriber,
             _service: service,
@@ -158,6 +176,15 @@ impl<P: Payload + ?Sized> Receiver<P> {
         also: Option<BorrowedFd>,
     ) -> Result<(), WireError> {
         sleep_for_any([self], deadline, also)
+    }
+
+    /// Makes ready for a `poll` on the [`descriptor`](Self::descriptor): how long it may sleep at most; `None` without
+    /// limit, zero if a message waits.
+    pub fn before_poll(&self) -> Result<Option<Duration>, WireError> {
+        if self.attend()? {
+            return Ok(Some(Duration::ZERO));
+        }
+        Ok(self.ear.as_ref().and_then(Ear::longest_sleep))
     }
 
     /// Becomes readable when a message came: for a `poll` of one's own, with a timeout of 100 ms at most, after a
@@ -261,6 +288,13 @@ fn look(
 /// A message in shared memory. Held, it keeps its slot from being used again.
 pub struct Message<P: Payload + ?Sized> {
     sample: Sample<ipc::Service, P, P::Header>,
+}
+
+impl<P: Payload + ?Sized> Message<P> {
+    /// Who sent it.
+    pub(crate) fn writer(&self) -> WriterId {
+        self.sample.origin()
+    }
 }
 
 impl Message<[u8]> {

@@ -146,6 +146,7 @@ fn with_sender<T>(
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.
         pacer: Pacer::new(Pace::Fps(1e-7)).expect("a pace"),
+        keeps_own_pace: false,
         lossless: false,
         missed: 0,
         sent: Sent::default(),

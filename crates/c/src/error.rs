@@ -1,0 +1,137 @@
+#![allow(unsafe_code)] // Functions that C calls by name.
+//! What C is told when something cannot be: a number, and a sentence.
+
+use std::cell::RefCell;
+use std::ffi::{CString, c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use lariat_wire::{NoPrediction, NoShape, WireError};
+
+/// The version of this interface. The shared library is named by it: a program never runs with another one's.
+pub const LARIAT_ABI: u32 = 1;
+
+/// A rig's or a domain's name has other characters than it may.
+pub const LARIAT_ERROR_NAME: c_int = -1;
+/// There is no shared memory, or too little.
+pub const LARIAT_ERROR_MEMORY: c_int = -2;
+/// The chain is another release's.
+pub const LARIAT_ERROR_VERSION: c_int = -3;
+/// The rig has all the readers that it can have.
+pub const LARIAT_ERROR_TOO_MANY: c_int = -4;
+/// The chain is another user's.
+pub const LARIAT_ERROR_PERMISSION: c_int = -5;
+/// The transport failed.
+pub const LARIAT_ERROR_TRANSPORT: c_int = -6;
+/// A pointer is NULL that must not be: a reader, a place for an answer, or the descriptor of a rope that is not seen so.
+pub const LARIAT_ERROR_NULL: c_int = -7;
+/// The chain describes ropes by points or by their center, which are no curve.
+pub const LARIAT_ERROR_NO_CURVE: c_int = -8;
+/// The descriptor's numbers make no curve.
+pub const LARIAT_ERROR_UNREADABLE: c_int = -9;
+/// The curve stands still there, and has no direction.
+pub const LARIAT_ERROR_NO_DIRECTION: c_int = -10;
+/// There is no such rope in the frame.
+pub const LARIAT_ERROR_NO_ROPE: c_int = -11;
+/// Where the rope will be is not known: the sentence says why.
+pub const LARIAT_ERROR_NO_PREDICTION: c_int = -12;
+/// lariat has a fault. Please report the sentence.
+pub const LARIAT_ERROR_FAULT: c_int = -13;
+
+thread_local! {
+    static LAST: RefCell<CString> = RefCell::default();
+}
+
+/// What went wrong last in this thread, as a sentence that says what to do; empty if nothing did. It stays until the next
+/// error in this thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_error() -> *const c_char {
+    LAST.with_borrow(|text| text.as_ptr())
+}
+
+/// The version of the interface that the library has: LARIAT_ABI of its own header.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_abi() -> u32 {
+    LARIAT_ABI
+}
+
+/// The release of lariat that the library is of, as "0.1.0". All processes of a rig are of the same.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_version() -> *const c_char {
+    const VERSION: &std::ffi::CStr = match std::ffi::CStr::from_bytes_with_nul(
+        concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes(),
+    ) {
+        Ok(version) => version,
+        Err(_) => c"",
+    };
+    VERSION.as_ptr()
+}
+
+/// Why a call failed.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    code: c_int,
+    text: String,
+}
+
+impl Failure {
+    pub(crate) fn new(code: c_int, text: impl Into<String>) -> Self {
+        Self {
+            code,
+            text: text.into(),
+        }
+    }
+
+    pub(crate) fn null(what: &str) -> Self {
+        Self::new(LARIAT_ERROR_NULL, format!("{what} is NULL"))
+    }
+}
+
+impl From<WireError> for Failure {
+    fn from(cause: WireError) -> Self {
+        let code = match cause {
+            WireError::RigName(_) | WireError::DomainName(_) => LARIAT_ERROR_NAME,
+            WireError::NoSharedMemory(_) | WireError::TooLittleSpace { .. } => LARIAT_ERROR_MEMORY,
+            WireError::Version { .. } => LARIAT_ERROR_VERSION,
+            WireError::TooManyReaders { .. } => LARIAT_ERROR_TOO_MANY,
+            WireError::Permission { .. } => LARIAT_ERROR_PERMISSION,
+            _ => LARIAT_ERROR_TRANSPORT,
+        };
+        Self::new(code, cause.to_string())
+    }
+}
+
+impl From<NoShape> for Failure {
+    fn from(cause: NoShape) -> Self {
+        let code = match cause {
+            NoShape::FeaturePoints | NoShape::CenterOfMass => LARIAT_ERROR_NO_CURVE,
+            NoShape::Unreadable => LARIAT_ERROR_UNREADABLE,
+        };
+        Self::new(code, cause.to_string())
+    }
+}
+
+impl From<NoPrediction> for Failure {
+    fn from(cause: NoPrediction) -> Self {
+        match cause {
+            NoPrediction::NoShape(cause) => cause.into(),
+            cause => Self::new(LARIAT_ERROR_NO_PREDICTION, cause.to_string()),
+        }
+    }
+}
+
+/// Runs what C asked for: its number, or the failure's, with the sentence left for `lariat_error`. Nothing unwinds into C.
+pub(crate) fn answer(work: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
+    let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
+        let text = cause.downcast_ref::<&str>().copied().map(String::from);
+        let text = text.or_else(|| cause.downcast_ref::<String>().cloned());
+        Err(Failure::new(
+            LARIAT_ERROR_FAULT,
+            format!("lariat has a fault: {}", text.unwrap_or_default()),
+        ))
+    });
+    done.unwrap_or_else(|failure| {
+        // A sentence has no NUL inside; one that had would be no worse for being left out.
+        LAST.set(CString::new(failure.text).unwrap_or_default());
+        failure.code
+    })
+}

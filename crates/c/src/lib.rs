@@ -1,0 +1,21 @@
+//! lariat's reader for control loops in C and C++: `lariat_wire::Reader` behind a plain header.
+//!
+//! What a user has to know stands in `lariat.h`, which is made of this crate's comments. Here: every function that C calls
+//! takes pointers that may be NULL, catches what would unwind, and leaves a sentence for `lariat_error`.
+
+// Names are C's: they stand in the header as they stand here.
+#![allow(non_camel_case_types)]
+// C alone calls these functions, to which `unsafe` says nothing; what it vouches for stands in the header.
+#![allow(clippy::not_unsafe_ptr_arg_deref)]
+
+mod error;
+mod message;
+mod reader;
+mod rope;
+mod shape;
+
+pub use error::*;
+pub use message::*;
+pub use reader::*;
+pub use rope::*;
+pub use shape::*;

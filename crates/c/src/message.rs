@@ -1,0 +1,154 @@
+//! The messages as C has them: the layout of `lariat_wire`'s, held to it field by field.
+
+use std::mem::offset_of;
+
+use lariat_wire as wire;
+
+/// Most ropes in one frame.
+pub const LARIAT_MAX_ROPES: usize = 8;
+/// Most control points of one rope.
+pub const LARIAT_MAX_CONTROL_POINTS: usize = 32;
+
+/// The rope is seen whole (lariat_descriptor.status).
+pub const LARIAT_STATUS_OK: u32 = 1;
+/// A part of it is covered.
+pub const LARIAT_STATUS_PARTIAL: u32 = 2;
+/// It is not seen now: the last known shape.
+pub const LARIAT_STATUS_LOST: u32 = 3;
+
+/// Bernstein polynomials of degree `order` (lariat_descriptor.basis).
+pub const LARIAT_BASIS_BEZIER: u32 = 1;
+/// A clamped B-spline of degree `order`.
+pub const LARIAT_BASIS_BSPLINE: u32 = 2;
+/// Rational Bernstein functions of degree `order`.
+pub const LARIAT_BASIS_RATIONAL: u32 = 3;
+/// A Fourier series of `order` harmonics: closed.
+pub const LARIAT_BASIS_FOURIER: u32 = 4;
+/// Points of the rope: no curve.
+pub const LARIAT_BASIS_POINTS: u32 = 5;
+/// The rope's center: no curve.
+pub const LARIAT_BASIS_MASS: u32 = 6;
+
+/// Pixels of the image as it is (lariat_descriptors.unit).
+pub const LARIAT_UNIT_PX: u32 = 1;
+/// Millimetres on a plane.
+pub const LARIAT_UNIT_MM: u32 = 2;
+/// Pixels that the same camera would see without its lens's distortion.
+pub const LARIAT_UNIT_IDEAL_PX: u32 = 3;
+
+/// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_trace {
+    /// The source's own frame number, from 1.
+    pub sequence: u64,
+    /// How many frames capture has sent, this one included.
+    pub captured: u64,
+    /// How many extract has sent.
+    pub extracted: u64,
+    /// How many fit has sent.
+    pub fitted: u64,
+    /// When the image was taken.
+    pub exposed_ns: u64,
+    /// When capture had the frame ready to send.
+    pub captured_ns: u64,
+    /// When extract began.
+    pub extract_started_ns: u64,
+    /// When extract had its result ready to send.
+    pub extracted_ns: u64,
+    /// When fit began.
+    pub fit_started_ns: u64,
+    /// When fit had its result ready to send.
+    pub fitted_ns: u64,
+}
+
+/// One rope's shape as a few control points, in the message's unit.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_descriptor {
+    /// The rope's number, kept from frame to frame.
+    pub track: u32,
+    /// A LARIAT_STATUS_…
+    pub status: u32,
+    /// A LARIAT_BASIS_…
+    pub basis: u32,
+    /// Degree of the curve; of a Fourier series the number of its harmonics.
+    pub order: u32,
+    /// How many control points are meant: what lies behind them in the arrays is stale.
+    pub count: u32,
+    /// How many points of the centerline were fitted: N.
+    pub samples: u32,
+    /// 1 if the rope is closed.
+    pub closed: u32,
+    /// Which ends leave the image: bit 0 the first, bit 1 the last.
+    pub border: u32,
+    /// Root mean square distance of the points from the curve at their rho.
+    pub rms: f64,
+    /// Largest such distance.
+    pub max: f64,
+    /// Variance of one coordinate's residual, in the unit's square.
+    pub residual_variance: f64,
+    /// Condition number (2-norm) of the regression.
+    pub condition: f64,
+    /// Arc length of the centerline.
+    pub length: f64,
+    /// Median width of the rope.
+    pub width: f64,
+    /// How long before the image the rope was last seen: 0 unless it is lost.
+    pub age_ns: u64,
+    /// How many of the points were covered by something, and so not seen.
+    pub hidden: u32,
+    /// 1 if the control points are filtered in time, and have velocities.
+    pub filtered: u32,
+    /// x, y of each; of a Fourier series the coefficients a0, a1, b1, a2, b2, ...
+    pub control_points: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
+    /// Weights of rational curves; else 1.
+    pub weights: [f64; LARIAT_MAX_CONTROL_POINTS],
+    /// xx, xy, yy of each control point, in the unit's square.
+    pub covariances: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
+    /// Velocity of each control point, in units a second; 0 unless filtered.
+    pub velocities: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
+    /// A B-spline's inner knots, count - order - 1 of them.
+    pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
+}
+
+/// What the chain says of one frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_descriptors {
+    /// The frame's whole way.
+    pub trace: lariat_trace,
+    /// Width of the image in pixels; 0 while the camera gives none.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// How many ropes are meant. 0 is an answer: there is none.
+    pub count: u32,
+    /// A LARIAT_UNIT_…
+    pub unit: u32,
+    /// The ropes.
+    pub ropes: [lariat_descriptor; LARIAT_MAX_ROPES],
+}
+
+macro_rules! same_layout {
+    ($ours:ty, $theirs:ty: $($our:ident = $their:ident),+) => {
+        const _: () = {
+            assert!(size_of::<$ours>() == size_of::<$theirs>());
+            assert!(align_of::<$ours>() == align_of::<$theirs>());
+            $(assert!(offset_of!($ours, $our) == offset_of!($theirs, $their));)+
+        };
+    };
+}
+same_layout!(lariat_trace, wire::Trace: sequence = sequence, captured = captured, extracted = extracted,
+    fitted = fitted, exposed_ns = exposed_ns, captured_ns = captured_ns, extract_started_ns = extract_started_ns,
+    extracted_ns = extracted_ns, fit_started_ns = fit_started_ns, fitted_ns = fitted_ns);
+same_layout!(lariat_descriptor, wire::Descriptor: track = track, status = status, basis = basis, order = order,
+    count = count, samples = samples, closed = closed, border = border, rms = rms, max = max,
+    residual_variance = residual_variance, condition = condition, length = length, width = width, age_ns = age_ns,
+    hidden = hidden, filtered = filtered, control_points = control_points, weights = weights,
+    covariances = covariances, velocities = velocities, knots = knots);
+same_layout!(lariat_descriptors, wire::Descriptors: trace = trace, width = width, height = height, count = count,
+    unit = unit, ropes = curves);
+const _: () = assert!(
+    LARIAT_MAX_ROPES == wire::MAX_CURVES && LARIAT_MAX_CONTROL_POINTS == wire::MAX_CONTROL_POINTS
+);

@@ -1,0 +1,279 @@
+#![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
+//! What is known of a rope.
+
+use std::ffi::{c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+use std::time::Duration;
+
+use lariat_wire::{Absent, Descriptor, Frame, Rope, Seen, Track};
+
+use crate::error::{Failure, LARIAT_ERROR_NO_ROPE, answer};
+use crate::message::lariat_descriptor;
+use crate::reader::{lariat_reader, shown};
+
+/// What is known of a rope. Only LARIAT_FRESH is the rope as it is.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum lariat_seen {
+    /// The reader or the place for the rope is NULL.
+    LARIAT_NO_READER = 0,
+    /// The whole rope, in an image no older than was asked for.
+    LARIAT_FRESH = 1,
+    /// The rope, but a part of it is covered by something: that part is bridged.
+    LARIAT_PARTIAL = 2,
+    /// The image is fresh, and the rope is not in it; or the camera gives no image.
+    LARIAT_LOST = 3,
+    /// The image is older than was asked for: the chain stands still, or is too slow, or has ended.
+    LARIAT_STALE = 4,
+    /// No message has come since the reader was opened.
+    LARIAT_NOTHING_YET = 5,
+    /// The last message is older than was asked for, and this rope is not in it.
+    LARIAT_NOTHING_LATELY = 6,
+    /// The camera gives no image.
+    LARIAT_NO_IMAGE = 7,
+    /// It is not in the image, nor remembered.
+    LARIAT_NO_ROPE = 8,
+    /// The only rope was asked for, and there are several: choose one by its track.
+    LARIAT_SEVERAL = 9,
+    /// The track is of a run of the chain that is over: choose a rope anew.
+    LARIAT_OTHER_RUN = 10,
+    /// Its numbers make no rope. A chain of this release sends none such.
+    LARIAT_UNREADABLE = 11,
+}
+
+use lariat_seen::*;
+
+/// Which rope: its number, and the run of the chain that gave it. A chain that is started anew numbers its ropes anew.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct lariat_track {
+    /// The run, as lariat_run counts it.
+    pub run: u64,
+    /// The rope's number, kept from frame to frame.
+    pub number: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// A rope, and what is known of it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_rope {
+    /// What is known of it: which of the three pointers there is.
+    pub seen: lariat_seen,
+    /// 0.
+    pub reserved: u32,
+    /// LARIAT_FRESH: the rope as it is. Else NULL.
+    pub fresh: *const lariat_descriptor,
+    /// LARIAT_PARTIAL: the rope with a covered part. Else NULL.
+    pub partial: *const lariat_descriptor,
+    /// LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
+    pub last_known: *const lariat_descriptor,
+    /// Which rope it is: give it to lariat_rope_of_track to have the same one again.
+    pub track: lariat_track,
+    /// How long ago it had this shape: since its image was taken, and, of a lost one, since the last that it was seen in.
+    pub age_ns: u64,
+    /// When its image was taken.
+    pub exposed_ns: u64,
+}
+
+impl lariat_rope {
+    fn without(seen: lariat_seen) -> Self {
+        Self {
+            seen,
+            reserved: 0,
+            fresh: ptr::null(),
+            partial: ptr::null(),
+            last_known: ptr::null(),
+            track: lariat_track {
+                run: 0,
+                number: 0,
+                reserved: 0,
+            },
+            age_ns: u64::MAX,
+            exposed_ns: 0,
+        }
+    }
+
+    fn of(seen: Seen) -> Self {
+        let (seen, rope) = match seen {
+            Seen::Fresh(rope) => (LARIAT_FRESH, rope),
+            Seen::Partial(rope) => (LARIAT_PARTIAL, rope),
+            Seen::Lost(last) => (LARIAT_LOST, last.as_it_was()),
+            Seen::Stale(last) => (LARIAT_STALE, last.as_it_was()),
+            Seen::Absent(why) => return Self::without(absent(why)),
+        };
+        // The same layout, which `message` holds it to.
+        let descriptor: *const lariat_descriptor = ptr::from_ref(rope.descriptor()).cast();
+        let only = |case: bool| if case { descriptor } else { ptr::null() };
+        Self {
+            seen,
+            reserved: 0,
+            fresh: only(seen == LARIAT_FRESH),
+            partial: only(seen == LARIAT_PARTIAL),
+            last_known: only(matches!(seen, LARIAT_LOST | LARIAT_STALE)),
+            track: lariat_track {
+                run: rope.track().run(),
+                number: rope.track().number(),
+                reserved: 0,
+            },
+            age_ns: u64::try_from(rope.age().as_nanos()).unwrap_or(u64::MAX),
+            exposed_ns: rope.exposed_ns(),
+        }
+    }
+}
+
+fn absent(why: Absent) -> lariat_seen {
+    match why {
+        Absent::NothingYet => LARIAT_NOTHING_YET,
+        Absent::NothingLately => LARIAT_NOTHING_LATELY,
+        Absent::NoImage => LARIAT_NO_IMAGE,
+        Absent::NoRope => LARIAT_NO_ROPE,
+        Absent::Several => LARIAT_SEVERAL,
+        Absent::OtherRun => LARIAT_OTHER_RUN,
+        _ => LARIAT_UNREADABLE,
+    }
+}
+
+/// Asks the frame that was looked at last, as old as it is now.
+fn ask(
+    reader: *const lariat_reader,
+    rope: *mut lariat_rope,
+    question: impl FnOnce(Frame<'_>) -> Seen<'_>,
+) -> lariat_seen {
+    // SAFETY: C gives a place for a rope, or NULL.
+    let Some(place) = (unsafe { rope.as_mut() }) else {
+        return LARIAT_NO_READER;
+    };
+    *place = lariat_rope::without(LARIAT_NO_READER);
+    let Ok(shown) = shown(reader) else {
+        return LARIAT_NO_READER;
+    };
+    let asked = catch_unwind(AssertUnwindSafe(|| {
+        lariat_rope::of(question(shown.reader.frame()))
+    }));
+    *place = asked.unwrap_or_else(|_| lariat_rope::without(LARIAT_UNREADABLE));
+    place.seen
+}
+
+/// The rope of an image that has one, as it is known now. With several, seen or lost, it is none of them (LARIAT_SEVERAL): then
+/// choose one by lariat_rope_at, and ask for its track.
+///
+/// `max_age_ns`: how old the image may be. Older, the rope is LARIAT_STALE.
+///
+/// Returns what is known, which stands in `rope` too.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_only_rope(
+    reader: *const lariat_reader,
+    max_age_ns: u64,
+    rope: *mut lariat_rope,
+) -> lariat_seen {
+    let max_age = Duration::from_nanos(max_age_ns);
+    ask(reader, rope, |frame| frame.only_rope(max_age))
+}
+
+/// The rope of this track, and no other. Returns as lariat_only_rope.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_rope_of_track(
+    reader: *const lariat_reader,
+    track: lariat_track,
+    max_age_ns: u64,
+    rope: *mut lariat_rope,
+) -> lariat_seen {
+    let max_age = Duration::from_nanos(max_age_ns);
+    let track = Track::new(track.run, track.number);
+    ask(reader, rope, |frame| frame.rope(track, max_age))
+}
+
+/// The rope at a place of the message, from 0: for a look at all of them, as their order is no promise. Behind the last there
+/// is LARIAT_NO_ROPE. Returns as lariat_only_rope.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_rope_at(
+    reader: *const lariat_reader,
+    index: u32,
+    max_age_ns: u64,
+    rope: *mut lariat_rope,
+) -> lariat_seen {
+    let max_age = Duration::from_nanos(max_age_ns);
+    ask(reader, rope, |frame| {
+        let mut ropes = frame.ropes(max_age);
+        ropes
+            .nth(index as usize)
+            .unwrap_or(Seen::Absent(Absent::NoRope))
+    })
+}
+
+/// What is known (a lariat_seen), as words for a log.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
+    // A number, as C's enumerations hold any.
+    const ALL: [lariat_seen; 12] = [
+        LARIAT_NO_READER,
+        LARIAT_FRESH,
+        LARIAT_PARTIAL,
+        LARIAT_LOST,
+        LARIAT_STALE,
+        LARIAT_NOTHING_YET,
+        LARIAT_NOTHING_LATELY,
+        LARIAT_NO_IMAGE,
+        LARIAT_NO_ROPE,
+        LARIAT_SEVERAL,
+        LARIAT_OTHER_RUN,
+        LARIAT_UNREADABLE,
+    ];
+    let known = ALL.into_iter().find(|known| *known as c_int == seen);
+    let Some(known) = known else {
+        return c"no lariat_seen".as_ptr();
+    };
+    let text = match known {
+        LARIAT_NO_READER => c"the reader or the place for the rope is NULL",
+        LARIAT_FRESH => c"the rope is seen whole",
+        LARIAT_PARTIAL => c"a part of the rope is covered",
+        LARIAT_LOST => c"the rope is out of sight",
+        LARIAT_STALE => c"the last image of the rope is too old",
+        LARIAT_NOTHING_YET => c"nothing came yet: the chain does not run, or has just been joined",
+        LARIAT_NOTHING_LATELY => c"nothing came lately: the chain stands still, or has ended",
+        LARIAT_NO_IMAGE => c"the camera gives no image",
+        LARIAT_NO_ROPE => c"there is no such rope in the image",
+        LARIAT_SEVERAL => c"there are several ropes: choose one by its track",
+        LARIAT_OTHER_RUN => {
+            c"the chain was started anew, and numbers ropes anew: choose the rope again"
+        }
+        LARIAT_UNREADABLE => {
+            c"the message makes no sense: use the same release of lariat for every process"
+        }
+    };
+    text.as_ptr()
+}
+
+/// Where the rope of this track will be at `t_ns`, by its velocities (the chain runs with --filter), and how uncertain: a
+/// descriptor like the frame's, with the control points and covariances of then. From the image to 0.5 s after it. A rope that
+/// is lost or stale is predicted too, from its last image: ask what is known of it first.
+///
+/// Returns 0, or an error; `ahead` is then without control points.
+#[unsafe(no_mangle)]
+#[must_use]
+pub extern "C" fn lariat_predict(
+    reader: *const lariat_reader,
+    track: lariat_track,
+    t_ns: u64,
+    ahead: *mut lariat_descriptor,
+) -> c_int {
+    answer(|| {
+        // SAFETY: C gives a place for a descriptor, or NULL; of the same layout as ours, which `message` holds it to.
+        let place = unsafe { ahead.cast::<Descriptor>().as_mut() };
+        let place = place.ok_or_else(|| Failure::null("the place for the descriptor"))?;
+        *place = Descriptor::EMPTY;
+        let track = Track::new(track.run, track.number);
+        let seen = shown(reader)?.reader.frame().rope(track, Duration::MAX);
+        let rope: Rope = match seen {
+            Seen::Fresh(rope) | Seen::Partial(rope) => rope,
+            Seen::Lost(last) | Seen::Stale(last) => last.as_it_was(),
+            Seen::Absent(why) => return Err(Failure::new(LARIAT_ERROR_NO_ROPE, why.to_string())),
+        };
+        *place = rope.predict(t_ns)?.to_descriptor();
+        Ok(0)
+    })
+}

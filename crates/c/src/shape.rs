@@ -1,0 +1,157 @@
+#![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
+//! What a control law asks of a rope's curve.
+
+use std::ffi::c_int;
+use std::slice;
+
+use lariat_wire::{Descriptor, Shape};
+
+use crate::error::{Failure, LARIAT_ERROR_NO_DIRECTION, answer};
+use crate::message::lariat_descriptor;
+
+/// The curve of a descriptor that may be NULL.
+fn curve<'a>(rope: *const lariat_descriptor) -> Result<Shape<'a>, Failure> {
+    // SAFETY: C gives a descriptor of its own, or one that a reader still holds; of the same layout as ours, which `message`
+    // holds it to, where every bit pattern is a value.
+    let descriptor = unsafe { rope.cast::<Descriptor>().as_ref() };
+    let descriptor = descriptor.ok_or_else(|| Failure::null("the rope's descriptor"))?;
+    Ok(Shape::of(descriptor)?)
+}
+
+/// The place for an answer, filled with NaN until there is one.
+fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64], Failure> {
+    if numbers.is_null() {
+        return Err(Failure::null("the place for the answer"));
+    }
+    // SAFETY: C gives room for as many numbers as the function's comment says; NULL was told from it.
+    let place = unsafe { slice::from_raw_parts_mut(numbers, count) };
+    place.fill(f64::NAN);
+    Ok(place)
+}
+
+/// Writes the numbers that `work` finds of the curve.
+fn evaluate<const N: usize>(
+    rope: *const lariat_descriptor,
+    numbers: *mut f64,
+    work: impl FnOnce(&Shape) -> Option<[f64; N]>,
+) -> c_int {
+    answer(|| {
+        let place = place(numbers, N)?;
+        let found = work(&curve(rope)?).ok_or_else(|| {
+            Failure::new(
+                LARIAT_ERROR_NO_DIRECTION,
+                "the curve stands still there, and has no direction: its control points lie one upon the other",
+            )
+        })?;
+        place.copy_from_slice(&found);
+        Ok(0)
+    })
+}
+
+/// The point of the curve at `rho`: `xy` is two numbers.
+///
+/// This and all that follow return 0, or an error; the answer is NaN then.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_point_at(rope: *const lariat_descriptor, rho: f64, xy: *mut f64) -> c_int {
+    evaluate(rope, xy, |curve| Some(curve.point_at(rho)))
+}
+
+/// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xy` is
+/// `2 * count` numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_points(
+    rope: *const lariat_descriptor,
+    count: usize,
+    xy: *mut f64,
+) -> c_int {
+    answer(|| {
+        let place = place(xy, 2 * count)?;
+        let curve = curve(rope)?;
+        for (i, point) in place.chunks_exact_mut(2).enumerate() {
+            point.copy_from_slice(&curve.point_at(curve.even_rho(i, count)));
+        }
+        Ok(0)
+    })
+}
+
+/// The velocity by rho at `rho`: `xy` is two numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_derivative_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    xy: *mut f64,
+) -> c_int {
+    evaluate(rope, xy, |curve| Some(curve.derivative_at(rho)))
+}
+
+/// The direction in which the curve goes at `rho`, of length 1: `xy` is two numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_tangent_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    xy: *mut f64,
+) -> c_int {
+    evaluate(rope, xy, |curve| curve.tangent_at(rho))
+}
+
+/// The direction across it, the tangent turned from the x axis towards the y axis: `xy` is two numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_normal_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    xy: *mut f64,
+) -> c_int {
+    evaluate(rope, xy, |curve| curve.normal_at(rho))
+}
+
+/// One by the radius of the circle that the curve follows at `rho`, positive where it turns towards its normal: one number.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_curvature_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    curvature: *mut f64,
+) -> c_int {
+    evaluate(rope, curvature, |curve| {
+        curve.curvature_at(rho).map(|bend| [bend])
+    })
+}
+
+/// How much the point at `rho` moves with each control point, the same for x and y: `values` is `rope->count` numbers. Of a
+/// rope without a curve they are not written.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_jacobian_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    values: *mut f64,
+) -> c_int {
+    answer(|| {
+        let jacobian = curve(rope)?.jacobian_at(rho);
+        place(values, jacobian.len())?.copy_from_slice(&jacobian);
+        Ok(0)
+    })
+}
+
+/// How uncertain the point at `rho` is, in the unit's square: `covariance` is three numbers, xx, xy, yy.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_covariance_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    covariance: *mut f64,
+) -> c_int {
+    evaluate(rope, covariance, |curve| Some(curve.covariance_at(rho)))
+}
+
+/// How uncertain all control points are together: of the vector x0, y0, x1, y1, ..., row by row; `matrix` is the square of
+/// `2 * rope->count` numbers.
+///
+/// Returns 1 if it is that of plain least squares or of its filter, and so right to rounding; 0 if not (ridge, pinned ends,
+/// weights, a plane, rational curves): then each control point's own is right, and how two of them hang together is that of the
+/// plain fit. Or an error; the answer is then not written.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_covariance(rope: *const lariat_descriptor, matrix: *mut f64) -> c_int {
+    answer(|| {
+        let covariance = curve(rope)?.covariance();
+        covariance.write_to(place(matrix, covariance.size() * covariance.size())?);
+        Ok(covariance.is_exact().into())
+    })
+}

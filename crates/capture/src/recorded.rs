@@ -1,0 +1,307 @@
+//! A recording as a source: its frames as they came, at their own pace if nobody says otherwise, with the truth where it
+//! was recorded.
+//!
+//! What was lost then is lost again: the numbers have the same gaps. What had no image has none now.
+
+mod lookahead;
+
+use std::path::{Path, PathBuf};
+
+use lariat_record::{Entry, Messages, Pixels, Place, Recording, Span};
+use lariat_wire::{Centerlines, FrameHeader, PixelFormat, SourceKind};
+
+use crate::ahead::{Ahead, Decode, Layout, Moment, Plan, Step};
+use crate::picture::PictureDecoder;
+use crate::range::{Position, Range};
+use crate::source::SourceError;
+use lookahead::Lookahead;
+
+/// Which part of a recording to show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingOptions {
+    /// The file.
+    pub path: PathBuf,
+    /// Numbers are frames' places among those that were recorded; times count from the beginning. Of what is left each
+    /// how-manieth *moment* of the source is shown, so that a frame that was lost then is not made up for by its neighbour.
+    pub range: Range,
+    /// Whether to begin again after the last frame.
+    pub looped: bool,
+}
+
+/// Opens a recording.
+pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, SourceError> {
+    let path = &options.path;
+    let unfit = |error: &dyn std::error::Error| SourceError::Recording {
+        path: path.clone(),
+        what: with_causes(error),
+    };
+    let recording = Recording::open(path).map_err(|error| unfit(&error))?;
+    let topics = recording.topics().map_err(|error| unfit(&error))?;
+    let images = topics
+        .iter()
+        .filter(|topic| recording.images() == Some(&topic.name));
+    let (mut largest, mut total_bytes) = (0, 0);
+    for topic in images {
+        largest = largest.max(topic.largest);
+        total_bytes += topic.bytes;
+    }
+    if largest == 0 {
+        return Err(SourceError::Recording {
+            path: path.clone(),
+            what: "it holds no image: record with them to see them again".to_owned(),
+        });
+    }
+    let span = span_of(&options.range)?;
+    let messages = recording.messages(span).map_err(|error| unfit(&error))?;
+    let mut first = recording.messages(span).map_err(|error| unfit(&error))?;
+    let Opening { kind, unpacked } = Opening::of(&mut first);
+    // A picture file tells its size by itself; the others are taken to be no larger.
+    let (largest, total_bytes) = match unpacked {
+        Some(bytes) => (bytes as u64, u64::MAX),
+        None => (largest, total_bytes),
+    };
+    let has_truth = topics
+        .iter()
+        .any(|topic| topic.name.ends_with("/truth") && topic.messages > 0);
+    let plan = Plan {
+        kind,
+        largest_frame_bytes: usize::try_from(largest).unwrap_or(usize::MAX),
+        native_fps: None,
+        looped: options.looped,
+        has_truth,
+        total_bytes,
+        warnings: recording.cut_off().map(str::to_owned).into_iter().collect(),
+        news: None,
+    };
+    let recorded = Recorded {
+        path: path.clone(),
+        recording,
+        span,
+        every: options.range.every.get(),
+        messages,
+        is_fresh: true,
+        pictures: PictureDecoder::default(),
+        lookahead: Lookahead::new(has_truth),
+        last: None,
+    };
+    Ahead::start(recorded, plan)
+}
+
+/// An error with what caused it, as one sentence.
+fn with_causes(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    let causes: Vec<_> = causes.map(ToString::to_string).collect();
+    causes.join(": ")
+}
+
+fn span_of(range: &Range) -> Result<Span, SourceError> {
+    // Only to see whether it is one: the two may be a number and a time.
+    if let (Some(Position::Frame(_)), Some(Position::Frame(_))) = (range.from, range.to) {
+        range.frames(None)?;
+    }
+    if let (Some(Position::Time(_)), Some(Position::Time(_))) = (range.from, range.to) {
+        range.frames(Some(1e9))?;
+    }
+    let place = |position, behind| match position {
+        Position::Frame(number) => Place::Frame(u64::saturating_add(number, behind)),
+        Position::Time(time) => Place::After(time),
+    };
+    Ok(Span {
+        from: range.from.map(|from| place(from, 0)),
+        // A number is that of the last frame, and a span's end is behind it.
+        to: range.to.map(|to| place(to, 1)),
+    })
+}
+
+/// What the first frame with an image tells.
+struct Opening {
+    kind: SourceKind,
+    /// Bytes of its pixels, if it is a picture file.
+    unpacked: Option<usize>,
+}
+
+impl Opening {
+    fn of(messages: &mut Messages) -> Self {
+        let mut opening = Self {
+            kind: SourceKind::Files,
+            unpacked: None,
+        };
+        // What is damaged is said when its turn comes.
+        while let Ok(Some(frame)) = messages.next_frame() {
+            opening.kind = kind_of(frame.header.source);
+            match frame.pixels {
+                Pixels::None => continue,
+                Pixels::Raw(_) => {}
+                Pixels::Png(file) | Pixels::Jpeg(file) => {
+                    let size = PictureDecoder::size(Path::new("a picture"), file);
+                    opening.unpacked = Some(size.unwrap_or(0));
+                }
+            }
+            break;
+        }
+        opening
+    }
+}
+
+/// What the recorded source was.
+fn kind_of(code: u32) -> SourceKind {
+    [SourceKind::Rendered, SourceKind::Video, SourceKind::Camera]
+        .into_iter()
+        .find(|kind| *kind as u32 == code)
+        .unwrap_or(SourceKind::Files)
+}
+
+/// A recording that is being read.
+struct Recorded {
+    path: PathBuf,
+    recording: Recording,
+    span: Span,
+    every: u64,
+    messages: Messages,
+    /// Whether nothing has been read since the last rewind.
+    is_fresh: bool,
+    pictures: PictureDecoder,
+    lookahead: Lookahead,
+    last: Option<Last>,
+}
+
+/// The frame that was read last, shown or not, as of the pass's first.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    sequence: u64,
+    /// How many frames of the source it came after the first.
+    steps: u64,
+    first_exposed_ns: u64,
+    after_ns: u64,
+}
+
+/// Where the next frame stands; none if it is left out.
+fn place(last: &mut Option<Last>, every: u64, frame: &FrameHeader) -> Option<Moment> {
+    let trace = &frame.trace;
+    let now = match *last {
+        None => Last {
+            sequence: trace.sequence,
+            steps: 0,
+            first_exposed_ns: trace.exposed_ns,
+            after_ns: 0,
+        },
+        Some(last) => {
+            // A source that was begun anew while it was recorded counts from 1 again.
+            let step = trace.sequence.checked_sub(last.sequence);
+            let after_ns = trace.exposed_ns.saturating_sub(last.first_exposed_ns);
+            Last {
+                sequence: trace.sequence,
+                steps: last
+                    .steps
+                    .saturating_add(step.map_or(1, |step| step.max(1))),
+                // A clock that was set back does not take the frames back.
+                after_ns: after_ns.max(last.after_ns + 1),
+                ..last
+            }
+        }
+    };
+    *last = Some(now);
+    let is_shown = now.steps.is_multiple_of(every);
+    is_shown.then_some(Moment {
+        number: now.steps / every + 1,
+        after_ns: now.after_ns,
+    })
+}
+
+/// Writes a recorded frame's pixels where they belong.
+fn fill(
+    header: &FrameHeader,
+    recorded: Pixels,
+    pictures: &mut PictureDecoder,
+    pixels: &mut [u8],
+) -> Result<Layout, String> {
+    let sequence = header.trace.sequence;
+    match recorded {
+        Pixels::None if header.is_blank() => Ok(Layout {
+            width: 0,
+            height: 0,
+            stride: 0,
+            format: PixelFormat::Gray8,
+        }),
+        Pixels::None => Err("the images of some frames were not recorded".to_owned()),
+        Pixels::Raw(bytes) => {
+            let format = header.format();
+            let (Some(format), Some(room)) = (format, pixels.get_mut(..bytes.len())) else {
+                return Err(format!("frame {sequence} is larger than room was made for"));
+            };
+            room.copy_from_slice(bytes);
+            Ok(Layout {
+                width: header.width,
+                height: header.height,
+                stride: header.stride,
+                format,
+            })
+        }
+        Pixels::Png(file) | Pixels::Jpeg(file) => {
+            let name = format!("the picture of frame {sequence}");
+            pictures.decode_file(Path::new(&name), file, pixels)
+        }
+    }
+}
+
+impl Decode for Recorded {
+    fn rewind(&mut self) -> Result<(), SourceError> {
+        if !std::mem::replace(&mut self.is_fresh, true) {
+            self.messages =
+                self.recording
+                    .messages(self.span)
+                    .map_err(|error| SourceError::Recording {
+                        path: self.path.clone(),
+                        what: with_causes(&error),
+                    })?;
+            self.lookahead.clear();
+            self.last = None;
+        }
+        Ok(())
+    }
+
+    fn decode(&mut self, pixels: &mut [u8]) -> Step {
+        self.is_fresh = false;
+        let about = |what: &str| Step::Wrong(format!("{}: {what}", self.path.display()));
+        loop {
+            let stashed = self.lookahead.next_frame();
+            let (header, recorded) = match &stashed {
+                Some(stashed) => (stashed.header, stashed.pixels()),
+                None => match self.messages.next() {
+                    Ok(None) => return Step::End(None),
+                    Err(error) => return about(&with_causes(&error)),
+                    Ok(Some(Entry::Frame(frame))) => (frame.header, frame.pixels),
+                    Ok(Some(Entry::Truth(truth))) => {
+                        self.lookahead.truth_came(truth);
+                        continue;
+                    }
+                    Ok(Some(_)) => continue,
+                },
+            };
+            let moment = place(&mut self.last, self.every, &header);
+            let filled = moment.map(|_| fill(&header, recorded, &mut self.pictures, pixels));
+            if let Some(stashed) = stashed {
+                self.lookahead.keep_room(stashed);
+            }
+            match moment.zip(filled) {
+                None => {}
+                Some((_, Err(reason))) => return about(&reason),
+                Some((moment, Ok(layout))) => {
+                    self.lookahead.look_for_truth(&header, &mut self.messages);
+                    return Step::Recorded(layout, moment);
+                }
+            }
+        }
+    }
+
+    fn truth(&mut self, truth: &mut Centerlines) -> bool {
+        self.lookahead.truth(truth)
+    }
+
+    fn nothing(&self) -> SourceError {
+        SourceError::Recording {
+            path: self.path.clone(),
+            what: "there is no frame in the part that was asked for".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! What a recording says of itself.
+
+use std::collections::BTreeMap;
+
+use super::error::RecordingError;
+use super::index::Index;
+use super::layout::{HEAD_BYTES, metadata};
+use super::storage::Storage;
+
+/// The name of lariat's metadata.
+pub const METADATA: &str = "lariat";
+
+/// What stands in a recording's metadata: nothing, if lariat did not make it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct About(BTreeMap<String, String>);
+
+impl About {
+    pub(super) fn read(storage: &dyn Storage, index: &Index) -> Result<Self, RecordingError> {
+        let mut about = Self::default();
+        let mut buffer = Vec::new();
+        for placed in &index.metadata {
+            let Some(bytes) = placed.length.checked_sub(HEAD_BYTES) else {
+                continue;
+            };
+            let Some(at) = placed.offset.checked_add(HEAD_BYTES) else {
+                continue;
+            };
+            storage.read_into(at, bytes, &mut buffer)?;
+            if let Some((METADATA, entries)) = metadata(&buffer) {
+                let entries = entries.map(|(key, value)| (key.to_owned(), value.to_owned()));
+                // What is known at the end is said again, and holds.
+                about.0.extend(entries);
+            }
+        }
+        Ok(about)
+    }
+
+    /// What it says of this.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.0.get(key).map(String::as_str)
+    }
+
+    /// All that it says, in the keys' order.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(key, value)| (&key[..], &value[..]))
+    }
+
+    /// The release of lariat that made it.
+    pub fn version(&self) -> Option<&str> {
+        self.get("version")
+    }
+
+    /// What is added to a moment of `CLOCK_MONOTONIC` for a log time.
+    pub fn monotonic_to_wall_ns(&self) -> Option<i64> {
+        self.get("monotonic_to_wall_ns")?.parse().ok()
+    }
+}

@@ -1,0 +1,420 @@
+//! Messages, one after the other in the order in which they were written.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use lariat_wire::{Centerlines, Descriptors, FrameHeader, SourceKind, Trace};
+
+use super::chunk::Unpacker;
+use super::entry::{Entry, Frame, Pixels};
+use super::error::RecordingError;
+use super::index::Index;
+use super::layout::{Message, Records, kind};
+use super::storage::Storage;
+use super::topics::{Kind, Topics};
+use crate::cdr::CdrError;
+use crate::{CompressedImageRecord, ImageRecord, Losses, Record};
+
+/// What a frame's messages may come later than the next frames, at most: behind the end of a time span they are looked for
+/// as long.
+const LATE_NS: u64 = 2_000_000_000;
+
+/// A recording, as its cursors share it.
+#[derive(Clone)]
+pub(super) struct Source {
+    pub(super) storage: Arc<dyn Storage>,
+    pub(super) index: Arc<Index>,
+    pub(super) topics: Arc<Topics>,
+    /// What turns a moment of a trace into a log time; without it, a message's own log time counts.
+    pub(super) offset_ns: Option<i64>,
+}
+
+/// A cursor over a recording's messages. Chunks are unpacked one by one, into memory that is kept: once warm, a message
+/// costs no allocation.
+pub struct Messages {
+    source: Source,
+    unpacker: Unpacker,
+    /// Log times of the frames that are wanted; the other messages are wanted with their frame.
+    span_ns: Range<u64>,
+    /// The next part.
+    part: usize,
+    /// Where among the loaded part's records the next is.
+    at: usize,
+    /// A header whose image is still to come, with its log time; and the same of a mask.
+    frame: Option<(FrameHeader, u64)>,
+    mask: Option<(FrameHeader, u64)>,
+    /// How many frames without headers there were.
+    counted: u64,
+    scratch: Box<Scratch>,
+}
+
+/// Messages are decoded into these.
+struct Scratch {
+    header: FrameHeader,
+    centerlines: Centerlines,
+    descriptors: Descriptors,
+    losses: Losses,
+}
+
+/// What was found, so that it can be lent once the search is over.
+enum Found {
+    Frame(FoundFrame),
+    Centerlines,
+    Truth,
+    Descriptors,
+    Losses,
+}
+
+struct FoundFrame {
+    header: FrameHeader,
+    log_time_ns: u64,
+    side: Side,
+    bytes: Bytes,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Frame,
+    Mask,
+}
+
+/// Where among the loaded part's records a frame's bytes are, and what they are.
+#[derive(Debug, Clone)]
+enum Bytes {
+    None,
+    Raw(Range<usize>),
+    Png(Range<usize>),
+    Jpeg(Range<usize>),
+}
+
+impl FoundFrame {
+    fn lend(self, records: &[u8]) -> Frame<'_> {
+        Frame {
+            header: self.header,
+            log_time_ns: self.log_time_ns,
+            pixels: match self.bytes {
+                Bytes::None => Pixels::None,
+                Bytes::Raw(range) => Pixels::Raw(&records[range]),
+                Bytes::Png(range) => Pixels::Png(&records[range]),
+                Bytes::Jpeg(range) => Pixels::Jpeg(&records[range]),
+            },
+        }
+    }
+}
+
+impl Messages {
+    pub(super) fn new(source: Source, span_ns: Range<u64>, counted: u64) -> Self {
+        Self {
+            unpacker: Unpacker::new(source.storage.clone()),
+            source,
+            span_ns,
+            part: 0,
+            at: 0,
+            frame: None,
+            mask: None,
+            counted,
+            scratch: Box::new(Scratch {
+                header: FrameHeader::default(),
+                centerlines: Centerlines::EMPTY,
+                descriptors: Descriptors::EMPTY,
+                losses: Losses::default(),
+            }),
+        }
+    }
+
+    /// The next message; `None` after the last. After an error the next call goes on behind what is damaged.
+    ///
+    /// # Errors
+    /// A chunk or a message is damaged.
+    #[allow(clippy::should_implement_trait)] // What is lent lives until the next call.
+    pub fn next(&mut self) -> Result<Option<Entry<'_>>, RecordingError> {
+        let Some(found) = self.find()? else {
+            return Ok(None);
+        };
+        let scratch = &self.scratch;
+        Ok(Some(match found {
+            Found::Centerlines => Entry::Centerlines(&scratch.centerlines),
+            Found::Truth => Entry::Truth(&scratch.centerlines),
+            Found::Descriptors => Entry::Descriptors(&scratch.descriptors),
+            Found::Losses => Entry::Losses(&scratch.losses),
+            Found::Frame(frame) => match frame.side {
+                Side::Frame => Entry::Frame(frame.lend(self.unpacker.records())),
+                Side::Mask => Entry::Mask(frame.lend(self.unpacker.records())),
+            },
+        }))
+    }
+
+    /// The next frame; other messages are passed over.
+    ///
+    /// # Errors
+    /// As [`next`](Self::next).
+    pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, RecordingError> {
+        loop {
+            match self.find()? {
+                None => return Ok(None),
+                Some(Found::Frame(frame)) if frame.side == Side::Frame => {
+                    return Ok(Some(frame.lend(self.unpacker.records())));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn find(&mut self) -> Result<Option<Found>, RecordingError> {
+        loop {
+            if let Some((header, log_time_ns)) = self.frame.filter(|(held, _)| held.is_blank()) {
+                self.frame = None;
+                return Ok(without_image(header, log_time_ns, Side::Frame));
+            }
+            let Some((channel, log_time_ns, range)) = self.next_message()? else {
+                // Their images never came.
+                let (side, held) = match (self.frame.take(), self.mask.take()) {
+                    (Some(frame), mask) => {
+                        self.mask = mask;
+                        (Side::Frame, frame)
+                    }
+                    (None, Some(mask)) => (Side::Mask, mask),
+                    (None, None) => return Ok(None),
+                };
+                return Ok(without_image(held.0, held.1, side));
+            };
+            let Some(kind) = self.source.topics.kind(channel) else {
+                continue;
+            };
+            let found = self.take(kind, log_time_ns, range);
+            if let Some(found) = found.map_err(|why| self.about(channel, why))? {
+                return Ok(Some(found));
+            }
+        }
+    }
+
+    fn about(&self, channel: u16, why: Wrong) -> RecordingError {
+        let listed = self.source.index.channels.get(&channel);
+        let topic = listed.map_or_else(String::new, |listed| listed.topic.clone());
+        match why {
+            Wrong::Cdr(why) => RecordingError::Message { topic, why },
+            Wrong::Image => RecordingError::Image { topic },
+            Wrong::Encoding(encoding) => RecordingError::Encoding { topic, encoding },
+        }
+    }
+
+    /// The next message of any kind: its channel, its log time, and where its bytes are.
+    fn next_message(&mut self) -> Result<Option<(u16, u64, Range<usize>)>, RecordingError> {
+        loop {
+            let records = self.unpacker.records();
+            let mut walk = Records::new(&records[self.at..]);
+            let next = walk.next();
+            let behind = records.len() - walk.0.0.len();
+            match next {
+                Some((kind::MESSAGE, record)) => {
+                    self.at = behind;
+                    if let Some(message) = Message::read(record) {
+                        let range = behind - message.bytes.len()..behind;
+                        return Ok(Some((message.channel, message.log_time_ns, range)));
+                    }
+                }
+                Some(_) => self.at = behind,
+                None => {
+                    if !self.load_next()? {
+                        return Ok(None);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Loads the next part that can hold something that is wanted; `false` behind the last.
+    fn load_next(&mut self) -> Result<bool, RecordingError> {
+        let last_ns = self.span_ns.end.saturating_add(LATE_NS);
+        while let Some(indexed) = self.source.index.parts.get(self.part) {
+            self.part += 1;
+            if indexed.end_ns >= self.span_ns.start && indexed.start_ns < last_ns {
+                self.at = 0;
+                self.unpacker.load(indexed.part)?;
+                return Ok(true);
+            }
+        }
+        self.at = self.unpacker.records().len();
+        Ok(false)
+    }
+
+    /// Reads a message; `None` if it is not wanted, or waits for another.
+    fn take(
+        &mut self,
+        kind: Kind,
+        log_time_ns: u64,
+        range: Range<usize>,
+    ) -> Result<Option<Found>, Wrong> {
+        let bytes = &self.unpacker.records()[range.clone()];
+        let scratch = &mut *self.scratch;
+        let found = match kind {
+            Kind::FrameHeader | Kind::MaskHeader => {
+                scratch.header.decode(bytes)?;
+                return Ok(self.take_header(kind, log_time_ns));
+            }
+            Kind::Image | Kind::Picture | Kind::MaskImage | Kind::MaskPicture => {
+                return self.take_image(kind, log_time_ns, range);
+            }
+            Kind::Centerlines => {
+                scratch.centerlines.decode(bytes)?;
+                (Found::Centerlines, Some(scratch.centerlines.trace))
+            }
+            Kind::Truth => {
+                scratch.centerlines.decode(bytes)?;
+                (Found::Truth, Some(scratch.centerlines.trace))
+            }
+            Kind::Descriptors => {
+                scratch.descriptors.decode(bytes)?;
+                (Found::Descriptors, Some(scratch.descriptors.trace))
+            }
+            Kind::Losses => {
+                scratch.losses.decode(bytes)?;
+                (Found::Losses, None)
+            }
+        };
+        let (found, trace) = found;
+        Ok(Some(found).filter(|_| self.is_wanted(trace.as_ref(), log_time_ns)))
+    }
+
+    /// Whether a message's frame lies within the span.
+    fn is_wanted(&self, trace: Option<&Trace>, log_time_ns: u64) -> bool {
+        let of_frame = trace.zip(self.source.offset_ns);
+        let at_ns = of_frame.map(|(trace, offset)| trace.captured_ns.wrapping_add_signed(offset));
+        self.span_ns.contains(&at_ns.unwrap_or(log_time_ns))
+    }
+
+    /// Holds a header until its image comes. One that was held till now has none.
+    fn take_header(&mut self, kind: Kind, log_time_ns: u64) -> Option<Found> {
+        let header = self.scratch.header;
+        let (held, side) = match kind {
+            Kind::MaskHeader => (&mut self.mask, Side::Mask),
+            _ => (&mut self.frame, Side::Frame),
+        };
+        if !self.span_ns.contains(&log_time_ns) {
+            return None;
+        }
+        let (before, before_ns) = held.replace((header, log_time_ns))?;
+        without_image(before, before_ns, side)
+    }
+
+    fn take_image(
+        &mut self,
+        kind: Kind,
+        log_time_ns: u64,
+        range: Range<usize>,
+    ) -> Result<Option<Found>, Wrong> {
+        let (side, held) = match kind {
+            Kind::MaskImage | Kind::MaskPicture => (Side::Mask, &mut self.mask),
+            _ => (Side::Frame, &mut self.frame),
+        };
+        let held = held.take_if(|(_, header_ns)| *header_ns == log_time_ns);
+        let has_header = self.source.topics.has_headers || side == Side::Mask;
+        if held.is_none() && (has_header || !self.span_ns.contains(&log_time_ns)) {
+            return Ok(None);
+        }
+        let records = self.unpacker.records();
+        let cdr = &records[range];
+        let known = held.map(|(header, _)| header);
+        let (header, bytes) = match kind {
+            Kind::Image | Kind::MaskImage => raw(ImageRecord::decode(cdr)?, known, records)?,
+            _ => picture(CompressedImageRecord::decode(cdr)?, known, records)?,
+        };
+        let mut header = header;
+        if known.is_none() {
+            self.counted += 1;
+            header.trace.sequence = self.counted;
+            header.trace.captured = self.counted;
+        }
+        Ok(Some(Found::Frame(FoundFrame {
+            header,
+            log_time_ns,
+            side,
+            bytes,
+        })))
+    }
+}
+
+/// What is wrong with a message.
+enum Wrong {
+    Cdr(CdrError),
+    Image,
+    Encoding(String),
+}
+
+impl From<CdrError> for Wrong {
+    fn from(why: CdrError) -> Self {
+        Self::Cdr(why)
+    }
+}
+
+fn without_image(header: FrameHeader, log_time_ns: u64, side: Side) -> Option<Found> {
+    Some(Found::Frame(FoundFrame {
+        header,
+        log_time_ns,
+        side,
+        bytes: Bytes::None,
+    }))
+}
+
+/// Where a part of a buffer lies in it.
+fn place(part: &[u8], whole: &[u8]) -> Range<usize> {
+    let begin = part.as_ptr().addr() - whole.as_ptr().addr();
+    begin..begin + part.len()
+}
+
+/// An image as it is, with the header that came before it, or one made of what it says itself.
+fn raw(
+    image: ImageRecord,
+    known: Option<FrameHeader>,
+    records: &[u8],
+) -> Result<(FrameHeader, Bytes), Wrong> {
+    let Some(format) = image.format() else {
+        return Err(Wrong::Encoding(image.encoding.to_owned()));
+    };
+    let of_image = FrameHeader {
+        width: image.width,
+        height: image.height,
+        stride: image.step,
+        pixel_format: format as u32,
+        ..known.unwrap_or_else(|| header_of(image.stamp_ns))
+    };
+    let agrees = known.is_none_or(|known| {
+        let size = (known.width, known.height, known.pixel_format);
+        size == (of_image.width, of_image.height, of_image.pixel_format)
+    });
+    if !image.is_whole() || !agrees {
+        return Err(Wrong::Image);
+    }
+    Ok((of_image, Bytes::Raw(place(image.data, records))))
+}
+
+fn picture(
+    picture: CompressedImageRecord,
+    known: Option<FrameHeader>,
+    records: &[u8],
+) -> Result<(FrameHeader, Bytes), Wrong> {
+    let header = known.unwrap_or_else(|| header_of(picture.stamp_ns));
+    let range = place(picture.data, records);
+    // ROS says the like of `rgb8; jpeg compressed bgr8`.
+    let is = |name: &str| picture.format.contains(name);
+    if is("png") {
+        Ok((header, Bytes::Png(range)))
+    } else if is("jpeg") || is("jpg") {
+        Ok((header, Bytes::Jpeg(range)))
+    } else {
+        Err(Wrong::Encoding(picture.format.to_owned()))
+    }
+}
+
+/// Of an image that lariat did not take.
+fn header_of(stamp_ns: u64) -> FrameHeader {
+    FrameHeader {
+        trace: Trace {
+            exposed_ns: stamp_ns,
+            captured_ns: stamp_ns,
+            ..Trace::EMPTY
+        },
+        source: SourceKind::Files as u32,
+        ..FrameHeader::default()
+    }
+}

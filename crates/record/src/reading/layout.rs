@@ -1,0 +1,269 @@
+//! The records of an MCAP file that reading needs, as <https://mcap.dev/spec> lays them out. Read here and not by the mcap
+//! crate, because a damaged file is the usual case for whoever needs a recording most: nothing here allocates by a length
+//! that the file says, or panics.
+
+use super::fields::Fields;
+
+/// What a file begins and ends with.
+pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+/// Before each record: its kind, and its length in eight bytes.
+pub(super) const HEAD_BYTES: u64 = 9;
+/// A footer with its head, and the magic behind it.
+pub(super) const END_BYTES: u64 = HEAD_BYTES + 8 + 8 + 4 + MAGIC.len() as u64;
+/// The head of a chunk up to its records, with a compression name of at most sixteen letters.
+pub(super) const CHUNK_HEAD_BYTES: u64 = HEAD_BYTES + 8 + 8 + 8 + 4 + 4 + 16 + 8;
+
+/// The kinds of records.
+pub(super) mod kind {
+    pub(crate) const FOOTER: u8 = 0x02;
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
+    pub(crate) const CHUNK_INDEX: u8 = 0x08;
+    pub(crate) const ATTACHMENT: u8 = 0x09;
+    pub(crate) const ATTACHMENT_INDEX: u8 = 0x0A;
+    pub(crate) const METADATA: u8 = 0x0C;
+    pub(crate) const METADATA_INDEX: u8 = 0x0D;
+    pub(crate) const DATA_END: u8 = 0x0F;
+}
+
+/// A record's kind and the length of what follows; `None` of bytes that are no head.
+pub(super) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
+    let mut fields = Fields(bytes);
+    let kind = fields.u8()?;
+    // A file that was made longer ahead of need ends in zeros.
+    (kind != 0).then_some((kind, fields.u64()?))
+}
+
+/// Walks over records in memory, up to the end or the first that is not whole.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Records<'a>(pub(super) Fields<'a>);
+
+impl<'a> Records<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self(Fields(bytes))
+    }
+}
+
+impl<'a> Iterator for Records<'a> {
+    /// The kind, and the fields.
+    type Item = (u8, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let kind = self.0.u8()?;
+        Some((kind, self.0.long_block()?))
+    }
+}
+
+/// A definition of messages.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Schema<'a> {
+    pub(super) id: u16,
+    pub(super) name: &'a str,
+    pub(super) text: &'a [u8],
+}
+
+impl<'a> Schema<'a> {
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        let (id, name) = (fields.u16()?, fields.text()?);
+        let _encoding = fields.text()?;
+        let text = fields.short_block()?;
+        Some(Self { id, name, text })
+    }
+}
+
+/// A topic.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Channel<'a> {
+    pub(super) id: u16,
+    pub(super) schema: u16,
+    pub(super) topic: &'a str,
+    pub(super) encoding: &'a str,
+}
+
+impl<'a> Channel<'a> {
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        Some(Self {
+            id: fields.u16()?,
+            schema: fields.u16()?,
+            topic: fields.text()?,
+            encoding: fields.text()?,
+        })
+    }
+}
+
+/// A message, but for its bytes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Message<'a> {
+    pub(super) channel: u16,
+    pub(super) log_time_ns: u64,
+    pub(super) bytes: &'a [u8],
+}
+
+impl<'a> Message<'a> {
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        let channel = fields.u16()?;
+        let _sequence = fields.u32()?;
+        let log_time_ns = fields.u64()?;
+        let _publish_time_ns = fields.u64()?;
+        Some(Self {
+            channel,
+            log_time_ns,
+            bytes: fields.0,
+        })
+    }
+}
+
+/// What stands before a chunk's records.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ChunkHead<'a> {
+    pub(super) start_ns: u64,
+    pub(super) end_ns: u64,
+    /// Bytes of its records once unpacked.
+    pub(super) unpacked: u64,
+    /// CRC-32 of them; 0: none was taken.
+    pub(super) crc: u32,
+    pub(super) compression: &'a str,
+    /// Bytes of its records as they are in the file.
+    pub(super) packed: u64,
+    /// Bytes from the chunk's fields to its records.
+    pub(super) length: usize,
+}
+
+impl<'a> ChunkHead<'a> {
+    /// `record`: the chunk's fields, at least up to its records.
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        let mut head = Self {
+            start_ns: fields.u64()?,
+            end_ns: fields.u64()?,
+            unpacked: fields.u64()?,
+            crc: fields.u32()?,
+            compression: fields.text()?,
+            packed: fields.u64()?,
+            length: 0,
+        };
+        head.length = record.len() - fields.0.len();
+        Some(head)
+    }
+}
+
+/// Where a chunk is, and where the indexes of its messages are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ChunkIndex<'a> {
+    pub(super) start_ns: u64,
+    pub(super) end_ns: u64,
+    pub(super) offset: u64,
+    pub(super) length: u64,
+    indexes: &'a [u8],
+}
+
+impl<'a> ChunkIndex<'a> {
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        Some(Self {
+            start_ns: fields.u64()?,
+            end_ns: fields.u64()?,
+            offset: fields.u64()?,
+            length: fields.u64()?,
+            indexes: fields.short_block()?,
+        })
+    }
+
+    /// Channels, and where the index of each one's messages is.
+    pub(super) fn indexes(self) -> impl Iterator<Item = (u16, u64)> {
+        let mut fields = Fields(self.indexes);
+        std::iter::from_fn(move || Some((fields.u16()?, fields.u64()?)))
+    }
+}
+
+/// The messages of one channel in one chunk.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MessageIndex<'a> {
+    pub(super) channel: u16,
+    entries: &'a [u8],
+}
+
+impl<'a> MessageIndex<'a> {
+    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        Some(Self {
+            channel: fields.u16()?,
+            entries: fields.short_block()?,
+        })
+    }
+
+    /// Of each message the log time, and its place among the unpacked records.
+    pub(super) fn entries(self) -> impl Iterator<Item = (u64, u64)> {
+        let mut fields = Fields(self.entries);
+        std::iter::from_fn(move || Some((fields.u64()?, fields.u64()?)))
+    }
+}
+
+/// Where an attachment, or a piece of metadata, is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub(super) offset: u64,
+    pub(super) length: u64,
+    pub(super) name: &'a str,
+}
+
+impl<'a> Place<'a> {
+    pub(super) fn of_attachment(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        let (offset, length) = (fields.u64()?, fields.u64()?);
+        let _times_and_size = fields.bytes(24)?;
+        let name = fields.text()?;
+        Some(Self {
+            offset,
+            length,
+            name,
+        })
+    }
+
+    pub(super) fn of_metadata(record: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(record);
+        Some(Self {
+            offset: fields.u64()?,
+            length: fields.u64()?,
+            name: fields.text()?,
+        })
+    }
+}
+
+/// An attachment: its name and its bytes.
+pub(super) fn attachment(record: &[u8]) -> Option<(&str, &[u8])> {
+    let mut fields = Fields(record);
+    let _times = fields.bytes(16)?;
+    let name = fields.text()?;
+    let _media_type = fields.text()?;
+    let bytes = fields.long_block()?;
+    let checked = &record[..record.len() - fields.0.len()];
+    let crc = fields.u32()?;
+    (crc == 0 || crc == crc32fast::hash(checked)).then_some((name, bytes))
+}
+
+/// An attachment's name, of the beginning of its record.
+pub(super) fn attachment_name(record: &[u8]) -> Option<&str> {
+    let mut fields = Fields(record);
+    let _times = fields.bytes(16)?;
+    fields.text()
+}
+
+/// A piece of metadata: its name, and its keys with their values.
+pub(super) fn metadata(
+    record: &[u8],
+) -> Option<(&str, impl Iterator<Item = (&str, &str)> + Clone)> {
+    let mut fields = Fields(record);
+    let name = fields.text()?;
+    let mut map = Fields(fields.short_block()?);
+    Some((
+        name,
+        std::iter::from_fn(move || Some((map.text()?, map.text()?))),
+    ))
+}

@@ -1,0 +1,208 @@
+//! What each topic of a recording is to lariat.
+
+use std::collections::BTreeMap;
+
+use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+
+use super::error::RecordingError;
+use super::index::{Definition, Index, Listed};
+use crate::schema::{ENCODING, Schema};
+use crate::{COMPRESSED_IMAGE, IMAGE, Losses, Record};
+
+/// What a topic's messages are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    FrameHeader,
+    Image,
+    Picture,
+    MaskHeader,
+    MaskImage,
+    MaskPicture,
+    Centerlines,
+    Truth,
+    Descriptors,
+    Losses,
+}
+
+/// Lariat's own kinds of messages, and what to call them.
+const OWN: [(Schema, &str); 4] = [
+    (FrameHeader::SCHEMA, "frames"),
+    (Centerlines::SCHEMA, "centerlines"),
+    (Descriptors::SCHEMA, "descriptors"),
+    (Losses::SCHEMA, "losses"),
+];
+
+/// What is read of a recording.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Topics {
+    /// By channel.
+    kinds: BTreeMap<u16, Kind>,
+    /// The channel that frames are counted by, and its topic.
+    pub(super) frames: Option<(u16, String)>,
+    /// The topic of the images.
+    pub(super) images: Option<String>,
+    /// Whether frames have lariat's headers.
+    pub(super) has_headers: bool,
+}
+
+impl Topics {
+    /// `wanted`: the topic of the images, if the user named one.
+    ///
+    /// # Errors
+    /// There is nothing that lariat reads, or it was made by a release with other messages.
+    pub(super) fn choose(
+        index: &Index,
+        version: Option<&str>,
+        wanted: Option<&str>,
+    ) -> Result<Self, RecordingError> {
+        check_release(index, version)?;
+        let mut topics = Self::default();
+        for (&id, listed) in &index.channels {
+            if let Some(kind) = kind_of(index, listed) {
+                topics.kinds.insert(id, kind);
+            }
+        }
+        let is = |id: &u16, kind| topics.kinds.get(id) == Some(&kind);
+        let with_headers = index.channels.iter();
+        let headers = with_headers
+            .filter(|(id, _)| is(id, Kind::FrameHeader))
+            .find(|(_, listed)| wanted.is_none_or(|topic| siblings(&listed.topic, topic)));
+        let images = index
+            .channels
+            .iter()
+            .filter(|(id, _)| is(id, Kind::Image) || is(id, Kind::Picture));
+        // With headers it is the image beside them.
+        let mut images = images.filter(|(_, listed)| match (wanted, headers) {
+            (Some(topic), _) => listed.topic == topic,
+            (None, Some((_, header))) => siblings(&header.topic, &listed.topic),
+            (None, None) => true,
+        });
+        let image = images
+            .next()
+            .map(|(id, listed)| (*id, listed.topic.clone()));
+        let headers = headers.map(|(id, listed)| (*id, listed.topic.clone()));
+        if let (Some(topic), None) = (wanted, &image) {
+            return Err(RecordingError::NoTopic {
+                topic: topic.to_owned(),
+                topics: names(index),
+            });
+        }
+        if topics.kinds.is_empty() {
+            let topics = names(index);
+            return Err(RecordingError::NoImages { topics });
+        }
+        // Other images are of no concern. On one topic there may be both, images and picture files.
+        let topic_of = |id: &u16| index.channels.get(id).map(|listed| &listed.topic);
+        let chosen = image.as_ref().map(|(_, topic)| topic);
+        let header = headers.as_ref().map(|(_, topic)| topic);
+        topics.kinds.retain(|id, kind| match kind {
+            Kind::Image | Kind::Picture => topic_of(id) == chosen,
+            Kind::FrameHeader => topic_of(id) == header,
+            _ => true,
+        });
+        topics.has_headers = headers.is_some();
+        topics.images = image.as_ref().map(|(_, topic)| topic.clone());
+        topics.frames = headers.or(image);
+        Ok(topics)
+    }
+
+    /// Whether a channel tells of losses.
+    pub(super) fn is_losses(&self, channel: u16) -> bool {
+        self.kind(channel) == Some(Kind::Losses)
+    }
+
+    /// What a channel's messages are; `None` if they are of no concern.
+    pub(super) fn kind(&self, channel: u16) -> Option<Kind> {
+        self.kinds.get(&channel).copied()
+    }
+}
+
+/// Whether two topics are of one rig.
+fn siblings(a: &str, b: &str) -> bool {
+    let parent = |topic: &str| topic.rsplit_once('/').map(|(rig, _)| rig.to_owned());
+    parent(a) == parent(b)
+}
+
+fn names(index: &Index) -> String {
+    let names: Vec<_> = index
+        .channels
+        .values()
+        .map(|listed| match index.schemas.get(&listed.schema) {
+            Some(schema) => format!("{} ({})", listed.topic, schema.name),
+            None => listed.topic.clone(),
+        })
+        .collect();
+    if names.is_empty() {
+        return "none".to_owned();
+    }
+    names.join(", ")
+}
+
+fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
+    if listed.encoding != ENCODING {
+        return None;
+    }
+    let schema = &index.schemas.get(&listed.schema)?.name;
+    let last = listed.topic.rsplit('/').next().unwrap_or_default();
+    let kind = if *schema == FrameHeader::SCHEMA.name {
+        match last {
+            "masks" => Kind::MaskHeader,
+            _ => Kind::FrameHeader,
+        }
+    } else if *schema == IMAGE.name {
+        match last {
+            "mask_image" => Kind::MaskImage,
+            _ => Kind::Image,
+        }
+    } else if *schema == COMPRESSED_IMAGE.name {
+        match last {
+            "mask_image" => Kind::MaskPicture,
+            _ => Kind::Picture,
+        }
+    } else if *schema == Centerlines::SCHEMA.name {
+        match last {
+            "truth" => Kind::Truth,
+            _ => Kind::Centerlines,
+        }
+    } else if *schema == Descriptors::SCHEMA.name {
+        Kind::Descriptors
+    } else if *schema == Losses::SCHEMA.name {
+        Kind::Losses
+    } else {
+        return None;
+    };
+    Some(kind)
+}
+
+/// # Errors
+/// One of lariat's own messages is defined in another way than here.
+fn check_release(index: &Index, version: Option<&str>) -> Result<(), RecordingError> {
+    for definition in index.schemas.values() {
+        let ours = OWN
+            .iter()
+            .find(|(schema, _)| schema.name == definition.name);
+        if let Some((schema, message)) = ours
+            && !is_same(definition, schema)
+        {
+            return Err(RecordingError::OtherRelease {
+                message,
+                version: version.unwrap_or("of an unknown release").to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether a definition says the same, whatever its comments.
+fn is_same(definition: &Definition, ours: &Schema) -> bool {
+    let Ok(text) = std::str::from_utf8(&definition.text) else {
+        return false;
+    };
+    meaning(text).eq(meaning(ours.text))
+}
+
+fn meaning(text: &str) -> impl Iterator<Item = &str> {
+    text.lines()
+        .map(|line| line.split('#').next().unwrap_or_default().trim())
+        .filter(|line| !line.is_empty())
+}

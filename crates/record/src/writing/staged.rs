@@ -1,0 +1,189 @@
+//! A file that grows by whole chunks: what is written is held in memory until it is committed, and then written in one go.
+//!
+//! So a recorder that is killed leaves whole chunks only, but for the one that was just being written; and a write that
+//! fails can be undone, because it is known where the last whole one ended.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::FileExt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The end of a file that has no index: no checksum of the data, no summary. Readers then look through the whole file.
+const PLAIN_END: [u8; 50] = {
+    const DATA_END: u8 = 0x0f;
+    const FOOTER: u8 = 0x02;
+    let mut end = [0; 50];
+    end[0] = DATA_END;
+    end[1] = 4;
+    end[13] = FOOTER;
+    end[14] = 20;
+    let magic = *b"\x89MCAP0\r\n";
+    let mut i = 0;
+    while i < magic.len() {
+        end[42 + i] = magic[i];
+        i += 1;
+    }
+    end
+};
+
+/// The file. Flushing commits.
+#[derive(Debug)]
+pub(crate) struct Staged {
+    file: File,
+    /// So much of the file is committed.
+    committed: Arc<AtomicU64>,
+    /// What comes behind it.
+    bytes: Vec<u8>,
+    /// Where in `bytes` the next is written.
+    at: usize,
+    /// A commit failed; there is no other after it.
+    failed: bool,
+}
+
+impl Staged {
+    /// Of an empty file.
+    pub(crate) fn new(file: File) -> Self {
+        Self {
+            file,
+            committed: Arc::default(),
+            bytes: Vec::new(),
+            at: 0,
+            failed: false,
+        }
+    }
+
+    /// How long the file is, for who else wants to know.
+    pub(crate) fn committed(&self) -> Arc<AtomicU64> {
+        self.committed.clone()
+    }
+
+    /// Has all that was committed be on the disk itself.
+    pub(crate) fn sync(&self) -> io::Result<()> {
+        self.file.sync_all()
+    }
+
+    fn base(&self) -> u64 {
+        self.committed.load(Ordering::Relaxed)
+    }
+
+    fn commit(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("an earlier write has failed"));
+        }
+        let base = self.base();
+        if let Err(cause) = self.file.write_all_at(&self.bytes, base) {
+            self.failed = true;
+            // Back to the last whole chunk, and an end behind it if there is room. If not, readers find the end
+            // by themselves.
+            let _ = self.file.set_len(base);
+            if self.file.write_all_at(&PLAIN_END, base).is_err() {
+                let _ = self.file.set_len(base);
+            }
+            return Err(cause);
+        }
+        self.committed
+            .store(base + self.bytes.len() as u64, Ordering::Relaxed);
+        self.bytes.clear();
+        self.at = 0;
+        Ok(())
+    }
+}
+
+impl Write for Staged {
+    fn write(&mut self, from: &[u8]) -> io::Result<usize> {
+        let over = from.len().min(self.bytes.len() - self.at);
+        self.bytes[self.at..self.at + over].copy_from_slice(&from[..over]);
+        self.bytes.extend_from_slice(&from[over..]);
+        self.at += from.len();
+        Ok(from.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.commit()
+    }
+}
+
+impl Seek for Staged {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let base = self.base();
+        let end = self.bytes.len();
+        let at = match to {
+            SeekFrom::Start(position) => position.checked_sub(base).map(|at| at as usize),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by as isize),
+            SeekFrom::End(by) => end.checked_add_signed(by as isize),
+        };
+        self.at = at.filter(|&at| at <= end).ok_or_else(|| {
+            io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "what was committed stays as it is",
+            )
+        })?;
+        Ok(base + self.at as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    fn text(file: &mut File) -> String {
+        let mut text = String::new();
+        file.rewind().unwrap();
+        file.read_to_string(&mut text).unwrap();
+        text
+    }
+
+    #[test]
+    fn nothing_is_in_the_file_before_it_is_committed() {
+        let mut file = tempfile::tempfile().unwrap();
+        let mut staged = Staged::new(file.try_clone().unwrap());
+        staged.write_all(b"......chunk").unwrap();
+        staged.seek(SeekFrom::Start(0)).unwrap();
+        staged.write_all(b"header").unwrap();
+        assert_eq!(text(&mut file), "");
+        staged.seek(SeekFrom::End(0)).unwrap();
+        staged.flush().unwrap();
+        assert_eq!(text(&mut file), "headerchunk");
+        assert_eq!(staged.stream_position().unwrap(), 11);
+        staged.write_all(b", and another").unwrap();
+        assert!(staged.seek(SeekFrom::Start(10)).is_err());
+        staged.flush().unwrap();
+        assert_eq!(text(&mut file), "headerchunk, and another");
+    }
+
+    #[test]
+    fn writing_may_go_over_what_stands_there_and_on() {
+        let file = tempfile::tempfile().unwrap();
+        let mut staged = Staged::new(file);
+        staged.write_all(b"abcdef").unwrap();
+        staged.seek(SeekFrom::Current(-2)).unwrap();
+        staged.write_all(b"EFGH").unwrap();
+        assert_eq!(staged.bytes, b"abcdEFGH");
+        assert_eq!(staged.stream_position().unwrap(), 8);
+    }
+
+    #[test]
+    fn after_a_write_that_failed_there_is_no_other() {
+        // A handle that may not write stands for a disk that is broken.
+        let path = tempfile::NamedTempFile::new().unwrap();
+        let mut staged = Staged::new(File::open(path.path()).unwrap());
+        staged.write_all(b"chunk").unwrap();
+        assert!(staged.flush().is_err());
+        assert!(staged.flush().is_err());
+        assert_eq!(std::fs::metadata(path.path()).unwrap().len(), 0);
+    }
+
+    #[test]
+    fn the_plain_end_is_one_that_readers_know() {
+        let mut file = b"\x89MCAP0\r\n".to_vec();
+        file.push(0x01);
+        file.extend(8_u64.to_le_bytes());
+        file.extend([0; 8]);
+        file.extend(PLAIN_END);
+        assert!(mcap::Summary::read(&file).unwrap().is_none());
+        let records = mcap::read::LinearReader::new(&file).unwrap();
+        assert_eq!(records.map(Result::unwrap).count(), 3);
+    }
+}

@@ -1,0 +1,120 @@
+//! What a reader knows at one moment: the newest message, and how old it is now.
+
+use std::time::Duration;
+
+use crate::rope::Moment;
+use crate::{Absent, Descriptors, Seen, Track};
+
+/// The newest that came, looked at at one moment. It lives in shared memory and is borrowed from the
+/// [`Reader`](crate::Reader) until that one looks again.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    message: Option<&'a Descriptors>,
+    moment: Moment,
+    is_new: bool,
+}
+
+impl<'a> Frame<'a> {
+    pub(crate) fn new(message: Option<&'a Descriptors>, moment: Moment, is_new: bool) -> Self {
+        Self {
+            message,
+            moment,
+            is_new,
+        }
+    }
+
+    /// Whether it came since the last look. If not, it is the same image, some time older.
+    pub fn is_new(&self) -> bool {
+        self.is_new
+    }
+
+    /// How long ago the image was taken; `None` before the first.
+    pub fn age(&self) -> Option<Duration> {
+        let age_ns = self.moment.now_ns.saturating_sub(self.moment.exposed_ns);
+        self.message.map(|_| Duration::from_nanos(age_ns))
+    }
+
+    /// Which run of the chain it is of, counted by this reader from 1; 0 before the first message. When it changes, tracks
+    /// have begun anew, and the new chain may have another basis, order or unit.
+    pub fn run(&self) -> u64 {
+        self.moment.run
+    }
+
+    /// The message itself; `None` before the first. It says nothing of how old it is: for what is to be done with all of
+    /// it, as writing it down.
+    pub fn message(&self) -> Option<&'a Descriptors> {
+        self.message
+    }
+
+    /// The rope of an image that has one. With several, seen or lost, it is none of them
+    /// ([`Absent::Several`]): then choose one among [`ropes`](Self::ropes), and ask for its track.
+    ///
+    /// `max_age`: how old the image may be. Older, the rope is [`Stale`](Seen::Stale).
+    pub fn only_rope(&self, max_age: Duration) -> Seen<'a> {
+        match self.message.map(Descriptors::curves) {
+            Some([rope]) => Seen::of(rope, self.moment, max_age),
+            Some([_, ..]) if !self.is_older(max_age) => Seen::Absent(Absent::Several),
+            _ => self.without(max_age),
+        }
+    }
+
+    /// The rope of this track, and no other.
+    pub fn rope(&self, track: Track, max_age: Duration) -> Seen<'a> {
+        if self.message.is_some() && track.run != self.moment.run {
+            return Seen::Absent(Absent::OtherRun);
+        }
+        let mut ropes = self.message.into_iter().flat_map(Descriptors::curves);
+        match ropes.find(|rope| rope.track == track.number) {
+            Some(rope) => Seen::of(rope, self.moment, max_age),
+            None => self.without(max_age),
+        }
+    }
+
+    /// Every rope of the image, and those that are lost.
+    pub fn ropes(&self, max_age: Duration) -> impl Iterator<Item = Seen<'a>> + use<'a> {
+        let moment = self.moment;
+        let ropes = self.message.into_iter().flat_map(Descriptors::curves);
+        ropes.map(move |rope| Seen::of(rope, moment, max_age))
+    }
+
+    fn is_older(&self, max_age: Duration) -> bool {
+        self.age().is_some_and(|age| age > max_age)
+    }
+
+    /// Why a rope is not there.
+    fn without(&self, max_age: Duration) -> Seen<'a> {
+        Seen::Absent(match self.message {
+            None => Absent::NothingYet,
+            Some(_) if self.is_older(max_age) => Absent::NothingLately,
+            Some(message) if message.width == 0 || message.height == 0 => Absent::NoImage,
+            Some(_) => Absent::NoRope,
+        })
+    }
+}
+
+/// A frame that is kept: what its message says, copied out of shared memory, so that it stays when the reader looks again,
+/// and can go to another thread.
+#[derive(Debug, Clone)]
+pub struct KeptFrame {
+    message: Option<Box<Descriptors>>,
+    moment: Moment,
+    is_new: bool,
+}
+
+impl Frame<'_> {
+    /// Copies the message, 19 KB, to keep the frame.
+    pub fn keep(&self) -> KeptFrame {
+        KeptFrame {
+            message: self.message.map(|message| Box::new(*message)),
+            moment: self.moment,
+            is_new: self.is_new,
+        }
+    }
+}
+
+impl KeptFrame {
+    /// The frame as it was when it was kept, ages included.
+    pub fn frame(&self) -> Frame<'_> {
+        Frame::new(self.message.as_deref(), self.moment, self.is_new)
+    }
+}

@@ -1,0 +1,185 @@
+#![allow(unsafe_code)] // A reader may go to another thread, which the transport's own counters do not know.
+//! A control loop's end of a rig: the newest shapes, in place, with their age.
+
+mod run;
+
+use std::fmt;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::time::{Duration, Instant};
+
+use crate::rope::Moment;
+use crate::{Descriptors, Domain, Frame, Message, Motion, Receiver, Rig, WireError, now_ns};
+use run::Runs;
+pub(crate) use run::WriterId;
+
+/// Reads the shapes of a rig's ropes, for a control loop.
+///
+/// It may be opened before the chain runs, and goes on when the chain is started anew: until a message comes, what it has
+/// gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24 readers share a rig; one that is slow, stopped or killed
+/// disturbs neither the chain nor the others. It belongs to one thread at a time; each thread of several opens its own.
+///
+/// It takes a channel as it is. A reader of a `--lossless` chain is opened after the chain has started, and must look as often
+/// as frames come: that chain waits for it.
+pub struct Reader {
+    // The message first, then its channel, then the domain: each lives in the next.
+    newest: Option<Message<Descriptors>>,
+    receiver: Receiver<Descriptors>,
+    _domain: Domain,
+    runs: Runs,
+    motion: Motion,
+}
+
+// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber, its
+// samples and listener. All that share such a count (the receiver, the newest message, the domain's node) are fields of
+// this one reader, and what it lends out borrows it: they go to another thread together or not at all. The transport
+// keeps nothing by thread; its shared memory, sockets and file locks belong to the process.
+unsafe impl Send for Reader {}
+
+impl fmt::Debug for Reader {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("Reader")
+            .field("receiver", &self.receiver)
+            .field("runs", &self.runs)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Reader {
+    /// Opens the reader of a rig: `"default"`, or what the chain was started with (`--rig NAME`). Whether it runs does not
+    /// matter.
+    ///
+    /// Once it is open, only [`Shape::covariance`](crate::Shape::covariance) allocates, when first asked in its thread.
+    ///
+    /// # Errors
+    /// No such name, no shared memory, a chain of another release or of another user, or 24 readers already.
+    pub fn open(rig: &str) -> Result<Self, WireError> {
+        Self::open_in(Domain::open()?, &rig.parse()?)
+    }
+
+    /// The same, in a domain of one's own choice.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_in(domain: Domain, rig: &Rig) -> Result<Self, WireError> {
+        Ok(Self {
+            newest: None,
+            receiver: Receiver::newest_descriptors(&domain, rig)?,
+            _domain: domain,
+            runs: Runs::default(),
+            motion: Motion::default(),
+        })
+    }
+
+    /// What is known now, without waiting: of the newest message, whether it came just now or earlier.
+    ///
+    /// # Errors
+    /// The transport failed. What it says should be done is to be done.
+    pub fn latest(&mut self) -> Result<Frame<'_>, WireError> {
+        let is_new = self.take()?;
+        Ok(self.look(is_new))
+    }
+
+    /// What [`latest`](Self::latest) or [`wait`](Self::wait) found last, as old as it is now; never new.
+    pub fn frame(&self) -> Frame<'_> {
+        self.look(false)
+    }
+
+    /// What is known as soon as a message comes that this reader has not looked at, or at the deadline: then the frame
+    /// [is not new](Frame::is_new).
+    ///
+    /// # Errors
+    /// As [`latest`](Self::latest).
+    pub fn wait(&mut self, deadline: Instant) -> Result<Frame<'_>, WireError> {
+        let is_new = loop {
+            if self.take()? {
+                break true;
+            }
+            if Instant::now() >= deadline {
+                break false;
+            }
+            self.receiver.sleep(Some(deadline), None)?;
+        };
+        Ok(self.look(is_new))
+    }
+
+    /// How long ago the image of the newest message that was looked at was taken; `None` before the first.
+    pub fn age(&self) -> Option<Duration> {
+        self.frame().age()
+    }
+
+    /// Makes ready for a `poll`, `epoll` or `select` of one's own on [this reader's descriptor](AsFd::as_fd): call it
+    /// before each one, and sleep no longer than it says; `None` is as long as you like. It is zero if a message waits.
+    ///
+    /// It empties the bell, which would ring for ever otherwise. For 0.1 s after a ring the sleep is limited, because the
+    /// transport may lose one then. After the sleep, however it ended, [`latest`](Self::latest) says what came.
+    ///
+    /// ```no_run
+    /// use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    ///
+    /// let mut reader = lariat_wire::Reader::open("default")?;
+    /// loop {
+    ///     let timeout = reader.before_poll()?.map(|t| Timespec::try_from(t).expect("a second at most"));
+    ///     // … with your other descriptors beside it.
+    ///     poll(&mut [PollFd::new(&reader, PollFlags::IN)], timeout.as_ref())?;
+    ///     let frame = reader.latest()?;
+    ///     if frame.is_new() { /* … */ }
+    /// }
+    /// # #[allow(unreachable_code)]
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`latest`](Self::latest).
+    pub fn before_poll(&mut self) -> Result<Option<Duration>, WireError> {
+        self.receiver.before_poll()
+    }
+
+    /// Lets [`wait`](Self::wait) look for messages for so long, with the core all to itself, before it sleeps. For a
+    /// thread with a core of its own: what comes meanwhile is in hand some microseconds earlier. From the start, zero.
+    pub fn look_for(&mut self, time: Duration) {
+        self.receiver.look_for(time);
+    }
+
+    /// How ropes are taken to move, for [`Rope::predict`](crate::Rope::predict). Give it what the chain was given where
+    /// that is not the default, and in the chain's unit: with millimetres, mm/s².
+    pub fn expect_motion(&mut self, motion: Motion) {
+        self.motion = motion;
+    }
+
+    /// Takes up the newest message; `false` if nothing came.
+    fn take(&mut self) -> Result<bool, WireError> {
+        let mut is_new = false;
+        while let Some(message) = self.receiver.next()? {
+            // The old one goes back as the new one takes its place: no more than two are ever in hand.
+            self.newest = Some(message);
+            is_new = true;
+        }
+        if is_new && let Some(message) = &self.newest {
+            self.runs.follow(message.writer(), &message.trace);
+        }
+        Ok(is_new)
+    }
+
+    fn look(&self, is_new: bool) -> Frame<'_> {
+        let message = self.newest.as_deref();
+        let trace = message.map(|message| &message.trace);
+        let moment = Moment {
+            now_ns: now_ns(),
+            // An image that claims to be of the future is as old as its fit: nothing stays young for ever.
+            exposed_ns: trace.map_or(0, |trace| trace.exposed_ns.min(trace.fitted_ns)),
+            run: self.runs.run(),
+            unit: message.and_then(Descriptors::unit),
+            period_s: self.runs.period_s(),
+            motion: self.motion,
+        };
+        Frame::new(message, moment, is_new)
+    }
+}
+
+/// Becomes readable when a message came: see [`before_poll`](Reader::before_poll).
+impl AsFd for Reader {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        let bell = self.receiver.descriptor();
+        bell.expect("a reader's receiver is made with an ear, always")
+    }
+}

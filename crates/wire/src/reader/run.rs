@@ -1,0 +1,83 @@
+//! When the chain was started anew: ropes are then numbered anew, and a number means another rope.
+//!
+//! A new fit is a new writer. A new extract, under a fit that goes on, counts from 1 again: seen when the count goes back,
+//! or, where many messages passed by, when it went on by less than fit's own, which cannot send what it was not sent.
+
+use crate::Trace;
+
+/// The transport's number for a writer.
+pub(crate) type WriterId = iceoryx2::identifiers::UniquePublisherId;
+
+/// The runs of the chain that a reader has seen.
+#[derive(Debug, Default)]
+pub(super) struct Runs {
+    /// From 1; 0 before the first message.
+    run: u64,
+    last: Option<(WriterId, Trace)>,
+    period_s: Option<f64>,
+}
+
+impl Runs {
+    /// Takes in the next message that was looked at.
+    pub(super) fn follow(&mut self, writer: WriterId, trace: &Trace) {
+        let last = self.last.replace((writer, *trace));
+        let goes_on = last.filter(|(before, last)| *before == writer && goes_on(last, trace));
+        let Some((_, last)) = goes_on else {
+            self.run += 1;
+            self.period_s = None;
+            return;
+        };
+        let (frames, ns) = (
+            trace.fitted - last.fitted,
+            trace.exposed_ns.saturating_sub(last.exposed_ns),
+        );
+        self.period_s = (ns > 0).then(|| ns as f64 * 1e-9 / frames as f64);
+    }
+
+    pub(super) fn run(&self) -> u64 {
+        self.run
+    }
+
+    /// How long it is from one image that fit had to the next, s; `None` before the second of a run.
+    pub(super) fn period_s(&self) -> Option<f64> {
+        self.period_s
+    }
+}
+
+/// Whether one run of extract and fit sent both.
+fn goes_on(last: &Trace, next: &Trace) -> bool {
+    let fitted = next.fitted.checked_sub(last.fitted);
+    let extracted = next.extracted.checked_sub(last.extracted);
+    matches!((fitted, extracted), (Some(fitted @ 1..), Some(extracted)) if extracted >= fitted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(extracted: u64, fitted: u64) -> Trace {
+        Trace {
+            extracted,
+            fitted,
+            ..Trace::EMPTY
+        }
+    }
+
+    #[test]
+    fn losses_between_the_stages_are_no_new_run() {
+        assert!(goes_on(&trace(10, 8), &trace(11, 9)));
+        assert!(goes_on(&trace(10, 8), &trace(40, 12)));
+    }
+
+    #[test]
+    fn an_extract_that_counts_anew_is_a_new_run() {
+        assert!(!goes_on(&trace(10, 8), &trace(1, 9)));
+        // Seen only much later, when its count is higher than the old one's was.
+        assert!(!goes_on(&trace(10, 10), &trace(50, 60)));
+    }
+
+    #[test]
+    fn a_fit_that_counts_anew_is_a_new_run() {
+        assert!(!goes_on(&trace(10, 8), &trace(11, 1)));
+    }
+}

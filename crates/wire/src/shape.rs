@@ -1,0 +1,216 @@
+//! A rope's curve as a control law asks for it: any point of it, where it goes, how it bends, how all that moves with the
+//! control points, and how sure it is.
+
+mod covariance;
+mod form;
+mod growth;
+mod inverse;
+mod rows;
+
+pub use covariance::Covariance;
+pub use form::NoShape;
+pub(crate) use growth::Growth;
+
+use std::ops::Deref;
+
+use crate::{Descriptor, MAX_CONTROL_POINTS};
+use form::Form;
+use inverse::Inverse;
+
+/// The curve of a descriptor: `f(ρ)`, ρ from 0 at the rope's first end to 1 at its last, in the message's unit.
+///
+/// It reads the descriptor where it lies and allocates nothing. Outside 0 to 1 a polynomial goes on as such, B-splines by
+/// their first and last piece, and a Fourier series around again.
+///
+/// ```
+/// use lariat_wire::{Descriptor, Shape};
+///
+/// let mut rope = Descriptor::EMPTY;
+/// (rope.order, rope.count, rope.samples) = (2, 3, 120);
+/// rope.control_points[..3].copy_from_slice(&[[0.0, 0.0], [50.0, 100.0], [100.0, 0.0]]);
+/// let shape = Shape::of(&rope)?;
+/// assert_eq!(shape.point_at(0.5), [50.0, 50.0]);
+/// assert_eq!(shape.tangent_at(0.5), Some([1.0, 0.0]));
+/// # Ok::<(), lariat_wire::NoShape>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Shape<'a> {
+    form: Form<'a>,
+    control_points: &'a [[f64; 2]],
+    covariances: &'a [[f64; 3]],
+    /// N, the points that were fitted.
+    samples: usize,
+    closed: bool,
+}
+
+impl<'a> Shape<'a> {
+    /// The curve of this descriptor.
+    ///
+    /// # Errors
+    /// The descriptor is of points or of the center, or its numbers do not agree with each other.
+    pub fn of(descriptor: &'a Descriptor) -> Result<Self, NoShape> {
+        let form = Form::of(descriptor)?;
+        let count = descriptor.count as usize;
+        Ok(Self {
+            form,
+            control_points: &descriptor.control_points[..count],
+            covariances: &descriptor.covariances[..count],
+            samples: descriptor.samples as usize,
+            closed: matches!(form, Form::Fourier),
+        })
+    }
+
+    /// The same functions with other control points, as many, and their covariances.
+    pub(crate) fn moved(self, control_points: &'a [[f64; 2]], covariances: &'a [[f64; 3]]) -> Self {
+        Self {
+            control_points,
+            covariances,
+            ..self
+        }
+    }
+
+    /// What it is made of; of a closed rope the coefficients of its Fourier series.
+    pub fn control_points(&self) -> &'a [[f64; 2]] {
+        self.control_points
+    }
+
+    /// Whether it ends where it begins.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The point at `rho`.
+    pub fn point_at(&self, rho: f64) -> [f64; 2] {
+        let [point] = self.jet(rho);
+        point
+    }
+
+    /// `N` points of the curve at even steps of ρ: from its first end to its last, or once around a closed one.
+    pub fn points<const N: usize>(&self) -> [[f64; 2]; N] {
+        std::array::from_fn(|i| self.point_at(self.even_rho(i, N)))
+    }
+
+    /// The `i`-th of `count` values of ρ in even steps: from 0 to 1, or, once around, to one step before 1.
+    pub fn even_rho(&self, i: usize, count: usize) -> f64 {
+        match count {
+            _ if self.closed => i as f64 / count as f64,
+            0 | 1 => 0.0,
+            _ => i as f64 / (count - 1) as f64,
+        }
+    }
+
+    /// The velocity by ρ at `rho`: `f′(ρ)`.
+    pub fn derivative_at(&self, rho: f64) -> [f64; 2] {
+        let [_, velocity] = self.jet(rho);
+        velocity
+    }
+
+    /// The direction in which the curve goes at `rho`, of length 1. Where the curve stands still there (a cusp, control
+    /// points one upon the other), the one in which it goes on, or, at its end, comes; `None` if it is a point.
+    pub fn tangent_at(&self, rho: f64) -> Option<[f64; 2]> {
+        let [_, velocity, acceleration] = self.jet(rho);
+        let still = self.rounding();
+        let speed = norm(velocity);
+        if speed > still {
+            return Some(velocity.map(|c| c / speed));
+        }
+        let turn = norm(acceleration);
+        let sign = if rho >= 1.0 && !self.closed {
+            -1.0
+        } else {
+            1.0
+        };
+        (turn > 2.0 * self.rate() * still).then(|| acceleration.map(|c| sign * c / turn))
+    }
+
+    /// The direction across the curve at `rho`, of length 1: its tangent turned from the x axis towards the y axis, which in
+    /// an image, whose y points down, is to the right of its way. `None` where it has no tangent.
+    pub fn normal_at(&self, rho: f64) -> Option<[f64; 2]> {
+        self.tangent_at(rho).map(|[x, y]| [-y, x])
+    }
+
+    /// One by the radius of the circle that the curve follows at `rho`, positive where it turns towards its
+    /// [normal](Self::normal_at). `None` where it stands still.
+    pub fn curvature_at(&self, rho: f64) -> Option<f64> {
+        let [_, velocity, acceleration] = self.jet(rho);
+        let speed = norm(velocity);
+        let turning = velocity[0] * acceleration[1] - velocity[1] * acceleration[0];
+        (speed > self.rounding()).then(|| turning / speed.powi(3))
+    }
+
+    /// How much the point at `rho` moves with each control point: `∂f(ρ)/∂sⱼ`, one number for each, the same for x and
+    /// y. With `s` moved by `ds`, the point moves by `Σⱼ Jⱼ dsⱼ`.
+    pub fn jacobian_at(&self, rho: f64) -> Jacobian {
+        let [values] = self.rows(rho);
+        Jacobian {
+            values,
+            count: self.control_points.len(),
+        }
+    }
+
+    /// How uncertain all control points are together.
+    pub fn covariance(&self) -> Covariance<'a> {
+        Covariance::of(*self)
+    }
+
+    /// How uncertain the point at `rho` is: `[xx, xy, yy]`, in the unit's square. Is as right as
+    /// [`Covariance::is_exact`] says.
+    pub fn covariance_at(&self, rho: f64) -> [f64; 3] {
+        self.covariance().of_point(rho)
+    }
+
+    fn rows<const K: usize>(&self, rho: f64) -> rows::Rows<K> {
+        rows::rows(&self.form, self.control_points.len(), rho)
+    }
+
+    /// The point and its derivatives by ρ.
+    fn jet<const K: usize>(&self, rho: f64) -> [[f64; 2]; K] {
+        self.rows::<K>(rho).map(|row| {
+            let mut sum = [0.0; 2];
+            for (value, point) in row.iter().zip(self.control_points) {
+                sum = [sum[0] + value * point[0], sum[1] + value * point[1]];
+            }
+            sum
+        })
+    }
+
+    /// How much of a derivative can be rounding.
+    fn rounding(&self) -> f64 {
+        let largest = self.control_points.iter().flatten();
+        let largest = largest.fold(0.0f64, |size, c| size.max(c.abs()));
+        let count = self.control_points.len() as f64;
+        16.0 * f64::EPSILON * count * self.rate() * largest
+    }
+
+    /// How much larger a derivative by ρ can be than the curve.
+    fn rate(&self) -> f64 {
+        let count = self.control_points.len() as f64;
+        match self.form {
+            Form::Bezier | Form::Rational { .. } => count,
+            Form::Fourier => count * std::f64::consts::PI,
+            Form::BSpline { degree, inner } => {
+                let ends = [0.0].iter().chain(inner).zip(inner.iter().chain(&[1.0]));
+                let pieces = ends.map(|(from, to)| to - from).filter(|l| *l > 0.0);
+                degree as f64 / pieces.fold(1.0, f64::min)
+            }
+        }
+    }
+}
+
+/// How much a point of a curve moves with each of its control points: as many numbers as there are of those.
+#[derive(Debug, Clone, Copy)]
+pub struct Jacobian {
+    values: [f64; MAX_CONTROL_POINTS],
+    count: usize,
+}
+
+impl Deref for Jacobian {
+    type Target = [f64];
+    fn deref(&self) -> &[f64] {
+        &self.values[..self.count]
+    }
+}
+
+fn norm(v: [f64; 2]) -> f64 {
+    v[0].hypot(v[1])
+}

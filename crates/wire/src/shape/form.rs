@@ -1,0 +1,98 @@
+//! What a descriptor's numbers say its curve is, checked: a message is only bytes, and must not be evaluated as what it
+//! cannot be.
+
+use thiserror::Error;
+
+use crate::{Basis, Descriptor, MAX_CONTROL_POINTS};
+
+/// Which functions the control points weigh.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Form<'a> {
+    /// Bernstein polynomials, of the degree that the number of control points says.
+    Bezier,
+    /// B-splines, clamped.
+    BSpline {
+        /// Of the pieces.
+        degree: usize,
+        /// The inner knots.
+        inner: &'a [f64],
+    },
+    /// Rational Bernstein functions.
+    Rational {
+        /// One for each control point.
+        weights: &'a [f64],
+    },
+    /// A truncated Fourier series.
+    Fourier,
+}
+
+/// Why a descriptor has no curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum NoShape {
+    /// It has points of the rope instead.
+    #[error(
+        "the chain describes ropes by points (--basis points), which are no curve: take control_points(), or start the \
+         chain with --basis bezier or bspline"
+    )]
+    FeaturePoints,
+    /// It has the rope's center instead.
+    #[error(
+        "the chain describes ropes by their center (--basis mass), which is no curve: take control_points(), or start the \
+         chain with --basis bezier or bspline"
+    )]
+    CenterOfMass,
+    /// Its numbers do not agree with each other. A chain of this release sends no such descriptor.
+    #[error(
+        "the descriptor's numbers make no curve: use the same release of lariat for every process on the rig"
+    )]
+    Unreadable,
+}
+
+impl<'a> Form<'a> {
+    /// Reads and checks all that the curve is made of.
+    pub(super) fn of(descriptor: &'a Descriptor) -> Result<Self, NoShape> {
+        let count = descriptor.count as usize;
+        let order = descriptor.order as usize;
+        let (Some(basis), true) = (
+            descriptor.basis(),
+            (1..=MAX_CONTROL_POINTS).contains(&count),
+        ) else {
+            return Err(NoShape::Unreadable);
+        };
+        let coordinates = descriptor.control_points[..count].iter().flatten();
+        if !coordinates.clone().all(|c| c.is_finite()) || (descriptor.samples as usize) < count {
+            return Err(NoShape::Unreadable);
+        }
+        let form = match basis {
+            Basis::Bezier if count == order + 1 => Self::Bezier,
+            Basis::BSpline if (1..count).contains(&order) => Self::BSpline {
+                degree: order,
+                inner: &descriptor.knots[..count - order - 1],
+            },
+            Basis::RationalBezier if count == order + 1 => Self::Rational {
+                weights: &descriptor.weights[..count],
+            },
+            Basis::Fourier if count == 2 * order + 1 => Self::Fourier,
+            Basis::FeaturePoints => return Err(NoShape::FeaturePoints),
+            Basis::CenterOfMass if count == 1 => return Err(NoShape::CenterOfMass),
+            _ => return Err(NoShape::Unreadable),
+        };
+        form.is_sound().then_some(form).ok_or(NoShape::Unreadable)
+    }
+
+    /// Whether knots ascend and weights are positive.
+    fn is_sound(&self) -> bool {
+        match *self {
+            Self::Bezier | Self::Fourier => true,
+            Self::BSpline { degree, inner } => {
+                let inside = |knot: f64| 0.0 < knot && knot < 1.0;
+                // A knot that comes more often than the degree would tear the curve.
+                let torn = |i: usize| i >= degree && inner[i] <= inner[i - degree];
+                inner.iter().all(|&knot| inside(knot))
+                    && inner.is_sorted()
+                    && !(0..inner.len()).any(torn)
+            }
+            Self::Rational { weights } => weights.iter().all(|w| w.is_finite() && *w > 0.0),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+#![allow(unsafe_code)] // A counting allocator is an allocator.
+//! A reader that is open allocates nothing, whatever comes and whatever is asked of it.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::time::{Duration, Instant};
+
+use lariat_wire::*;
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: all is handed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// What a controller asks in a tick, summed so that nothing is left out.
+fn control(reader: &mut Reader, deadline: Option<Instant>) -> f64 {
+    let frame = match deadline {
+        Some(deadline) => reader.wait(deadline),
+        None => reader.latest(),
+    };
+    let Seen::Fresh(rope) = frame.expect("readable").only_rope(Duration::from_secs(60)) else {
+        return 0.0;
+    };
+    let shape = rope.shape().expect("a curve");
+    let ahead = rope.predict(rope.exposed_ns() + 10_000_000);
+    let ahead = ahead.map_or(0.0, |ahead| ahead.shape().covariance_at(0.5)[0]);
+    shape.point_at(0.5)[0]
+        + shape.tangent_at(0.5).map_or(0.0, |t| t[0])
+        + shape.curvature_at(0.5).unwrap_or(0.0)
+        + shape.jacobian_at(0.5)[0]
+        + shape.covariance_at(0.5)[0]
+        + ahead
+}
+
+#[test]
+fn an_open_reader_allocates_nothing() {
+    let name = format!("a{}", std::process::id());
+    let domain = Domain::named(&name).expect("a domain");
+    let rig = Rig::default();
+    let mut reader = Reader::open_in(Domain::named(&name).expect("a domain"), &rig).expect("free");
+    let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins)
+        .expect("the only writer");
+    let mut sum = 0.0;
+    let mut before = 0;
+    let mut allocated = 0;
+    for frame in 1..=200u32 {
+        let mut slot = writer.slot().expect("a slot");
+        slot.trace.extracted = frame.into();
+        slot.trace.fitted = frame.into();
+        slot.trace.exposed_ns = now_ns();
+        slot.trace.fitted_ns = now_ns();
+        slot.count = 1;
+        let rope = &mut slot.curves[0];
+        *rope = Descriptor::EMPTY;
+        (rope.order, rope.count, rope.samples) = (8, 9, 120);
+        rope.filtered = 1;
+        for j in 0..9 {
+            rope.control_points[j] = [j as f64, f64::from(frame)];
+            rope.velocities[j] = [1.0, 2.0];
+            rope.covariances[j] = [0.1, 0.0, 0.1];
+        }
+        slot.send().expect("sent");
+        // The transport's own box of a message that is sent does not count.
+        COUNT.with(|count| before = count.get());
+        if frame % 3 == 0 {
+            sum += control(&mut reader, Some(Instant::now() + Duration::from_secs(10)));
+            // Nothing comes: it sleeps.
+            sum += control(&mut reader, Some(Instant::now()));
+        }
+        sum += control(&mut reader, None);
+        sum += control(&mut reader, None);
+        // The first frames take up the writer's end, and work out how control points err together.
+        if frame > 2 {
+            allocated += COUNT.with(Cell::get) - before;
+        }
+    }
+    assert!(sum.is_finite() && sum > 0.0);
+    assert_eq!(allocated, 0);
+    drop((writer, reader, domain));
+    let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{name}"));
+}

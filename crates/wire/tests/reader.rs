@@ -1,0 +1,365 @@
+//! What a control loop may rely on.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use lariat_wire::*;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+/// No image is older.
+const ANY_AGE: Duration = Duration::from_secs(3600);
+
+/// A rig of its own for each test, in a domain that no other test run shares.
+struct Place {
+    name: String,
+    rig: Rig,
+}
+
+impl Place {
+    fn new(rig: &str) -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        Self {
+            name: format!("c{}-{number}", std::process::id()),
+            rig: rig.parse().expect("a plain name"),
+        }
+    }
+
+    fn domain(&self) -> Domain {
+        Domain::named(&self.name).expect("a domain")
+    }
+
+    fn reader(&self) -> Reader {
+        Reader::open_in(self.domain(), &self.rig).expect("a reader")
+    }
+
+    fn chain(&self) -> Chain {
+        Chain::start(self.domain(), &self.rig)
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{}", self.name));
+    }
+}
+
+/// What stands for the chain.
+struct Chain {
+    writer: Writer<Descriptors>,
+    _domain: Domain,
+    trace: Trace,
+}
+
+impl Chain {
+    fn start(domain: Domain, rig: &Rig) -> Self {
+        let writer =
+            Writer::<Descriptors>::create(&domain, rig, &DESCRIPTORS, &Delivery::NewestWins)
+                .expect("the only writer");
+        Self {
+            writer,
+            _domain: domain,
+            trace: Trace::EMPTY,
+        }
+    }
+
+    /// Sends an image taken just now, of these ropes.
+    fn send(&mut self, ropes: &[Descriptor]) {
+        self.send_as(now_ns(), [640, 480], ropes);
+    }
+
+    fn send_as(&mut self, exposed_ns: u64, [width, height]: [u32; 2], ropes: &[Descriptor]) {
+        self.trace.extracted += 1;
+        self.trace.fitted += 1;
+        self.trace.exposed_ns = exposed_ns;
+        self.trace.fitted_ns = now_ns();
+        let mut slot = self.writer.slot().expect("a slot");
+        slot.trace = self.trace;
+        (slot.width, slot.height) = (width, height);
+        slot.unit = Unit::Pixel as u32;
+        slot.count = ropes.len() as u32;
+        slot.curves[..ropes.len()].copy_from_slice(ropes);
+        slot.send().expect("sent");
+    }
+}
+
+/// A straight rope from (x, 0) to (x, 100).
+fn rope(track: u32, status: Status, x: f64) -> Descriptor {
+    let mut rope = Descriptor::EMPTY;
+    (rope.track, rope.status) = (track, status as u32);
+    (rope.order, rope.count, rope.samples) = (1, 2, 120);
+    rope.control_points[..2].copy_from_slice(&[[x, 0.0], [x, 100.0]]);
+    rope
+}
+
+fn x_of(rope: &Rope) -> f64 {
+    rope.shape().expect("a curve").point_at(0.5)[0]
+}
+
+#[test]
+fn a_reader_is_there_before_the_chain_and_says_that_nothing_came() {
+    let place = Place::new("early");
+    let mut reader = place.reader();
+    let frame = reader.latest().unwrap();
+    assert!(!frame.is_new() && frame.age().is_none() && frame.run() == 0);
+    assert!(matches!(
+        frame.only_rope(ANY_AGE),
+        Seen::Absent(Absent::NothingYet)
+    ));
+    let mut chain = place.chain();
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    let frame = reader.latest().unwrap();
+    assert!(frame.is_new() && frame.run() == 1);
+    let Seen::Fresh(rope) = frame.only_rope(ANY_AGE) else {
+        panic!("it is seen");
+    };
+    assert_eq!((x_of(&rope), rope.track().number()), (5.0, 1));
+    assert_eq!(rope.unit(), Some(Unit::Pixel));
+}
+
+#[test]
+fn the_newest_stays_at_hand_and_gets_older() {
+    let place = Place::new("held");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    for x in 0..100 {
+        chain.send(&[rope(1, Status::Ok, f64::from(x))]);
+    }
+    let first = reader.latest().unwrap();
+    let age = first.age().unwrap();
+    assert!(first.is_new());
+    let again = reader.latest().unwrap();
+    assert!(!again.is_new() && again.age().unwrap() > age);
+    let Seen::Fresh(rope) = again.only_rope(ANY_AGE) else {
+        panic!("it is seen");
+    };
+    assert_eq!(x_of(&rope), 99.0);
+    assert!(reader.age().unwrap() > age);
+}
+
+#[test]
+fn an_image_older_than_allowed_has_no_fresh_rope_whatever_it_shows() {
+    let place = Place::new("stale");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let second = Duration::from_secs(1);
+    for status in [Status::Ok, Status::Partial, Status::Lost] {
+        chain.send_as(
+            now_ns() - 2 * second.as_nanos() as u64,
+            [640, 480],
+            &[rope(1, status, 5.0)],
+        );
+        let frame = reader.latest().unwrap();
+        let Seen::Stale(last) = frame.only_rope(second) else {
+            panic!("{status:?}: it is two seconds old");
+        };
+        assert!(last.age() >= 2 * second && x_of(&last.as_it_was()) == 5.0);
+        assert!(!matches!(frame.only_rope(3 * second), Seen::Stale(_)));
+    }
+    // An image that says it is of the future does not stay young for it.
+    chain.send_as(u64::MAX, [640, 480], &[rope(1, Status::Ok, 5.0)]);
+    let frame = reader.latest().unwrap();
+    assert!(matches!(frame.only_rope(Duration::ZERO), Seen::Stale(_)));
+}
+
+#[test]
+fn a_covered_and_a_lost_rope_are_other_things_than_a_rope() {
+    let place = Place::new("states");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let mut partial = rope(1, Status::Partial, 5.0);
+    partial.hidden = 30;
+    chain.send(&[partial]);
+    match reader.latest().unwrap().only_rope(ANY_AGE) {
+        Seen::Partial(rope) => assert_eq!(rope.hidden(), 0.25),
+        other => panic!("{other}"),
+    }
+    let mut lost = rope(1, Status::Lost, 5.0);
+    lost.age_ns = 2_000_000_000;
+    chain.send(&[lost]);
+    match reader.latest().unwrap().only_rope(ANY_AGE) {
+        Seen::Lost(last) => assert!(last.age() >= Duration::from_secs(2)),
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn no_rope_and_no_image_are_told_from_each_other() {
+    let place = Place::new("nothing");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let why = |reader: &mut Reader, max_age| match reader.latest().unwrap().only_rope(max_age) {
+        Seen::Absent(why) => why,
+        other => panic!("{other}"),
+    };
+    chain.send(&[]);
+    assert_eq!(why(&mut reader, ANY_AGE), Absent::NoRope);
+    chain.send_as(now_ns(), [0, 0], &[]);
+    assert_eq!(why(&mut reader, ANY_AGE), Absent::NoImage);
+    assert_eq!(why(&mut reader, Duration::ZERO), Absent::NothingLately);
+}
+
+#[test]
+fn of_several_ropes_none_is_the_only_one_and_each_has_its_track() {
+    let place = Place::new("several");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let two = [rope(4, Status::Ok, 4.0), rope(7, Status::Lost, 7.0)];
+    chain.send(&two);
+    let frame = reader.latest().unwrap();
+    // Also if all but one are lost: the one that is seen may not be the one that was meant.
+    assert!(matches!(
+        frame.only_rope(ANY_AGE),
+        Seen::Absent(Absent::Several)
+    ));
+    let tracks = frame.ropes(ANY_AGE).filter_map(|seen| match seen {
+        Seen::Fresh(rope) => Some(rope.track()),
+        _ => None,
+    });
+    let tracks: Vec<Track> = tracks.collect();
+    let [track] = tracks[..] else {
+        panic!("one of them is seen");
+    };
+    assert_eq!(track.number(), 4);
+    chain.send(&[two[1], two[0]]);
+    let Seen::Fresh(rope) = reader.latest().unwrap().rope(track, ANY_AGE) else {
+        panic!("it is seen");
+    };
+    assert_eq!(x_of(&rope), 4.0);
+    chain.send(&two[1..]);
+    assert!(matches!(
+        reader.latest().unwrap().rope(track, ANY_AGE),
+        Seen::Absent(Absent::NoRope)
+    ));
+}
+
+#[test]
+fn a_chain_started_anew_numbers_ropes_anew_and_no_old_track_finds_one() {
+    let place = Place::new("anew");
+    let mut reader = place.reader();
+    let mut chain = place.chain();
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    let Seen::Fresh(seen) = reader.latest().unwrap().only_rope(ANY_AGE) else {
+        panic!("it is seen");
+    };
+    let track = seen.track();
+    drop(chain);
+    // Until a new one sends, the old shape stays, and gets older.
+    assert!(matches!(
+        reader.latest().unwrap().rope(track, Duration::ZERO),
+        Seen::Stale(_)
+    ));
+    let mut chain = place.chain();
+    chain.send(&[rope(1, Status::Ok, 6.0)]);
+    let frame = reader.latest().unwrap();
+    assert!(frame.is_new() && frame.run() == 2);
+    assert!(matches!(
+        frame.rope(track, ANY_AGE),
+        Seen::Absent(Absent::OtherRun)
+    ));
+    let Seen::Fresh(seen) = frame.only_rope(ANY_AGE) else {
+        panic!("it is seen");
+    };
+    assert_eq!((x_of(&seen), seen.track().run()), (6.0, 2));
+}
+
+#[test]
+fn numbers_that_make_no_rope_are_no_rope() {
+    let place = Place::new("broken");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let good = rope(1, Status::Ok, 5.0);
+    let mut cases = [good; 3];
+    cases[0].status = 9;
+    cases[1].count = 99;
+    cases[2].control_points[1] = [f64::INFINITY, 0.0];
+    for broken in cases {
+        chain.send(&[broken]);
+        assert!(matches!(
+            reader.latest().unwrap().only_rope(ANY_AGE),
+            Seen::Absent(Absent::Unreadable)
+        ));
+    }
+}
+
+#[test]
+fn a_waiting_reader_wakes_for_a_message_or_its_deadline() {
+    let place = Place::new("wait");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let soon = Instant::now() + Duration::from_millis(5);
+    assert!(!reader.wait(soon).unwrap().is_new());
+    assert!(Instant::now() >= soon);
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    let far = Instant::now() + Duration::from_secs(3600);
+    assert!(reader.wait(far).unwrap().is_new());
+}
+
+#[test]
+fn a_reader_goes_to_the_thread_that_reads() {
+    let place = Place::new("thread");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let control = std::thread::spawn(move || {
+        let far = Instant::now() + Duration::from_secs(60);
+        match reader.wait(far).unwrap().only_rope(ANY_AGE) {
+            Seen::Fresh(rope) => x_of(&rope),
+            other => panic!("{other}"),
+        }
+    });
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    assert_eq!(control.join().unwrap(), 5.0);
+}
+
+#[test]
+fn a_poll_of_ones_own_is_woken_and_does_not_spin() {
+    let place = Place::new("poll");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let sleep = |reader: &mut Reader, at_most_ms: u64| {
+        let longest = reader.before_poll().unwrap();
+        let own = Duration::from_millis(at_most_ms);
+        let timeout = longest.map_or(own, |longest| longest.min(own));
+        let timeout = Timespec::try_from(timeout).unwrap();
+        poll(&mut [PollFd::new(&*reader, PollFlags::IN)], Some(&timeout)).unwrap()
+    };
+    // The writer's call when it came has been rung.
+    sleep(&mut reader, 0);
+    assert_eq!(sleep(&mut reader, 1), 0, "nothing came");
+    let longest = reader.before_poll().unwrap();
+    assert!(longest.is_none_or(|longest| longest > Duration::ZERO));
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    let message_waits = Some(Duration::ZERO);
+    assert_eq!(reader.before_poll().unwrap(), message_waits);
+    assert!(reader.latest().unwrap().is_new());
+    assert_eq!(sleep(&mut reader, 1), 0, "its bell was emptied");
+    let control = std::thread::spawn(move || {
+        let readable = sleep(&mut reader, 60_000);
+        (readable, reader.latest().unwrap().is_new())
+    });
+    chain.send(&[rope(1, Status::Ok, 6.0)]);
+    let (_, is_new) = control.join().unwrap();
+    assert!(is_new);
+}
+
+#[test]
+fn a_slow_or_silent_reader_does_not_hold_up_the_chain() {
+    let place = Place::new("slow");
+    let (mut reader, _silent) = (place.reader(), place.reader());
+    let mut chain = place.chain();
+    for x in 0..1000 {
+        chain.send(&[rope(1, Status::Ok, f64::from(x))]);
+    }
+    let Seen::Fresh(rope) = reader.latest().unwrap().only_rope(ANY_AGE) else {
+        panic!("it is seen");
+    };
+    assert_eq!(x_of(&rope), 999.0);
+}
+
+#[test]
+fn a_sentence_says_what_is_seen() {
+    let place = Place::new("says");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let says = |reader: &mut Reader| reader.latest().unwrap().only_rope(ANY_AGE).to_string();
+    assert_eq!(
+        says(&mut reader),
+        "nothing came yet: the chain does not run, or has just been joined"
+    );
+    chain.send(&[rope(3, Status::Ok, 5.0)]);
+    assert_eq!(says(&mut reader), "rope 3 is seen whole");
+    let mut partial = rope(3, Status::Partial, 5.0);
+    partial.hidden = 30;
+    chain.send(&[partial]);
+    assert_eq!(says(&mut reader), "25 % of rope 3 is covered");
+}

@@ -1,0 +1,96 @@
+"""lariat sees ropes, cables and hoses, and gives a control loop their shape.
+
+Pictures and points, without anything else running::
+
+    scene = lariat.trace(image)              # ropes in a NumPy array: centerlines, widths, crossings
+    fit = lariat.fit(scene.curves[0])        # a Bezier curve through one: control points, covariance
+
+In a control loop, beside a running chain (``lariat run``)::
+
+    with lariat.Reader() as reader:
+        for frame in reader:                 # waits for the next image, 0.1 s at most
+            match frame.only_rope(max_age=0.05):
+                case lariat.Fresh(rope):
+                    robot.steer(rope.shape.point_at(0.5))
+                case seen:                   # Partial, Lost, Stale, Absent
+                    robot.hold(why=str(seen))
+
+Positions are in pixels: x to the right, y down, (0, 0) the middle of the top left pixel. ``rho`` is the normalized arc
+length: 0 at a rope's first end, 1 at its last.
+"""
+
+from lariat._functions import fit, trace
+from lariat._names import (
+    BasisName,
+    HsvRange,
+    KnotsName,
+    MaskImage,
+    MaskName,
+    MethodName,
+    Picture,
+    PixelFormat,
+    RhoName,
+    SolverName,
+    StatusName,
+    UnitName,
+)
+from lariat._native import (
+    Absent,
+    Crossing,
+    Curve,
+    Fit,
+    Fitter,
+    Frame,
+    Fresh,
+    Lost,
+    Notice,
+    Partial,
+    Rope,
+    Scene,
+    Shape,
+    Stale,
+    Trace,
+    Tracer,
+    Track,
+    pick,
+)
+from lariat._reader import Reader
+from lariat._seen import NotSeen, Seen
+
+__all__ = [
+    "Absent",
+    "BasisName",
+    "Crossing",
+    "Curve",
+    "Fit",
+    "Fitter",
+    "Frame",
+    "Fresh",
+    "HsvRange",
+    "KnotsName",
+    "Lost",
+    "MaskImage",
+    "MaskName",
+    "MethodName",
+    "NotSeen",
+    "Notice",
+    "Partial",
+    "Picture",
+    "PixelFormat",
+    "Reader",
+    "RhoName",
+    "Rope",
+    "Scene",
+    "Seen",
+    "Shape",
+    "SolverName",
+    "Stale",
+    "StatusName",
+    "Trace",
+    "Tracer",
+    "Track",
+    "UnitName",
+    "fit",
+    "pick",
+    "trace",
+]

@@ -1,0 +1,31 @@
+"""Types of arguments, for type hints: arrays, and the names that settings have."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias, TypedDict, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+Picture: TypeAlias = NDArray[np.uint8]
+MaskImage: TypeAlias = Union[NDArray[np.uint8], NDArray[np.bool_]]
+PixelFormat: TypeAlias = Literal["gray", "rgb", "bgr", "yuyv", "uyvy", "nv12"]
+MaskName: TypeAlias = Literal["auto", "external"]
+MethodName: TypeAlias = Literal["skeleton", "kmeans", "som", "gmm", "fcm"]
+StatusName: TypeAlias = Literal["ok", "partial", "lost"]
+BasisName: TypeAlias = Literal["bezier", "bspline", "rational", "fourier", "points", "mass"]
+KnotsName: TypeAlias = Literal["uniform", "averaged"]
+SolverName: TypeAlias = Literal["pinv", "cholesky", "qr"]
+RhoName: TypeAlias = Literal["even", "measured"]
+UnitName: TypeAlias = Literal["px", "mm", "ideal px"]
+
+
+class HsvRange(TypedDict, total=False):
+    """A range of colours. What is left out may be anything."""
+
+    hue_deg: tuple[float, float]
+    """0 to 360 (twice OpenCV's), and (350, 10) goes through red."""
+    saturation: tuple[float, float]
+    """0 to 1 (OpenCV's divided by 255)."""
+    value: tuple[float, float]
+    """Likewise."""

@@ -1,0 +1,99 @@
+//! What is asked of a curve at one ρ, or at each of an array of them.
+
+use numpy::ndarray::Array2;
+use numpy::{
+    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods, ToPyArray,
+};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// Normalized arc lengths: a number, or an array of them.
+pub(crate) enum Rho<'py> {
+    /// A number.
+    One(f64),
+    /// An array of one axis.
+    Many(PyArrayLike1<'py, f64, AllowTypeChange>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Rho<'py> {
+    type Error = PyErr;
+
+    fn extract(rho: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        // An array of one number is one too, and answers with an array all the same.
+        let is_row = rho
+            .cast::<PyUntypedArray>()
+            .is_ok_and(|array| array.ndim() > 0);
+        if !is_row && let Ok(rho) = rho.extract() {
+            return Ok(Self::One(rho));
+        }
+        rho.extract().map(Self::Many).map_err(|_| {
+            PyTypeError::new_err(
+                "rho is a number from 0 to 1, or a row of them: an array of shape (n,)",
+            )
+        })
+    }
+}
+
+impl<'py> Rho<'py> {
+    /// How many there are; `None` for a number.
+    pub(crate) fn count(&self) -> Option<usize> {
+        match self {
+            Self::One(_) => None,
+            Self::Many(rhos) => Some(rhos.len()),
+        }
+    }
+
+    /// A vector at each: of shape (2,), or (n, 2) for n of them.
+    pub(crate) fn vectors(
+        &self,
+        py: Python<'py>,
+        at: impl Fn(f64) -> [f64; 2],
+    ) -> Bound<'py, PyArrayDyn<f64>> {
+        self.rows(py, 2, |rho, row| row.copy_from_slice(&at(rho)))
+    }
+
+    /// `width` numbers at each.
+    pub(crate) fn rows(
+        &self,
+        py: Python<'py>,
+        width: usize,
+        write: impl Fn(f64, &mut [f64]),
+    ) -> Bound<'py, PyArrayDyn<f64>> {
+        match self {
+            Self::One(rho) => {
+                let mut row = vec![0.0; width];
+                write(*rho, &mut row);
+                PyArray1::from_vec(py, row).to_dyn().clone()
+            }
+            Self::Many(rhos) => {
+                let rhos = rhos.as_array();
+                let mut numbers = Array2::zeros((rhos.len(), width));
+                for (mut row, &rho) in numbers.rows_mut().into_iter().zip(rhos) {
+                    if let Some(row) = row.as_slice_mut() {
+                        write(rho, row);
+                    }
+                }
+                numbers.to_pyarray(py).to_dyn().clone()
+            }
+        }
+    }
+
+    /// A number at each: a float, or an array of n of them.
+    pub(crate) fn numbers(
+        &self,
+        py: Python<'py>,
+        at: impl Fn(f64) -> f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self {
+            Self::One(rho) => at(*rho).into_pyobject(py)?.into_any(),
+            Self::Many(rhos) => {
+                let numbers: Vec<f64> = rhos.as_array().iter().map(|&rho| at(rho)).collect();
+                PyArray1::from_vec(py, numbers).into_any()
+            }
+        })
+    }
+}
+
+/// What a direction is where there is none: not a number, which spreads into whatever is made of it.
+pub(crate) const NOWHERE: [f64; 2] = [f64::NAN; 2];

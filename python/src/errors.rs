@@ -1,0 +1,21 @@
+//! What Rust says is wrong, as Python's exceptions: the sentence stays.
+
+use lariat_wire::WireError;
+use pyo3::PyErr;
+use pyo3::exceptions::{PyOSError, PyPermissionError, PyValueError};
+use std::fmt::Display;
+
+/// What is wrong with a value.
+pub(crate) fn value_error(cause: impl Display) -> PyErr {
+    PyValueError::new_err(cause.to_string())
+}
+
+/// What is wrong with a rig: `ValueError` for a name that is none, `PermissionError`, else `OSError`.
+pub(crate) fn wire_error(cause: WireError) -> PyErr {
+    let sentence = cause.to_string();
+    match cause {
+        WireError::RigName(_) | WireError::DomainName(_) => PyValueError::new_err(sentence),
+        WireError::Permission { .. } => PyPermissionError::new_err(sentence),
+        _ => PyOSError::new_err(sentence),
+    }
+}

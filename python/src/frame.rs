@@ -1,0 +1,149 @@
+//! What a reader knows at one moment.
+//!
+//! A frame is copied out of shared memory once, when it is looked at; all that is asked of it afterwards looks at that
+//! copy. So an array stays good however long it is kept and in whichever thread, and none holds a slot of the channel,
+//! of which a reader has two. It costs less than to make one array (`bench.py`).
+
+use crate::reader::seconds;
+use crate::rope::Track;
+use crate::seen;
+use crate::way::Trace;
+use lariat_wire::{KeptFrame, Unit};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// The newest that came, looked at at one moment.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Frame {
+    kept: KeptFrame,
+}
+
+impl Frame {
+    pub(crate) fn new(kept: KeptFrame) -> Self {
+        Self { kept }
+    }
+
+    pub(crate) fn frame(&self) -> lariat_wire::Frame<'_> {
+        self.kept.frame()
+    }
+
+    /// Where among the ropes of this frame this one is.
+    pub(crate) fn index_of(&self, rope: &lariat_wire::Rope) -> usize {
+        let ropes = self
+            .frame()
+            .message()
+            .map_or(&[][..], |message| message.curves());
+        ropes
+            .iter()
+            .position(|other| std::ptr::eq(other, rope.descriptor()))
+            .unwrap_or(ropes.len())
+    }
+}
+
+#[pymethods]
+impl Frame {
+    /// Whether it came since the last look. If not, it is the same image, some time older.
+    #[getter]
+    fn is_new(&self) -> bool {
+        self.frame().is_new()
+    }
+
+    /// How long ago the image was taken when the frame was asked for, s; `None` before the first.
+    #[getter]
+    fn age(&self) -> Option<f64> {
+        self.frame().age().map(|age| age.as_secs_f64())
+    }
+
+    /// Which run of the chain it is of, counted by this reader from 1; 0 before the first message.
+    #[getter]
+    fn run(&self) -> u64 {
+        self.frame().run()
+    }
+
+    /// Width and height of the image, px; (0, 0) while the camera gives none, and before the first message.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        self.frame()
+            .message()
+            .map_or((0, 0), |message| (message.width, message.height))
+    }
+
+    /// What ropes are measured in: `"px"`, `"mm"` on the plane, `"ideal px"` of an image without distortion.
+    #[getter]
+    pub(crate) fn unit(&self) -> Option<&'static str> {
+        unit_name(self.frame().message()?.unit())
+    }
+
+    /// The frame's way through the chain; `None` before the first message.
+    #[getter]
+    fn trace(&self) -> Option<Trace> {
+        self.frame()
+            .message()
+            .map(|message| Trace::from(message.trace))
+    }
+
+    /// The rope of an image that has one. With several it is none of them: then choose one among `ropes`, and ask for its
+    /// track. An image older than `max_age` seconds makes it stale.
+    fn only_rope<'py>(this: &Bound<'py, Self>, max_age: f64) -> PyResult<Bound<'py, PyAny>> {
+        let max_age = seconds("max_age", max_age)?;
+        seen::of(this, this.get().frame().only_rope(max_age), max_age)
+    }
+
+    /// The rope of this track, and no other.
+    fn rope<'py>(
+        this: &Bound<'py, Self>,
+        track: &Bound<'py, PyAny>,
+        max_age: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let max_age = seconds("max_age", max_age)?;
+        let Ok(track) = track.cast::<Track>() else {
+            return Err(PyTypeError::new_err(
+                "a track is what a rope's own `track` is: its number alone may be another rope's after a restart",
+            ));
+        };
+        seen::of(
+            this,
+            this.get().frame().rope(track.get().0, max_age),
+            max_age,
+        )
+    }
+
+    /// Every rope of the image, and those that are lost.
+    fn ropes<'py>(this: &Bound<'py, Self>, max_age: f64) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let max_age = seconds("max_age", max_age)?;
+        let ropes = this.get().frame().ropes(max_age);
+        ropes.map(|rope| seen::of(this, rope, max_age)).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let Some(message) = self.frame().message() else {
+            return "<lariat.Frame: nothing came yet>".to_owned();
+        };
+        let ropes = match message.curves().len() {
+            0 => "no rope".to_owned(),
+            1 => "1 rope".to_owned(),
+            count => format!("{count} ropes"),
+        };
+        format!(
+            "<lariat.Frame {} of run {}: {ropes}, {:.1} ms old>",
+            message.trace.sequence,
+            self.run(),
+            1e3 * self.age().unwrap_or_default(),
+        )
+    }
+
+    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        this.py()
+            .import("lariat._drawing")?
+            .call_method1("frame", (this,))
+    }
+}
+
+/// The name of a unit.
+fn unit_name(unit: Option<Unit>) -> Option<&'static str> {
+    unit.map(|unit| match unit {
+        Unit::Pixel => "px",
+        Unit::Millimeter => "mm",
+        Unit::IdealPixel => "ideal px",
+    })
+}

@@ -1,0 +1,45 @@
+//! The Python package's Rust half, imported as `lariat._native`: extraction and fit of arrays, and a control loop's
+//! reader. What Python writes better (drawings for notebooks, the cases of what is seen) stands in `lariat/`.
+//!
+//! Every number of an array lies in an object of this crate, and the array is a view of it that keeps it alive: nothing is
+//! copied to be looked at. Whatever takes longer than a look lets other Python threads run.
+
+mod along;
+mod errors;
+mod fit;
+mod fitting;
+mod frame;
+mod pixels;
+mod reader;
+mod rope;
+mod scene;
+mod seen;
+mod shape;
+mod tracer;
+mod views;
+mod way;
+
+/// The module as Python imports it.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::fit::Fit;
+    #[pymodule_export]
+    use crate::fitting::Fitter;
+    #[pymodule_export]
+    use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::reader::Reader;
+    #[pymodule_export]
+    use crate::rope::{Rope, Track};
+    #[pymodule_export]
+    use crate::scene::{Crossing, Curve, Notice, Scene};
+    #[pymodule_export]
+    use crate::seen::{Absent, Fresh, Lost, Partial, Stale};
+    #[pymodule_export]
+    use crate::shape::Shape;
+    #[pymodule_export]
+    use crate::tracer::{Tracer, pick};
+    #[pymodule_export]
+    use crate::way::Trace;
+}

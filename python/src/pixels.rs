@@ -1,0 +1,168 @@
+#![allow(unsafe_code)] // An array whose rows lie apart is read as the bytes from its first pixel to its last.
+//! Pictures in NumPy arrays, as the extractor reads them.
+
+use crate::errors::value_error;
+use lariat_extract::{Image, PixelFormat};
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// The pixel formats by name, with the last axis of their arrays: how many bytes a pixel has there. None is said where there
+/// is no such axis.
+const FORMATS: [(&str, PixelFormat, Option<usize>); 6] = [
+    ("gray", PixelFormat::Gray8, None),
+    ("rgb", PixelFormat::Rgb8, Some(3)),
+    ("bgr", PixelFormat::Bgr8, Some(3)),
+    ("yuyv", PixelFormat::Yuyv, Some(2)),
+    ("uyvy", PixelFormat::Uyvy, Some(2)),
+    ("nv12", PixelFormat::Nv12, None),
+];
+
+/// The pixels of an array, borrowed where its rows have no gaps, else of a copy of it.
+pub(crate) struct Pixels<'py> {
+    array: PyReadonlyArrayDyn<'py, u8>,
+    format: PixelFormat,
+}
+
+impl<'py> Pixels<'py> {
+    /// The pixels of `image`: `uint8` of shape (height, width) is gray, (height, width, 3) is `rgb` if `format` does not say
+    /// otherwise.
+    ///
+    /// # Errors
+    /// `TypeError` for what is no array of `uint8`, `ValueError` for a shape that makes no picture.
+    pub(crate) fn of(image: &Bound<'py, PyAny>, format: Option<&str>) -> PyResult<Self> {
+        let array = bytes(image)?;
+        let format = format_of(array.shape(), format)?;
+        let lies_well = array.shape().contains(&0) || has_whole_rows(&array);
+        let array = if lies_well {
+            array.clone()
+        } else {
+            let numpy = image.py().import("numpy")?;
+            bytes(&numpy.call_method1("ascontiguousarray", (array,))?)?
+        };
+        let array = array.try_readonly().map_err(|cause| {
+            value_error(format!(
+                "the image is being written to ({cause}): wait for that"
+            ))
+        })?;
+        Ok(Self { array, format })
+    }
+
+    /// A mask: `uint8`, from 128 on rope, or `bool`, of shape (height, width).
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub(crate) fn of_mask(mask: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(array) = mask.cast::<PyArrayDyn<bool>>() {
+            let numpy = mask.py().import("numpy")?;
+            let of_bytes =
+                numpy.call_method1("multiply", (array, numpy.call_method1("uint8", (255,))?))?;
+            return Self::of(&of_bytes, Some("gray"));
+        }
+        Self::of(mask, Some("gray"))
+    }
+
+    /// The picture.
+    ///
+    /// # Errors
+    /// A size that the extractor does not take.
+    pub(crate) fn image(&self) -> PyResult<Image<'_>> {
+        let (shape, strides) = (self.array.shape(), self.array.strides());
+        let rows = shape[0];
+        let row_bytes = shape[1..].iter().product::<usize>();
+        // Of a single row the array may say any stride.
+        let stride = if rows > 1 {
+            strides[0].unsigned_abs()
+        } else {
+            row_bytes
+        };
+        let bytes: &[u8] = if row_bytes == 0 || rows == 0 {
+            &[]
+        } else {
+            // SAFETY: the rows are whole and lie upwards, `stride` apart (`has_whole_rows`, or contiguous), so that these are
+            // the array's own bytes and those between its rows; it is kept alive, and kept from being written to by Rust.
+            unsafe {
+                std::slice::from_raw_parts(self.array.data(), (rows - 1) * stride + row_bytes)
+            }
+        };
+        let height = match self.format {
+            // A plane of half the height follows that of Y.
+            PixelFormat::Nv12 => rows * 2 / 3,
+            _ => rows,
+        };
+        Image::new(bytes, shape[1], height, stride, self.format).map_err(value_error)
+    }
+}
+
+/// The array as one of bytes.
+fn bytes<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+    if let Ok(array) = image.cast::<PyArrayDyn<u8>>() {
+        return Ok(array.clone());
+    }
+    Err(PyTypeError::new_err(match image.cast::<PyUntypedArray>() {
+        Ok(array) => format!(
+            "an image is an array of uint8, and this one is of {}: scale it to 0 to 255 and say .astype(numpy.uint8)",
+            array.dtype()
+        ),
+        Err(_) => format!(
+            "an image is a NumPy array of uint8, and this is of type {}: say numpy.asarray(image)",
+            image.get_type()
+        ),
+    }))
+}
+
+fn format_of(shape: &[usize], name: Option<&str>) -> PyResult<PixelFormat> {
+    let name = match (name, shape) {
+        (Some(name), _) => name,
+        (None, [_, _] | [_, _, 1]) => "gray",
+        (None, _) => "rgb",
+    };
+    let Some((_, format, last)) = FORMATS.iter().find(|(known, _, _)| *known == name) else {
+        let names = FORMATS.map(|(name, _, _)| name).join(", ");
+        return Err(value_error(format!(
+            "there is no pixel format '{name}': choose one of {names}"
+        )));
+    };
+    let fits = match (shape, last) {
+        ([_, _], None) => true,
+        ([_, _, given], Some(wanted)) => given == wanted,
+        ([_, _, 1], None) => *format == PixelFormat::Gray8,
+        _ => false,
+    };
+    if !fits {
+        let wanted = match (*format, last) {
+            (PixelFormat::Nv12, _) => "(height · 3/2, width)".to_owned(),
+            (_, None) => "(height, width)".to_owned(),
+            (_, Some(bytes)) => format!("(height, width, {bytes})"),
+        };
+        let advice = match shape {
+            [_, _, 4] => "; leave out an alpha channel: image[..., :3]",
+            _ => "",
+        };
+        return Err(value_error(format!(
+            "an image in '{name}' has the shape {wanted}, and this one has {shape:?}{advice}"
+        )));
+    }
+    if *format == PixelFormat::Nv12 && !shape[0].is_multiple_of(3) {
+        return Err(value_error(format!(
+            "an image in 'nv12' has a height of 3/2 of the picture's, and {} is none",
+            shape[0]
+        )));
+    }
+    Ok(*format)
+}
+
+/// Whether each row is one run of bytes, and the next one lies behind it.
+fn has_whole_rows(array: &Bound<'_, PyArrayDyn<u8>>) -> bool {
+    let (shape, strides) = (array.shape(), array.strides());
+    let mut expected = 1;
+    for axis in (1..shape.len()).rev() {
+        if shape[axis] > 1 && strides[axis] != expected {
+            return false;
+        }
+        expected *= shape[axis] as isize;
+    }
+    shape[0] == 1 || strides[0] >= expected
+}

@@ -1,0 +1,242 @@
+//! A control loop's reader, for Python: it waits without holding other threads up, and Ctrl-C ends the wait.
+
+use crate::errors::{value_error, wire_error};
+use crate::frame::Frame;
+use lariat_wire::{Domain, KeptFrame, Motion, WireError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use std::os::fd::{AsFd, AsRawFd};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// The longest sleep in one piece. A signal ends each; this is for one that comes in the moment before it, which Python
+/// marks down without anyone being woken.
+const LONGEST_SLEEP: Duration = Duration::from_secs(1);
+
+/// Reads the shapes of a rig's ropes, for a control loop.
+#[pyclass(frozen, subclass, module = "lariat._native")]
+pub(crate) struct Reader {
+    /// `None` once it is closed.
+    reader: Mutex<Option<lariat_wire::Reader>>,
+    rig: String,
+    timeout: Duration,
+}
+
+#[pymethods]
+impl Reader {
+    #[new]
+    #[pyo3(signature = (rig="default", *, timeout=0.1))]
+    fn new(py: Python<'_>, rig: &str, timeout: f64) -> PyResult<Self> {
+        let timeout = seconds("timeout", timeout)?;
+        let opened = py.detach(|| lariat_wire::Reader::open_in(Domain::open()?, &rig.parse()?));
+        Ok(Self {
+            reader: Mutex::new(Some(opened.map_err(wire_error)?)),
+            rig: rig.to_owned(),
+            timeout,
+        })
+    }
+
+    /// What is known now, without waiting.
+    fn latest(&self) -> PyResult<Frame> {
+        let mut guard = self.lock()?;
+        let frame = open(&mut guard)?.latest().map_err(Problem::Wire)?;
+        Ok(Frame::new(frame.keep()))
+    }
+
+    /// What is known as soon as an image comes that this reader has not looked at, or after `timeout` seconds: then the
+    /// frame is not new.
+    #[pyo3(signature = (timeout=None))]
+    fn wait(&self, py: Python<'_>, timeout: Option<f64>) -> PyResult<Frame> {
+        let timeout = timeout.map_or(Ok(self.timeout), |timeout| seconds("timeout", timeout))?;
+        // No wait is longer than that of a deadline that cannot be said.
+        let deadline = Instant::now().checked_add(timeout);
+        loop {
+            py.check_signals()?;
+            if let Some(kept) = py.detach(|| self.wait_for_signal(deadline))? {
+                return Ok(Frame::new(kept));
+            }
+        }
+    }
+
+    /// How long ago the image of the newest frame that was looked at was taken, s; `None` before the first.
+    #[getter]
+    fn age(&self) -> PyResult<Option<f64>> {
+        let mut guard = self.lock()?;
+        Ok(open(&mut guard)?.age().map(|age| age.as_secs_f64()))
+    }
+
+    /// The rig's name.
+    #[getter]
+    fn rig(&self) -> &str {
+        &self.rig
+    }
+
+    /// How long it waits for the next image if not told otherwise, s.
+    #[getter]
+    fn timeout(&self) -> f64 {
+        self.timeout.as_secs_f64()
+    }
+
+    /// Becomes readable when an image came, for a `select` of one's own: see `before_poll`.
+    fn fileno(&self) -> PyResult<i32> {
+        let mut guard = self.lock()?;
+        Ok(open(&mut guard)?.as_fd().as_raw_fd())
+    }
+
+    /// Makes ready for a `select` of one's own: call it before each one, and sleep no longer than the seconds it says;
+    /// `None` is as long as you like. After the sleep, however it ended, `latest` says what came.
+    fn before_poll(&self) -> PyResult<Option<f64>> {
+        let mut guard = self.lock()?;
+        let longest = open(&mut guard)?.before_poll().map_err(Problem::Wire)?;
+        Ok(longest.map(|longest| longest.as_secs_f64()))
+    }
+
+    /// How ropes are taken to move, for `Rope.predict`: the standard deviation of the acceleration of a point, units/s²,
+    /// and how long an acceleration lasts, s. Give it what the chain was given.
+    #[pyo3(signature = (acceleration=Motion::default().acceleration, lasts_s=Motion::default().lasts_s))]
+    fn expect_motion(&self, acceleration: f64, lasts_s: f64) -> PyResult<()> {
+        if !(acceleration.is_finite()
+            && acceleration >= 0.0
+            && lasts_s.is_finite()
+            && lasts_s > 0.0)
+        {
+            return Err(value_error(format!(
+                "a motion of {acceleration} units/s² that lasts {lasts_s} s is none: give two positive numbers"
+            )));
+        }
+        let mut guard = self.lock()?;
+        open(&mut guard)?.expect_motion(Motion {
+            acceleration,
+            lasts_s,
+        });
+        Ok(())
+    }
+
+    /// Leaves the rig. What was read before stays good.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        // Leaving sweeps up after the dead, which may take a while.
+        py.detach(|| -> Result<_, Problem> {
+            let reader = self.lock()?.take();
+            drop(reader);
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    /// Whether it was closed.
+    #[getter]
+    fn closed(&self) -> PyResult<bool> {
+        Ok(self.lock()?.is_none())
+    }
+
+    fn __enter__(this: Py<Self>) -> Py<Self> {
+        this
+    }
+
+    #[pyo3(signature = (*_error))]
+    fn __exit__(&self, py: Python<'_>, _error: &Bound<'_, pyo3::types::PyTuple>) -> PyResult<()> {
+        self.close(py)
+    }
+
+    fn __iter__(this: Py<Self>) -> Py<Self> {
+        this
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Frame> {
+        self.wait(py, None)
+    }
+
+    fn __repr__(&self) -> String {
+        let state = match self.lock() {
+            Ok(reader) if reader.is_none() => ", closed",
+            _ => "",
+        };
+        format!("<lariat.Reader of rig '{}'{state}>", self.rig)
+    }
+}
+
+impl Reader {
+    fn lock(&self) -> Result<MutexGuard<'_, Option<lariat_wire::Reader>>, Problem> {
+        match self.reader.try_lock() {
+            Ok(reader) => Ok(reader),
+            // A look that did not come to its end has changed nothing that the next one needs.
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(Problem::Busy),
+        }
+    }
+
+    /// Waits for a new frame or the deadline; `None` if a signal came, or may have come.
+    fn wait_for_signal(&self, deadline: Option<Instant>) -> Result<Option<KeptFrame>, Problem> {
+        let mut guard = self.lock()?;
+        let reader = open(&mut guard)?;
+        let slept = Instant::now();
+        loop {
+            let frame = reader.latest()?;
+            let now = Instant::now();
+            if frame.is_new() || deadline.is_some_and(|deadline| now >= deadline) {
+                return Ok(Some(frame.keep()));
+            }
+            let left = deadline.map_or(LONGEST_SLEEP, |deadline| deadline - now);
+            let uninterrupted = LONGEST_SLEEP.saturating_sub(now - slept);
+            if uninterrupted.is_zero() {
+                return Ok(None);
+            }
+            let longest = reader.before_poll()?.unwrap_or(LONGEST_SLEEP);
+            let sleep = left.min(uninterrupted).min(longest);
+            // No sleep is longer than a second.
+            let sleep = Timespec::try_from(sleep).unwrap_or_default();
+            match poll(&mut [PollFd::new(&*reader, PollFlags::IN)], Some(&sleep)) {
+                Ok(_) => {}
+                Err(Errno::INTR) => return Ok(None),
+                Err(cause) => return Err(Problem::Sleep(cause)),
+            }
+        }
+    }
+}
+
+/// The reader, if it is not closed.
+fn open<'a>(
+    guard: &'a mut MutexGuard<'_, Option<lariat_wire::Reader>>,
+) -> Result<&'a mut lariat_wire::Reader, Problem> {
+    guard.as_mut().ok_or(Problem::Closed)
+}
+
+/// Why there is no answer.
+#[derive(Debug, Error)]
+enum Problem {
+    #[error("this reader is closed: open another one")]
+    Closed,
+    #[error(
+        "another thread uses this reader, or waits with it: open one for each thread, a rig has room for 24"
+    )]
+    Busy,
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    #[error("waiting for a message failed ({0})")]
+    Sleep(Errno),
+}
+
+impl From<Problem> for PyErr {
+    fn from(problem: Problem) -> Self {
+        match problem {
+            Problem::Closed => PyValueError::new_err(problem.to_string()),
+            Problem::Busy => PyRuntimeError::new_err(problem.to_string()),
+            Problem::Wire(cause) => wire_error(cause),
+            Problem::Sleep(_) => PyOSError::new_err(problem.to_string()),
+        }
+    }
+}
+
+/// A time that Python gives in seconds; infinity is one that never ends.
+pub(crate) fn seconds(what: &str, time: f64) -> PyResult<Duration> {
+    match Duration::try_from_secs_f64(time) {
+        Ok(time) => Ok(time),
+        Err(_) if time > 0.0 => Ok(Duration::MAX),
+        Err(_) => Err(value_error(format!(
+            "{what} is {time}: give a number of seconds, 0 or more"
+        ))),
+    }
+}

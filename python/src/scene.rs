@@ -1,0 +1,325 @@
+//! What is seen in one picture, as Python has it: curves, crossings, doubts.
+
+use crate::views;
+use lariat_extract::{CrossingSequence, Status};
+use numpy::PyArray;
+use numpy::ndarray::{Ix1, Ix2};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// A copy of what the extractor said, which lends its memory until the next picture only.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    curves: Vec<lariat_extract::Curve>,
+    crossings: Vec<lariat_extract::Crossing>,
+    notice: Option<lariat_extract::Notice>,
+    followed: bool,
+    /// Width and height of the picture, px.
+    size: (usize, usize),
+}
+
+impl Kept {
+    /// `origin` is where in the picture the extractor's own begins.
+    pub(crate) fn new(
+        scene: &lariat_extract::Scene,
+        origin: [f32; 2],
+        size: (usize, usize),
+    ) -> Self {
+        let moved = |p: [f32; 2]| [p[0] + origin[0], p[1] + origin[1]];
+        let mut curves = scene.curves.to_vec();
+        let mut crossings = scene.crossings.to_vec();
+        for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = moved(*point);
+        }
+        for crossing in &mut crossings {
+            crossing.at = moved(crossing.at);
+        }
+        Self {
+            curves,
+            crossings,
+            notice: scene.notice,
+            followed: scene.followed,
+            size,
+        }
+    }
+
+    fn scene(&self) -> lariat_extract::Scene<'_> {
+        lariat_extract::Scene {
+            curves: &self.curves,
+            crossings: &self.crossings,
+            notice: self.notice,
+            followed: self.followed,
+        }
+    }
+}
+
+/// The ropes in one picture.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Scene {
+    kept: Arc<Kept>,
+    curves: Vec<Py<Curve>>,
+}
+
+impl Scene {
+    pub(crate) fn new(py: Python<'_>, kept: Kept) -> PyResult<Self> {
+        let kept = Arc::new(kept);
+        let curves = (0..kept.curves.len()).map(|index| {
+            let kept = kept.clone();
+            Py::new(py, Curve { kept, index })
+        });
+        let curves = curves.collect::<PyResult<_>>()?;
+        Ok(Self { kept, curves })
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// The ropes seen, the longest first, then the lost ones.
+    #[getter]
+    fn curves(&self, py: Python<'_>) -> Vec<Py<Curve>> {
+        self.curves
+            .iter()
+            .map(|curve| curve.clone_ref(py))
+            .collect()
+    }
+
+    /// Where they cross, at most 32.
+    #[getter]
+    fn crossings(&self) -> Vec<Crossing> {
+        self.kept.crossings.iter().copied().map(Crossing).collect()
+    }
+
+    /// What the automatic mask is unsure of, if anything.
+    #[getter]
+    fn notice(&self) -> Option<Notice> {
+        self.kept.notice.map(Notice)
+    }
+
+    /// Whether the ropes were followed from the last picture, by reading this one only around them.
+    #[getter]
+    fn followed(&self) -> bool {
+        self.kept.followed
+    }
+
+    /// Width and height of the picture, px.
+    #[getter]
+    fn size(&self) -> (usize, usize) {
+        self.kept.size
+    }
+
+    fn __repr__(&self) -> String {
+        let counted = |count: usize, one: &str, many: &str| match count {
+            0 => format!("no {one}"),
+            1 => format!("1 {one}"),
+            _ => format!("{count} {many}"),
+        };
+        let (width, height) = self.kept.size;
+        let doubt = self
+            .kept
+            .notice
+            .map(|notice| format!(", {}", notice.name()));
+        format!(
+            "<lariat.Scene of {width}×{height} px: {}, {}{}>",
+            counted(self.kept.curves.len(), "rope", "ropes"),
+            counted(self.kept.crossings.len(), "crossing", "crossings"),
+            doubt.unwrap_or_default(),
+        )
+    }
+
+    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        this.py()
+            .import("lariat._drawing")?
+            .call_method1("scene", (this,))
+    }
+}
+
+/// The centerline of one rope: positions in pixels, x to the right, y down, (0, 0) the middle of the top left pixel.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Curve {
+    kept: Arc<Kept>,
+    index: usize,
+}
+
+impl Curve {
+    pub(crate) fn seen(&self) -> &lariat_extract::Curve {
+        &self.kept.curves[self.index]
+    }
+}
+
+#[pymethods]
+impl Curve {
+    /// The rope's number, kept from picture to picture of a `Tracer`.
+    #[getter]
+    fn track(&self) -> u32 {
+        self.seen().track
+    }
+
+    /// How much of the rope is seen: `"ok"`, `"partial"` or `"lost"`.
+    #[getter]
+    fn status(&self) -> &'static str {
+        match self.seen().status {
+            Status::Ok => "ok",
+            Status::Partial => "partial",
+            Status::Lost => "lost",
+        }
+    }
+
+    /// Whether the rope has no ends. The last point is then one step before the first.
+    #[getter]
+    fn closed(&self) -> bool {
+        self.seen().closed
+    }
+
+    /// Whether the first and the last point lie where the rope leaves the picture.
+    #[getter]
+    fn leaves_image(&self) -> (bool, bool) {
+        self.seen().border.into()
+    }
+
+    /// Points at equal steps of arc length, an array of `float32` of shape (points, 2), px.
+    #[getter]
+    fn points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix2>> {
+        views::rows(this, |curve| &curve.seen().points)
+    }
+
+    /// The rope's width at each point, px.
+    #[getter]
+    fn widths_px<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix1>> {
+        views::row(this, |curve| &curve.seen().widths_px)
+    }
+
+    /// Whether each point is covered by something, and so not seen but bridged.
+    #[getter]
+    fn hidden<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<bool, Ix1>> {
+        views::row(this, |curve| &curve.seen().hidden)
+    }
+
+    /// The median of the widths, px.
+    #[getter]
+    fn width_px(&self) -> f32 {
+        self.seen().width_px
+    }
+
+    /// Arc length from tip to tip (once around, when closed), px.
+    #[getter]
+    fn length_px(&self) -> f32 {
+        self.seen().length_px
+    }
+
+    /// How long ago the rope was last seen, s: 0 unless it is lost.
+    #[getter]
+    fn age(&self) -> f64 {
+        self.seen().age_ns as f64 * 1e-9
+    }
+
+    /// The rope's passes over and under itself from its first point on: `"O1 U2 O3 U1 O2 U3"` is an overhand knot.
+    #[getter]
+    fn crossing_sequence(&self) -> String {
+        CrossingSequence::of(&self.kept.scene(), self.index).to_string()
+    }
+
+    /// Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided.
+    #[getter]
+    fn pulls_straight(&self, py: Python<'_>) -> Option<bool> {
+        py.detach(|| CrossingSequence::of(&self.kept.scene(), self.index).pulls_straight())
+    }
+
+    fn __repr__(&self) -> String {
+        let curve = self.seen();
+        let closed = if curve.closed { ", closed" } else { "" };
+        format!(
+            "<lariat.Curve of rope {}, {}{closed}: {} points, {:.1} px long, {:.1} px wide>",
+            curve.track,
+            self.status(),
+            curve.points.len(),
+            curve.length_px,
+            curve.width_px,
+        )
+    }
+
+    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        this.py()
+            .import("lariat._drawing")?
+            .call_method1("curve", (this,))
+    }
+}
+
+/// A place where a rope passes over a rope, another or itself.
+#[pyclass(frozen, module = "lariat")]
+#[derive(Clone, Copy)]
+pub(crate) struct Crossing(lariat_extract::Crossing);
+
+#[pymethods]
+impl Crossing {
+    /// Where, [x, y] in px.
+    #[getter]
+    fn at(&self) -> (f32, f32) {
+        self.0.at.into()
+    }
+
+    /// Index in the scene's curves of the upper rope.
+    #[getter]
+    fn over(&self) -> usize {
+        self.0.over
+    }
+
+    /// Index in the scene's curves of the lower rope.
+    #[getter]
+    fn under(&self) -> usize {
+        self.0.under
+    }
+
+    /// Where on the upper rope, as normalized arc length from 0 to 1.
+    #[getter]
+    fn over_rho(&self) -> f32 {
+        self.0.over_rho
+    }
+
+    /// Where on the lower rope, likewise.
+    #[getter]
+    fn under_rho(&self) -> f32 {
+        self.0.under_rho
+    }
+
+    /// How sure the order is, from 0 (a toss of a coin) to 1.
+    #[getter]
+    fn confidence(&self) -> f32 {
+        self.0.confidence
+    }
+
+    fn __repr__(&self) -> String {
+        let lariat_extract::Crossing {
+            at,
+            over,
+            under,
+            confidence,
+            ..
+        } = self.0;
+        let [x, y] = at;
+        format!(
+            "<lariat.Crossing at ({x:.1}, {y:.1}): curve {over} over curve {under}, confidence {confidence:.2}>"
+        )
+    }
+}
+
+/// Why the automatic mask may be wrong about a picture, and what to do; `str()` of it is the sentence.
+#[pyclass(frozen, eq, hash, module = "lariat")]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Notice(lariat_extract::Notice);
+
+#[pymethods]
+impl Notice {
+    /// A short name for programs, such as `"checkered-table"`.
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Notice {}: {}>", self.0.name(), self.0)
+    }
+}

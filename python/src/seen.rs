@@ -1,0 +1,231 @@
+//! What is known of a rope, as classes that have to be told apart before there is a shape.
+
+use crate::frame::Frame;
+use crate::rope::Rope;
+use lariat_wire::Seen;
+use pyo3::prelude::*;
+use std::time::Duration;
+
+/// What is known of a rope, as an object of its class.
+pub(crate) fn of<'py>(
+    frame: &Bound<'py, Frame>,
+    seen: Seen,
+    max_age: Duration,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = frame.py();
+    let sight = |rope: &lariat_wire::Rope| {
+        let rope = Py::new(py, Rope::of(frame, rope))?;
+        Ok::<_, PyErr>(Sight { rope, max_age })
+    };
+    Ok(match seen {
+        Seen::Fresh(rope) => Bound::new(py, Fresh(sight(&rope)?))?.into_any(),
+        Seen::Partial(rope) => Bound::new(py, Partial(sight(&rope)?))?.into_any(),
+        Seen::Lost(last) => Bound::new(py, Lost(sight(&last.as_it_was())?))?.into_any(),
+        Seen::Stale(last) => Bound::new(py, Stale(sight(&last.as_it_was())?))?.into_any(),
+        Seen::Absent(why) => Bound::new(py, Absent(why))?.into_any(),
+    })
+}
+
+/// A rope, and how old its image may be.
+struct Sight {
+    rope: Py<Rope>,
+    max_age: Duration,
+}
+
+impl Sight {
+    fn rope(&self, py: Python<'_>) -> Py<Rope> {
+        self.rope.clone_ref(py)
+    }
+
+    fn sentence(&self) -> String {
+        let seen = self.rope.get().seen(self.max_age);
+        seen.map_or_else(String::new, |seen| seen.to_string())
+    }
+}
+
+/// Says in an exception what was seen instead of a rope.
+fn raise<T>(seen: &Bound<'_, PyAny>) -> PyResult<T> {
+    let error = seen.py().import("lariat._seen")?.getattr("NotSeen")?;
+    Err(PyErr::from_value(error.call1((seen,))?))
+}
+
+/// The whole rope, in an image no older than was asked for.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Fresh(Sight);
+
+#[pymethods]
+impl Fresh {
+    #[classattr]
+    fn __match_args__() -> (&'static str,) {
+        ("rope",)
+    }
+
+    /// The rope.
+    #[getter]
+    fn rope(&self, py: Python<'_>) -> Py<Rope> {
+        self.0.rope(py)
+    }
+
+    /// The rope.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(&self, py: Python<'_>, partial: bool) -> Py<Rope> {
+        let _ = partial;
+        self.0.rope(py)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.sentence()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Fresh: {}>", self.0.sentence())
+    }
+}
+
+/// The rope, but a part of it is covered by something: that part is bridged by what was seen on its two sides, and where
+/// it was before.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Partial(Sight);
+
+#[pymethods]
+impl Partial {
+    #[classattr]
+    fn __match_args__() -> (&'static str,) {
+        ("rope",)
+    }
+
+    /// The rope, a part of it bridged.
+    #[getter]
+    fn rope(&self, py: Python<'_>) -> Py<Rope> {
+        self.0.rope(py)
+    }
+
+    /// The rope, if `partial` says that a part of it may be bridged; otherwise raises `NotSeen`.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
+        if partial {
+            return Ok(this.get().0.rope(this.py()));
+        }
+        raise(this)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.sentence()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Partial: {}>", self.0.sentence())
+    }
+}
+
+/// The image is fresh, and the rope is not in it; or the camera gives no image.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Lost(Sight);
+
+#[pymethods]
+impl Lost {
+    /// How long ago the rope was seen with its last known shape, s.
+    #[getter]
+    fn age(&self) -> PyResult<f64> {
+        self.0.rope.get().age()
+    }
+
+    /// The rope as it was: to look for it, to draw it, or to predict where it went. Not to steer by.
+    #[getter]
+    fn as_it_was(&self, py: Python<'_>) -> Py<Rope> {
+        self.0.rope(py)
+    }
+
+    /// Raises `NotSeen`.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
+        let _ = partial;
+        raise(this)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.sentence()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Lost: {}>", self.0.sentence())
+    }
+}
+
+/// The image is older than was asked for: the chain stands still, or is too slow, or has ended.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Stale(Sight);
+
+#[pymethods]
+impl Stale {
+    /// How long ago the rope was seen with its last known shape, s.
+    #[getter]
+    fn age(&self) -> PyResult<f64> {
+        self.0.rope.get().age()
+    }
+
+    /// The rope as it was: to draw it, or to predict where it went. Not to steer by.
+    #[getter]
+    fn as_it_was(&self, py: Python<'_>) -> Py<Rope> {
+        self.0.rope(py)
+    }
+
+    /// Raises `NotSeen`.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
+        let _ = partial;
+        raise(this)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.sentence()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Stale: {}>", self.0.sentence())
+    }
+}
+
+/// There is no shape at all, not even an old one.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Absent(lariat_wire::Absent);
+
+#[pymethods]
+impl Absent {
+    #[classattr]
+    fn __match_args__() -> (&'static str,) {
+        ("why",)
+    }
+
+    /// `"nothing-yet"`, `"nothing-lately"`, `"no-image"`, `"no-rope"`, `"several"`, `"other-run"` or `"unreadable"`; `str()`
+    /// of the object says it in a sentence.
+    #[getter]
+    fn why(&self) -> &'static str {
+        use lariat_wire::Absent;
+        match self.0 {
+            Absent::NothingYet => "nothing-yet",
+            Absent::NothingLately => "nothing-lately",
+            Absent::NoImage => "no-image",
+            Absent::NoRope => "no-rope",
+            Absent::Several => "several",
+            Absent::OtherRun => "other-run",
+            // The only other one that this release has.
+            _ => "unreadable",
+        }
+    }
+
+    /// Raises `NotSeen`.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
+        let _ = partial;
+        raise(this)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Absent: {}>", self.0)
+    }
+}

@@ -1,0 +1,192 @@
+//! A rope's curve as a control law asks for it: seen, or predicted.
+
+use crate::along::{NOWHERE, Rho};
+use crate::errors::value_error;
+use crate::rope::Rope;
+use crate::views;
+use lariat_wire::Descriptor;
+use numpy::ndarray::Ix2;
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// The curve f(rho), rho from 0 at the rope's first end to 1 at its last, in the frame's unit. Outside 0 to 1 it goes on
+/// as the polynomial that it is there.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Shape {
+    source: Source,
+}
+
+/// Where its numbers are.
+enum Source {
+    Seen(Py<Rope>),
+    Moved(Box<Descriptor>),
+}
+
+impl Shape {
+    /// The curve of a rope as it was seen.
+    ///
+    /// # Errors
+    /// The chain describes ropes by points or by their center.
+    pub(crate) fn of_rope(rope: &Bound<'_, Rope>) -> PyResult<Self> {
+        lariat_wire::Shape::of(rope.get().descriptor()).map_err(value_error)?;
+        Ok(Self {
+            source: Source::Seen(rope.clone().unbind()),
+        })
+    }
+
+    /// The same curve with other control points and covariances.
+    pub(crate) fn moved(descriptor: &Descriptor, shape: &lariat_wire::Shape) -> Self {
+        let mut moved = Box::new(*descriptor);
+        let covariance = shape.covariance();
+        for (j, point) in shape.control_points().iter().enumerate() {
+            let [[xx, xy], [_, yy]] = covariance.block(j, j);
+            moved.control_points[j] = *point;
+            moved.covariances[j] = [xx, xy, yy];
+        }
+        Self {
+            source: Source::Moved(moved),
+        }
+    }
+
+    fn descriptor(&self) -> &Descriptor {
+        match &self.source {
+            Source::Seen(rope) => rope.get().descriptor(),
+            Source::Moved(descriptor) => descriptor,
+        }
+    }
+
+    fn shape(&self) -> PyResult<lariat_wire::Shape<'_>> {
+        lariat_wire::Shape::of(self.descriptor()).map_err(value_error)
+    }
+}
+
+#[pymethods]
+impl Shape {
+    /// What it is made of, of shape (control points, 2); of a closed rope the coefficients of its Fourier series.
+    #[getter]
+    fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
+        views::rows(this, |shape| shape.descriptor().control_points())
+    }
+
+    /// Whether it ends where it begins.
+    #[getter]
+    fn closed(&self) -> PyResult<bool> {
+        Ok(self.shape()?.is_closed())
+    }
+
+    /// `count` points at even steps of rho: from its first end to its last, or once around a closed one.
+    #[pyo3(signature = (count=120))]
+    fn points<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let shape = self.shape()?;
+        let numbers = (0..count).flat_map(|i| shape.point_at(shape.even_rho(i, count)));
+        PyArray1::from_vec(py, numbers.collect()).reshape([count, 2])
+    }
+
+    /// The point at rho; of n values of rho an array of shape (n, 2).
+    fn point_at<'py>(
+        &self,
+        py: Python<'py>,
+        rho: Rho<'py>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let shape = self.shape()?;
+        Ok(rho.vectors(py, |rho| shape.point_at(rho)))
+    }
+
+    /// The velocity by rho: f′(rho).
+    fn derivative_at<'py>(
+        &self,
+        py: Python<'py>,
+        rho: Rho<'py>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let shape = self.shape()?;
+        Ok(rho.vectors(py, |rho| shape.derivative_at(rho)))
+    }
+
+    /// The direction in which the curve goes, of length 1; NaN where it is a point.
+    fn tangent_at<'py>(
+        &self,
+        py: Python<'py>,
+        rho: Rho<'py>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let shape = self.shape()?;
+        Ok(rho.vectors(py, |rho| shape.tangent_at(rho).unwrap_or(NOWHERE)))
+    }
+
+    /// The direction across the curve, to the right of its way in the image, of length 1; NaN where it is a point.
+    fn normal_at<'py>(
+        &self,
+        py: Python<'py>,
+        rho: Rho<'py>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let shape = self.shape()?;
+        Ok(rho.vectors(py, |rho| shape.normal_at(rho).unwrap_or(NOWHERE)))
+    }
+
+    /// One by the radius of the circle that the curve follows, positive where it turns towards its normal; NaN where it
+    /// stands still.
+    fn curvature_at<'py>(&self, py: Python<'py>, rho: Rho<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = self.shape()?;
+        rho.numbers(py, |rho| shape.curvature_at(rho).unwrap_or(f64::NAN))
+    }
+
+    /// How much the point at rho moves with each control point, the same for x and y; of n values of rho of shape
+    /// (n, control points).
+    fn jacobian_at<'py>(
+        &self,
+        py: Python<'py>,
+        rho: Rho<'py>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let shape = self.shape()?;
+        let count = shape.control_points().len();
+        Ok(rho.rows(py, count, |rho, row| {
+            row.copy_from_slice(&shape.jacobian_at(rho))
+        }))
+    }
+
+    /// The covariance of all control points together, of the vector x0, y0, x1, y1, …, in the unit's square.
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let covariance = self.shape()?.covariance();
+        let size = covariance.size();
+        let mut matrix = vec![0.0; size * size];
+        covariance.write_to(&mut matrix);
+        PyArray1::from_vec(py, matrix).reshape([size, size])
+    }
+
+    /// Whether `covariance` is that of plain least squares or of its filter, right to rounding. If not (ridge, pinned ends,
+    /// weights, a plane), each control point's own is right, and how two of them hang together is that of the plain fit.
+    #[getter]
+    fn covariance_is_exact(&self) -> PyResult<bool> {
+        Ok(self.shape()?.covariance().is_exact())
+    }
+
+    /// How uncertain the point at rho is, of shape (2, 2); of n values of rho (n, 2, 2).
+    fn covariance_at<'py>(&self, py: Python<'py>, rho: Rho<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let covariance = self.shape()?.covariance();
+        let numbers = rho.rows(py, 4, |rho, row| {
+            let [xx, xy, yy] = covariance.of_point(rho);
+            row.copy_from_slice(&[xx, xy, xy, yy]);
+        });
+        Ok(match rho.count() {
+            None => numbers.reshape([2, 2])?.into_any(),
+            Some(count) => numbers.reshape([count, 2, 2])?.into_any(),
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let predicted = match self.source {
+            Source::Seen(_) => "",
+            Source::Moved(_) => "predicted, ",
+        };
+        let descriptor = self.descriptor();
+        format!(
+            "<lariat.Shape of rope {}: {predicted}{} control points>",
+            descriptor.track, descriptor.count
+        )
+    }
+
+    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        this.py()
+            .import("lariat._drawing")?
+            .call_method1("shape", (this,))
+    }
+}

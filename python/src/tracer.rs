@@ -1,0 +1,249 @@
+//! Extraction of arrays: one picture after the other, as one moving scene.
+
+use crate::errors::value_error;
+use crate::pixels::Pixels;
+use crate::scene::{Kept, Scene};
+use lariat_extract::{Extractor, HsvRange, Mask, MaskError, Method, Options, Region};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
+use thiserror::Error;
+
+/// Why a picture was not traced.
+#[derive(Debug, Error)]
+enum Problem {
+    #[error(
+        "another thread traces a picture with this tracer: give each thread a tracer of its own"
+    )]
+    Busy,
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+}
+
+impl From<Problem> for PyErr {
+    fn from(problem: Problem) -> Self {
+        match problem {
+            Problem::Busy => PyRuntimeError::new_err(problem.to_string()),
+            Problem::Mask(_) => value_error(problem),
+        }
+    }
+}
+
+/// Traces pictures as one moving scene, and keeps its memory from one to the next: ropes keep their number and direction,
+/// and are followed, which costs a fraction of a whole extraction.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Tracer {
+    extractor: Mutex<Extractor>,
+    region: Option<Region>,
+}
+
+#[pymethods]
+impl Tracer {
+    #[new]
+    #[pyo3(signature = (*, mask=None, method="skeleton", points=120, ropes=8, start=None, keep_lost_s=1.0, roi=None))]
+    fn new(
+        mask: Option<&Bound<'_, PyAny>>,
+        method: &str,
+        points: usize,
+        ropes: usize,
+        start: Option<[f32; 2]>,
+        keep_lost_s: f64,
+        roi: Option<[usize; 4]>,
+    ) -> PyResult<Self> {
+        let region = roi.map(|[x, y, width, height]| Region {
+            x,
+            y,
+            width,
+            height,
+        });
+        let options = Options {
+            mask: mask.map_or(Ok(Mask::Auto), mask_of)?,
+            method: method.parse::<Method>().map_err(value_error)?,
+            points,
+            ropes,
+            // The extractor sees the region alone.
+            start: match (start, region) {
+                (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),
+                (start, _) => start,
+            },
+            keep_lost: Duration::try_from_secs_f64(keep_lost_s).map_err(|_| {
+                value_error(format!(
+                    "keep_lost_s is {keep_lost_s}: give a number of seconds, 0 or more"
+                ))
+            })?,
+        };
+        Ok(Self {
+            extractor: Mutex::new(Extractor::new(options).map_err(value_error)?),
+            region,
+        })
+    }
+
+    /// The ropes in the next picture.
+    #[pyo3(signature = (image, *, mask=None, pixel_format=None, at_ns=None))]
+    fn trace(
+        &self,
+        py: Python<'_>,
+        image: &Bound<'_, PyAny>,
+        mask: Option<&Bound<'_, PyAny>>,
+        pixel_format: Option<&str>,
+        at_ns: Option<u64>,
+    ) -> PyResult<Scene> {
+        let pixels = Pixels::of(image, pixel_format)?;
+        let mask = mask.map(Pixels::of_mask).transpose()?;
+        let whole = pixels.image()?;
+        let whole_mask = mask.as_ref().map(Pixels::image).transpose()?;
+        let region = self.region_in(&whole)?;
+        let (image, mask, origin) = match region {
+            None => (whole, whole_mask, [0.0; 2]),
+            Some(region) => {
+                let within = whole.region(region);
+                // A mask of another size has no such part: it is refused as a whole.
+                let mask = whole_mask.map(|mask| {
+                    match mask.width() == whole.width() && mask.height() == whole.height() {
+                        true => mask.region(region).unwrap_or(mask),
+                        false => mask,
+                    }
+                });
+                (
+                    within.unwrap_or(whole),
+                    mask,
+                    [region.x as f32, region.y as f32],
+                )
+            }
+        };
+        let size = (whole.width(), whole.height());
+        let kept = py.detach(move || -> Result<Kept, Problem> {
+            let mut extractor = self.extractor()?;
+            if let Some(at_ns) = at_ns {
+                extractor.at(at_ns);
+            }
+            let scene = match &mask {
+                None => extractor.extract(&image),
+                Some(mask) => extractor.extract_masked(&image, mask)?,
+            };
+            Ok(Kept::new(&scene, origin, size))
+        });
+        Scene::new(py, kept?)
+    }
+
+    /// Forgets the past: the next picture is a new scene.
+    fn reset(&self) -> PyResult<()> {
+        self.extractor()?.reset();
+        Ok(())
+    }
+}
+
+impl Tracer {
+    fn extractor(&self) -> Result<MutexGuard<'_, Extractor>, Problem> {
+        match self.extractor.try_lock() {
+            Ok(extractor) => Ok(extractor),
+            Err(TryLockError::WouldBlock) => Err(Problem::Busy),
+            // Whatever it was, a new scene is a beginning.
+            Err(TryLockError::Poisoned(poisoned)) => {
+                let mut extractor = poisoned.into_inner();
+                extractor.reset();
+                Ok(extractor)
+            }
+        }
+    }
+
+    /// The part of a picture that is read.
+    fn region_in(&self, image: &lariat_extract::Image) -> PyResult<Option<Region>> {
+        let Some(region) = self.region else {
+            return Ok(None);
+        };
+        let outside = || {
+            value_error(format!(
+                "nothing of roi = ({}, {}, {}, {}) lies in an image of {}×{} pixels: it is (x, y, width, height)",
+                region.x,
+                region.y,
+                region.width,
+                region.height,
+                image.width(),
+                image.height()
+            ))
+        };
+        region.within(image).ok_or_else(outside).map(Some)
+    }
+}
+
+/// `"auto"`, `"external"`, a range or a list of ranges.
+fn mask_of(mask: &Bound<'_, PyAny>) -> PyResult<Mask> {
+    if let Ok(name) = mask.extract::<String>() {
+        return match &name[..] {
+            "auto" => Ok(Mask::Auto),
+            "external" => Ok(Mask::External),
+            _ => Err(value_error(format!(
+                "there is no mask '{name}': say \"auto\", \"external\" or colour ranges, as lariat.pick proposes them"
+            ))),
+        };
+    }
+    if let Ok(range) = mask.cast::<PyDict>() {
+        return Ok(Mask::Hsv(vec![range_of(range)?]));
+    }
+    let ranges: Vec<Bound<'_, PyDict>> = mask.extract().map_err(|_| {
+        PyTypeError::new_err(
+            "a mask is \"auto\", \"external\" or a list of ranges {\"hue_deg\": (190, 250), \"saturation\": (0.3, 1), \
+             \"value\": (0.2, 1)}",
+        )
+    })?;
+    Ok(Mask::Hsv(
+        ranges.iter().map(range_of).collect::<PyResult<_>>()?,
+    ))
+}
+
+/// A range as Python writes it. What is left out may be anything.
+fn range_of(range: &Bound<'_, PyDict>) -> PyResult<HsvRange> {
+    let mut found = HsvRange {
+        hue_deg: [0.0, 360.0],
+        saturation: [0.0, 1.0],
+        value: [0.0, 1.0],
+    };
+    for (key, bounds) in range {
+        let key: String = key.extract()?;
+        let place = match &key[..] {
+            "hue_deg" => &mut found.hue_deg,
+            "saturation" => &mut found.saturation,
+            "value" => &mut found.value,
+            _ => {
+                return Err(value_error(format!(
+                    "a range has no \"{key}\": it has hue_deg, saturation and value"
+                )));
+            }
+        };
+        *place = bounds.extract().map_err(|_| {
+            PyTypeError::new_err(format!(
+                "{key} of a range is a pair of numbers, the smaller first"
+            ))
+        })?;
+    }
+    Ok(found)
+}
+
+/// The colour ranges of the ropes in a picture, for the setting `mask`: of all that stand out from the table, or of the one
+/// at the position `at`. Also how well they tell rope from table: below some 0.8 a mask of them has holes, or takes table
+/// for rope.
+#[pyfunction]
+#[pyo3(signature = (image, at=None, *, pixel_format=None))]
+pub(crate) fn pick<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    at: Option<[f32; 2]>,
+    pixel_format: Option<&str>,
+) -> PyResult<(Vec<Bound<'py, PyDict>>, f32)> {
+    let pixels = Pixels::of(image, pixel_format)?;
+    let image = pixels.image()?;
+    let picked = py
+        .detach(|| lariat_extract::pick(&image, at))
+        .map_err(value_error)?;
+    let ranges = picked.ranges.iter().map(|range| {
+        let dict = PyDict::new(py);
+        dict.set_item("hue_deg", <(f32, f32)>::from(range.hue_deg))?;
+        dict.set_item("saturation", <(f32, f32)>::from(range.saturation))?;
+        dict.set_item("value", <(f32, f32)>::from(range.value))?;
+        Ok(dict)
+    });
+    Ok((ranges.collect::<PyResult<_>>()?, picked.agreement))
+}

@@ -1,0 +1,58 @@
+//! A frame's way through the chain.
+
+use pyo3::prelude::*;
+
+/// The way of a frame through the chain: counts of what each stage sent, and times in nanoseconds of
+/// `time.monotonic_ns()`, 0 before they are known.
+#[pyclass(frozen, get_all, module = "lariat")]
+pub(crate) struct Trace {
+    /// The source's own frame number, from 1.
+    sequence: u64,
+    /// How many frames capture has sent, this one included.
+    captured: u64,
+    /// How many extract has sent.
+    extracted: u64,
+    /// How many fit has sent.
+    fitted: u64,
+    /// When the image was taken: for files, the moment the frame was due.
+    exposed_ns: u64,
+    /// When capture had it ready to send.
+    captured_ns: u64,
+    /// When extract had it in hand.
+    extract_started_ns: u64,
+    /// When extract had its result ready to send.
+    extracted_ns: u64,
+    /// When fit had it in hand.
+    fit_started_ns: u64,
+    /// When fit had its result ready to send.
+    fitted_ns: u64,
+}
+
+impl From<lariat_wire::Trace> for Trace {
+    fn from(trace: lariat_wire::Trace) -> Self {
+        let lariat_wire::Trace {
+            sequence,
+            captured,
+            extracted,
+            fitted,
+            exposed_ns,
+            captured_ns,
+            extract_started_ns,
+            extracted_ns,
+            fit_started_ns,
+            fitted_ns,
+        } = trace;
+        Self {
+            sequence,
+            captured,
+            extracted,
+            fitted,
+            exposed_ns,
+            captured_ns,
+            extract_started_ns,
+            extracted_ns,
+            fit_started_ns,
+            fitted_ns,
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! `lariat export`: what was recorded, as files of other programs.
+
+mod csv;
+mod jsonl;
+mod pictures;
+mod shapes;
+mod y4m;
+
+use crate::recording::{Gather, RecordingArgs, shown, span};
+use crate::settings::range::position_of_flag;
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use lariat_capture::Position;
+use lariat_record::{Messages, Recording};
+use std::num::NonZeroU64;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// What was recorded, as files of other programs
+///
+/// csv: a row for each rope in each frame, with its control points. jsonl: an object for each frame, with everything of its
+/// descriptors. y4m: a video, which `lariat run --source` shows again. png: a folder of numbered pictures, exact.
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    #[command(flatten)]
+    recording: RecordingArgs,
+    /// What to write
+    #[arg(long, value_enum)]
+    format: Format,
+    /// File to write; for png the folder, which must be new or empty
+    #[arg(long, value_name = "PATH")]
+    out: PathBuf,
+    /// First frame: its place in the recording, from 1, or a time from the beginning, such as 2.5s
+    #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
+    from: Option<Position>,
+    /// Last frame, likewise; of a time the last before it
+    #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
+    to: Option<Position>,
+    /// Of these frames each how-manieth
+    #[arg(long, value_name = "N", default_value = "1")]
+    every: NonZeroU64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Csv,
+    Jsonl,
+    Y4m,
+    Png,
+}
+
+/// What of a recording is exported.
+struct Part<'a> {
+    recording: &'a Recording,
+    args: &'a ExportArgs,
+}
+
+impl Part<'_> {
+    /// The frames' messages, gathered.
+    fn gathered(&self) -> Result<Gather> {
+        Gather::new(self.recording, span(self.args.from, self.args.to))
+    }
+
+    /// The frames themselves.
+    fn frames(&self) -> Result<Messages> {
+        Ok(self
+            .recording
+            .messages(span(self.args.from, self.args.to))?)
+    }
+
+    /// How many there are, and when the first and the last were captured.
+    fn frame_times_ns(&self) -> Result<(u64, Option<[u64; 2]>)> {
+        let span = span(self.args.from, self.args.to);
+        Ok(self.recording.frame_times_ns(span)?)
+    }
+
+    /// Whether the frame of this place in the part, from 0, is wanted.
+    fn is_wanted(&self, place: u64) -> bool {
+        place.is_multiple_of(self.args.every.get())
+    }
+}
+
+/// What was written, for the last line.
+struct Written {
+    what: String,
+    /// What the reader should know of it.
+    notes: Vec<String>,
+}
+
+/// Runs `lariat export`.
+///
+/// # Errors
+/// The recording cannot be read, holds nothing of the kind, or the files cannot be written. What is not whole is not there.
+pub(crate) fn run(args: ExportArgs) -> Result<ExitCode> {
+    let recording = args.recording.open()?;
+    let about = || shown(&args.recording.file);
+    if let (Some(Position::Frame(from)), Some(Position::Frame(to))) = (args.from, args.to)
+        && to < from
+    {
+        bail!("there is no frame from {from} to {to}: --to is the last frame, and at least --from");
+    }
+    let part = Part {
+        recording: &recording,
+        args: &args,
+    };
+    let written = match args.format {
+        Format::Csv => csv::write(&part, &args.out),
+        Format::Jsonl => jsonl::write(&part, &args.out),
+        Format::Y4m => y4m::write(&part, &args.out),
+        Format::Png => pictures::write(&part, &args.out),
+    };
+    let written = written.with_context(about)?;
+    println!("wrote {}: {}", args.out.display(), written.what);
+    for note in written.notes {
+        eprintln!("lariat: {note}");
+    }
+    Ok(ExitCode::SUCCESS)
+}

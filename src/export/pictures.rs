@@ -1,0 +1,108 @@
+//! Frames as numbered PNGs, exact: each number in a picture is the one in the frame.
+
+use super::{Part, Written};
+use crate::recording::{Decoder, Pixels};
+use anyhow::{Context, Result, bail};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use lariat_wire::{FrameHeader, PixelFormat};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
+    if folder.exists() && !is_empty_folder(folder) {
+        bail!(
+            "{} is there already: name a folder that is new or empty",
+            folder.display()
+        );
+    }
+    let about = || format!("cannot write {}", folder.display());
+    // Beside the one that is asked for, so that it is there whole or not at all.
+    let parent = match folder.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let growing = tempfile::Builder::new()
+        .prefix(".lariat-export")
+        .tempdir_in(parent)
+        .with_context(about)?;
+    let mut frames = part.frames()?;
+    let mut decoder = Decoder::default();
+    let mut rgb = Vec::new();
+    let (mut place, mut count, mut jpegs) = (0, 0_u64, false);
+    while let Some(frame) = frames.next_frame()? {
+        let wanted = part.is_wanted(place);
+        place += 1;
+        let (kind, bytes) = Pixels::split(frame.pixels);
+        if !wanted || kind == Pixels::None {
+            continue;
+        }
+        let path = name(growing.path(), &frame.header);
+        if kind == Pixels::Png {
+            std::fs::write(&path, bytes).with_context(about)?;
+        } else {
+            jpegs |= kind == Pixels::Jpeg;
+            let (header, bytes) = decoder.decode(&frame.header, kind, bytes)?;
+            encode(&header, bytes, &path, &mut rgb)?;
+        }
+        count += 1;
+    }
+    if count == 0 {
+        bail!("there are no images in this part of the recording");
+    }
+    place_folder(growing, folder).with_context(about)?;
+    let note = "the frames were recorded as JPEG: the pictures are exactly those, and no longer the camera's";
+    Ok(Written {
+        what: format!("{count} pictures"),
+        notes: jpegs.then(|| note.to_owned()).into_iter().collect(),
+    })
+}
+
+fn is_empty_folder(folder: &Path) -> bool {
+    std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+fn name(folder: &Path, header: &FrameHeader) -> PathBuf {
+    folder.join(format!("frame-{:08}.png", header.trace.sequence))
+}
+
+/// A temporary folder is its maker's alone; what is exported is as readable as any folder.
+fn place_folder(growing: tempfile::TempDir, folder: &Path) -> Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    let permissions = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(growing.path(), permissions)?;
+    // An empty folder of that name makes room.
+    std::fs::rename(growing.path(), folder)?;
+    // It is gone from where it was, and is not to be removed.
+    let _ = growing.keep();
+    Ok(())
+}
+
+fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) -> Result<()> {
+    let about = || format!("cannot write {}", path.display());
+    let (pixels, color) = match header.format() {
+        Some(PixelFormat::Gray8) => (bytes, ExtendedColorType::L8),
+        Some(PixelFormat::Rgb8) => (bytes, ExtendedColorType::Rgb8),
+        Some(PixelFormat::Bgr8) => {
+            rgb.clear();
+            rgb.extend_from_slice(bytes);
+            rgb.as_chunks_mut::<3>()
+                .0
+                .iter_mut()
+                .for_each(|p| p.swap(0, 2));
+            (&rgb[..], ExtendedColorType::Rgb8)
+        }
+        _ => bail!(
+            "the frames are in the camera's own format of brightness and color, which a PNG cannot hold without rounding: \
+             --format y4m holds it exactly"
+        ),
+    };
+    let mut file = BufWriter::new(File::create(path).with_context(about)?);
+    let encoder =
+        PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive);
+    encoder
+        .write_image(pixels, header.width, header.height, color)
+        .with_context(about)?;
+    file.flush().with_context(about)
+}

@@ -1,0 +1,165 @@
+//! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print, and all that stands beside them.
+
+use crate::descriptor_json::unit_name;
+use lariat_wire::{Basis, Descriptor, Descriptors, Status, Trace, Unit};
+use serde::Serialize;
+
+/// A frame's way, as in shared memory.
+#[derive(Debug, Serialize)]
+pub(super) struct TraceObject {
+    sequence: u64,
+    captured: u64,
+    extracted: u64,
+    fitted: u64,
+    exposed_ns: u64,
+    captured_ns: u64,
+    extract_started_ns: u64,
+    extracted_ns: u64,
+    fit_started_ns: u64,
+    fitted_ns: u64,
+}
+
+impl From<&Trace> for TraceObject {
+    fn from(trace: &Trace) -> Self {
+        Self {
+            sequence: trace.sequence,
+            captured: trace.captured,
+            extracted: trace.extracted,
+            fitted: trace.fitted,
+            exposed_ns: trace.exposed_ns,
+            captured_ns: trace.captured_ns,
+            extract_started_ns: trace.extract_started_ns,
+            extracted_ns: trace.extracted_ns,
+            fit_started_ns: trace.fit_started_ns,
+            fitted_ns: trace.fitted_ns,
+        }
+    }
+}
+
+/// One frame.
+#[derive(Debug, Serialize)]
+pub(super) struct FrameObject<'a> {
+    trace: TraceObject,
+    width: u32,
+    height: u32,
+    curves: Vec<CurveObject<'a>>,
+}
+
+/// One rope.
+#[derive(Debug, Serialize)]
+struct CurveObject<'a> {
+    track: u32,
+    status: &'static str,
+    closed: bool,
+    border: [bool; 2],
+    age_ns: u64,
+    hidden: u32,
+    samples: u32,
+    basis: &'static str,
+    order: u32,
+    control_points: &'a [[f64; 2]],
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    weights: &'a [f64],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    knots: Vec<f64>,
+    rms: f64,
+    max: f64,
+    residual_variance: f64,
+    condition: f64,
+    unit: &'static str,
+    length: f64,
+    width: f64,
+    covariances: &'a [[f64; 3]],
+    /// Of filtered ones.
+    #[serde(skip_serializing_if = "<[[f64; 2]]>::is_empty")]
+    velocities: &'a [[f64; 2]],
+}
+
+impl<'a> FrameObject<'a> {
+    pub(super) fn of(message: &'a Descriptors) -> Self {
+        let unit = unit(message);
+        Self {
+            trace: (&message.trace).into(),
+            width: message.width,
+            height: message.height,
+            curves: message
+                .curves()
+                .iter()
+                .map(|curve| CurveObject::of(curve, unit))
+                .collect(),
+        }
+    }
+}
+
+impl<'a> CurveObject<'a> {
+    fn of(curve: &'a Descriptor, unit: &'static str) -> Self {
+        let control_points = curve.control_points();
+        let count = control_points.len();
+        let is_rational = curve.basis() == Some(Basis::RationalBezier);
+        let is_filtered = curve.filtered != 0;
+        Self {
+            track: curve.track,
+            status: status(curve),
+            closed: curve.closed != 0,
+            border: [curve.border & 1 != 0, curve.border & 2 != 0],
+            age_ns: curve.age_ns,
+            hidden: curve.hidden,
+            samples: curve.samples,
+            basis: basis(curve),
+            order: curve.order,
+            control_points,
+            weights: &curve.weights[..if is_rational { count } else { 0 }],
+            knots: knots(curve),
+            rms: curve.rms,
+            max: curve.max,
+            residual_variance: curve.residual_variance,
+            condition: curve.condition,
+            unit,
+            length: curve.length,
+            width: curve.width,
+            covariances: &curve.covariances[..count],
+            velocities: &curve.velocities[..if is_filtered { count } else { 0 }],
+        }
+    }
+}
+
+/// What a message's curves come in.
+pub(super) fn unit(message: &Descriptors) -> &'static str {
+    unit_name(message.unit().unwrap_or(Unit::Pixel))
+}
+
+/// What is known of a rope.
+pub(super) fn status(curve: &Descriptor) -> &'static str {
+    match curve.status() {
+        Some(Status::Ok) => "ok",
+        Some(Status::Partial) => "partial",
+        Some(Status::Lost) => "lost",
+        None => "unknown",
+    }
+}
+
+/// The name of a curve's family, as settings have it.
+pub(super) fn basis(curve: &Descriptor) -> &'static str {
+    match curve.basis() {
+        Some(Basis::Bezier) => "bezier",
+        Some(Basis::BSpline) => "bspline",
+        Some(Basis::RationalBezier) => "rational",
+        Some(Basis::Fourier) => "fourier",
+        Some(Basis::FeaturePoints) => "points",
+        Some(Basis::CenterOfMass) => "mass",
+        None => "unknown",
+    }
+}
+
+/// A B-spline's knots, from 0 to 1, all of them.
+fn knots(curve: &Descriptor) -> Vec<f64> {
+    let (count, order) = (curve.control_points().len(), curve.order as usize);
+    let inner = match (curve.basis(), count.checked_sub(order + 1)) {
+        (Some(Basis::BSpline), Some(inner)) => &curve.knots[..inner],
+        _ => return Vec::new(),
+    };
+    let mut knots = vec![0.0; order + 1];
+    knots.extend(inner);
+    knots.resize(count + order + 1, 1.0);
+    knots
+}

@@ -1,0 +1,309 @@
+//! `lariat info`: what a recording holds, told from its index.
+
+use crate::recording::{CALIBRATION, PLANE, RecordedSettings, RecordingArgs, shown};
+use anyhow::{Context, Result};
+use clap::Args;
+use lariat_record::{Entry, Losses, Recording, Span};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::process::ExitCode;
+
+/// What a recording holds
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    recording: RecordingArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Everything that is told.
+#[derive(Debug, Serialize)]
+struct Info {
+    file: String,
+    bytes: u64,
+    /// Whether it was closed.
+    closed: bool,
+    /// What it says of itself: rig, release, machine, how it was made.
+    about: BTreeMap<String, String>,
+    /// When the first message was logged, in nanoseconds of Unix time.
+    start_ns: u64,
+    duration_s: f64,
+    frames: u64,
+    /// From the first frame to the last.
+    frames_per_s: Option<f64>,
+    topics: Vec<Topic>,
+    /// As they were said last.
+    losses: Option<Lost>,
+    attachments: Vec<String>,
+    /// Settings that differ from the defaults; `null` where there are none in it that this release understands.
+    settings: Option<BTreeMap<String, String>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Topic {
+    name: String,
+    schema: String,
+    messages: u64,
+    per_s: f64,
+    /// Bytes of its messages, unpacked.
+    bytes: u64,
+}
+
+/// What was lost, on each link and by the recorder.
+#[derive(Debug, Serialize)]
+struct Lost {
+    source: u64,
+    capture: u64,
+    extract: u64,
+    fit: u64,
+    dropped_frames: u64,
+    dropped_centerlines: u64,
+    dropped_descriptors: u64,
+    dropped_truth: u64,
+    dropped_masks: u64,
+}
+
+impl From<&Losses> for Lost {
+    fn from(losses: &Losses) -> Self {
+        Self {
+            source: losses.source,
+            capture: losses.capture,
+            extract: losses.extract,
+            fit: losses.fit,
+            dropped_frames: losses.dropped_frames,
+            dropped_centerlines: losses.dropped_centerlines,
+            dropped_descriptors: losses.dropped_descriptors,
+            dropped_truth: losses.dropped_truth,
+            dropped_masks: losses.dropped_masks,
+        }
+    }
+}
+
+impl Lost {
+    fn rows(&self) -> [(&'static str, u64); 9] {
+        [
+            ("at the source", self.source),
+            ("between capture and extract", self.capture),
+            ("between extract and fit", self.extract),
+            ("between fit and the recorder", self.fit),
+            ("frames not recorded", self.dropped_frames),
+            ("centerlines not recorded", self.dropped_centerlines),
+            ("descriptors not recorded", self.dropped_descriptors),
+            ("truth not recorded", self.dropped_truth),
+            ("masks not recorded", self.dropped_masks),
+        ]
+    }
+}
+
+/// Runs `lariat info`.
+///
+/// # Errors
+/// The recording cannot be read.
+pub(crate) fn run(args: InfoArgs) -> Result<ExitCode> {
+    let recording = args.recording.open()?;
+    let file = shown(&args.recording.file);
+    let info = Info::of(&recording, file.clone()).with_context(|| file)?;
+    if args.json {
+        println!("{}", serde_json::to_string(&info)?);
+    } else {
+        print!("{}", info.text());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Info {
+    fn of(recording: &Recording, file: String) -> Result<Self> {
+        let (start_ns, end_ns) = recording.times_ns();
+        let duration_s = end_ns.saturating_sub(start_ns) as f64 / 1e9;
+        let (frames, ends) = recording.frame_times_ns(Span::default())?;
+        let rate = |count: u64, s: f64| (count > 0 && s > 0.0).then(|| count as f64 / s);
+        let frames_s = ends.map(|[first, last]| last.saturating_sub(first) as f64 / 1e9);
+        let topics = recording.topics()?.into_iter().map(|topic| Topic {
+            name: topic.name,
+            schema: topic.schema,
+            messages: topic.messages,
+            per_s: rate(topic.messages, duration_s).unwrap_or(0.0),
+            bytes: topic.bytes,
+        });
+        let settings = RecordedSettings::of(recording).unwrap_or_else(|why| {
+            eprintln!("lariat: {why:#}");
+            None
+        });
+        let entries = recording.about().entries();
+        Ok(Self {
+            file,
+            bytes: recording.size(),
+            closed: recording.cut_off().is_none(),
+            about: entries
+                .map(|(key, value)| (key.to_owned(), value.to_owned()))
+                .collect(),
+            start_ns,
+            duration_s,
+            frames,
+            frames_per_s: frames_s.and_then(|s| rate(frames.saturating_sub(1), s)),
+            topics: topics.collect(),
+            losses: last_losses(recording)?,
+            attachments: recording.attachments().map(str::to_owned).collect(),
+            settings: settings.as_ref().map(changed),
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let about = |key: &str| self.about.get(key).map_or("unknown", |value| value);
+        let ended = if self.closed { "" } else { ", not closed" };
+        let _ = writeln!(text, "{}: {}{ended}", self.file, size(self.bytes));
+        if self.about.is_empty() {
+            let _ = writeln!(text, "not made by lariat");
+        } else {
+            let _ = writeln!(
+                text,
+                "rig {}, recorded by lariat {} on {} ({})",
+                about("rig"),
+                about("version"),
+                about("cpu"),
+                about("arch")
+            );
+        }
+        let pace = self.frames_per_s;
+        let pace = pace.map_or(String::new(), |fps| format!(" at {fps:.2} a second"));
+        let _ = writeln!(
+            text,
+            "{}, {:.3} s, {} frames{pace}",
+            date(self.start_ns),
+            self.duration_s,
+            self.frames
+        );
+        self.write_topics(&mut text);
+        if let Some(losses) = &self.losses {
+            let lost: Vec<_> = losses.rows().into_iter().filter(|(_, n)| *n > 0).collect();
+            if lost.is_empty() {
+                let _ = writeln!(text, "\nnothing was lost, on no link");
+            } else {
+                let _ = writeln!(text, "\nlost");
+            }
+            for (name, count) in lost {
+                let _ = writeln!(text, "  {count} {name}");
+            }
+        }
+        if let Some(settings) = &self.settings {
+            match settings.is_empty() {
+                true => text.push_str("\nall settings were the defaults\n"),
+                false => text.push_str("\nsettings other than the defaults\n"),
+            }
+            for (key, value) in settings {
+                let _ = writeln!(text, "  {key} = {value}");
+            }
+        }
+        if !self.attachments.is_empty() {
+            let _ = writeln!(text, "\nin it: {}", self.attachments.join(", "));
+        }
+        text
+    }
+
+    fn write_topics(&self, text: &mut String) {
+        let longest = self.topics.iter().map(|topic| topic.name.len()).max();
+        let width = longest.unwrap_or(0);
+        let _ = writeln!(
+            text,
+            "\n{:<width$}{:>10}{:>10}{:>12}  of",
+            "topic", "messages", "a second", "size"
+        );
+        for topic in &self.topics {
+            let _ = writeln!(
+                text,
+                "{:<width$}{:>10}{:>10.2}{:>12}  {}",
+                topic.name,
+                topic.messages,
+                topic.per_s,
+                size(topic.bytes),
+                topic.schema
+            );
+        }
+    }
+}
+
+/// The settings that are not the defaults. The files they name are in the recording.
+fn changed(recorded: &RecordedSettings) -> BTreeMap<String, String> {
+    let mut changed: BTreeMap<_, _> = recorded.settings.changed().collect();
+    for (key, name) in [("camera.calibration", CALIBRATION), ("camera.plane", PLANE)] {
+        if let Some(value) = changed.get_mut(key) {
+            *value = format!("{name} in the recording");
+        }
+    }
+    changed
+}
+
+/// The losses that were said last. They are said each second at most: only the end is looked through.
+fn last_losses(recording: &Recording) -> Result<Option<Lost>> {
+    let mut last = None;
+    let mut messages = recording.losses()?;
+    loop {
+        match messages.next() {
+            Ok(Some(Entry::Losses(losses))) => last = Some(Lost::from(losses)),
+            Ok(Some(_)) => {}
+            Ok(None) => return Ok(last),
+            // Each says all that was lost so far: one more or less is no matter.
+            Err(_) => {}
+        }
+    }
+}
+
+fn size(bytes: u64) -> String {
+    let units = ["B", "kB", "MB", "GB", "TB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 999.95 && unit + 1 < units.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    match unit {
+        0 => format!("{bytes} B"),
+        _ => format!("{value:.1} {}", units[unit]),
+    }
+}
+
+/// A moment as date and time of UTC, by the civil calendar (Hinnant, *chrono-compatible low-level date algorithms*).
+fn date(unix_ns: u64) -> String {
+    let s = unix_ns / 1_000_000_000;
+    let (days, s) = (s / 86_400, s % 86_400);
+    let shifted = days + 719_468;
+    let (era, day) = (shifted / 146_097, shifted % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = 400 * era + year + u64::from(month <= 2);
+    format!(
+        "{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC",
+        s / 3600,
+        s / 60 % 60,
+        s % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(date(0), "1970-01-01 00:00:00 UTC");
+        // A leap day, and the second before it.
+        assert_eq!(date(951_782_399_000_000_000), "2000-02-28 23:59:59 UTC");
+        assert_eq!(date(951_782_400_000_000_000), "2000-02-29 00:00:00 UTC");
+        assert_eq!(date(1_700_000_000_000_000_000), "2023-11-14 22:13:20 UTC");
+    }
+
+    #[test]
+    fn sizes_have_four_digits_at_most() {
+        assert_eq!(size(999), "999 B");
+        assert_eq!(size(999_949), "999.9 kB");
+        assert_eq!(size(999_951), "1.0 MB");
+        assert_eq!(size(12_345_678_901), "12.3 GB");
+    }
+}

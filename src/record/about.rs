@@ -1,0 +1,201 @@
+//! What a recording says of itself: in its metadata how it was made, as attachments the settings of the rig and the files
+//! that they name, so that a replay needs nothing else.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use lariat_record::{Clock, Ended, Recorder};
+use lariat_sink::Machine;
+use lariat_wire::{Member, members, now_ns};
+use toml::{Table, Value};
+
+use super::STAGE;
+use crate::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings};
+
+/// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
+const FILES: [(&str, &str, &str); 2] = [
+    ("calibration", "calibration.yaml", "application/yaml"),
+    ("plane", "plane.toml", "application/toml"),
+];
+
+/// How the recording is made.
+pub(super) fn metadata(settings: &Settings, clock: Clock) -> BTreeMap<String, String> {
+    let name = |found: Option<&str>| found.unwrap_or_default().to_owned();
+    let record = &settings.record;
+    let images = IMAGES.iter().find(|(_, kind)| *kind == record.images);
+    let compression = COMPRESSIONS
+        .iter()
+        .find(|(_, kind)| *kind == record.compression);
+    let machine = Machine::this();
+    [
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("rig", settings.run.rig.clone()),
+        ("arch", std::env::consts::ARCH.to_owned()),
+        ("cpu", machine.cpu.unwrap_or_default()),
+        ("kernel", machine.kernel),
+        (
+            "monotonic_to_wall_ns",
+            clock.monotonic_to_wall_ns.to_string(),
+        ),
+        ("images", name(images.map(|(name, _)| *name))),
+        ("quality", record.quality.to_string()),
+        ("compression", name(compression.map(|(name, _)| *name))),
+        ("lossless", settings.run.lossless.to_string()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
+}
+
+/// Where a recording's settings come from.
+pub(super) enum Rig {
+    /// The chain that this process is of: its settings are this one's.
+    Ours(Box<Settings>),
+    /// One that runs by itself, now or later, again and again: what its stages say of themselves.
+    Theirs {
+        /// Its name.
+        name: String,
+        /// What was said last.
+        said: Option<String>,
+    },
+}
+
+impl Rig {
+    /// Puts the settings into the recording, if they are known and others than before.
+    pub(super) fn attach(&mut self, to: &mut Recorder) -> Result<(), Ended> {
+        match self {
+            Self::Ours(settings) => {
+                attach_text(to, settings.text())?;
+                let camera = &settings.camera;
+                for ((_, called, media_type), path) in
+                    FILES.iter().zip([&camera.calibration, &camera.plane])
+                {
+                    if let Some(path) = path {
+                        attach_file(to, path, called, media_type)?;
+                    }
+                }
+                Ok(())
+            }
+            Self::Theirs { name, said } => {
+                let stages = members().unwrap_or_default();
+                let stages = stages.iter().filter(|member| member.rig == *name);
+                let (settings, folder) = joined(stages);
+                let text = settings.to_string();
+                if settings.is_empty() || said.as_ref() == Some(&text) {
+                    return Ok(());
+                }
+                for (key, called, media_type) in FILES {
+                    let named = settings.get("camera").and_then(|camera| camera.get(key));
+                    if let Some(path) = named.and_then(Value::as_str) {
+                        attach_file(to, &folder.join(path), called, media_type)?;
+                    }
+                }
+                attach_text(to, text.clone())?;
+                *said = Some(text);
+                Ok(())
+            }
+        }
+    }
+}
+
+fn attach_text(to: &mut Recorder, text: String) -> Result<(), Ended> {
+    to.attach(FILE_NAME, "application/toml", now_ns(), text.into_bytes())
+}
+
+fn attach_file(
+    to: &mut Recorder,
+    path: &Path,
+    called: &str,
+    media_type: &'static str,
+) -> Result<(), Ended> {
+    match fs::read(path) {
+        Ok(bytes) => to.attach(called, media_type, now_ns(), bytes),
+        Err(cause) => {
+            tracing::warn!(
+                "{} is not in the recording, as it could not be read: {cause}",
+                path.display()
+            );
+            Ok(())
+        }
+    }
+}
+
+/// The settings of a rig, each section from the stage that goes by it; and the folder that paths in `[camera]` begin at.
+fn joined<'a>(stages: impl Iterator<Item = &'a Member>) -> (Table, PathBuf) {
+    let mut settings = Table::new();
+    let mut folder = PathBuf::new();
+    for member in stages {
+        let sections: &[&str] = match member.stage.as_str() {
+            "capture" => &["run", "capture"],
+            "extract" => &["extract"],
+            "fit" => {
+                folder.clone_from(&member.folder);
+                &["camera", "fit"]
+            }
+            "sink" => &["sink"],
+            _ => &[],
+        };
+        let Ok(said) = member.settings.parse::<Table>() else {
+            continue;
+        };
+        for section in sections {
+            if let Some(values) = said.get(*section) {
+                settings.insert((*section).to_owned(), values.clone());
+            }
+        }
+    }
+    (settings, folder)
+}
+
+/// Whether settings, as a recorder has announced them, say that it keeps the last seconds.
+pub(super) fn keeps_a_ring(settings: &str) -> bool {
+    let settings: Table = settings.parse().unwrap_or_default();
+    let record = settings.get(STAGE);
+    record.is_some_and(|record| record.get("ring_s").is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn member(stage: &str, settings: &str) -> Member {
+        Member {
+            rig: "default".into(),
+            stage: stage.into(),
+            pid: 1,
+            version: "0".into(),
+            folder: format!("/{stage}").into(),
+            settings: settings.into(),
+        }
+    }
+
+    #[test]
+    fn each_section_is_from_the_stage_that_goes_by_it() {
+        let everywhere = |points| {
+            format!(
+                "[run]\nrig = \"default\"\n[extract]\npoints = {points}\n[fit]\norder = {points}\n"
+            )
+        };
+        let stages = [
+            member("extract", &everywhere(100)),
+            member("fit", &everywhere(8)),
+            member("record", &everywhere(3)),
+            member("capture", "this is no TOML"),
+        ];
+        let (settings, folder) = joined(stages.iter());
+        assert_eq!(
+            settings.to_string(),
+            "[extract]\npoints = 100\n\n[fit]\norder = 8\n"
+        );
+        assert_eq!(folder, Path::new("/fit"));
+    }
+
+    #[test]
+    fn a_recorder_of_the_last_seconds_is_told_from_others() {
+        let mut settings = Settings::default();
+        assert!(!keeps_a_ring(&settings.text()));
+        settings.record.ring = Some(std::time::Duration::from_secs(30));
+        assert!(keeps_a_ring(&settings.text()));
+        assert!(!keeps_a_ring("nothing"));
+    }
+}

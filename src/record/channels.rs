@@ -1,0 +1,168 @@
+//! The channels that a recorder reads.
+
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use lariat_record::Recorder;
+use lariat_sink::Ledger;
+use lariat_wire::{
+    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Delivery, Descriptors, FRAMES, FrameHeader,
+    MASKS, Payload, Receiver, TRUTH, WireError, sleep_for_any,
+};
+
+use super::looks::Looks;
+use crate::stages::Station;
+
+/// A lossless recorder is woken for every message, and looks this often at what else it was asked.
+const LOOKS_UP: Duration = Duration::from_millis(500);
+
+/// All channels of a rig.
+pub(crate) struct Channels {
+    frames: Receiver<[u8]>,
+    masks: Option<Receiver<[u8]>>,
+    centerlines: Receiver<Centerlines>,
+    truth: Receiver<Centerlines>,
+    descriptors: Receiver<Descriptors>,
+    lossless: bool,
+    looks: Looks,
+}
+
+/// What was seen of a rig in one look.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Seen {
+    /// Frames.
+    pub(crate) frames: u64,
+    /// Messages of any kind.
+    pub(crate) messages: u64,
+    /// A stage was seen for the first time, or had begun anew.
+    pub(crate) begun: bool,
+}
+
+impl Channels {
+    /// Becomes a reader of all, and of masks if there may be any.
+    pub(crate) fn open(station: &Station, masks: bool) -> Result<Self, WireError> {
+        let lossless = matches!(station.delivery, Delivery::Lossless { .. });
+        Ok(Self {
+            frames: open(station, &FRAMES, lossless)?,
+            masks: masks.then(|| open(station, &MASKS, lossless)).transpose()?,
+            centerlines: open(station, &CENTERLINES, lossless)?,
+            truth: open(station, &TRUTH, lossless)?,
+            descriptors: open(station, &DESCRIPTORS, true)?,
+            lossless,
+            looks: Looks::new(),
+        })
+    }
+
+    /// Records all that waits.
+    pub(crate) fn drain(
+        &mut self,
+        to: &mut Recorder,
+        ledger: &mut Ledger,
+        last: &mut Counters,
+    ) -> anyhow::Result<Seen> {
+        let mut seen = Seen::default();
+        // What is largest, and has the least room to wait, first.
+        while let Some(frame) = self.frames.next()? {
+            let header: &FrameHeader = frame.header();
+            seen.begun |= last.captured.begins_with(header.trace.captured);
+            self.looks
+                .frame(header.trace.captured, header.trace.captured_ns);
+            to.frame(header, &frame)?;
+            seen.frames += 1;
+        }
+        while let Some(mask) = self.masks.as_ref().map_or(Ok(None), Receiver::next)? {
+            to.mask(mask.header(), &mask)?;
+            seen.messages += 1;
+        }
+        while let Some(truth) = self.truth.next()? {
+            to.truth(&truth)?;
+            seen.messages += 1;
+        }
+        while let Some(centerlines) = self.centerlines.next()? {
+            seen.begun |= last.extracted.begins_with(centerlines.trace.extracted);
+            to.centerlines(&centerlines)?;
+            seen.messages += 1;
+        }
+        while let Some(descriptors) = self.descriptors.next()? {
+            seen.begun |= last.fitted.begins_with(descriptors.trace.fitted);
+            ledger.received(&descriptors.trace);
+            to.descriptors(&descriptors)?;
+            seen.messages += 1;
+        }
+        seen.messages += seen.frames;
+        self.looks.looked(seen.messages > 0);
+        Ok(seen)
+    }
+
+    /// Sleeps until there may be something to record, the recorder is told to stop, or the deadline is over.
+    pub(crate) fn sleep(
+        &self,
+        station: &Station,
+        deadline: Option<Instant>,
+    ) -> Result<(), WireError> {
+        let stop = Some(station.stop.as_fd());
+        let wait = if self.lossless {
+            LOOKS_UP
+        } else {
+            self.looks.wait()
+        };
+        let look = Instant::now() + wait;
+        let until = Some(deadline.map_or(look, |deadline| deadline.min(look)));
+        if !self.lossless {
+            return self.descriptors.sleep(until, stop);
+        }
+        let Self {
+            frames,
+            centerlines,
+            truth,
+            descriptors,
+            ..
+        } = self;
+        match &self.masks {
+            Some(masks) => sleep_for_any(
+                [frames, centerlines, truth, descriptors, masks],
+                until,
+                stop,
+            ),
+            None => sleep_for_any([frames, centerlines, truth, descriptors], until, stop),
+        }
+    }
+}
+
+/// A reader that is woken, or not. One that is not costs its writer nothing. But a lossless writer waits for each of its
+/// readers, so there all are.
+fn open<P: Payload + ?Sized>(
+    station: &Station,
+    channel: &Channel<P>,
+    woken: bool,
+) -> Result<Receiver<P>, WireError> {
+    let Station {
+        domain,
+        rig,
+        delivery,
+        ..
+    } = station;
+    if woken {
+        Receiver::create(domain, rig, channel, Some(delivery))
+    } else {
+        Receiver::create_unwoken(domain, rig, channel, Some(delivery))
+    }
+}
+
+/// The last counters of the stages.
+#[derive(Debug, Default)]
+pub(crate) struct Counters {
+    captured: Counter,
+    extracted: Counter,
+    fitted: Counter,
+}
+
+#[derive(Debug, Default)]
+struct Counter(Option<u64>);
+
+impl Counter {
+    /// Whether a stage is heard of for the first time, or has begun anew.
+    fn begins_with(&mut self, count: u64) -> bool {
+        self.0.replace(count).is_none_or(|last| count <= last)
+    }
+}

@@ -1,0 +1,243 @@
+//! The recorder as a process: reads every channel of a rig, and hands what it reads to the thread that writes.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime};
+
+use anyhow::{Context, Result};
+use lariat_extract::Mask;
+use lariat_record::{
+    Clock, Ended, Existing, Flushed, Head, Losses, Options, Recorder, RingOptions, Writer,
+};
+use lariat_sink::Ledger;
+use lariat_wire::now_ns;
+use signal_hook::consts::SIGUSR1;
+
+use super::about::{self, Rig};
+use super::channels::{Channels, Counters};
+use super::{STAGE, report};
+use crate::settings::Settings;
+use crate::stages::{Seat, Station, arrangement, sink};
+
+/// What was lost is written down this often, if it is more than before.
+const LOSSES_EVERY: Duration = Duration::from_secs(1);
+
+/// Records until a signal comes, as much is recorded as was asked, or there is no room for more.
+pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCode> {
+    // Before any thread is made: all are kept where this one is.
+    arrangement::keep_apart(&settings.run.arrangement);
+    let mut station = Station::open(settings, STAGE, seat)?;
+    let supervised = station.status.is_supervised();
+    // A rig of others may have its masks made elsewhere.
+    let masks = !supervised || settings.extract.mask == Mask::External;
+    let channels = Channels::open(&station, masks)?;
+    let recorder = begin(settings, file)?;
+    let mut reel = Reel {
+        channels,
+        recorder,
+        ledger: Ledger::new(supervised),
+        counters: Counters::default(),
+        rig: rig(settings, supervised),
+        losses: Losses::default(),
+        losses_due: Instant::now(),
+        frames: 0,
+        first: None,
+    };
+    if supervised {
+        reel.recorder.begins_with_the_rig();
+        reel.rig.attach(&mut reel.recorder)?;
+    }
+    let flush = flush_on_signal(settings)?;
+    station.announce_ready(STAGE);
+    let outcome = reel.turn(settings, &station, supervised, file, &flush);
+    station.status.ending();
+    if outcome.is_ok() {
+        let counts = supervised.then(sink::last_word).flatten();
+        reel.ledger.finish(counts.unwrap_or_default());
+        // Fails only where the recording has ended, which is said below.
+        let _ = reel.write_losses(true);
+    }
+    reel.end(settings, file, outcome)
+}
+
+/// Where the rig's settings are to be had.
+fn rig(settings: &Settings, supervised: bool) -> Rig {
+    if supervised {
+        return Rig::Ours(Box::new(settings.clone()));
+    }
+    Rig::Theirs {
+        name: settings.run.rig.clone(),
+        said: None,
+    }
+}
+
+/// Begins the recording, in its file or in memory.
+fn begin(settings: &Settings, file: &Path) -> Result<Recorder> {
+    let clock = Clock::now();
+    let record = &settings.record;
+    let head = Head {
+        rig: settings.run.rig.clone(),
+        about: about::metadata(settings, clock),
+    };
+    let options = Options {
+        images: record.images(),
+        queue_bytes: record.queue_bytes,
+        waits: settings.run.lossless,
+        clock,
+    };
+    let about = "the thread that writes could not be started";
+    let Some(time) = record.ring else {
+        let existing = if record.replace {
+            Existing::Replace
+        } else {
+            Existing::Keep
+        };
+        let writer = Writer::create(file, existing, &head, record.compression)?;
+        return Recorder::to_file(writer, &head, options).context(about);
+    };
+    eprintln!("lariat: {}", report::ring(record, file));
+    let ring = RingOptions {
+        time,
+        bytes: record.ring_bytes,
+        compression: record.compression,
+        report: Box::new(|flushed: Flushed| eprintln!("lariat: {}", report::flushed(&flushed))),
+    };
+    Recorder::to_ring(ring, &head, options).context(about)
+}
+
+/// Set by the signal that asks for what the ring holds. Without a ring the signal means nothing, and does nothing.
+fn flush_on_signal(settings: &Settings) -> Result<Option<Arc<AtomicBool>>> {
+    let asked = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(SIGUSR1, asked.clone())
+        .context("the signal SIGUSR1 could not be listened to")?;
+    Ok(settings.record.ring.map(|_| asked))
+}
+
+struct Reel {
+    channels: Channels,
+    recorder: Recorder,
+    ledger: Ledger,
+    counters: Counters,
+    rig: Rig,
+    /// What was last written down.
+    losses: Losses,
+    losses_due: Instant,
+    frames: u64,
+    /// When the first message came.
+    first: Option<Instant>,
+}
+
+impl Reel {
+    fn turn(
+        &mut self,
+        settings: &Settings,
+        station: &Station,
+        supervised: bool,
+        file: &Path,
+        flush: &Option<Arc<AtomicBool>>,
+    ) -> Result<()> {
+        // In a chain, capture knows when it is over.
+        let lasts = settings.run.duration.filter(|_| !supervised);
+        let most = settings.run.frames.filter(|_| !supervised);
+        let most = most.unwrap_or(u64::MAX);
+        loop {
+            let last_look = station.stop.asked();
+            let Self {
+                channels,
+                recorder,
+                ledger,
+                counters,
+                ..
+            } = self;
+            let seen = channels.drain(recorder, ledger, counters)?;
+            self.frames += seen.frames;
+            if seen.messages > 0 {
+                self.first.get_or_insert_with(Instant::now);
+            }
+            if seen.begun && !supervised {
+                self.rig.attach(&mut self.recorder)?;
+            }
+            if let Some(flush) = flush
+                && flush.swap(false, Ordering::Relaxed)
+            {
+                self.recorder.flush_to(dated(file))?;
+            }
+            let deadline = self.first.zip(lasts).map(|(first, lasts)| first + lasts);
+            let is_over = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            if last_look || is_over || self.frames >= most {
+                return Ok(());
+            }
+            if Instant::now() >= self.losses_due {
+                self.losses_due = Instant::now() + LOSSES_EVERY;
+                self.write_losses(false)?;
+            }
+            self.channels.sleep(station, deadline)?;
+        }
+    }
+
+    /// Writes down what was lost, if it is more than before, or it is the last time.
+    fn write_losses(&mut self, last: bool) -> Result<(), Ended> {
+        let lost = self.ledger.lost();
+        let drops = self.recorder.drops();
+        let losses = Losses {
+            at_ns: 0,
+            source: lost.source,
+            capture: lost.capture + lost.mask,
+            extract: lost.extract,
+            fit: lost.fit,
+            dropped_frames: drops.frames,
+            dropped_centerlines: drops.centerlines,
+            dropped_descriptors: drops.descriptors,
+            dropped_truth: drops.truth,
+            dropped_masks: drops.masks,
+        };
+        if losses == self.losses && !last {
+            return Ok(());
+        }
+        self.losses = losses;
+        self.recorder.losses(&Losses {
+            at_ns: now_ns(),
+            ..losses
+        })
+    }
+
+    /// Closes the recording, and says in a sentence what is in it.
+    fn end(self, settings: &Settings, file: &Path, outcome: Result<()>) -> Result<ExitCode> {
+        let Self {
+            channels, recorder, ..
+        } = self;
+        // Nobody is to wait for this reader while the file is closed.
+        drop(channels);
+        let drops = recorder.drops();
+        let lasted = self.first.map_or(Duration::ZERO, |first| first.elapsed());
+        let ending = recorder.finish();
+        if settings.record.ring.is_none() {
+            let said = report::recorded(file, &ending.written, lasted, drops, &self.losses);
+            eprintln!("lariat: {said}");
+        }
+        if let Some(fault) = ending.fault {
+            return Err(fault.into());
+        }
+        outcome?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The file of what the ring holds now: `run.mcap` becomes `run-20261122T063000Z.mcap`.
+fn dated(file: &Path) -> PathBuf {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    let stamp = report::utc(since.unwrap_or_default().as_secs());
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = file
+        .extension()
+        .map_or("mcap".into(), |ending| ending.to_string_lossy());
+    let named = |more: &str| file.with_file_name(format!("{stem}-{stamp}{more}.{ending}"));
+    // Asked for twice in a second.
+    let again = (2..).map(|count| named(&format!("-{count}")));
+    std::iter::once(named(""))
+        .chain(again)
+        .find(|path| !path.exists())
+        .unwrap_or_else(|| named(""))
+}

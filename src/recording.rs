@@ -1,0 +1,138 @@
+//! Recordings, as the commands about them need them: opened, with their settings, frame by frame.
+
+mod gather;
+mod pixels;
+
+pub(crate) use gather::{Gather, Gathered};
+pub(crate) use pixels::{Decoder, Pixels};
+
+use crate::settings::{Settings, ShapeArgs};
+use anyhow::{Context, Result};
+use clap::Args;
+use lariat_capture::Position;
+use lariat_record::{Place, Recording, Span};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// The settings that a recording holds for.
+pub(crate) const SETTINGS: &str = "lariat.toml";
+/// What the settings' `calibration` names.
+pub(crate) const CALIBRATION: &str = "calibration.yaml";
+/// What the settings' `plane` names.
+pub(crate) const PLANE: &str = "plane.toml";
+
+/// Which recording, for every command that reads one.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct RecordingArgs {
+    /// A recording, as `lariat record` makes them; or another MCAP file of ROS 2 with images
+    #[arg(value_name = "FILE.mcap")]
+    pub(crate) file: PathBuf,
+    /// The topic whose images are the frames, in a file that lariat did not make
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) topic: Option<String>,
+}
+
+impl RecordingArgs {
+    /// Opens it, and says what is missing at its end.
+    pub(crate) fn open(&self) -> Result<Recording> {
+        let shown = self.file.display();
+        let recording = Recording::open_topic(&self.file, self.topic.as_deref())
+            .with_context(|| shown.to_string())?;
+        if let Some(sentence) = recording.cut_off() {
+            eprintln!("lariat: {shown}: {sentence}");
+        }
+        if let (Some(topic), None, false) =
+            (recording.images(), &self.topic, recording.has_traces())
+        {
+            eprintln!(
+                "lariat: {shown}: lariat did not make this; its frames are the images on {topic} (--topic)"
+            );
+        }
+        Ok(recording)
+    }
+}
+
+/// A part of a recording: both ends included where they are frames, the last one not where it is a time.
+pub(crate) fn span(from: Option<Position>, to: Option<Position>) -> Span {
+    Span {
+        from: from.map(|from| match from {
+            Position::Frame(number) => Place::Frame(number),
+            Position::Time(time) => Place::After(time),
+        }),
+        to: to.map(|to| match to {
+            Position::Frame(number) => Place::Frame(number.saturating_add(1)),
+            Position::Time(time) => Place::After(time),
+        }),
+    }
+}
+
+/// The settings that a recording was made with, and the files they name.
+pub(crate) struct RecordedSettings {
+    pub(crate) settings: Settings,
+    folder: TempDir,
+}
+
+impl RecordedSettings {
+    /// `None` if there are none in it.
+    ///
+    /// # Errors
+    /// They make no sense to this release.
+    pub(crate) fn of(recording: &Recording) -> Result<Option<Self>> {
+        let Some(text) = text_of(recording, SETTINGS)? else {
+            return Ok(None);
+        };
+        let about = || "the recording's own settings cannot be used";
+        let mut table: toml::Table = text.parse().with_context(about)?;
+        let folder = tempfile::tempdir().with_context(about)?;
+        // Where these files were is not where they are now.
+        if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
+            for (key, name) in [("calibration", CALIBRATION), ("plane", PLANE)] {
+                if camera.contains_key(key) {
+                    let path = folder.path().join(name);
+                    let text = text_of(recording, name)?.with_context(|| {
+                        format!(
+                            "the recording's settings name a {key}, and it is not in the recording"
+                        )
+                    })?;
+                    std::fs::write(&path, text).with_context(about)?;
+                    camera.insert(key.to_owned(), path.to_string_lossy().into_owned().into());
+                }
+            }
+        }
+        let path = folder.path().join(SETTINGS);
+        std::fs::write(&path, table.to_string()).with_context(about)?;
+        let settings = Settings::of_file(&path).with_context(about)?;
+        Ok(Some(Self { settings, folder }))
+    }
+
+    /// As a settings file, to be overruled by flags.
+    pub(crate) fn file(&self) -> PathBuf {
+        self.folder.path().join(SETTINGS)
+    }
+
+    /// The settings that flags and, if one is named, a settings file ask for: in the stead of the file that may lie in this
+    /// folder, the recording's own.
+    pub(crate) fn changed(&self, shape: &ShapeArgs, filter: bool) -> Result<Settings> {
+        let config = shape.config.clone().unwrap_or_else(|| self.file());
+        let mut args: crate::settings::ChainArgs = ShapeArgs {
+            config: Some(config),
+            ..shape.clone()
+        }
+        .into();
+        args.filter = filter;
+        Settings::resolve(&args)
+    }
+}
+
+fn text_of(recording: &Recording, name: &str) -> Result<Option<String>> {
+    let bytes = recording.attachment(name)?;
+    bytes
+        .map(String::from_utf8)
+        .transpose()
+        .with_context(|| format!("{name} in the recording is no text"))
+}
+
+/// A file's name, as it is spoken of.
+pub(crate) fn shown(path: &Path) -> String {
+    path.display().to_string()
+}

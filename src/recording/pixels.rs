@@ -1,0 +1,126 @@
+//! A recorded frame's pixels, however they were recorded.
+
+use anyhow::{Context, Result, bail};
+use image::codecs::jpeg::JpegDecoder;
+use image::codecs::png::PngDecoder;
+use image::{ColorType, DynamicImage, ImageDecoder};
+use lariat_record::Pixels as Recorded;
+use lariat_wire::{FrameHeader, PixelFormat};
+use std::io::Cursor;
+
+/// How the bytes that are kept of a frame make its pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pixels {
+    None,
+    Raw,
+    Png,
+    Jpeg,
+}
+
+impl Pixels {
+    /// What it is, and its bytes.
+    pub(crate) fn split(pixels: Recorded<'_>) -> (Self, &[u8]) {
+        match pixels {
+            Recorded::None => (Self::None, &[]),
+            Recorded::Raw(bytes) => (Self::Raw, bytes),
+            Recorded::Png(bytes) => (Self::Png, bytes),
+            Recorded::Jpeg(bytes) => (Self::Jpeg, bytes),
+        }
+    }
+}
+
+/// Decodes pictures into memory that it keeps.
+#[derive(Debug, Default)]
+pub(crate) struct Decoder {
+    pixels: Vec<u8>,
+}
+
+impl Decoder {
+    /// The frame's header and bytes as extraction takes them. A PNG of lariat's own gives back the frame to the bit, a JPEG
+    /// becomes RGB or gray.
+    ///
+    /// # Errors
+    /// There are no pixels, or the picture is none.
+    pub(crate) fn decode<'a>(
+        &'a mut self,
+        header: &FrameHeader,
+        kind: Pixels,
+        bytes: &'a [u8],
+    ) -> Result<(FrameHeader, &'a [u8])> {
+        let about = || {
+            format!(
+                "the picture of frame {} in the recording cannot be read",
+                header.trace.sequence
+            )
+        };
+        match kind {
+            Pixels::None => bail!(
+                "frame {} was recorded without its image",
+                header.trace.sequence
+            ),
+            Pixels::Raw => Ok((*header, bytes)),
+            Pixels::Png => {
+                let decoder = PngDecoder::new(Cursor::new(bytes)).with_context(about)?;
+                self.read(header, decoder).with_context(about)
+            }
+            Pixels::Jpeg => {
+                let decoder = JpegDecoder::new(Cursor::new(bytes)).with_context(about)?;
+                self.read(header, decoder).with_context(about)
+            }
+        }
+    }
+
+    fn read(
+        &mut self,
+        header: &FrameHeader,
+        decoder: impl ImageDecoder,
+    ) -> Result<(FrameHeader, &[u8])> {
+        let (width, height) = decoder.dimensions();
+        let said = (header.width, header.height);
+        if said != (0, 0) && said != (width, height) {
+            bail!(
+                "it is {width}×{height} pixels, and its frame {}×{}",
+                said.0,
+                said.1
+            );
+        }
+        let channels = match decoder.color_type() {
+            ColorType::L8 => 1,
+            ColorType::Rgb8 => 3,
+            // Others' pictures.
+            _ => {
+                self.pixels = DynamicImage::from_decoder(decoder)?.into_rgb8().into_raw();
+                return Ok((self.header(header, width, height, 3), &self.pixels));
+            }
+        };
+        self.pixels.resize(decoder.total_bytes() as usize, 0);
+        decoder.read_image(&mut self.pixels)?;
+        if header.format() == Some(PixelFormat::Bgr8) && channels == 3 {
+            self.pixels
+                .as_chunks_mut::<3>()
+                .0
+                .iter_mut()
+                .for_each(|p| p.swap(0, 2));
+            let header = FrameHeader {
+                stride: 3 * width,
+                ..*header
+            };
+            return Ok((header, &self.pixels));
+        }
+        Ok((self.header(header, width, height, channels), &self.pixels))
+    }
+
+    fn header(&self, header: &FrameHeader, width: u32, height: u32, channels: u32) -> FrameHeader {
+        let format = match channels {
+            1 => PixelFormat::Gray8,
+            _ => PixelFormat::Rgb8,
+        };
+        FrameHeader {
+            width,
+            height,
+            stride: channels * width,
+            pixel_format: format as u32,
+            ..*header
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! `lariat replay`: a recording's frames computed again, to see that the same comes out, or what other settings change.
+
+mod check;
+mod compare;
+mod difference;
+mod distance;
+mod stages;
+mod table;
+
+use crate::recording::RecordingArgs;
+use crate::settings::ShapeArgs;
+use anyhow::{Result, bail};
+use clap::Args;
+use std::process::ExitCode;
+
+/// Compute a recording again
+///
+/// With --check: everything again from the recorded frames, with the recorded settings; each centerline and each descriptor
+/// must come out as it was recorded, to the bit on a machine of the same kind. With --compare: the same frames with other
+/// settings, beside what was recorded.
+#[derive(Debug, Args)]
+pub(crate) struct ReplayArgs {
+    #[command(flatten)]
+    recording: RecordingArgs,
+    /// Compare each result with the recorded one; the first that differs is shown
+    #[arg(long, conflicts_with = "compare")]
+    check: bool,
+    /// Let the recomputed curves lie so many pixels beside the recorded ones: for recordings that cannot be computed again
+    /// exactly
+    #[arg(long, value_name = "PX", requires = "check", value_parser = pixels)]
+    within: Option<f64>,
+    /// Run with other settings (--config, or any of the flags below) and show what changes
+    #[arg(long)]
+    compare: bool,
+    /// Filter the control points in time
+    #[arg(long)]
+    filter: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    shape: ShapeArgs,
+}
+
+fn pixels(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "a number of pixels".to_owned())?;
+    if number.is_finite() && number >= 0.0 {
+        Ok(number)
+    } else {
+        Err("a number of pixels, 0 or more".to_owned())
+    }
+}
+
+/// Runs `lariat replay`.
+///
+/// # Errors
+/// The recording cannot be read, or what is asked cannot be done with it.
+pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode> {
+    match (args.check, args.compare) {
+        (true, _) => check::run(&args),
+        (_, true) => compare::run(&args),
+        _ => bail!(
+            "say what to do with the recording: --check computes everything again and compares it with what was recorded, \
+             --compare with --config FILE (or flags such as --order 6) shows what other settings change. To see it run, \
+             `lariat run --source {0}`; for its figures, `lariat info {0}`",
+            args.recording.file.display()
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,156 @@
+//! Extract and fit without shared memory: the chain's own shells, handed recorded messages.
+
+use crate::recording::{Decoder, Gathered};
+use crate::settings::Settings;
+use crate::stages::extract::{Eye, Seen, Warned};
+use crate::stages::fit::{self, CurveFitter};
+use anyhow::{Context, Result};
+use lariat_extract::Mask;
+use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace};
+use std::time::{Duration, Instant};
+
+/// Both stages.
+pub(super) struct Stages {
+    settings: Settings,
+    eye: Eye,
+    curves: CurveFitter,
+    unfitted: Warned,
+    pub(super) centerlines: Box<Centerlines>,
+    pub(super) descriptors: Box<Descriptors>,
+    pub(super) extract_time: Duration,
+    pub(super) fit_time: Duration,
+}
+
+/// A frame with what is needed to look at it, decoded.
+pub(super) struct Prepared<'a> {
+    header: FrameHeader,
+    bytes: &'a [u8],
+    mask: Option<(FrameHeader, &'a [u8])>,
+}
+
+/// Decodes a frame, and its mask if there is one.
+///
+/// # Errors
+/// The pixels were not recorded, or cannot be read.
+pub(super) fn prepare<'a>(
+    gathered: &'a Gathered,
+    decoders: &'a mut [Decoder; 2],
+) -> Result<Prepared<'a>> {
+    let frame = gathered.frame().context("its frame was not recorded")?;
+    let [of_frame, of_mask] = decoders;
+    let (header, bytes) = if frame.header.is_blank() {
+        (frame.header, &[][..])
+    } else {
+        of_frame.decode(&frame.header, frame.pixels, &frame.bytes)?
+    };
+    let mask = match gathered.mask() {
+        Some(mask) => Some(of_mask.decode(&mask.header, mask.pixels, &mask.bytes)?),
+        None => None,
+    };
+    Ok(Prepared {
+        header,
+        bytes,
+        mask,
+    })
+}
+
+#[cfg(test)]
+impl<'a> Prepared<'a> {
+    /// One that comes from no recording.
+    pub(super) fn new(
+        header: FrameHeader,
+        bytes: &'a [u8],
+        mask: Option<(FrameHeader, &'a [u8])>,
+    ) -> Self {
+        Self {
+            header,
+            bytes,
+            mask,
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// Whether there is a mask for it.
+    pub(super) fn has_mask(&self) -> bool {
+        self.mask.is_some()
+    }
+
+    /// Whether there is an image.
+    pub(super) fn is_blank(&self) -> bool {
+        self.header.is_blank()
+    }
+}
+
+impl Stages {
+    /// As the chain makes them.
+    pub(super) fn new(settings: &Settings) -> Result<Self> {
+        Ok(Self {
+            eye: Eye::new(settings)?,
+            curves: CurveFitter::new(settings)?,
+            settings: settings.clone(),
+            unfitted: Warned::default(),
+            centerlines: Box::new(Centerlines::EMPTY),
+            descriptors: Box::new(Descriptors::EMPTY),
+            extract_time: Duration::ZERO,
+            fit_time: Duration::ZERO,
+        })
+    }
+
+    /// Whether extraction needs masks that were made elsewhere.
+    pub(super) fn needs_masks(&self) -> bool {
+        self.settings.extract.mask == Mask::External
+    }
+
+    /// Extract, as it is when it has just been started.
+    pub(super) fn restart_extract(&mut self) -> Result<()> {
+        self.eye = Eye::new(&self.settings)?;
+        Ok(())
+    }
+
+    /// Fit, likewise.
+    pub(super) fn restart_fit(&mut self) -> Result<()> {
+        self.curves = CurveFitter::new(&self.settings)?;
+        Ok(())
+    }
+
+    /// Looks at a frame. The result is in `centerlines`, with this trace.
+    pub(super) fn extract(&mut self, frame: &Prepared, trace: Trace) {
+        let begin = Instant::now();
+        let mask = frame.mask.as_ref().filter(|_| self.needs_masks());
+        let mask = mask.map(|(header, bytes)| Seen::new(header, bytes));
+        self.centerlines.trace = trace;
+        let seen = Seen::new(&frame.header, frame.bytes);
+        self.eye.look(seen, mask, &mut self.centerlines);
+        self.extract_time = begin.elapsed();
+    }
+
+    /// Fits these centerlines. The result is in `descriptors`, with this trace.
+    pub(super) fn fit(&mut self, seen: &Centerlines, trace: Trace) {
+        let begin = Instant::now();
+        self.descriptors.trace = trace;
+        let Self {
+            descriptors,
+            curves,
+            unfitted,
+            ..
+        } = self;
+        fit::fill(descriptors, seen, curves, unfitted);
+        self.fit_time = begin.elapsed();
+    }
+
+    /// Fits the centerlines that were just seen.
+    pub(super) fn fit_seen(&mut self, trace: Trace) {
+        let begin = Instant::now();
+        self.descriptors.trace = trace;
+        let Self {
+            centerlines,
+            descriptors,
+            curves,
+            unfitted,
+            ..
+        } = self;
+        fit::fill(descriptors, centerlines, curves, unfitted);
+        self.fit_time = begin.elapsed();
+    }
+}

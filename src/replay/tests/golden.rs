@@ -1,0 +1,31 @@
+//! The recording that stands in `tests/recordings`, which `tests/replay` checks.
+
+use super::Making;
+use lariat_capture::RenderOptions;
+use lariat_record::Compression;
+use std::path::Path;
+
+/// A rope that crosses itself, filtered, without the noise that no compression takes.
+#[test]
+#[ignore = "it renews tests/recordings/rope.mcap, for when results are meant to change"]
+fn renew_the_golden_recording() {
+    let made = Making {
+        settings: "[extract]\npoints = 60\n\n[fit]\nfilter = true\n",
+        images: "png",
+        compression: Compression::Zstd,
+        render: RenderOptions {
+            width: 160,
+            height: 120,
+            rope_px: 5.0,
+            noise: 0.0,
+            frame_interval_s: 0.2,
+            truth_points: 60,
+            frames: Some(60),
+            ..RenderOptions::default()
+        },
+        ..Making::default()
+    };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings/rope.mcap");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    made.make_at(&path);
+}

@@ -1,0 +1,298 @@
+//! Programs in C and C++ against the library, the header and what they are found by, as a user has them: built by the
+//! compiler alone, by pkg-config and by CMake, and run beside the real chain. Without a C compiler nothing of it is tested;
+//! `.ci/run` sees to it that there is one.
+
+#[path = "../chain/rig.rs"]
+#[allow(dead_code, reason = "these tests need less of it than the chain's")]
+mod rig;
+
+#[path = "../../examples/message_of_offsets.rs"]
+mod message_of_offsets;
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Rig, Writer};
+use rig::Bench;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
+
+/// Whether a program is there. What needs it is left out where not, and that is said.
+fn has(program: &str) -> bool {
+    let there = Command::new(program).arg("--version").output().is_ok();
+    if !there {
+        eprintln!("{program} is not installed: what needs it is not tested");
+    }
+    there
+}
+
+/// The library as a user installs it.
+struct Installed {
+    bench: Bench,
+    prefix: PathBuf,
+}
+
+impl Installed {
+    /// `None` without a C compiler.
+    fn new() -> Option<Self> {
+        if !has("cc") {
+            return None;
+        }
+        let bench = Bench::new();
+        let prefix = bench.path("prefix");
+        // Where cargo puts what tests depend on: beside the test itself.
+        let this = std::env::current_exe().expect("a test has a file");
+        let built = this.parent().expect("a file has a folder");
+        let script = Path::new(ROOT).join("crates/c/install.sh");
+        let installed = Self { bench, prefix };
+        installed.succeeds(
+            Command::new(script)
+                .arg("--prefix")
+                .arg(&installed.prefix)
+                .arg("--from")
+                .arg(built),
+        );
+        Some(installed)
+    }
+
+    /// Runs a command in the test's folder and domain, where the installed library is found.
+    fn succeeds(&self, command: &mut Command) -> String {
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = command
+            .current_dir(self.bench.folder.path())
+            .env("LARIAT_DOMAIN", &self.bench.domain)
+            .env("LD_LIBRARY_PATH", self.prefix.join("lib"))
+            .env("PKG_CONFIG_PATH", self.prefix.join("lib/pkgconfig"))
+            .output()
+            .expect("it runs");
+        let text = [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert!(status.success(), "{command:?}: {}{}", text[0], text[1]);
+        text.concat()
+    }
+
+    /// Builds a program with nothing but the compiler.
+    fn compile(&self, compiler: &str, source: &str, program: &str) -> PathBuf {
+        let to = self.bench.path(program);
+        let standard = if source.ends_with(".cpp") {
+            "-std=c++17"
+        } else {
+            "-std=c11"
+        };
+        self.succeeds(
+            Command::new(compiler)
+                .args(WARNINGS)
+                .arg(standard)
+                .arg(Path::new(ROOT).join(source))
+                .arg("-I")
+                .arg(self.prefix.join("include"))
+                .arg("-L")
+                .arg(self.prefix.join("lib"))
+                .args(["-llariat", "-lm", "-o"])
+                .arg(&to),
+        );
+        to
+    }
+
+    /// What pkg-config says a compiler is to be given.
+    fn flags(&self, options: &[&str]) -> Vec<String> {
+        let mut command = Command::new("pkg-config");
+        let said = self.succeeds(command.args(options).args(["--cflags", "--libs", "lariat"]));
+        said.split_whitespace().map(String::from).collect()
+    }
+
+    /// Runs a program beside the chain, which draws a rope, until it has seen 20 frames: it steers.
+    fn follows(&self, program: impl AsRef<OsStr>) -> String {
+        let chain = self
+            .bench
+            .start(&["--fps", "100", "--duration", "60", "--filter"]);
+        let said = self.succeeds(Command::new(program).args(["default", "20"]));
+        chain.signal_chain(rustix::process::Signal::TERM);
+        assert!(chain.end().status.success());
+        assert!(said.contains("move "), "{said}");
+        said
+    }
+}
+
+#[test]
+fn a_loop_in_c_follows_the_rope_with_the_compiler_alone() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let program = installed.compile("cc", "examples/c/follow.c", "follow");
+    let said = installed.follows(program);
+    // The drawn rope never leaves the image: its middle is within it.
+    let moves = said.lines().filter_map(|line| line.strip_prefix("move "));
+    for text in moves {
+        let velocity: Vec<f64> = text
+            .split_whitespace()
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        assert!(
+            matches!(velocity[..], [x, y] if x.abs() <= 320.0 && y.abs() <= 240.0),
+            "{text}"
+        );
+    }
+    installed.bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_loop_with_a_poll_of_its_own_keeps_its_beat() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let program = installed.compile("cc", "examples/c/poll.c", "poll");
+    installed.follows(program);
+    installed.bench.assert_nothing_is_left();
+}
+
+#[test]
+fn pkg_config_finds_the_library_for_c_and_for_c_plus_plus() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    if !has("pkg-config") || !has("c++") {
+        return;
+    }
+    let flags = installed.flags(&[]);
+    let to = installed.bench.path("follow");
+    installed.succeeds(
+        Command::new("c++")
+            .args(WARNINGS)
+            .arg("-std=c++17")
+            .arg(Path::new(ROOT).join("examples/c/follow.cpp"))
+            .args(flags)
+            .arg("-o")
+            .arg(&to),
+    );
+    installed.follows(to);
+}
+
+#[test]
+fn the_static_library_needs_nothing_beside_the_program() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    if !has("pkg-config") {
+        return;
+    }
+    // Without the shared one there, the linker takes the other.
+    for file in ["liblariat.so", "liblariat.so.1"] {
+        std::fs::remove_file(installed.prefix.join("lib").join(file)).unwrap();
+    }
+    let flags = installed.flags(&["--static"]);
+    let to = installed.bench.path("states");
+    let source = Path::new(ROOT).join("tests/c/states.c");
+    installed.succeeds(
+        Command::new("cc")
+            .arg(source)
+            .args(flags)
+            .arg("-lm")
+            .arg("-o")
+            .arg(&to),
+    );
+    assert_eq!(installed.succeeds(&mut Command::new(to)).trim(), "0 wrong");
+}
+
+#[test]
+fn cmake_finds_the_package_in_its_version() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    if !has("cmake") || !has("c++") {
+        return;
+    }
+    let prefix = installed.prefix.display();
+    let source = Path::new(ROOT).join("examples/c");
+    installed.succeeds(
+        Command::new("cmake")
+            .args(["-S", &source.display().to_string(), "-B", "build"])
+            .arg(format!("-DCMAKE_PREFIX_PATH={prefix}")),
+    );
+    installed.succeeds(Command::new("cmake").args(["--build", "build"]));
+    installed.follows(installed.bench.path("build/follow_cpp"));
+    // One that is not installed is not found.
+    std::fs::write(
+        installed.bench.path("CMakeLists.txt"),
+        "cmake_minimum_required(VERSION 3.16)\nproject(other C)\nfind_package(lariat 99 REQUIRED)\n",
+    )
+    .unwrap();
+    let refused = Command::new("cmake")
+        .args(["-S", ".", "-B", "other"])
+        .arg(format!("-DCMAKE_PREFIX_PATH={prefix}"))
+        .current_dir(installed.bench.folder.path())
+        .output()
+        .unwrap();
+    assert!(!refused.status.success());
+}
+
+#[test]
+fn every_field_of_a_message_is_read_in_its_place() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let program = installed.compile("cc", "tests/c/layout.c", "layout");
+    let domain = Domain::named(&installed.bench.domain).unwrap();
+    let rig: Rig = "layout".parse().unwrap();
+    let writer =
+        Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins).unwrap();
+    let ended = AtomicBool::new(false);
+    let said = std::thread::scope(|scope| {
+        let reading = scope.spawn(|| {
+            let said = installed.succeeds(&mut Command::new(program));
+            ended.store(true, Ordering::Relaxed);
+            said
+        });
+        let message = message_of_offsets::message();
+        while !ended.load(Ordering::Relaxed) && !reading.is_finished() {
+            let mut slot = writer.slot().unwrap();
+            *slot = *message;
+            slot.send().unwrap();
+            std::thread::park_timeout(Duration::from_millis(5));
+        }
+        reading.join().expect("no panic")
+    });
+    assert_eq!(said.trim(), "0 wrong");
+}
+
+#[test]
+fn what_is_asked_of_nothing_is_an_error_and_no_number() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let program = installed.compile("cc", "tests/c/states.c", "states");
+    assert_eq!(
+        installed.succeeds(&mut Command::new(program)).trim(),
+        "0 wrong"
+    );
+    installed.bench.assert_nothing_is_left();
+}
+
+#[test]
+fn valgrind_finds_nothing() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    if !has("valgrind") {
+        return;
+    }
+    let states = installed.compile("cc", "tests/c/states.c", "states");
+    let follow = installed.compile("cc", "examples/c/follow.c", "follow");
+    let poll = installed.compile("cc", "examples/c/poll.c", "poll");
+    let script = Path::new(ROOT).join("tests/c/valgrind.sh");
+    installed.succeeds(Command::new(&script).arg(states));
+    let chain = installed
+        .bench
+        .start(&["--fps", "30", "--duration", "120", "--filter"]);
+    for program in [follow, poll] {
+        installed.succeeds(Command::new(&script).arg(program).args(["default", "20"]));
+    }
+    chain.signal_chain(rustix::process::Signal::TERM);
+    assert!(chain.end().status.success());
+}

@@ -1,0 +1,96 @@
+// What is asked of nothing is an error and NaN, never a number and never a crash; and the evaluation functions answer what
+// they say, on a descriptor made here.
+
+#include <lariat.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int wrong = 0;
+
+#define HOLDS(claim) \
+    do { \
+        if (!(claim)) { \
+            printf("line %d: not so: %s (%s)\n", __LINE__, #claim, lariat_error()); \
+            wrong++; \
+        } \
+    } while (0)
+#define NEAR(a, b) (fabs((a) - (b)) < 1e-12)
+
+static void ask_nothing(void) {
+    lariat_rope rope;
+    lariat_descriptor ahead;
+    lariat_track track = {1, 1, 0};
+    double numbers[3];
+    int timeout_ms;
+    HOLDS(lariat_latest(NULL) == LARIAT_ERROR_NULL);
+    HOLDS(strstr(lariat_error(), "NULL") != NULL);
+    HOLDS(lariat_wait(NULL, 0) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_fd(NULL) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_before_poll(NULL, &timeout_ms) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_open(NULL, NULL) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_only_rope(NULL, 0, &rope) == LARIAT_NO_READER && rope.fresh == NULL);
+    HOLDS(lariat_only_rope(NULL, 0, NULL) == LARIAT_NO_READER);
+    HOLDS(lariat_predict(NULL, track, 0, &ahead) == LARIAT_ERROR_NULL && ahead.count == 0);
+    HOLDS(lariat_point_at(rope.fresh, 0.5, numbers) == LARIAT_ERROR_NULL && isnan(numbers[0]) && isnan(numbers[1]));
+    HOLDS(lariat_point_at(NULL, 0.5, NULL) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_message(NULL) == NULL && lariat_age_ns(NULL) == UINT64_MAX && lariat_run(NULL) == 0);
+    HOLDS(strlen(lariat_seen_text(LARIAT_STALE)) > 0 && strlen(lariat_seen_text(99)) > 0);
+    lariat_close(NULL);
+}
+
+static void ask_before_the_chain_runs(void) {
+    lariat_reader *reader = (lariat_reader *)&wrong;
+    lariat_rope rope;
+    int timeout_ms = 7;
+    HOLDS(lariat_open("no such name", &reader) == LARIAT_ERROR_NAME && reader == NULL);
+    HOLDS(strstr(lariat_error(), "--rig") != NULL);
+    HOLDS(lariat_open("quiet", &reader) == 0);
+    HOLDS(lariat_latest(reader) == 0 && lariat_wait(reader, LARIAT_MS) == 0);
+    HOLDS(lariat_only_rope(reader, UINT64_MAX, &rope) == LARIAT_NOTHING_YET && rope.seen == LARIAT_NOTHING_YET);
+    HOLDS(rope.fresh == NULL && rope.partial == NULL && rope.last_known == NULL && rope.age_ns == UINT64_MAX);
+    HOLDS(lariat_message(reader) == NULL && lariat_run(reader) == 0);
+    HOLDS(lariat_fd(reader) >= 0);
+    HOLDS(lariat_before_poll(reader, &timeout_ms) == 0 && timeout_ms >= -1 && timeout_ms <= 100);
+    HOLDS(lariat_look_for(reader, 0) == 0 && lariat_expect_motion(reader, 500, 0.1) == 0);
+    lariat_close(reader);
+}
+
+static void ask_a_curve(void) {
+    // The parabola (100 ρ, 100 ρ (1 − ρ)): three Bezier points, each of variance 1, as far as the message says.
+    static lariat_descriptor rope;
+    double a[2], matrix[36], shares[3], points[2 * 5], covariance[3];
+    rope.basis = LARIAT_BASIS_BEZIER;
+    rope.order = 2;
+    rope.count = 3;
+    rope.samples = 120;
+    rope.control_points[1][0] = 50;
+    rope.control_points[1][1] = 50;
+    rope.control_points[2][0] = 100;
+    for (int j = 0; j < 3; j++) rope.covariances[j][0] = rope.covariances[j][2] = 1;
+    HOLDS(lariat_point_at(&rope, 0.5, a) == 0 && NEAR(a[0], 50) && NEAR(a[1], 25));
+    HOLDS(lariat_derivative_at(&rope, 0, a) == 0 && NEAR(a[0], 100) && NEAR(a[1], 100));
+    HOLDS(lariat_tangent_at(&rope, 0.5, a) == 0 && NEAR(a[0], 1) && NEAR(a[1], 0));
+    HOLDS(lariat_normal_at(&rope, 0.5, a) == 0 && NEAR(a[0], 0) && NEAR(a[1], 1));
+    HOLDS(lariat_curvature_at(&rope, 0.5, a) == 0 && NEAR(a[0], -0.02));
+    HOLDS(lariat_jacobian_at(&rope, 0.5, shares) == 0 && NEAR(shares[0], 0.25) && NEAR(shares[1], 0.5));
+    HOLDS(lariat_points(&rope, 5, points) == 0 && NEAR(points[2], 25) && NEAR(points[8], 100) && NEAR(points[9], 0));
+    HOLDS(lariat_covariance_at(&rope, 0, covariance) == 0 && NEAR(covariance[0], 1) && NEAR(covariance[1], 0));
+    // The fit's outer control points are surer than the one between them: these are not its own.
+    HOLDS(lariat_covariance(&rope, matrix) == 0 && NEAR(matrix[0], 1) && NEAR(matrix[35], 1) && NEAR(matrix[1], 0));
+    rope.control_points[1][0] = rope.control_points[1][1] = rope.control_points[2][0] = 0;
+    HOLDS(lariat_tangent_at(&rope, 0.5, a) == LARIAT_ERROR_NO_DIRECTION && isnan(a[0]));
+    rope.basis = LARIAT_BASIS_POINTS;
+    HOLDS(lariat_point_at(&rope, 0.5, a) == LARIAT_ERROR_NO_CURVE && isnan(a[0]));
+}
+
+int main(void) {
+    HOLDS(lariat_abi() == LARIAT_ABI);
+    HOLDS(strlen(lariat_version()) >= 5);
+    HOLDS(strlen(lariat_error()) == 0);
+    ask_nothing();
+    ask_before_the_chain_runs();
+    ask_a_curve();
+    printf("%d wrong\n", wrong);
+    return wrong != 0;
+}

@@ -1,0 +1,8 @@
+#!/bin/sh
+# Runs a program under valgrind, and fails on any finding: a wrong access, a number that was never set, memory or a
+# descriptor that stays behind.
+#
+#     tests/c/valgrind.sh build/follow default 20
+set -eu
+exec valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite,indirect,possible \
+    --errors-for-leak-kinds=definite,indirect,possible --track-origins=yes "$@"

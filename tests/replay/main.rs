@@ -1,0 +1,244 @@
+//! Recordings computed again, exported and told of, on the real binary.
+
+mod export;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The recording that results are held against, whatever changes in the code. How to renew it when they are meant to change
+/// stands in CONTRIBUTING.
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
+
+/// A folder to run the binary in, and a domain of its own.
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        Self {
+            folder: TempDir::new().unwrap(),
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Where the transport keeps its files.
+    fn domain(&self) -> String {
+        let name = self.folder.path().file_name().unwrap().to_string_lossy();
+        let plain = name.chars().filter(char::is_ascii_alphanumeric);
+        plain.take(12).collect::<String>().to_lowercase()
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_lariat"))
+            .args(arguments)
+            .env("LARIAT_DOMAIN", self.domain())
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap()
+    }
+
+    /// What was printed by a command that went well.
+    fn printed(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {complaint}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// What was complained about by one that did not.
+    fn complaint(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let printed = String::from_utf8_lossy(&output.stdout);
+        assert!(!output.status.success(), "{arguments:?}: {printed}");
+        assert!(output.stdout.is_empty(), "{printed}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+
+    fn json(&self, arguments: &[&str]) -> Value {
+        serde_json::from_str(&self.printed(arguments)).unwrap()
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{}", self.domain()));
+    }
+}
+
+#[test]
+fn the_golden_recording_comes_out_the_same() {
+    let place = Place::new();
+    let outcome = place.json(&["replay", GOLDEN, "--check", "--json"]);
+    assert_eq!(outcome["centerlines"], 60);
+    assert_eq!(outcome["descriptors"], 60);
+    assert_eq!(outcome["difference"], Value::Null);
+    assert!(outcome["largest_px"].as_f64().unwrap() <= 1e-9);
+    let size = std::fs::metadata(GOLDEN).unwrap().len();
+    assert!(
+        size <= 300_000,
+        "{size} bytes are too many for a repository"
+    );
+}
+
+#[test]
+fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
+    let place = Place::new();
+    let run = [
+        "run", "--record", "run.mcap", "--frames", "20", "--fps", "100",
+    ];
+    place.printed(&[&run[..], &["--lossless", "--size", "320x240", "--filter"]].concat());
+    let outcome = place.json(&["replay", "run.mcap", "--check", "--json"]);
+    assert_eq!(outcome["difference"], Value::Null, "{outcome}");
+    assert_eq!(
+        (&outcome["centerlines"], &outcome["rule"]),
+        (&20.into(), &"bits".into())
+    );
+    let said = place.printed(&["replay", "run.mcap", "--check"]);
+    assert!(
+        said.contains("computed again are the same to the bit"),
+        "{said}"
+    );
+
+    let info = place.json(&["info", "run.mcap", "--json"]);
+    assert_eq!(
+        (&info["closed"], &info["frames"]),
+        (&true.into(), &20.into())
+    );
+    assert_eq!(info["settings"]["fit.filter"], "true");
+    assert_eq!(info["about"]["rig"], "default");
+    let topics = info["topics"].as_array().unwrap();
+    let of = |name: &str| topics.iter().find(|topic| topic["name"] == name).unwrap();
+    assert_eq!(of("/default/image")["messages"], 20);
+    assert_eq!(of("/default/image")["schema"], "sensor_msgs/msg/Image");
+    let text = place.printed(&["info", "run.mcap"]);
+    for part in [
+        "20 frames",
+        "/default/descriptors",
+        "nothing was lost, on no link",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_checked_up_to_there() {
+    let place = Place::new();
+    let golden = std::fs::read(GOLDEN).unwrap();
+    // Without its index.
+    let data_end = golden.len() - 2000;
+    std::fs::write(place.path("cut.mcap"), &golden[..data_end]).unwrap();
+    let output = place.run(&["replay", "cut.mcap", "--check"]);
+    let complaint = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        complaint.contains("cut.mcap: this recording was not closed"),
+        "{complaint}"
+    );
+    assert!(output.status.success(), "{complaint}");
+    assert_eq!(place.json(&["info", "cut.mcap", "--json"])["closed"], false);
+}
+
+#[test]
+fn a_comparison_shows_what_a_setting_changes() {
+    let place = Place::new();
+    let comparison = place.json(&["replay", GOLDEN, "--compare", "--order", "2", "--json"]);
+    let rms = |of: &str| comparison[of]["rms"].as_f64().unwrap();
+    assert!(rms("now") > rms("recorded"));
+    assert_eq!(comparison["against"], "truth");
+    std::fs::write(place.path("new.toml"), "[fit]\norder = 6\n").unwrap();
+    let table = place.printed(&["replay", GOLDEN, "--compare", "--config", "new.toml"]);
+    assert!(table.starts_with("60 frames\n"), "{table}");
+    assert!(table.contains("curve from the truth, mean, px"), "{table}");
+}
+
+#[test]
+fn what_cannot_be_done_is_said_in_a_sentence() {
+    let place = Place::new();
+    std::fs::write(place.path("text.mcap"), "nothing of the kind").unwrap();
+    for (arguments, sentence) in [
+        (
+            &["replay", GOLDEN][..],
+            "say what to do with the recording: --check",
+        ),
+        (&["replay", "none.mcap", "--check"], "No such file"),
+        (&["replay", "text.mcap", "--check"], "this is no recording"),
+        (&["info", "text.mcap"], "this is no recording"),
+        (
+            &["replay", GOLDEN, "--compare"],
+            "say what is to be other than in the recording",
+        ),
+        (
+            &["replay", GOLDEN, "--check", "--order", "6"],
+            "a check uses the settings of the recording",
+        ),
+        (
+            &["replay", GOLDEN, "--check", "--topic", "/none"],
+            "there is no topic /none with images",
+        ),
+    ] {
+        let complaint = place.complaint(arguments);
+        assert!(complaint.contains(sentence), "{arguments:?}: {complaint}");
+    }
+}
+
+#[test]
+fn a_settings_file_beside_a_recording_is_not_the_recording_s() {
+    let place = Place::new();
+    std::fs::write(place.path("lariat.toml"), "[extract]\npoints = 9\n").unwrap();
+    place.printed(&["replay", GOLDEN, "--check"]);
+}
+
+/// A recorded number changed: the check says which, and that it is no success.
+#[test]
+fn a_check_that_finds_a_difference_fails_and_shows_it() {
+    let place = Place::new();
+    let made = changed(Path::new(GOLDEN));
+    std::fs::write(place.path("changed.mcap"), made).unwrap();
+    let output = place.run(&["replay", "changed.mcap", "--check"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains("the centerlines of frame 7 are not the same:"),
+        "{said}"
+    );
+    assert!(said.contains("rope 1, point 3, x: recorded"), "{said}");
+}
+
+/// The recording written anew, with point 3 of frame 7 a hundredth of a pixel to the right.
+fn changed(path: &Path) -> Vec<u8> {
+    use lariat_record::Record;
+    let bytes = std::fs::read(path).unwrap();
+    let mut writer = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    for index in &summary.attachment_indexes {
+        let attachment = mcap::read::attachment(&bytes, index).unwrap();
+        writer.attach(&attachment).unwrap();
+    }
+    for index in &summary.metadata_indexes {
+        let metadata = mcap::read::metadata(&bytes, index).unwrap();
+        writer.write_metadata(&metadata).unwrap();
+    }
+    let mut centerlines = Box::new(lariat_wire::Centerlines::EMPTY);
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic.ends_with("/centerlines") {
+            centerlines.decode(&message.data).unwrap();
+            if centerlines.trace.sequence == 7 {
+                centerlines.curves[0].points[3][0] += 0.01;
+                let mut cdr = Vec::new();
+                centerlines.encode(&mut cdr);
+                message.data = cdr.into();
+            }
+        }
+        writer.write(&message).unwrap();
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
