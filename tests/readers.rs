@@ -4,6 +4,9 @@
 #[allow(dead_code, reason = "these tests need less of it than the chain's")]
 mod rig;
 
+#[path = "../examples/control_loop.rs"]
+mod control_loop;
+
 #[path = "../examples/message_of_offsets.rs"]
 mod message_of_offsets;
 
@@ -81,6 +84,24 @@ fn a_loop_outlives_the_chain_and_does_not_take_the_next_ones_rope_for_its_own() 
     chain.signal_chain(Signal::TERM);
     assert!(chain.end().status.success());
     drop(reader);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn the_examples_loop_follows_the_rope() {
+    let bench = Bench::new();
+    let reader = reader(&bench);
+    let chain = bench.start(&["--fps", "100", "--duration", "60", "--filter"]);
+    let mut robot = Vec::new();
+    control_loop::follow(reader, 50, &mut robot).unwrap();
+    chain.signal_chain(Signal::TERM);
+    assert!(chain.end().status.success());
+    let said = String::from_utf8(robot).unwrap();
+    let moves = said
+        .lines()
+        .filter(|line| line.starts_with("move "))
+        .count();
+    assert!(moves > 0 && said.contains("± "), "{said}");
     bench.assert_nothing_is_left();
 }
 

@@ -29,10 +29,10 @@ pub struct Reader {
     motion: Motion,
 }
 
-// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber, its
-// samples and listener. All that share such a count (the receiver, the newest message, the domain's node) are fields of
-// this one reader, and what it lends out borrows it: they go to another thread together or not at all. The transport
-// keeps nothing by thread; its shared memory, sockets and file locks belong to the process.
+// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
+// its samples share), its listener and its notifier. Each of these is a field of this one reader, and what the reader lends out
+// borrows it: all that share a count go to another thread together or not at all. Node and services, which others may share,
+// are counted with atomics, and may be sent by the transport's own word; it keeps nothing by thread.
 unsafe impl Send for Reader {}
 
 impl fmt::Debug for Reader {
