@@ -22,6 +22,7 @@ use crate::replay::{self, ReplayArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
+use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use crate::{chain, stages};
@@ -71,6 +72,8 @@ enum Command {
     Devices(DevicesArgs),
     /// One frame of a camera, or any other source, as a PNG picture
     Snapshot(SnapshotArgs),
+    /// A running chain, live on the terminal
+    Top(TopArgs),
     /// What passes on the channels of a running chain
     Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
@@ -121,6 +124,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
+        Some(Command::Top(args)) => top::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),

@@ -5,14 +5,17 @@
 
 mod checks;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
+use std::os::unix::fs::MetadataExt;
 use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Args;
-use lariat_wire::{Domain, leftovers};
+use lariat_wire::{Domain, holdings, leftovers, members, remove_leftovers};
 use rustix::fs::statvfs;
+use rustix::process::geteuid;
 use rustix::thread::{CpuSet, sched_getaffinity};
 use serde::Serialize;
 
@@ -24,6 +27,9 @@ pub(crate) struct DoctorArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    /// Remove what killed processes left in shared memory; nothing that belongs to a living one is touched
+    #[arg(long)]
+    clean: bool,
 }
 
 #[derive(Serialize)]
@@ -38,7 +44,7 @@ struct Diagnosis {
 /// # Errors
 /// The findings cannot be written.
 pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
-    let checks = examine();
+    let checks = examine(args.clean);
     let works = checks.iter().all(|found| found.verdict != Verdict::Bad);
     let mut out = std::io::stdout().lock();
     let text = if args.json {
@@ -61,9 +67,15 @@ pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
 }
 
 /// All that can be looked at here, in the order of its weight.
-fn examine() -> Vec<Finding> {
-    // Before the domain is joined, which sweeps it.
-    let left = leftovers();
+fn examine(clean: bool) -> Vec<Finding> {
+    // Both before the domain is joined, which sweeps it, and adds files of this process.
+    let leftover = leftover(clean);
+    let rights = rights();
+    let domain = Domain::open();
+    let channels = domain
+        .as_ref()
+        .ok()
+        .and_then(|domain| domain.channels().ok());
     let space =
         statvfs("/dev/shm").map(|shm| (shm.f_blocks * shm.f_frsize, shm.f_bavail * shm.f_frsize));
     let limits = read("/proc/self/limits");
@@ -73,8 +85,15 @@ fn examine() -> Vec<Finding> {
     let cpu = |file: &str| read(&format!("/sys/devices/system/cpu/{file}"));
     vec![
         checks::shared_memory(space.ok()),
-        checks::domain(Domain::open().err().map(|cause| cause.to_string())),
-        checks::leftover(&left),
+        checks::domain(domain.err().map(|cause| cause.to_string())),
+        rights,
+        checks::versions(
+            &members().unwrap_or_default(),
+            &channels.unwrap_or_default(),
+            env!("CARGO_PKG_VERSION"),
+        ),
+        leftover,
+        checks::open_files(&limits),
         checks::cores(usable),
         checks::realtime_priority(&limits, &status),
         checks::locked_memory(&limits, &status),
@@ -95,6 +114,45 @@ fn examine() -> Vec<Finding> {
         checks::timer_slack(&read("/proc/self/timerslack_ns")),
         checks::virtual_machine(&read("/proc/cpuinfo")),
     ]
+}
+
+/// What the dead left, removed if that is wanted.
+fn leftover(clean: bool) -> Finding {
+    if !clean {
+        return checks::leftover(&leftovers(), None);
+    }
+    let (left, kept) = remove_leftovers();
+    let told = kept
+        .iter()
+        .map(|(path, cause)| format!("{} ({cause})", path.display()));
+    checks::leftover(&left, Some(&told.collect::<Vec<_>>()))
+}
+
+/// Whose the domain's files are.
+fn rights() -> Finding {
+    let me = geteuid().as_raw();
+    let users = read("/etc/passwd");
+    let mut others = BTreeMap::new();
+    let mut own = 0;
+    for path in holdings().unwrap_or_default() {
+        match fs::symlink_metadata(path).map(|data| data.uid()) {
+            Ok(uid) if uid == me => own += 1,
+            Ok(uid) => *others.entry(user_name(&users, uid)).or_insert(0) += 1,
+            // Gone meanwhile.
+            Err(_) => {}
+        }
+    }
+    checks::rights(&user_name(&users, me), own, &others)
+}
+
+/// A user's name by `/etc/passwd`; the number, if it has none.
+fn user_name(passwd: &str, uid: u32) -> String {
+    let number = uid.to_string();
+    let mut lines = passwd
+        .lines()
+        .map(|line| line.split(':').collect::<Vec<_>>());
+    let line = lines.find(|fields| fields.get(2) == Some(&number.as_str()));
+    line.map_or_else(|| format!("user {number}"), |fields| fields[0].to_owned())
 }
 
 /// A file's text; nothing, if it is not there.
@@ -121,4 +179,16 @@ fn idle_states() -> Vec<[String; 3]> {
         .map(|state| ["name", "latency", "disable"].map(|name| file(state, name)))
         .take_while(|[name, ..]| !name.is_empty())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::user_name;
+
+    #[test]
+    fn a_user_is_named_or_numbered() {
+        let passwd = "root:x:0:0:root:/root:/bin/sh\nann:x:1000:1000::/home/ann:/bin/sh\n";
+        assert_eq!(user_name(passwd, 1000), "ann");
+        assert_eq!(user_name(passwd, 77), "user 77");
+    }
 }

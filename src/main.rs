@@ -26,6 +26,7 @@ mod settings;
 mod snapshot;
 mod stages;
 mod stop;
+mod top;
 mod topic;
 mod trace;
 mod whole_file;

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs;
+use std::time::{Duration, SystemTime};
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -50,25 +51,70 @@ fn as_json_every_check_has_a_verdict() {
     assert_eq!(verdicts[&Some("transport")], Some("ok"));
 }
 
+/// A file as one that was made a minute ago.
+fn old_file(path: &str) {
+    fs::write(path, "left").expect("written");
+    let file = fs::File::options().write(true).open(path).expect("there");
+    let minute_ago = SystemTime::now() - Duration::from_secs(60);
+    file.set_modified(minute_ago).expect("its own file");
+}
+
 #[test]
-fn what_a_dead_process_left_is_found_and_what_lives_is_not() {
+fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither() {
     let name = format!("l{}", std::process::id());
+    let dead = format!("{name}dead");
     let living = lariat_wire::Domain::named(&name).expect("a domain");
     let word = "0".repeat(40);
     let of_the_living = format!("/dev/shm/lariat_{name}_{word}_1.data");
-    let of_the_dead = format!("/dev/shm/lariat_{name}dead_{word}_1.data");
-    for file in [&of_the_living, &of_the_dead] {
-        fs::write(file, "left").expect("written");
+    let of_the_dead = format!("/dev/shm/lariat_{dead}_{word}_1.data");
+    // A process that begins makes its files before it can be seen to live.
+    let of_the_newborn = format!("/dev/shm/lariat_{dead}new_{word}_1.data");
+    for folder in [dead.clone(), format!("{dead}new")] {
+        fs::create_dir_all(format!("/tmp/lariat-{folder}/services")).expect("made");
     }
+    let service = format!("/tmp/lariat-{dead}/services/lariat_{dead}_{word}.service");
+    for file in [&of_the_living, &of_the_dead, &service] {
+        old_file(file);
+    }
+    fs::write(&of_the_newborn, "left").expect("written");
+
     let left = lariat_wire::leftovers();
-    for file in [&of_the_living, &of_the_dead] {
+    let mine = |domain: &str| {
+        left.iter()
+            .find(|of| of.domain.as_deref() == Some(domain))
+            .cloned()
+    };
+    let found = mine(&dead).expect("found");
+    assert_eq!((found.files, found.bytes), (1, 4));
+    assert_eq!(found.prefix, format!("/dev/shm/lariat_{dead}_"));
+    assert_eq!((mine(&name), mine(&format!("{dead}new"))), (None, None));
+
+    let told = |arguments: &[&str]| {
+        let output = doctor(arguments).assert().success().get_output().clone();
+        let diagnosis: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let checks = diagnosis["checks"].as_array().expect("a list").clone();
+        checks
+            .into_iter()
+            .find(|check| check["name"] == "leftovers")
+            .expect("looked at")
+    };
+    let before = told(&["--json"]);
+    assert_eq!(before["advice"], "`lariat doctor --clean`", "{before}");
+    assert!(
+        fs::exists(&of_the_dead).expect("readable"),
+        "only looked at"
+    );
+    let cleaned = told(&["--json", "--clean"]);
+    assert_eq!(cleaned["verdict"], "ok", "{cleaned}");
+    let is_there = |path: &str| fs::exists(path).expect("readable");
+    assert!(is_there(&of_the_living) && is_there(&of_the_newborn));
+    assert!(!is_there(&of_the_dead) && !is_there(&format!("/tmp/lariat-{dead}")));
+
+    for file in [&of_the_living, &of_the_newborn] {
         fs::remove_file(file).expect("removed");
     }
     drop(living);
-    let _ = fs::remove_dir_all(format!("/tmp/lariat-{name}"));
-    let mine = |domain: &str| left.iter().find(|of| of.domain == domain).cloned();
-    assert_eq!(mine(&name), None);
-    let dead = mine(&format!("{name}dead")).expect("found");
-    assert_eq!((dead.files, dead.bytes), (1, 4));
-    assert_eq!(dead.prefix, format!("/dev/shm/lariat_{name}dead_"));
+    for folder in [name, format!("{dead}new")] {
+        let _ = fs::remove_dir_all(format!("/tmp/lariat-{folder}"));
+    }
 }

@@ -20,6 +20,7 @@ length: 0 at a rope's first end, 1 at its last.
 """
 
 from lariat._functions import fit, trace
+from lariat._layout import MESSAGE
 from lariat._names import (
     BasisName,
     HsvRange,
@@ -69,6 +70,7 @@ __all__ = [
     "HsvRange",
     "KnotsName",
     "Lost",
+    "MESSAGE",
     "MaskImage",
     "MaskName",
     "MethodName",

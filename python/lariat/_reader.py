@@ -27,7 +27,7 @@ class Reader(_native.Reader):
     which is not new, so that a loop never stands still without knowing. Ctrl-C ends a wait, and other threads run
     during it. ``async for`` waits likewise.
 
-    Up to 24 readers share a rig; one that is slow, stopped or killed disturbs neither the chain nor the others. It is
+    Up to 23 loops share a rig, beside sink; one that is slow, stopped or killed disturbs neither the chain nor the others. It is
     used by one thread at a time; each thread of several opens its own. What was read belongs to nobody: frames, ropes
     and their arrays can be kept for as long as you like, and go to any thread.
 

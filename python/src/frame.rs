@@ -7,8 +7,11 @@
 use crate::reader::seconds;
 use crate::rope::Track;
 use crate::seen;
+use crate::views;
 use crate::way::Trace;
 use lariat_wire::{KeptFrame, Unit};
+use numpy::PyArray;
+use numpy::ndarray::Ix1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -80,6 +83,22 @@ impl Frame {
         self.frame()
             .message()
             .map(|message| Trace::from(message.trace))
+    }
+
+    /// The bytes of the message; none before the first.
+    #[getter]
+    fn _bytes<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<u8, Ix1>> {
+        views::message(this, |frame| frame.frame().message())
+    }
+
+    /// All that the message says, by the names and in the layout of ARCHITECTURE.md, "The contract", as one record of NumPy
+    /// (`lariat.MESSAGE`): for writing it down. It says nothing of how old it is now; `count` fields say how much of an array
+    /// is meant. `None` before the first message.
+    #[getter]
+    fn message<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = this.py();
+        py.import("lariat._layout")?
+            .call_method1("record", (Self::_bytes(this),))
     }
 
     /// The rope of an image that has one. With several it is none of them: then choose one among `ropes`, and ask for its

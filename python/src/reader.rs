@@ -209,9 +209,7 @@ fn open<'a>(
 enum Problem {
     #[error("this reader is closed: open another one")]
     Closed,
-    #[error(
-        "another thread uses this reader, or waits with it: open one for each thread, a rig has room for 24"
-    )]
+    #[error("another thread uses this reader, or waits with it: open one for each thread")]
     Busy,
     #[error(transparent)]
     Wire(#[from] WireError),

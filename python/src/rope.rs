@@ -115,7 +115,7 @@ impl Rope {
     fn predict(&self, t_ns: u64) -> PyResult<Shape> {
         let rope = self.rope()?;
         let prediction = rope.predict(t_ns).map_err(value_error)?;
-        Ok(Shape::moved(rope.descriptor(), &prediction.shape()))
+        Ok(Shape::moved(prediction.to_descriptor()))
     }
 
     /// Its control points, of shape (control points, 2); feature points and center too.

@@ -34,17 +34,10 @@ impl Shape {
         })
     }
 
-    /// The same curve with other control points and covariances.
-    pub(crate) fn moved(descriptor: &Descriptor, shape: &lariat_wire::Shape) -> Self {
-        let mut moved = Box::new(*descriptor);
-        let covariance = shape.covariance();
-        for (j, point) in shape.control_points().iter().enumerate() {
-            let [[xx, xy], [_, yy]] = covariance.block(j, j);
-            moved.control_points[j] = *point;
-            moved.covariances[j] = [xx, xy, yy];
-        }
+    /// The curve of a rope where it is thought to be.
+    pub(crate) fn moved(descriptor: Descriptor) -> Self {
         Self {
-            source: Source::Moved(moved),
+            source: Source::Moved(Box::new(descriptor)),
         }
     }
 

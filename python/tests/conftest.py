@@ -1,12 +1,19 @@
-"""Pictures with ropes in them, drawn by the tests."""
+"""Pictures with ropes in them, drawn by the tests, and what plays the chain."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
+import lariat
 
 Image = NDArray[np.uint8]
 
@@ -33,3 +40,69 @@ def wave(count: int = 60) -> NDArray[Any]:
 @pytest.fixture(scope="session")
 def image() -> Image:
     return rope_through(wave())
+
+
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[2] / "target"))
+
+
+def program(name: str) -> Path:
+    """What cargo built, of the newest of its profiles."""
+    found = [path for path in TARGET.glob(f"*/{name}") if os.access(path, os.X_OK)]
+    if not found:
+        pytest.fail(f"{name} is not built: run python/test.sh")
+    return max(found, key=lambda path: path.stat().st_mtime)
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[str]:
+    """A domain of the test's own, of which nothing is left."""
+    name = f"py{os.getpid() % 100_000}-{zlib.crc32(request.node.name.encode()) % 100_000}"
+    monkeypatch.setenv("LARIAT_DOMAIN", name)
+    yield name
+    # What a failed test holds in its traceback is not let go before that is told.
+    left = [path.name for path in Path("/dev/shm").iterdir() if path.name.startswith(f"lariat_{name}_")]
+    assert left == [] or request.session.testsfailed, left
+
+
+class States:
+    """What plays the chain (`states.rs`)."""
+
+    def __init__(self) -> None:
+        self.process = subprocess.Popen(
+            [program("examples/states")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self.hears("ready")
+
+    def hears(self, word: str) -> None:
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline().strip() == word
+
+    def tell(self, word: str, answer: str) -> None:
+        assert self.process.stdin is not None
+        print(word, file=self.process.stdin, flush=True)
+        self.hears(answer)
+
+    def send(self, *states: str) -> None:
+        """Sends a message of each state."""
+        for state in states:
+            self.tell(state, "sent")
+
+    def restart(self) -> None:
+        """Numbers everything anew, as a chain that is started anew does."""
+        self.tell("restart", "ready")
+
+    def stop(self) -> None:
+        self.process.communicate(timeout=30)
+
+
+@pytest.fixture
+def states(domain: str) -> Iterator[States]:
+    states = States()
+    yield states
+    states.stop()
+
+
+@pytest.fixture
+def reader(domain: str) -> Iterator[lariat.Reader]:
+    with lariat.Reader(timeout=30.0) as reader:
+        yield reader

@@ -1,9 +1,12 @@
 //! What is found on the machine, judged: text of the kernel's files in, a finding out.
 
+mod rig;
+
 use std::fmt;
 
-use lariat_wire::Leftover;
 use serde::Serialize;
+
+pub(super) use rig::{leftover, rights, versions};
 
 use crate::stages::arrangement::core_list;
 
@@ -117,25 +120,6 @@ pub(super) fn domain(fault: Option<String>) -> Finding {
     }
 }
 
-/// What dead processes left.
-pub(super) fn leftover(left: &[Leftover]) -> Finding {
-    const NAME: &str = "leftovers";
-    if left.is_empty() {
-        return ok(NAME, "no dead process has left shared memory");
-    }
-    let files: usize = left.iter().map(|of| of.files).sum();
-    let bytes: u64 = left.iter().map(|of| of.bytes).sum();
-    let names: Vec<String> = left.iter().map(|of| format!("{}*", of.prefix)).collect();
-    better(
-        NAME,
-        format!(
-            "killed processes left {files} files of {:.1} MB in /dev/shm",
-            bytes as f64 / 1e6
-        ),
-        format!("`rm {}`", names.join(" ")),
-    )
-}
-
 /// How many cores lariat may use.
 pub(super) fn cores(usable: usize) -> Finding {
     const NAME: &str = "cores";
@@ -161,6 +145,24 @@ fn is_capable(status: &str, bit: u32) -> bool {
     let line = status.lines().find_map(|line| line.strip_prefix("CapEff:"));
     line.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
         .is_some_and(|mask| mask >> bit & 1 == 1)
+}
+
+/// Whether a process may have as many files open as a reader or a stage of lariat has.
+pub(super) fn open_files(limits: &str) -> Finding {
+    const NAME: &str = "open files";
+    /// A stage has 40 open, and one more for each process that is at the other end of its channels.
+    const ENOUGH: u64 = 128;
+    match limit(limits, "Max open files") {
+        Some(most) if most < ENOUGH => better(
+            NAME,
+            format!(
+                "a process may have {most} open, and a stage with many readers has up to {ENOUGH}"
+            ),
+            "`ulimit -n 1024` in this shell, before lariat is started",
+        ),
+        Some(most) => ok(NAME, format!("a process may have {most}")),
+        None => ok(NAME, "unlimited"),
+    }
 }
 
 /// What lets a user have more of a limit.

@@ -9,4 +9,5 @@ mod fused;
 mod masks;
 mod rig;
 mod sources;
+mod top;
 mod topic;

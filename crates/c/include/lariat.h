@@ -23,7 +23,8 @@
 //
 // **Memory.** What these pointers show lies in shared memory, and stays until the next lariat_latest, lariat_wait or
 // lariat_close of that reader. Copy what you want to keep: all structs are plain. Nothing is to be freed but readers, by
-// lariat_close. An open reader allocates nothing, but for covariances, once in each thread that asks for them.
+// lariat_close. An open reader allocates when it takes up the channel of a chain that has just started, and once in each thread
+// that asks for covariances; else nothing.
 //
 // **Threads.** A reader is used by one thread at a time; it may go from one to another. Several threads each open their
 // own. Functions of a descriptor alone may be called from any thread. lariat_error is of the calling thread. A reader does not
@@ -312,7 +313,8 @@ int lariat_open(const char *rig,
 // Closes a reader. NULL is none. What its ropes point to is gone then.
 void lariat_close(struct lariat_reader *reader);
 
-// Takes up the newest message, without waiting and without a system call.
+// Takes up the newest message, without waiting, and without a system call but in the one look that takes up the channel of a
+// chain that has just started.
 //
 // Returns 1 if one came since the last look, 0 if not (the last one stays, and gets older), or an error.
 LARIAT_MUST_USE

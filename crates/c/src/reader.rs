@@ -37,7 +37,7 @@ pub(crate) fn shown<'a>(reader: *const lariat_reader) -> Result<&'a lariat_reade
 /// Returns 0, or an error; *reader is then NULL.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_open(rig: *const c_char, reader: *mut *mut lariat_reader) -> c_int {
+pub unsafe extern "C" fn lariat_open(rig: *const c_char, reader: *mut *mut lariat_reader) -> c_int {
     answer(|| {
         // SAFETY: C gives a place for a pointer, or NULL.
         let place = unsafe { reader.as_mut() };
@@ -57,7 +57,7 @@ pub extern "C" fn lariat_open(rig: *const c_char, reader: *mut *mut lariat_reade
 
 /// Closes a reader. NULL is none. What its ropes point to is gone then.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_close(reader: *mut lariat_reader) {
+pub unsafe extern "C" fn lariat_close(reader: *mut lariat_reader) {
     answer(|| {
         if !reader.is_null() {
             // SAFETY: C gives what lariat_open made, once, and uses it no more.
@@ -67,12 +67,13 @@ pub extern "C" fn lariat_close(reader: *mut lariat_reader) {
     });
 }
 
-/// Takes up the newest message, without waiting and without a system call.
+/// Takes up the newest message, without waiting, and without a system call but in the one look that takes up the channel of a
+/// chain that has just started.
 ///
 /// Returns 1 if one came since the last look, 0 if not (the last one stays, and gets older), or an error.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_latest(reader: *mut lariat_reader) -> c_int {
+pub unsafe extern "C" fn lariat_latest(reader: *mut lariat_reader) -> c_int {
     answer(|| Ok(given(reader)?.reader.latest()?.is_new().into()))
 }
 
@@ -82,7 +83,7 @@ pub extern "C" fn lariat_latest(reader: *mut lariat_reader) -> c_int {
 /// Returns as lariat_latest.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_wait(reader: *mut lariat_reader, timeout_ns: i64) -> c_int {
+pub unsafe extern "C" fn lariat_wait(reader: *mut lariat_reader, timeout_ns: i64) -> c_int {
     /// No chain is waited for any longer at a time.
     const FOR_EVER: Duration = Duration::from_secs(3600);
     answer(|| {
@@ -108,7 +109,7 @@ pub extern "C" fn lariat_wait(reader: *mut lariat_reader, timeout_ns: i64) -> c_
 /// Returns the descriptor, or an error.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_fd(reader: *const lariat_reader) -> c_int {
+pub unsafe extern "C" fn lariat_fd(reader: *const lariat_reader) -> c_int {
     answer(|| Ok(shown(reader)?.reader.as_fd().as_raw_fd()))
 }
 
@@ -119,7 +120,10 @@ pub extern "C" fn lariat_fd(reader: *const lariat_reader) -> c_int {
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_before_poll(reader: *mut lariat_reader, timeout_ms: *mut c_int) -> c_int {
+pub unsafe extern "C" fn lariat_before_poll(
+    reader: *mut lariat_reader,
+    timeout_ms: *mut c_int,
+) -> c_int {
     answer(|| {
         // SAFETY: C gives a place for a number, or NULL.
         let place = unsafe { timeout_ms.as_mut() };
@@ -137,7 +141,7 @@ pub extern "C" fn lariat_before_poll(reader: *mut lariat_reader, timeout_ms: *mu
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_look_for(reader: *mut lariat_reader, time_ns: u64) -> c_int {
+pub unsafe extern "C" fn lariat_look_for(reader: *mut lariat_reader, time_ns: u64) -> c_int {
     answer(|| {
         given(reader)?
             .reader
@@ -152,7 +156,7 @@ pub extern "C" fn lariat_look_for(reader: *mut lariat_reader, time_ns: u64) -> c
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_expect_motion(
+pub unsafe extern "C" fn lariat_expect_motion(
     reader: *mut lariat_reader,
     acceleration: f64,
     lasts_s: f64,
@@ -170,7 +174,7 @@ pub extern "C" fn lariat_expect_motion(
 /// How long ago the image of the newest message that was looked at was taken; UINT64_MAX before the first.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_age_ns(reader: *const lariat_reader) -> u64 {
+pub unsafe extern "C" fn lariat_age_ns(reader: *const lariat_reader) -> u64 {
     let age = shown(reader).ok().and_then(|shown| shown.reader.age());
     age.map_or(u64::MAX, |age| age.as_nanos() as u64)
 }
@@ -179,7 +183,7 @@ pub extern "C" fn lariat_age_ns(reader: *const lariat_reader) -> u64 {
 /// numbered anew, and basis, order and unit may be others.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_run(reader: *const lariat_reader) -> u64 {
+pub unsafe extern "C" fn lariat_run(reader: *const lariat_reader) -> u64 {
     shown(reader).map_or(0, |shown| shown.reader.frame().run())
 }
 
@@ -187,7 +191,7 @@ pub extern "C" fn lariat_run(reader: *const lariat_reader) -> u64 {
 /// writing it down.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_message(reader: *const lariat_reader) -> *const lariat_descriptors {
+pub unsafe extern "C" fn lariat_message(reader: *const lariat_reader) -> *const lariat_descriptors {
     let shown = shown(reader).ok();
     let message = shown.and_then(|shown| shown.reader.frame().message());
     // The same layout, which `message` holds it to.

@@ -164,7 +164,7 @@ fn ask(
 ///
 /// Returns what is known, which stands in `rope` too.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_only_rope(
+pub unsafe extern "C" fn lariat_only_rope(
     reader: *const lariat_reader,
     max_age_ns: u64,
     rope: *mut lariat_rope,
@@ -175,7 +175,7 @@ pub extern "C" fn lariat_only_rope(
 
 /// The rope of this track, and no other. Returns as lariat_only_rope.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_rope_of_track(
+pub unsafe extern "C" fn lariat_rope_of_track(
     reader: *const lariat_reader,
     track: lariat_track,
     max_age_ns: u64,
@@ -189,7 +189,7 @@ pub extern "C" fn lariat_rope_of_track(
 /// The rope at a place of the message, from 0: for a look at all of them, as their order is no promise. Behind the last there
 /// is LARIAT_NO_ROPE. Returns as lariat_only_rope.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_rope_at(
+pub unsafe extern "C" fn lariat_rope_at(
     reader: *const lariat_reader,
     index: u32,
     max_age_ns: u64,
@@ -255,7 +255,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
 /// Returns 0, or an error; `ahead` is then without control points.
 #[unsafe(no_mangle)]
 #[must_use]
-pub extern "C" fn lariat_predict(
+pub unsafe extern "C" fn lariat_predict(
     reader: *const lariat_reader,
     track: lariat_track,
     t_ns: u64,

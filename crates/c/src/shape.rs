@@ -52,14 +52,18 @@ fn evaluate<const N: usize>(
 ///
 /// This and all that follow return 0, or an error; the answer is NaN then.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_point_at(rope: *const lariat_descriptor, rho: f64, xy: *mut f64) -> c_int {
+pub unsafe extern "C" fn lariat_point_at(
+    rope: *const lariat_descriptor,
+    rho: f64,
+    xy: *mut f64,
+) -> c_int {
     evaluate(rope, xy, |curve| Some(curve.point_at(rho)))
 }
 
 /// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xy` is
 /// `2 * count` numbers.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_points(
+pub unsafe extern "C" fn lariat_points(
     rope: *const lariat_descriptor,
     count: usize,
     xy: *mut f64,
@@ -76,7 +80,7 @@ pub extern "C" fn lariat_points(
 
 /// The velocity by rho at `rho`: `xy` is two numbers.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_derivative_at(
+pub unsafe extern "C" fn lariat_derivative_at(
     rope: *const lariat_descriptor,
     rho: f64,
     xy: *mut f64,
@@ -86,7 +90,7 @@ pub extern "C" fn lariat_derivative_at(
 
 /// The direction in which the curve goes at `rho`, of length 1: `xy` is two numbers.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_tangent_at(
+pub unsafe extern "C" fn lariat_tangent_at(
     rope: *const lariat_descriptor,
     rho: f64,
     xy: *mut f64,
@@ -96,7 +100,7 @@ pub extern "C" fn lariat_tangent_at(
 
 /// The direction across it, the tangent turned from the x axis towards the y axis: `xy` is two numbers.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_normal_at(
+pub unsafe extern "C" fn lariat_normal_at(
     rope: *const lariat_descriptor,
     rho: f64,
     xy: *mut f64,
@@ -106,7 +110,7 @@ pub extern "C" fn lariat_normal_at(
 
 /// One by the radius of the circle that the curve follows at `rho`, positive where it turns towards its normal: one number.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_curvature_at(
+pub unsafe extern "C" fn lariat_curvature_at(
     rope: *const lariat_descriptor,
     rho: f64,
     curvature: *mut f64,
@@ -119,7 +123,7 @@ pub extern "C" fn lariat_curvature_at(
 /// How much the point at `rho` moves with each control point, the same for x and y: `values` is `rope->count` numbers. Of a
 /// rope without a curve they are not written.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_jacobian_at(
+pub unsafe extern "C" fn lariat_jacobian_at(
     rope: *const lariat_descriptor,
     rho: f64,
     values: *mut f64,
@@ -133,7 +137,7 @@ pub extern "C" fn lariat_jacobian_at(
 
 /// How uncertain the point at `rho` is, in the unit's square: `covariance` is three numbers, xx, xy, yy.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_covariance_at(
+pub unsafe extern "C" fn lariat_covariance_at(
     rope: *const lariat_descriptor,
     rho: f64,
     covariance: *mut f64,
@@ -148,7 +152,10 @@ pub extern "C" fn lariat_covariance_at(
 /// weights, a plane, rational curves): then each control point's own is right, and how two of them hang together is that of the
 /// plain fit. Or an error; the answer is then not written.
 #[unsafe(no_mangle)]
-pub extern "C" fn lariat_covariance(rope: *const lariat_descriptor, matrix: *mut f64) -> c_int {
+pub unsafe extern "C" fn lariat_covariance(
+    rope: *const lariat_descriptor,
+    matrix: *mut f64,
+) -> c_int {
     answer(|| {
         let covariance = curve(rope)?.covariance();
         covariance.write_to(place(matrix, covariance.size() * covariance.size())?);

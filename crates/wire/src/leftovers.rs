@@ -1,20 +1,33 @@
-//! What killed processes left in shared memory, in every domain of the machine, without joining any.
+//! What killed processes left in shared memory, in every domain of the machine, without joining any; and its removal.
+//!
+//! A domain's files are left over if nobody is at home: its folder with the transport's locks is here (in a container that
+//! shares the host's `/dev/shm` alone it is not, and nothing can be known), none of the locks is held, no process has its
+//! shared memory mapped, as far as this user may know, and nothing was made just now by one that is about to take a lock.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, DirEntry, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use iceoryx2::node::NodeState;
 use iceoryx2::prelude::*;
 
 use crate::domain::config_of;
 use crate::memory::SHM;
+use crate::roster;
 
-/// The files that a domain's processes left in `/dev/shm` when they were killed, all of them.
+/// A process takes its locks within milliseconds of its first file.
+const SETTLED_AFTER: Duration = Duration::from_secs(2);
+/// How long a sweep waits for another process that is sweeping too.
+const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// The files that a domain's processes left when they were killed, all of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leftover {
-    /// The domain's name.
-    pub domain: String,
-    /// What the names of its files begin with.
+    /// The domain's name; `None` is the machine's own, which other programs on iceoryx2 may share.
+    pub domain: Option<String>,
+    /// What the names of its files in shared memory begin with.
     pub prefix: String,
     /// How many there are.
     pub files: usize,
@@ -22,44 +35,184 @@ pub struct Leftover {
     pub bytes: u64,
 }
 
-/// The named domains that have files in `/dev/shm` and no living process. (What is left beside living ones, and in the
-/// machine's own domain, the next process to join or leave removes.)
+/// The domains that have files in `/dev/shm` and no living process. (What is left beside living ones the next process to
+/// join or leave removes, and [`remove_leftovers`].)
 pub fn leftovers() -> Vec<Leftover> {
-    let mut found = BTreeMap::<String, Leftover>::new();
-    for entry in fs::read_dir(SHM).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let Some(domain) = name.to_str().and_then(domain_of) else {
-            continue;
-        };
-        let leftover = found.entry(domain.to_owned()).or_insert_with(|| Leftover {
-            domain: domain.to_owned(),
-            prefix: format!("{SHM}/lariat_{domain}_"),
+    let mut found = BTreeMap::<Option<String>, Leftover>::new();
+    let mut is_new = Vec::new();
+    for (domain, entry) in shared_files() {
+        let data = entry.metadata().ok();
+        if data.as_ref().is_some_and(|data| !is_settled(data)) {
+            is_new.push(domain.clone());
+        }
+        let leftover = found.entry(domain.clone()).or_insert_with(|| Leftover {
+            prefix: format!("{SHM}/{}", prefix_of(domain.as_deref())),
+            domain,
             files: 0,
             bytes: 0,
         });
         leftover.files += 1;
-        leftover.bytes += entry.metadata().map_or(0, |data| data.len());
+        leftover.bytes += data.map_or(0, |data| data.len());
     }
-    found
-        .into_values()
-        .filter(|leftover| !lives(&leftover.domain))
-        .collect()
+    found.retain(|domain, _| !is_new.contains(domain));
+    if found.is_empty() {
+        return Vec::new();
+    }
+    let mapped = mapped_files();
+    let is_left = |left: &Leftover| {
+        let folder = config(left.domain.as_deref()).map(|config| root_of(&config));
+        if !folder.is_some_and(|folder| folder.is_dir()) {
+            return false;
+        }
+        let is_mapped = mapped.iter().any(|file| file.starts_with(&left.prefix));
+        !is_mapped && !lives(left.domain.as_deref())
+    };
+    found.into_values().filter(is_left).collect()
 }
 
-/// The domain of a file in `/dev/shm`: after the prefix come the transport's own words, the first of them 40 hexadecimal
-/// digits.
-fn domain_of(name: &str) -> Option<&str> {
-    let rest = name.strip_prefix("lariat_")?;
+/// Removes what belongs to no living process: all of each domain that is [left over](leftovers), and what the dead left
+/// beside the living. Returns what was left over, and the files that could not be removed, each with its cause.
+pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
+    let left = leftovers();
+    let mut kept = Vec::new();
+    for of in &left {
+        let before = kept.len();
+        for (domain, entry) in shared_files() {
+            if domain == of.domain {
+                remove(&entry.path(), &mut kept);
+            }
+        }
+        // With what could not be removed the folder stays, so that the next look knows it for left over.
+        if let Some(config) = config(of.domain.as_deref())
+            && kept.len() == before
+        {
+            roster::sweep(&config);
+            let name = prefix_of(of.domain.as_deref());
+            remove_tree(&root_of(&config), &name, &mut kept);
+        }
+    }
+    let domains = shared_files().map(|(domain, _)| domain);
+    let mut domains: Vec<_> = domains.collect();
+    domains.sort();
+    domains.dedup();
+    for config in domains
+        .iter()
+        .filter_map(|domain| config(domain.as_deref()))
+    {
+        sweep_dead(&config);
+    }
+    (left, kept)
+}
+
+/// Removes what dead nodes left beside living ones, by the transport's own books.
+fn sweep_dead(config: &Config) {
+    let mut dead = Vec::new();
+    let _ = Node::<ipc::Service>::list(config, |node| {
+        if let NodeState::Dead(node) = node {
+            dead.push(node);
+        }
+        CallbackProgression::Continue
+    });
+    for node in dead {
+        // Another process may be at it, or have the right to it that this one has not.
+        let _ = node.blocking_remove_stale_resources(SWEEP_TIMEOUT);
+    }
+}
+
+fn remove(path: &Path, kept: &mut Vec<(PathBuf, io::Error)>) {
+    match fs::remove_file(path) {
+        Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+            kept.push((path.to_owned(), cause));
+        }
+        _ => {}
+    }
+}
+
+/// Removes the files under a folder whose names begin so, and the folders that are empty then.
+fn remove_tree(folder: &Path, prefix: &str, kept: &mut Vec<(PathBuf, io::Error)>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_ours = entry.file_name().to_string_lossy().starts_with(prefix);
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() => remove_tree(&entry.path(), prefix, kept),
+            // Links and all else are left alone.
+            Ok(kind) if is_ours && kind.is_file() => remove(&entry.path(), kept),
+            _ => {}
+        }
+    }
+    // Not if something else is in it.
+    let _ = fs::remove_dir(folder);
+}
+
+/// The files of shared memory that are some domain's.
+fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
+    let entries = fs::read_dir(SHM).into_iter().flatten().flatten();
+    entries.filter_map(|entry| {
+        let name = entry.file_name();
+        let domain = domain_of(name.to_str()?)?.map(str::to_owned);
+        Some((domain, entry))
+    })
+}
+
+/// The domain of a file in `/dev/shm`, `Some(None)` being the machine's: after the prefix come the transport's own words,
+/// the first of them 40 hexadecimal digits.
+fn domain_of(name: &str) -> Option<Option<&str>> {
     let is_hash = |word: &str| word.len() == 40 && word.bytes().all(|c| c.is_ascii_hexdigit());
+    let begins_so = |rest: &str| rest.split(['_', '.']).next().is_some_and(is_hash);
+    if name.strip_prefix(&prefix_of(None)).is_some_and(begins_so) {
+        return Some(None);
+    }
+    let rest = name.strip_prefix("lariat_")?;
     rest.match_indices('_')
-        .find(|(at, _)| rest[at + 1..].split(['_', '.']).next().is_some_and(is_hash))
+        .find(|(at, _)| begins_so(&rest[at + 1..]))
         .map(|(at, _)| &rest[..at])
         .filter(|domain| !domain.is_empty())
+        .map(Some)
+}
+
+/// What the names of a domain's files begin with.
+fn prefix_of(domain: Option<&str>) -> String {
+    match domain {
+        Some(name) => format!("lariat_{name}_"),
+        None => Config::global_config().global.prefix.to_string(),
+    }
+}
+
+fn config(domain: Option<&str>) -> Option<Config> {
+    match domain {
+        Some(name) => config_of(name).ok(),
+        None => Some(Config::global_config().clone()),
+    }
+}
+
+fn root_of(config: &Config) -> PathBuf {
+    PathBuf::from(config.global.root_path().to_string())
+}
+
+fn is_settled(data: &Metadata) -> bool {
+    let age = data.modified().ok().and_then(|at| at.elapsed().ok());
+    age.is_some_and(|age| age >= SETTLED_AFTER)
+}
+
+/// The files of shared memory that some process has mapped, as far as this user may know.
+fn mapped_files() -> Vec<String> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir("/proc").into_iter().flatten().flatten() {
+        let Ok(maps) = fs::read_to_string(entry.path().join("maps")) else {
+            continue;
+        };
+        let paths = maps
+            .lines()
+            .filter_map(|line| line.find(SHM).map(|at| line[at..].to_owned()));
+        files.extend(paths);
+    }
+    files.sort();
+    files.dedup();
+    files
 }
 
 /// Whether a process of this domain lives, or may live.
-fn lives(domain: &str) -> bool {
-    let Ok(config) = config_of(domain) else {
+fn lives(domain: Option<&str>) -> bool {
+    let Some(config) = config(domain) else {
         return true;
     };
     let mut lives = false;
@@ -80,17 +233,33 @@ mod tests {
     #[test]
     fn a_file_tells_its_domain() {
         let hash = "0354a209029e7d094a819e2d4030ea331e6caaf0";
-        let domain = |name: String| domain_of(&name).map(str::to_owned);
+        let domain = |name: String| domain_of(&name).map(|domain| domain.map(str::to_owned));
         let found = domain(format!("lariat_left_arm_{hash}_12.data"));
-        assert_eq!(found.as_deref(), Some("left_arm"));
+        assert_eq!(found, Some(Some("left_arm".into())));
         let found = domain(format!("lariat_t1-2_{hash}_node.0_10_0.global_mgmt"));
-        assert_eq!(found.as_deref(), Some("t1-2"));
+        assert_eq!(found, Some(Some("t1-2".into())));
+        assert_eq!(domain(format!("iox2_{hash}_1.data")), Some(None));
         for other in [
-            format!("iox2_{hash}_1.data"),
             format!("lariat_{hash}"),
+            "iox2_settings".into(),
             "lariat_a_b".into(),
         ] {
             assert_eq!(domain(other.clone()), None, "{other}");
         }
+    }
+
+    #[test]
+    fn this_process_s_own_memory_is_not_left_over() {
+        let name = format!("m{}", std::process::id());
+        let domain = crate::Domain::named(&name).expect("a domain");
+        let rig = "left".parse().expect("a name");
+        let reader = crate::Receiver::descriptors(&domain, &rig).expect("a reader");
+        let prefix = format!("{SHM}/{}", prefix_of(Some(&name)));
+        assert!(mapped_files().iter().any(|file| file.starts_with(&prefix)));
+        assert!(lives(Some(&name)));
+        drop((reader, domain));
+        assert!(!lives(Some(&name)));
+        assert!(mapped_files().iter().all(|file| !file.starts_with(&prefix)));
+        let _ = fs::remove_dir_all(format!("/tmp/lariat-{name}"));
     }
 }

@@ -39,8 +39,9 @@
 //! | [`Descriptors`], [`Descriptor`], [`Trace`] | the message itself, as it lies in shared memory |
 //! | [`WireError`], [`NoShape`], [`NoPrediction`] | what can go wrong, in sentences that say what to do |
 //!
-//! Reading disturbs nobody: a reader that is slow, stopped or killed holds up neither the chain nor other readers. Once a
-//! reader is open, it allocates nothing, and [`latest`](Reader::latest) makes no system call.
+//! Reading disturbs nobody: a reader that is slow, stopped or killed holds up neither the chain nor other readers. An open
+//! reader allocates nothing, and [`latest`](Reader::latest) makes no system call, but for the one look that takes up the
+//! channel of a chain that has just started.
 //!
 //! # Below that
 //!
@@ -54,6 +55,7 @@ mod codes;
 mod domain;
 mod error;
 mod frame;
+mod holdings;
 mod leftovers;
 mod memory;
 mod message;
@@ -75,7 +77,8 @@ pub use codes::{Basis, PixelFormat, SourceKind, Status, Unit};
 pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use frame::{Frame, KeptFrame};
-pub use leftovers::{Leftover, leftovers};
+pub use holdings::holdings;
+pub use leftovers::{Leftover, leftovers, remove_leftovers};
 pub use message::*;
 pub use reader::Reader;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};

@@ -29,10 +29,10 @@ pub struct Reader {
     motion: Motion,
 }
 
-// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber, its
-// samples and listener. All that share such a count (the receiver, the newest message, the domain's node) are fields of
-// this one reader, and what it lends out borrows it: they go to another thread together or not at all. The transport
-// keeps nothing by thread; its shared memory, sockets and file locks belong to the process.
+// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
+// its samples share), its listener and its notifier. Each of these is a field of this one reader, and what the reader lends out
+// borrows it: all that share a count go to another thread together or not at all. Node and services, which others may share,
+// are counted with atomics, and may be sent by the transport's own word; it keeps nothing by thread.
 unsafe impl Send for Reader {}
 
 impl fmt::Debug for Reader {
@@ -48,7 +48,8 @@ impl Reader {
     /// Opens the reader of a rig: `"default"`, or what the chain was started with (`--rig NAME`). Whether it runs does not
     /// matter.
     ///
-    /// Once it is open, only [`Shape::covariance`](crate::Shape::covariance) allocates, when first asked in its thread.
+    /// Once it is open, it allocates when it takes up the channel of a chain that has just started, and
+    /// [`Shape::covariance`](crate::Shape::covariance) does when first asked in its thread; nothing else.
     ///
     /// # Errors
     /// No such name, no shared memory, a chain of another release or of another user, or 24 readers already.
@@ -71,6 +72,8 @@ impl Reader {
     }
 
     /// What is known now, without waiting: of the newest message, whether it came just now or earlier.
+    ///
+    /// It makes no system call, but in the one look that takes up the channel of a chain that has just started.
     ///
     /// # Errors
     /// The transport failed. What it says should be done is to be done.

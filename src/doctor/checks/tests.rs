@@ -1,3 +1,7 @@
+use std::collections::BTreeMap;
+
+use lariat_wire::{ChannelState, Leftover, Member};
+
 use super::*;
 
 const USER: &str = "Name:\tlariat\nCapEff:\t0000000000000000\n";
@@ -49,7 +53,7 @@ fn a_good_machine_has_nothing_to_type() {
         shared_memory(Some((8 << 30, 7 << 30))),
         shared_memory(Some((0, 0))),
         domain(None),
-        leftover(&[]),
+        leftover(&[], None),
         cores(2),
         realtime_priority(&limits("99", "unlimited"), USER),
         realtime_priority(&limits("0", "0"), ROOT),
@@ -101,15 +105,110 @@ fn what_a_kernel_does_not_say_is_no_fault() {
 #[test]
 fn what_the_dead_left_can_be_removed_as_it_is_typed() {
     let left = Leftover {
-        domain: "arm".to_owned(),
+        domain: Some("arm".to_owned()),
         prefix: "/dev/shm/lariat_arm_".to_owned(),
         files: 13,
         bytes: 4_700_000,
     };
-    let found = leftover(&[left]);
+    let left = std::slice::from_ref(&left);
     assert_eq!(
-        found.to_string(),
-        "could be better  leftovers           killed processes left 13 files of 4.7 MB in /dev/shm\n                                     \
-         → `rm /dev/shm/lariat_arm_*`\n"
+        leftover(left, None).to_string(),
+        "could be better  leftovers           killed processes left 13 files of 4.7 MB in /dev/shm, in the domain arm\n                                     \
+         → `lariat doctor --clean`\n"
     );
+    let removed = leftover(left, Some(&[]));
+    assert_eq!(removed.verdict, Verdict::Ok);
+    assert!(removed.found.starts_with("removed: 13 files"), "{removed}");
+    let kept = leftover(
+        left,
+        Some(&["/dev/shm/lariat_arm_1 (not permitted)".to_owned()]),
+    );
+    assert_eq!(kept.advice.as_deref(), Some("`sudo lariat doctor --clean`"));
+    assert!(kept.found.contains("lariat_arm_1"), "{kept}");
+}
+
+#[test]
+fn files_of_another_user_are_a_finding() {
+    let mut others = BTreeMap::new();
+    assert_eq!(rights("ann", 0, &others).verdict, Verdict::Ok);
+    assert_eq!(
+        rights("ann", 9, &others).found,
+        "all 9 files of the domain are ann's"
+    );
+    others.insert("root".to_owned(), 12);
+    let found = rights("ann", 9, &others);
+    assert_eq!(found.verdict, Verdict::CouldBeBetter);
+    assert!(
+        found
+            .found
+            .starts_with("12 files of the domain are root's, and this is ann"),
+        "{found}"
+    );
+    assert!(
+        found
+            .advice
+            .is_some_and(|advice| advice.contains("sudo -u root lariat"))
+    );
+}
+
+#[test]
+fn mixed_releases_on_a_rig_are_a_finding() {
+    let member = |rig: &str, stage: &str, version: &str| Member {
+        rig: rig.to_owned(),
+        stage: stage.to_owned(),
+        pid: 1,
+        version: version.to_owned(),
+        folder: "/".into(),
+        settings: String::new(),
+    };
+    let of = |members: &[Member]| versions(members, &[], "0.2.0");
+    assert_eq!(of(&[]).found, "0.2.0; no rig runs");
+    let same = [member("arm", "fit", "0.2.0"), member("leg", "fit", "0.2.0")];
+    assert_eq!(of(&same).found, "0.2.0 on every rig that runs: arm, leg");
+    let mixed = [
+        member("arm", "extract", "0.1.0"),
+        member("arm", "fit", "0.2.0"),
+    ];
+    let found = of(&mixed);
+    assert_eq!(
+        (found.verdict, found.found.as_str()),
+        (Verdict::CouldBeBetter, "rig arm: extract 0.1.0, fit 0.2.0")
+    );
+    assert!(
+        found
+            .advice
+            .is_some_and(|advice| advice.contains("lariat --version"))
+    );
+    let another = of(&[member("leg", "fit", "0.1.0")]);
+    assert_eq!(
+        another.found,
+        "rig leg: fit 0.1.0, and this lariat is 0.2.0"
+    );
+    // The number may be the same and the messages not, between two releases.
+    let channel = ChannelState {
+        rig: "arm".parse().expect("a name"),
+        channel: "descriptors",
+        message: "lariat.Descriptors.v3".into(),
+        ours: "lariat.Descriptors.v4".into(),
+        lossless: false,
+        buffer: 8,
+        most_readers: 24,
+        ends: None,
+    };
+    let found = versions(&same, &[channel], "0.2.0");
+    assert_eq!(found.verdict, Verdict::CouldBeBetter);
+    assert!(
+        found.found.contains("carries lariat.Descriptors.v3"),
+        "{found}"
+    );
+}
+
+#[test]
+fn few_open_files_are_a_finding() {
+    let limits = |most: &str| {
+        format!("Max open files            {most}                 4096                 files\n")
+    };
+    assert_eq!(open_files(&limits("1024")).verdict, Verdict::Ok);
+    assert_eq!(open_files(&limits("64")).verdict, Verdict::CouldBeBetter);
+    assert_eq!(open_files(&limits("unlimited")).found, "unlimited");
 }

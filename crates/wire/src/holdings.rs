@@ -1,0 +1,37 @@
+//! The files and folders of this process's domain: whose they are decides who can take part.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::WireError;
+use crate::domain::config_here;
+use crate::memory::SHM;
+
+/// The folders and files that belong to the domain that `LARIAT_DOMAIN` names, or to the machine's: its own folder with
+/// all that is in it, and its shared memory. The domain is not joined.
+///
+/// # Errors
+/// `LARIAT_DOMAIN` is no name.
+pub fn holdings() -> Result<Vec<PathBuf>, WireError> {
+    let config = config_here()?;
+    let root = PathBuf::from(config.global.root_path().to_string());
+    let mut found = Vec::new();
+    if root.exists() {
+        found.push(root.clone());
+        below(&root, &mut found);
+    }
+    let prefix = config.global.prefix.to_string();
+    let shared = fs::read_dir(SHM).into_iter().flatten().flatten();
+    let of_domain = shared.filter(|file| file.file_name().to_string_lossy().starts_with(&prefix));
+    found.extend(of_domain.map(|file| file.path()));
+    Ok(found)
+}
+
+fn below(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        found.push(entry.path());
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            below(&entry.path(), found);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+"""The layout of a message of descriptors: ARCHITECTURE.md, "The contract", as types of NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_TRACE = np.dtype(
+    [
+        ("sequence", "u8"),
+        ("captured", "u8"),
+        ("extracted", "u8"),
+        ("fitted", "u8"),
+        ("exposed_ns", "u8"),
+        ("captured_ns", "u8"),
+        ("extract_started_ns", "u8"),
+        ("extracted_ns", "u8"),
+        ("fit_started_ns", "u8"),
+        ("fitted_ns", "u8"),
+    ]
+)
+
+_DESCRIPTOR = np.dtype(
+    [
+        ("track", "u4"),
+        ("status", "u4"),
+        ("basis", "u4"),
+        ("order", "u4"),
+        ("count", "u4"),
+        ("samples", "u4"),
+        ("closed", "u4"),
+        ("border", "u4"),
+        ("rms", "f8"),
+        ("max", "f8"),
+        ("residual_variance", "f8"),
+        ("condition", "f8"),
+        ("length", "f8"),
+        ("width", "f8"),
+        ("age_ns", "u8"),
+        ("hidden", "u4"),
+        ("filtered", "u4"),
+        ("control_points", "f8", (32, 2)),
+        ("weights", "f8", (32,)),
+        ("covariances", "f8", (32, 3)),
+        ("velocities", "f8", (32, 2)),
+        ("knots", "f8", (32,)),
+    ]
+)
+
+MESSAGE = np.dtype(
+    [
+        ("trace", _TRACE),
+        ("width", "u4"),
+        ("height", "u4"),
+        ("count", "u4"),
+        ("unit", "u4"),
+        ("curves", _DESCRIPTOR, (8,)),
+    ]
+)
+"""The type of ``Frame.message``: ``lariat.Descriptors.v4``."""
+
+
+def record(message: NDArray[np.uint8]) -> Any:
+    """A message's bytes as what they are; ``None`` of no bytes."""
+    return message.view(MESSAGE)[0] if len(message) else None

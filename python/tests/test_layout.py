@@ -1,0 +1,46 @@
+"""One layout in every language: a message in which each number says where it lies (examples/message_of_offsets.rs)."""
+
+from __future__ import annotations
+
+import subprocess
+
+import numpy as np
+from conftest import program
+
+import lariat
+
+
+def check(record: np.dtype[np.void], numbers: np.void, at: int) -> int:
+    """How many numbers of a record that begins at this offset say where they lie; the others are an error."""
+    checked = 0
+    assert record.fields is not None
+    for name, (field, offset, *_) in record.fields.items():
+        values = np.asarray(numbers[name]).ravel()
+        element, size = field.base, field.base.itemsize
+        for i, value in enumerate(values):
+            place = at + offset + i * size
+            if element.fields is not None:
+                checked += check(element, value, place)
+            else:
+                assert value == place + (0.5 if element.kind == "f" else 0), f"{name}[{i}] at {place}"
+                checked += 1
+    return checked
+
+
+def test_every_field_is_read_where_the_writer_put_it(domain: str) -> None:
+    writer = subprocess.Popen(
+        [program("examples/message_of_offsets")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    with lariat.Reader() as reader:
+        frame = reader.wait(30.0)
+    writer.communicate(timeout=30)
+    assert lariat.MESSAGE.itemsize == 19_296
+    assert frame.message.base is not None and not frame.message.flags.writeable
+    # 10 + 4 numbers of the message, and of each of 8 ropes 17 and 10 for each of 32 control points.
+    assert check(lariat.MESSAGE, frame.message, 0) == 14 + 8 * (17 + 32 * 10)
+    # The same numbers by name.
+    assert frame.trace is not None and frame.trace.fitted_ns == 72 and frame.size == (80, 84)
+    # They are a message, and no rope.
+    assert {str(seen) for seen in frame.ropes(float("inf"))} == {
+        "the message makes no sense: use the same release of lariat for every process"
+    }

@@ -1,0 +1,123 @@
+//! Findings about the chains of this machine: what dead ones left, whose files they are, and what releases run.
+
+use std::collections::BTreeMap;
+
+use lariat_wire::{ChannelState, Leftover, Member};
+
+use super::{Finding, better, ok};
+
+/// What dead processes left, and what became of it: `kept` are the files that were to be removed and could not be, each
+/// with its cause; `None`, if nothing was to be removed.
+pub(in crate::doctor) fn leftover(left: &[Leftover], kept: Option<&[String]>) -> Finding {
+    const NAME: &str = "leftovers";
+    let files: usize = left.iter().map(|of| of.files).sum();
+    let bytes: u64 = left.iter().map(|of| of.bytes).sum();
+    let what = format!("{files} files of {:.1} MB in /dev/shm", bytes as f64 / 1e6);
+    match kept {
+        Some([]) if left.is_empty() => ok(NAME, "nothing was left to clean up"),
+        Some([]) => ok(
+            NAME,
+            format!("removed: {what}, which killed processes had left"),
+        ),
+        Some(kept @ [first, ..]) => better(
+            NAME,
+            format!("{} files could not be removed: {first}", kept.len()),
+            "`sudo lariat doctor --clean`",
+        ),
+        None if left.is_empty() => ok(NAME, "no dead process has left shared memory"),
+        None => better(
+            NAME,
+            format!("killed processes left {what}{}", in_domains(left)),
+            "`lariat doctor --clean`",
+        ),
+    }
+}
+
+fn in_domains(left: &[Leftover]) -> String {
+    let names = left
+        .iter()
+        .map(|of| of.domain.as_deref().unwrap_or("the machine's"));
+    let mut names: Vec<&str> = names.collect();
+    names.sort_unstable();
+    match names.as_slice() {
+        ["the machine's"] => String::new(),
+        [one] => format!(", in the domain {one}"),
+        [first, rest @ ..] => format!(", in the domain {first} and {} more", rest.len()),
+        [] => String::new(),
+    }
+}
+
+/// Whose files the domain's are. `others`: the owners' names, other than this user, and how many files each has.
+pub(in crate::doctor) fn rights(
+    user: &str,
+    own: usize,
+    others: &BTreeMap<String, usize>,
+) -> Finding {
+    const NAME: &str = "rights";
+    let Some((other, files)) = others.iter().max_by_key(|(_, files)| **files) else {
+        return match own {
+            0 => ok(NAME, "nothing of lariat's is here yet"),
+            own => ok(NAME, format!("all {own} files of the domain are {user}'s")),
+        };
+    };
+    better(
+        NAME,
+        format!(
+            "{files} files of the domain are {other}'s, and this is {user}: one of the two cannot take part"
+        ),
+        format!(
+            "run every process of a rig as one user (`sudo -u {other} lariat …`), take a domain of your own (`export \
+             LARIAT_DOMAIN=mine`), or, if nothing of {other}'s runs any more, `sudo lariat doctor --clean`"
+        ),
+    )
+}
+
+/// What releases run on each rig. `own`: of this program.
+pub(in crate::doctor) fn versions(
+    members: &[Member],
+    channels: &[ChannelState],
+    own: &str,
+) -> Finding {
+    const NAME: &str = "versions";
+    const SAME: &str = "stop what runs on the rig and start all of it with the same lariat: `lariat --version` tells which \
+                        one this is";
+    let stranger = channels.iter().find(|state| state.message != state.ours);
+    if let Some(ChannelState {
+        rig,
+        channel,
+        message,
+        ours,
+        ..
+    }) = stranger
+    {
+        let found = format!("rig {rig}: {channel} carries {message}, and this lariat reads {ours}");
+        return better(NAME, found, SAME);
+    }
+    let mut rigs = BTreeMap::<&str, Vec<&Member>>::new();
+    for member in members {
+        rigs.entry(&member.rig).or_default().push(member);
+    }
+    let is_mixed =
+        |of_rig: &Vec<&Member>| of_rig.iter().any(|one| one.version != of_rig[0].version);
+    let is_another = |of_rig: &Vec<&Member>| of_rig.iter().any(|one| one.version != own);
+    let told = |(rig, of_rig): (&&str, &Vec<&Member>)| {
+        let of_stage = |one: &&Member| format!("{} {}", one.stage, one.version);
+        let stages: Vec<String> = of_rig.iter().map(of_stage).collect();
+        format!("rig {rig}: {}", stages.join(", "))
+    };
+    if let Some(mixed) = rigs.iter().find(|(_, of_rig)| is_mixed(of_rig)) {
+        return better(NAME, told(mixed), SAME);
+    }
+    if let Some(another) = rigs.iter().find(|(_, of_rig)| is_another(of_rig)) {
+        let found = format!("{}, and this lariat is {own}", told(another));
+        return better(NAME, found, SAME);
+    }
+    let names: Vec<&str> = rigs.keys().copied().collect();
+    match names.as_slice() {
+        [] => ok(NAME, format!("{own}; no rig runs")),
+        names => ok(
+            NAME,
+            format!("{own} on every rig that runs: {}", names.join(", ")),
+        ),
+    }
+}

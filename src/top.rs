@@ -1,0 +1,98 @@
+//! `lariat top`: a chain that runs, live on a terminal.
+//!
+//! What is seen is gathered in [`gather`], what is shown is a plain [`view::View`], and drawing it ([`draw`]) knows no
+//! terminal: that is all in [`screen`]. Ten times a second the descriptors that wait are taken, as a reader that is not
+//! woken, so that the chain pays nothing for being looked at: stamps and counters tell rates, losses and latencies as well
+//! from a part of the messages as from all.
+
+mod draw;
+mod gather;
+mod processes;
+mod recent;
+mod screen;
+mod view;
+
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use clap::Args;
+use lariat_wire::{Domain, Rig, now_ns};
+
+use crate::stop::Stop;
+use gather::Gatherer;
+use screen::{Key, Screen};
+
+/// Show a running chain live on the terminal: stages, latency, losses, the ropes
+#[derive(Debug, Args)]
+pub(crate) struct TopArgs {
+    /// Camera chain to begin with (default: `default`, or the first there is); r or Tab goes to the next
+    #[arg(long, value_name = "NAME")]
+    rig: Option<String>,
+}
+
+/// From one picture to the next.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Runs `lariat top` until q, Ctrl-C or SIGTERM.
+///
+/// # Errors
+/// There is no terminal, or it cannot be used.
+pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
+    let rig: Option<Rig> = args.rig.as_deref().map(str::parse).transpose()?;
+    if !std::io::stdout().is_terminal() {
+        bail!(
+            "lariat top draws on a terminal, and standard output is none: for scripts and logs there are `lariat topic hz`, \
+             `delay` and `echo` with --json"
+        );
+    }
+    let stop = Stop::on_signals()?;
+    let domain = Domain::open()?;
+    let mut gatherer = Gatherer::new(&domain, rig);
+    let mut screen = Screen::enter()?;
+    let mut is_paused = false;
+    let mut view = gatherer.view(now_ns());
+    let mut due = Instant::now();
+    while !stop.asked() {
+        gatherer.look(now_ns());
+        if !is_paused {
+            view = gatherer.view(now_ns());
+        }
+        view.is_paused = is_paused;
+        screen.draw(|frame| draw::draw(frame, &view))?;
+        due = (due + TICK).max(Instant::now());
+        while let Some(key) = wait(&mut screen, &mut gatherer, due, &stop)? {
+            match key {
+                Key::Quit => return Ok(ExitCode::SUCCESS),
+                Key::Pause => is_paused = !is_paused,
+                Key::NextRig => {
+                    gatherer.next_rig();
+                    is_paused = false;
+                }
+                Key::Longer => gatherer.longer(),
+                Key::Shorter => gatherer.shorter(),
+                Key::Redraw => {}
+            }
+            // What a key does is seen at once.
+            due = Instant::now();
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The next key until the moment; `None` when it has come. A lossless chain is read meanwhile.
+fn wait(
+    screen: &mut Screen,
+    gatherer: &mut Gatherer,
+    until: Instant,
+    stop: &Stop,
+) -> Result<Option<Key>> {
+    if gatherer.must_keep_up() {
+        while Instant::now() < until && !stop.asked() {
+            gatherer.keep_up(until, stop);
+        }
+        return screen.key(Instant::now());
+    }
+    screen.key(until)
+}

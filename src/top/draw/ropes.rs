@@ -1,0 +1,160 @@
+//! The ropes themselves, in Braille: eight dots a character, so that a terminal of 80 columns is an image of 100 pixels.
+
+use lariat_sink::Figure;
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::style::{Color, Style};
+use ratatui::symbols::Marker;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::canvas::{self, Canvas, Context, Rectangle};
+use ratatui::widgets::{Block, Paragraph};
+
+use super::{BAD, BOLD, DIM, DOUBTFUL, GOOD};
+use crate::top::view::{Rope, Seen, Shape};
+
+/// Colors by the rope's number, so that a rope keeps its own.
+const COLORS: [Color; 6] = [
+    Color::Cyan,
+    Color::Yellow,
+    Color::Magenta,
+    Color::Green,
+    Color::Blue,
+    Color::LightRed,
+];
+/// Columns of the list beside the picture.
+const LIST: u16 = 26;
+/// Dots of a character, across and down.
+const DOTS: [f64; 2] = [2.0, 4.0];
+
+pub(super) fn draw(frame: &mut Frame, area: Rect, shape: &Shape) {
+    let title = format!(" frame {} ", shape.frame);
+    let block = Block::bordered().border_style(DIM).title(title);
+    let inside = block.inner(area);
+    frame.render_widget(block, area);
+    let columns = Layout::horizontal([Constraint::Fill(1), Constraint::Length(LIST)]).spacing(1);
+    let [picture, list] = columns.areas(inside);
+    if picture.is_empty() {
+        return;
+    }
+    let view = Window::of(shape, picture);
+    let canvas = Canvas::default()
+        .marker(Marker::Braille)
+        .x_bounds(view.x)
+        .y_bounds(view.y)
+        .paint(|context| paint(context, shape));
+    frame.render_widget(canvas, picture);
+    frame.render_widget(Paragraph::new(lines(shape, list.height)), list);
+}
+
+/// What part of the plane is seen. Rows count downwards in an image, and upwards on a canvas: y is negated.
+struct Window {
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+impl Window {
+    /// All of the image, or of where ropes were on the plane, with a dot as wide as it is high.
+    fn of(shape: &Shape, area: Rect) -> Self {
+        let [x0, y0, x1, y1] = match (shape.is_of_image, shape.width, shape.height) {
+            (true, width @ 1.., height @ 1..) => {
+                [-0.5, -0.5, f64::from(width) - 0.5, f64::from(height) - 0.5]
+            }
+            _ => shape.reach,
+        };
+        let dots = [
+            f64::from(area.width) * DOTS[0],
+            f64::from(area.height) * DOTS[1],
+        ];
+        let per_dot = ((x1 - x0) / dots[0]).max((y1 - y0) / dots[1]).max(1e-9);
+        let around =
+            |middle: f64, dots: f64| [middle - dots * per_dot / 2.0, middle + dots * per_dot / 2.0];
+        Self {
+            x: around((x0 + x1) / 2.0, dots[0]),
+            y: around(-(y0 + y1) / 2.0, dots[1]),
+        }
+    }
+}
+
+fn paint(context: &mut Context, shape: &Shape) {
+    if shape.is_of_image && shape.width > 0 && shape.height > 0 {
+        let (width, height) = (f64::from(shape.width), f64::from(shape.height));
+        context.draw(&Rectangle {
+            x: -0.5,
+            y: 0.5 - height,
+            width,
+            height,
+            color: Color::DarkGray,
+        });
+    }
+    context.layer();
+    for rope in &shape.ropes {
+        let color = color(rope);
+        for pair in rope.points.windows(2) {
+            let ([x1, y1], [x2, y2]) = (pair[0], pair[1]);
+            context.draw(&canvas::Line {
+                x1,
+                y1: -y1,
+                x2,
+                y2: -y2,
+                color,
+            });
+        }
+    }
+    // Above all the lines.
+    context.layer();
+    for rope in &shape.ropes {
+        for [x, y] in &rope.control_points {
+            context.print(*x, -y, Span::styled("○", Style::new().fg(color(rope))));
+        }
+        // The end that ρ counts from.
+        if let Some([x, y]) = rope.points.first() {
+            context.print(*x, -y, Span::styled("●", Style::new().fg(color(rope))));
+        }
+    }
+}
+
+fn color(rope: &Rope) -> Color {
+    match rope.status {
+        Seen::Lost => Color::DarkGray,
+        _ => COLORS[rope.track as usize % COLORS.len()],
+    }
+}
+
+/// What is known of each rope: three lines each, or one if there are many.
+fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
+    if shape.ropes.is_empty() {
+        return vec![Line::styled("no rope", DIM)];
+    }
+    let is_short = shape.ropes.len() * 3 > usize::from(height);
+    let of_rope = |rope: &Rope| {
+        let mut lines = vec![heading(rope)];
+        if !is_short {
+            let closed = if rope.is_closed { ", closed" } else { "" };
+            let unit = shape.unit;
+            lines.push(Line::raw(format!(
+                "  {:.1} {unit} long{closed}",
+                rope.length
+            )));
+            let rms = Figure(Some(rope.rms));
+            lines.push(Line::styled(
+                format!("  {} {}, rms {rms} {unit}", rope.basis, rope.order),
+                DIM,
+            ));
+        }
+        lines
+    };
+    shape.ropes.iter().flat_map(of_rope).collect()
+}
+
+fn heading(rope: &Rope) -> Line<'static> {
+    let (word, style) = match rope.status {
+        Seen::Ok => ("ok".to_owned(), GOOD),
+        Seen::Partial => ("partial".to_owned(), DOUBTFUL),
+        Seen::Lost => (format!("lost for {:.1} s", rope.age_s), BAD),
+        Seen::Unknown => ("?".to_owned(), BAD),
+    };
+    Line::from(vec![
+        Span::styled(format!("rope {}  ", rope.track), BOLD.fg(color(rope))),
+        Span::styled(word, style),
+    ])
+}

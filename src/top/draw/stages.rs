@@ -1,0 +1,72 @@
+//! The processes of the rig, and what was lost between them.
+
+use lariat_sink::Figure;
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Paragraph;
+
+use super::{BAD, BOLD, DIM, DOUBTFUL};
+use crate::top::view::{StageRow, View};
+
+pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
+    let heading = format!(
+        "{:<8}{:>7}{:>7}{:>6}{:>6}",
+        "stage", "pid", "CPU %", "MB", "/s"
+    );
+    let mut lines = vec![Line::styled(heading, DIM)];
+    // The last two lines are for what was lost.
+    let most = usize::from(area.height).saturating_sub(4);
+    lines.extend(view.stages.iter().take(most).map(stage));
+    if view.stages.is_empty() {
+        lines.push(Line::styled(
+            "its stages have not announced themselves",
+            DIM,
+        ));
+    }
+    let room = usize::from(area.height).saturating_sub(lines.len() + 2);
+    lines.extend(std::iter::repeat_n(Line::default(), room));
+    lines.extend(lost(view));
+    frame.render_widget(Paragraph::new(lines), area);
+}
+
+fn stage(row: &StageRow) -> Line<'static> {
+    // One core is all that a stage can use.
+    let cpu = match row.cpu_percent {
+        Some(busy) if busy >= 90.0 => BAD,
+        Some(busy) if busy >= 60.0 => DOUBTFUL,
+        _ => Style::new(),
+    };
+    let tenth = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
+    Line::from(vec![
+        Span::styled(format!("{:<8.8}", row.stage), BOLD),
+        Span::raw(format!("{:>7}", row.pid)),
+        Span::styled(format!("{:>7}", tenth(row.cpu_percent)), cpu),
+        Span::raw(format!("{:>6}", tenth(row.own_mb))),
+        Span::raw(format!("{:>6}", Figure(row.frames_per_s))),
+    ])
+}
+
+/// Frames that were lost on their way, under where they were.
+fn lost(view: &View) -> [Line<'static>; 2] {
+    let count = |count: u64| {
+        let style = if count > 0 { BAD } else { Style::new() };
+        Span::styled(format!("{count:>10}"), style)
+    };
+    [
+        Line::styled(
+            format!(
+                "{:<4}{:>10}{:>10}{:>10}",
+                "lost", "at source", "→ extract", "→ fit"
+            ),
+            DIM,
+        ),
+        Line::from(vec![
+            Span::raw("    "),
+            count(view.lost.source),
+            count(view.lost.capture),
+            count(view.lost.extract),
+        ]),
+    ]
+}

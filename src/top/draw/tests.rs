@@ -1,0 +1,158 @@
+//! What stands on the screen, drawn into memory.
+
+use lariat_sink::Step;
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+
+use super::*;
+use crate::top::view::{Losses, Rope, Seen, Shape, StageRow, StepRow};
+
+fn screen(view: &View, width: u16, height: u16) -> String {
+    let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("memory");
+    terminal
+        .draw(|frame| super::draw(frame, view))
+        .expect("memory takes it");
+    let buffer = terminal.backend().buffer();
+    let row = |y: u16| -> String {
+        let cells = (0..width).map(|x| buffer[(x, y)].symbol());
+        cells.collect::<String>().trim_end().to_owned()
+    };
+    (0..height).map(|y| row(y) + "\n").collect()
+}
+
+/// A rope in the shape of a parabola, with the control points of that curve.
+fn rope(track: u32, status: Seen) -> Rope {
+    let y = |x: f64| 400.0 - (x - 320.0) * (x - 320.0) / 250.0;
+    let points = (0..100).map(|i| 60.0 + 5.2 * f64::from(i));
+    Rope {
+        track,
+        status,
+        basis: "bezier",
+        order: 2,
+        length: 761.23,
+        rms: 0.456,
+        age_s: 0.75,
+        control_points: vec![[60.0, y(60.0)], [317.4, 663.8], [574.8, y(574.8)]],
+        points: points.map(|x| [x, y(x)]).collect(),
+        ..Rope::default()
+    }
+}
+
+fn view() -> View {
+    let stage = |stage: &str, pid, cpu_percent, own_mb| StageRow {
+        stage: stage.to_owned(),
+        pid,
+        cpu_percent: Some(cpu_percent),
+        own_mb: Some(own_mb),
+        frames_per_s: (stage != "sink").then_some(59.94),
+    };
+    let step = |(step, p50): (Step, f64)| StepRow {
+        step,
+        p50,
+        p90: 1.5 * p50,
+        p99: 4.0 * p50,
+        max: 10.0 * p50,
+    };
+    View {
+        rig: Some("left-arm".into()),
+        place: (1, 2),
+        shared_mb: Some(26.23),
+        stages: vec![
+            stage("capture", 4101, 12.34, 7.1),
+            stage("extract", 4102, 95.0, 14.6),
+            stage("fit", 4103, 0.4, 6.2),
+            stage("sink", 4104, 0.3, 6.9),
+        ],
+        window_s: 3,
+        steps: [
+            (Step::Fitted, 190.0),
+            (Step::Capture, 60.0),
+            (Step::WaitExtract, 25.0),
+            (Step::Extract, 60.0),
+            (Step::WaitFit, 30.0),
+            (Step::Fit, 15.0),
+        ]
+        .map(step)
+        .to_vec(),
+        lost: Losses {
+            source: 0,
+            capture: 12,
+            extract: 0,
+        },
+        shape: Some(Shape {
+            frame: 1234,
+            width: 640,
+            height: 480,
+            unit: "px",
+            is_of_image: true,
+            age_s: 0.012,
+            ropes: vec![rope(0, Seen::Ok)],
+            reach: [0.0; 4],
+        }),
+        ..View::default()
+    }
+}
+
+#[test]
+fn everything_has_its_place_in_80_columns_and_24_rows() {
+    insta::assert_snapshot!(screen(&view(), 80, 24));
+}
+
+#[test]
+fn more_room_is_the_picture_s() {
+    let mut view = view();
+    let shape = view.shape.as_mut().expect("there");
+    shape.ropes.push(Rope {
+        points: vec![[100.0, 60.0], [500.0, 60.0]],
+        control_points: vec![[100.0, 60.0], [500.0, 60.0]],
+        ..rope(7, Seen::Lost)
+    });
+    view.is_paused = true;
+    view.is_lossless = true;
+    insta::assert_snapshot!(screen(&view, 120, 40));
+}
+
+#[test]
+fn without_a_chain_it_says_what_it_waits_for() {
+    let view = View {
+        obstacle: Some(
+            "No chain is running here: start one with `lariat run`; this screen waits for it."
+                .into(),
+        ),
+        window_s: 3,
+        ..View::default()
+    };
+    insta::assert_snapshot!(screen(&view, 60, 12));
+}
+
+#[test]
+fn a_camera_that_is_gone_and_a_chain_that_is_silent_are_told() {
+    let mut view = view();
+    let shape = view.shape.as_mut().expect("there");
+    (shape.width, shape.height, shape.age_s) = (0, 0, 7.2);
+    shape.ropes[0].status = Seen::Lost;
+    shape.reach = [60.0, 100.0, 600.0, 700.0];
+    view.steps.clear();
+    let screen = screen(&view, 80, 24);
+    for said in [
+        "no image",
+        "silent for 7 s",
+        "lost for 0.8 s",
+        "no frame with an image",
+    ] {
+        assert!(screen.contains(said), "{screen}");
+    }
+}
+
+#[test]
+fn no_size_is_too_small_and_no_number_too_wild() {
+    let mut view = view();
+    let shape = view.shape.as_mut().expect("there");
+    shape.ropes[0].control_points = vec![[f64::NAN, 1.0], [f64::INFINITY, -1e300]];
+    shape.is_of_image = false;
+    shape.reach = [f64::MIN, 0.0, f64::MAX, 0.0];
+    view.stages.extend(vec![StageRow::default(); 20]);
+    for (width, height) in [(0, 0), (1, 1), (10, 3), (40, 10), (80, 9), (300, 100)] {
+        screen(&view, width, height);
+    }
+}

@@ -1,0 +1,377 @@
+//! Brings together what the screen shows: from the descriptors that come by, the channel they come on, and `/proc`.
+
+use std::os::fd::AsFd;
+use std::time::Instant;
+
+use lariat_sink::{Arrival, Ledger, points_along};
+use lariat_wire::{
+    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, Member, Receiver, Rig, Status, Trace,
+    Unit, WireError, members,
+};
+
+use super::processes::Processes;
+use super::recent::Recent;
+use super::view::{Losses, Rope, Seen, Shape, StageRow, View};
+use crate::descriptor_json::unit_name;
+use crate::stop::Stop;
+
+/// How often the processes are looked at, and which rigs there are.
+const ROSTER_NS: u64 = 1_000_000_000;
+/// How often it is looked whether the writer is there.
+const LINK_NS: u64 = 300_000_000;
+/// The rates are of so long.
+const RATE_NS: u64 = 1_000_000_000;
+/// Seconds whose latencies can be chosen.
+const WINDOWS_S: [u64; 5] = [1, 3, 10, 30, 60];
+/// Points that a rope is drawn with.
+const DRAWN: usize = 160;
+
+/// Looks at one rig at a time.
+pub(super) struct Gatherer<'d> {
+    domain: &'d Domain,
+    /// The one that was asked for, or that is shown: waited for when it has gone.
+    rig: Option<Rig>,
+    rigs: Vec<Rig>,
+    members: Vec<Member>,
+    roster_due_ns: u64,
+    /// Which of [`WINDOWS_S`].
+    window: usize,
+    look: Look,
+}
+
+/// What is known of the rig that is shown. Another one begins anew.
+#[derive(Default)]
+struct Look {
+    reader: Option<Receiver<Descriptors>>,
+    is_lossless: bool,
+    link_due_ns: u64,
+    obstacle: Option<String>,
+    shared_mb: Option<f64>,
+    processes: Processes,
+    stages: Vec<StageRow>,
+    ledger: Option<Ledger>,
+    recent: Recent,
+    /// The counters of a second ago, and the moment; then the newest.
+    rate_from: Option<Trace>,
+    rate: Option<[f64; 3]>,
+    newest: Option<Box<Descriptors>>,
+    reach: Option<[f64; 4]>,
+}
+
+impl<'d> Gatherer<'d> {
+    /// `rig`: the one to begin with.
+    pub(super) fn new(domain: &'d Domain, rig: Option<Rig>) -> Self {
+        Self {
+            domain,
+            rig,
+            rigs: Vec::new(),
+            members: Vec::new(),
+            roster_due_ns: 0,
+            window: 1,
+            look: Look::default(),
+        }
+    }
+
+    /// Goes to the next rig.
+    pub(super) fn next_rig(&mut self) {
+        let here = self
+            .rigs
+            .iter()
+            .position(|rig| Some(rig) == self.rig.as_ref());
+        let next = here.map_or(0, |here| (here + 1) % self.rigs.len());
+        if let Some(rig) = self.rigs.get(next)
+            && Some(rig) != self.rig.as_ref()
+        {
+            self.rig = Some(rig.clone());
+            self.look = Look::default();
+            // Its processes are to be there with the first picture.
+            self.roster_due_ns = 0;
+        }
+    }
+
+    /// Latencies of more of the last seconds.
+    pub(super) fn longer(&mut self) {
+        self.window = (self.window + 1).min(WINDOWS_S.len() - 1);
+    }
+
+    /// Of fewer.
+    pub(super) fn shorter(&mut self) {
+        self.window = self.window.saturating_sub(1);
+    }
+
+    /// Whether the rig waits for its readers, so that messages must be taken as they come.
+    pub(super) fn must_keep_up(&self) -> bool {
+        self.look.is_lossless && self.look.reader.is_some()
+    }
+
+    /// Takes what comes until the moment.
+    pub(super) fn keep_up(&mut self, until: Instant, stop: &Stop) {
+        if let Some(reader) = &self.look.reader
+            && let Err(error) = reader.sleep(Some(until), Some(stop.as_fd()))
+        {
+            self.look.obstacle = Some(error.to_string());
+            self.look.reader = None;
+        }
+        self.look.drain();
+    }
+
+    /// Looks at everything that is due.
+    pub(super) fn look(&mut self, now_ns: u64) {
+        if now_ns >= self.roster_due_ns {
+            self.roster_due_ns = now_ns + ROSTER_NS;
+            self.look_at_roster(now_ns);
+        }
+        let Some(rig) = &self.rig else {
+            return;
+        };
+        if now_ns >= self.look.link_due_ns {
+            self.look.link_due_ns = now_ns + LINK_NS;
+            self.look.link(self.domain, rig);
+        }
+        self.look.drain();
+        let longest_ns = WINDOWS_S[WINDOWS_S.len() - 1] * 1_000_000_000;
+        let recent = &mut self.look.recent;
+        recent.forget_before(now_ns.saturating_sub(longest_ns));
+    }
+
+    fn look_at_roster(&mut self, now_ns: u64) {
+        self.members = members().unwrap_or_default();
+        let names = self.members.iter().map(|one| one.rig.as_str());
+        self.rigs = names.filter_map(|name| name.parse().ok()).collect();
+        self.rigs.dedup();
+        if self.rig.is_none() {
+            let usual = Rig::default();
+            let is_there = self.rigs.contains(&usual);
+            self.rig = if is_there {
+                Some(usual)
+            } else {
+                self.rigs.first().cloned()
+            };
+        }
+        let Some(rig) = &self.rig else {
+            return;
+        };
+        let look = &mut self.look;
+        look.stages = look.processes.look(&self.members, rig.as_str(), now_ns);
+        let channels = self.domain.channels().unwrap_or_default();
+        let of_rig = channels.iter().filter(|state| state.rig == *rig);
+        let writers = of_rig.filter_map(|state| state.ends.as_ref()?.writer.as_ref());
+        let bytes: u64 = writers.map(|writer| writer.shared_bytes).sum();
+        look.shared_mb = (bytes > 0).then_some(bytes as f64 / 1e6);
+    }
+
+    /// What is to be seen at this moment.
+    pub(super) fn view(&self, now_ns: u64) -> View {
+        let look = &self.look;
+        let here = self
+            .rigs
+            .iter()
+            .position(|rig| Some(rig) == self.rig.as_ref());
+        let window_s = WINDOWS_S[self.window];
+        let mut stages = look.stages.clone();
+        if let Some(rates) = look.rate {
+            for (name, rate) in ["capture", "extract", "fit"].into_iter().zip(rates) {
+                let of_stage = stages.iter_mut().filter(|row| row.stage == name);
+                of_stage.for_each(|row| row.frames_per_s = Some(rate));
+            }
+        }
+        let lost = look.ledger.as_ref().map(Ledger::lost).unwrap_or_default();
+        View {
+            rig: self.rig.as_ref().map(Rig::to_string),
+            place: (here.map_or(0, |here| here + 1), self.rigs.len()),
+            is_paused: false,
+            obstacle: self.obstacle(),
+            is_lossless: look.is_lossless,
+            shared_mb: look.shared_mb,
+            stages,
+            window_s,
+            steps: look
+                .recent
+                .since(now_ns.saturating_sub(window_s * 1_000_000_000)),
+            lost: Losses {
+                source: lost.source,
+                capture: lost.capture,
+                extract: lost.extract,
+            },
+            shape: look.shape(now_ns),
+        }
+    }
+
+    /// Why there is nothing to be seen, if so.
+    fn obstacle(&self) -> Option<String> {
+        if let Some(obstacle) = &self.look.obstacle {
+            return Some(obstacle.clone());
+        }
+        let has_reader = self.look.reader.is_some();
+        match &self.rig {
+            _ if has_reader && self.look.newest.is_some() => None,
+            _ if has_reader => Some("The chain is up; no frame has come yet.".into()),
+            Some(rig) if self.rigs.contains(rig) => Some(format!(
+                "Rig {rig} is starting or ending: nothing writes descriptors."
+            )),
+            Some(rig) => Some(format!(
+                "Nothing runs on rig {rig}: start it with `lariat run{}`; this screen waits for it.",
+                match rig.as_str() {
+                    "default" => String::new(),
+                    name => format!(" --rig {name}"),
+                }
+            )),
+            None => Some(
+                "No chain is running here: start one with `lariat run`; this screen waits for it."
+                    .into(),
+            ),
+        }
+    }
+}
+
+impl Look {
+    /// Becomes a reader when there is a writer, and goes with it: a reader that stayed would be in the way of a chain that
+    /// is started anew with another delivery.
+    fn link(&mut self, domain: &Domain, rig: &Rig) {
+        let state = domain.channel(rig, DESCRIPTORS.name());
+        let is_written = state.as_ref().is_some_and(|state| {
+            // Of another version: opening it says so.
+            state.ends.as_ref().is_none_or(|ends| ends.writer.is_some())
+        });
+        if !is_written {
+            let stages = std::mem::take(&mut self.stages);
+            let processes = std::mem::take(&mut self.processes);
+            *self = Self {
+                stages,
+                processes,
+                link_due_ns: self.link_due_ns,
+                ..Self::default()
+            };
+            return;
+        }
+        if self.reader.is_some() {
+            return;
+        }
+        self.is_lossless = state.is_some_and(|state| state.lossless);
+        match open(domain, rig, self.is_lossless) {
+            Ok(reader) => {
+                self.reader = Some(reader);
+                self.obstacle = None;
+            }
+            Err(error) => self.obstacle = Some(error.to_string()),
+        }
+    }
+
+    fn drain(&mut self) {
+        while let Some(reader) = &self.reader {
+            match reader.next() {
+                Ok(Some(message)) => self.take(&message),
+                Ok(None) => return,
+                Err(error) => {
+                    self.obstacle = Some(error.to_string());
+                    self.reader = None;
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, message: &Descriptors) {
+        let trace = &message.trace;
+        let ledger = self.ledger.get_or_insert_with(|| Ledger::new(false));
+        if ledger.received(trace) == Arrival::Stale {
+            return;
+        }
+        // Without an image there is nothing that was exposed.
+        if message.width > 0 {
+            self.recent.add(trace);
+        }
+        self.rates(trace);
+        match &mut self.newest {
+            Some(newest) => **newest = *message,
+            None => self.newest = Some(Box::new(*message)),
+        }
+        self.reach = message
+            .curves()
+            .iter()
+            .flat_map(|rope| rope.control_points())
+            .filter(|point| point.iter().all(|x| x.is_finite()))
+            .fold(self.reach, |reach, &[x, y]| {
+                let [x0, y0, x1, y1] = reach.unwrap_or([x, y, x, y]);
+                Some([x0.min(x), y0.min(y), x1.max(x), y1.max(y)])
+            });
+    }
+
+    /// Frames a second of capture, extract and fit: by their own counters, over the time between two of fit's stamps.
+    fn rates(&mut self, trace: &Trace) {
+        let Some(from) = &self.rate_from else {
+            self.rate_from = Some(*trace);
+            return;
+        };
+        let counts = |trace: &Trace| [trace.captured, trace.extracted, trace.fitted];
+        let (before, now) = (counts(from), counts(trace));
+        let is_anew = before.iter().zip(now).any(|(before, now)| now < *before);
+        let elapsed_ns = trace.fitted_ns.saturating_sub(from.fitted_ns);
+        if is_anew || elapsed_ns >= RATE_NS {
+            let per_s = |i: usize| (now[i] - before[i]) as f64 * 1e9 / elapsed_ns as f64;
+            self.rate = (!is_anew).then(|| std::array::from_fn(per_s));
+            self.rate_from = Some(*trace);
+        }
+    }
+
+    fn shape(&self, now_ns: u64) -> Option<Shape> {
+        let newest = self.newest.as_deref()?;
+        let unit = newest.unit();
+        let age_ns = now_ns.saturating_sub(newest.trace.exposed_ns);
+        Some(Shape {
+            frame: newest.trace.sequence,
+            width: newest.width,
+            height: newest.height,
+            unit: unit.map_or("?", unit_name),
+            is_of_image: unit == Some(Unit::Pixel),
+            age_s: age_ns as f64 / 1e9,
+            ropes: newest.curves().iter().map(rope).collect(),
+            reach: self.reach.unwrap_or_default(),
+        })
+    }
+}
+
+/// A reader that is woken only where the chain would wait for it.
+fn open(domain: &Domain, rig: &Rig, woken: bool) -> Result<Receiver<Descriptors>, WireError> {
+    if woken {
+        Receiver::create(domain, rig, &DESCRIPTORS, None)
+    } else {
+        Receiver::create_unwoken(domain, rig, &DESCRIPTORS, None)
+    }
+}
+
+fn rope(descriptor: &Descriptor) -> Rope {
+    let mut points = vec![[0.0; 2]; DRAWN];
+    let is_curve = points_along(descriptor, &mut points);
+    if !is_curve || points.iter().flatten().any(|x| !x.is_finite()) {
+        points.clear();
+    }
+    Rope {
+        track: descriptor.track,
+        status: match descriptor.status() {
+            Some(Status::Ok) => Seen::Ok,
+            Some(Status::Partial) => Seen::Partial,
+            Some(Status::Lost) => Seen::Lost,
+            None => Seen::Unknown,
+        },
+        is_closed: descriptor.closed != 0,
+        basis: match descriptor.basis() {
+            Some(Basis::Bezier) => "bezier",
+            Some(Basis::BSpline) => "bspline",
+            Some(Basis::RationalBezier) => "rational",
+            Some(Basis::Fourier) => "fourier",
+            Some(Basis::FeaturePoints) => "points",
+            Some(Basis::CenterOfMass) => "mass",
+            None => "?",
+        },
+        order: descriptor.order,
+        length: descriptor.length,
+        rms: descriptor.rms,
+        age_s: descriptor.age_ns as f64 / 1e9,
+        // A Fourier series has coefficients, not points.
+        control_points: match descriptor.basis() {
+            Some(Basis::Fourier) | None => Vec::new(),
+            Some(_) => descriptor.control_points().to_vec(),
+        },
+        points,
+    }
+}

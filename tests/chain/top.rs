@@ -1,0 +1,211 @@
+//! `lariat top` in a real terminal, which tmux plays. Without tmux these tests say so and do nothing; `.ci/run` installs
+//! it.
+
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use rustix::process::Signal;
+
+use crate::rig::{Bench, send};
+
+/// A terminal of 80 columns and 24 rows in which a shell has started `lariat top`.
+struct Screen {
+    socket: String,
+}
+
+/// What the shell does: something to see before and after, and whether the terminal is as it was.
+const SHELL: &str =
+    "echo before; \"$LARIAT\" top; echo left with $?; stty -a | tr ';' '\\n' | grep icanon; cat";
+
+fn is_tmux_here() -> bool {
+    let is_here = Command::new("tmux").arg("-V").output().is_ok();
+    if !is_here {
+        eprintln!("tmux is not on this machine: lariat top is not tested in a terminal");
+    }
+    is_here
+}
+
+impl Screen {
+    fn open(bench: &Bench) -> Self {
+        let screen = Self {
+            socket: format!("lariat-{}", bench.domain),
+        };
+        let mut tmux = screen.tmux(&[
+            "-f",
+            "/dev/null",
+            "new-session",
+            "-d",
+            "-x",
+            "80",
+            "-y",
+            "24",
+        ]);
+        let domain = format!("LARIAT_DOMAIN={}", bench.domain);
+        let lariat = format!("LARIAT={}", env!("CARGO_BIN_EXE_lariat"));
+        tmux.args(["env", &domain, &lariat, "sh", "-c", SHELL]);
+        run(tmux);
+        screen
+    }
+
+    fn tmux(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new("tmux");
+        // -u: it may draw whatever characters there are.
+        command.args(["-u", "-L", &self.socket]).args(arguments);
+        command.env("LC_ALL", "C.UTF-8").env_remove("TMUX");
+        command
+    }
+
+    fn text(&self) -> String {
+        let output = run(self.tmux(&["capture-pane", "-p"]));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// Waits until the screen is as it should be.
+    fn wait_for(&self, what: &str, is_so: impl Fn(&str) -> bool) -> String {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        loop {
+            let text = self.text();
+            if is_so(&text) {
+                return text;
+            }
+            assert!(Instant::now() < deadline, "{what} never came:\n{text}");
+            std::thread::yield_now();
+        }
+    }
+
+    fn wait_for_text(&self, text: &str) -> String {
+        self.wait_for(text, |screen| screen.contains(text))
+    }
+
+    fn keys(&self, keys: &str) {
+        run(self.tmux(&["send-keys", keys]));
+    }
+
+    /// The process of `lariat top`.
+    fn top(&self) -> i32 {
+        let shell = run(self.tmux(&["display-message", "-p", "#{pane_pid}"]));
+        let shell = String::from_utf8_lossy(&shell.stdout).trim().to_owned();
+        let children = std::fs::read_to_string(format!("/proc/{shell}/task/{shell}/children"));
+        let children = children.expect("the shell lives");
+        children.trim().parse().expect("one child: lariat top")
+    }
+
+    /// The shell has the terminal back: what stood there before does again, and lines are read as lines.
+    fn assert_it_was_given_back(&self) {
+        let text = self.wait_for_text("icanon");
+        assert!(
+            text.contains("before\n") && text.contains("left with 0"),
+            "{text}"
+        );
+        assert!(!text.contains("-icanon"), "{text}");
+        assert!(!text.contains("lariat top"), "{text}");
+        let cursor = run(self.tmux(&["display-message", "-p", "#{cursor_flag}"]));
+        assert_eq!(cursor.stdout, b"1\n", "the cursor is to be seen again");
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        let _ = self.tmux(&["kill-server"]).output();
+    }
+}
+
+fn run(mut command: Command) -> Output {
+    let output = command.output().expect("tmux runs");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+#[test]
+fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
+    if !is_tmux_here() {
+        return;
+    }
+    let bench = Bench::new();
+    let screen = Screen::open(&bench);
+    screen.wait_for_text("No chain is running here");
+
+    let chain = bench.start(&["--fps", "100", "--duration", "120"]);
+    let shown = screen.wait_for("a rope", |text| {
+        ["rope 0", "wait for extract", "sink", "●"]
+            .iter()
+            .all(|part| text.contains(part))
+    });
+    assert!(shown.contains("rig default"), "{shown}");
+    // All of it in 80 columns and 24 rows: the frame's right edge and the keys.
+    assert!(shown.contains('┐') && shown.contains("q quit"), "{shown}");
+    assert!(shown.contains(&format!("{:>7}", chain.ids[1])), "{shown}");
+
+    run(screen.tmux(&["resize-window", "-x", "100", "-y", "30"]));
+    let is_wide = |text: &str| {
+        text.lines()
+            .any(|line| line.chars().count() == 100 && line.ends_with('┐'))
+    };
+    screen.wait_for("a picture of 100 columns", is_wide);
+    screen.keys("+");
+    screen.wait_for_text("last 10 s");
+    screen.keys("p");
+    screen.wait_for_text("PAUSED");
+    screen.keys("p");
+    screen.wait_for("going on", |text| !text.contains("PAUSED"));
+
+    let other = bench.start(&["--fps", "100", "--duration", "120", "--rig", "arm"]);
+    screen.wait_for_text("rig default · 2 of 2");
+    screen.keys("Tab");
+    screen.wait_for_text("rig arm · 1 of 2");
+    screen.wait_for_text("rope 0");
+    other.signal_chain(Signal::INT);
+    assert!(other.end().status.success());
+    screen.wait_for_text("Nothing runs on rig arm");
+    // It is no obstacle to another delivery, and follows it.
+    let again = bench.start(&[
+        "--fps",
+        "100",
+        "--duration",
+        "120",
+        "--rig",
+        "arm",
+        "--lossless",
+    ]);
+    screen.wait_for("the chain again", |text| {
+        text.contains("lossless") && text.contains("rope 0")
+    });
+    screen.keys("q");
+    screen.assert_it_was_given_back();
+    for chain in [chain, again] {
+        chain.signal_chain(Signal::INT);
+        assert!(chain.end().status.success());
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn told_to_end_top_gives_the_terminal_back_too() {
+    if !is_tmux_here() {
+        return;
+    }
+    let bench = Bench::new();
+    let screen = Screen::open(&bench);
+    screen.wait_for_text("No chain is running here");
+    send(screen.top(), Signal::TERM);
+    screen.assert_it_was_given_back();
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn without_a_terminal_top_names_what_there_is_for_scripts() {
+    let bench = Bench::new();
+    let output = bench.run(&["top"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("lariat topic hz") && said.contains("--json"),
+        "{said}"
+    );
+    assert!(output.stdout.is_empty());
+    bench.assert_nothing_is_left();
+}
