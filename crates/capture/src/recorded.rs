@@ -8,7 +8,7 @@ mod lookahead;
 use std::path::{Path, PathBuf};
 
 use lariat_record::{Entry, Messages, Pixels, Place, Recording, Span};
-use lariat_wire::{Centerlines, FrameHeader, PixelFormat, SourceKind};
+use lariat_wire::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 
 use crate::ahead::{Ahead, Decode, Layout, Moment, Plan, Step};
 use crate::picture::PictureDecoder;
@@ -201,34 +201,43 @@ struct Last {
     sequence: u64,
     /// How many frames of the source it came after the first.
     steps: u64,
-    first_exposed_ns: u64,
+    exposed_ns: u64,
+    /// How long it came after the first.
     after_ns: u64,
 }
 
+/// No more frames are lost between two: further on it is another count.
+const MOST_LOST: u64 = u32::MAX as u64;
+/// Nobody waits longer than a day for the next frame: further on it is another clock.
+const LONGEST_NS: u64 = 24 * 3600 * 1_000_000_000;
+
 /// Where the next frame stands; none if it is left out.
 fn place(last: &mut Option<Last>, every: u64, frame: &FrameHeader) -> Option<Moment> {
-    let trace = &frame.trace;
-    let now = match *last {
-        None => Last {
-            sequence: trace.sequence,
-            steps: 0,
-            first_exposed_ns: trace.exposed_ns,
-            after_ns: 0,
-        },
+    let Trace {
+        sequence,
+        exposed_ns,
+        ..
+    } = frame.trace;
+    let (steps, after_ns) = match *last {
+        None => (0, 0),
         Some(last) => {
-            // A source that was begun anew while it was recorded counts from 1 again.
-            let step = trace.sequence.checked_sub(last.sequence);
-            let after_ns = trace.exposed_ns.saturating_sub(last.first_exposed_ns);
-            Last {
-                sequence: trace.sequence,
-                steps: last
-                    .steps
-                    .saturating_add(step.map_or(1, |step| step.max(1))),
-                // A clock that was set back does not take the frames back.
-                after_ns: after_ns.max(last.after_ns + 1),
-                ..last
-            }
+            // A source that was begun anew while it was recorded counts from 1 again, and a clock that was set back does not
+            // take the frames back.
+            let step = sequence.checked_sub(last.sequence).unwrap_or(1);
+            let step = if step > MOST_LOST { 1 } else { step.max(1) };
+            let step_ns = exposed_ns.saturating_sub(last.exposed_ns);
+            let step_ns = step_ns.clamp(1, LONGEST_NS);
+            (
+                last.steps.saturating_add(step),
+                last.after_ns.saturating_add(step_ns),
+            )
         }
+    };
+    let now = Last {
+        sequence,
+        exposed_ns,
+        steps,
+        after_ns,
     };
     *last = Some(now);
     let is_shown = now.steps.is_multiple_of(every);

@@ -311,6 +311,37 @@ fn the_truth_comes_with_its_frame_wherever_it_stands() {
 }
 
 #[test]
+fn a_count_or_a_clock_that_begins_anew_goes_on_and_one_that_jumps_does_not_run_away() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("anew.mcap");
+    let mut made = Made::new(&path, Compression::None);
+    let frames = [
+        (5, 50),
+        (6, 60),
+        (1, 10),
+        (2, 20),
+        (u64::MAX, 1 << 43),
+        (u64::MAX, 30),
+    ];
+    for (sequence, at_ms) in frames {
+        made.frame(&header(sequence, at_ms), 7);
+    }
+    made.writer.finish().unwrap();
+    let day_ms = 24 * 3600 * 1000;
+    let expected = [
+        (1, 0),
+        (2, 10),
+        (3, 10),
+        (4, 20),
+        (5, 20 + day_ms),
+        (6, 20 + day_ms),
+    ];
+    let shown = shown(&mut *open_whole(&path), 99);
+    let shown: Vec<_> = shown.iter().map(|frame| (frame.0, frame.2)).collect();
+    assert_eq!(shown, expected);
+}
+
+#[test]
 fn room_is_made_for_the_largest_of_images_of_many_sizes() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("sizes.mcap");

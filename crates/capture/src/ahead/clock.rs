@@ -22,13 +22,16 @@ impl OwnClock {
         if self.has_begun && after_ns <= self.after_ns {
             // From the last frame to the first it is as long as between two.
             let interval_ns = self.after_ns.checked_div(self.before);
-            self.began_ns += self.after_ns + interval_ns.unwrap_or(ALONE_NS);
+            let round_ns = self
+                .after_ns
+                .saturating_add(interval_ns.unwrap_or(ALONE_NS));
+            self.began_ns = self.began_ns.saturating_add(round_ns);
             self.before = 0;
         } else if self.has_begun {
             self.before += 1;
         }
         self.has_begun = true;
         self.after_ns = after_ns;
-        self.due_ns = self.began_ns + after_ns;
+        self.due_ns = self.began_ns.saturating_add(after_ns);
     }
 }
