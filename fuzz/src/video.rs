@@ -174,7 +174,7 @@ impl Made {
         file.push(b'\n');
         for frame in self.frames.iter().take(MOST + 2) {
             file.extend(b"FRAME");
-            for word in &frame.word {
+            if let Some(word) = &frame.word {
                 file.push(b' ');
                 file.extend(word);
             }

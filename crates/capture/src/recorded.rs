@@ -54,18 +54,21 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
     let span = span_of(&options.range)?;
     let messages = recording.messages(span).map_err(|error| unfit(&error))?;
     let mut first = recording.messages(span).map_err(|error| unfit(&error))?;
-    let Opening { kind, unpacked } = Opening::of(&mut first);
-    // A picture file tells its size by itself; the others are taken to be no larger.
-    let (largest, total_bytes) = match unpacked {
-        Some(bytes) => (bytes as u64, u64::MAX),
-        None => (largest, total_bytes),
+    let Opening { kind, size } = Opening::of(&mut first);
+    let (largest, total_bytes) = match size {
+        // A picture file tells its size by itself; the others are taken to be no larger.
+        Size::Unpacked(bytes) => (bytes, u64::MAX),
+        Size::Raw(bytes) if largest > bytes as u64 + BESIDE_BYTES => {
+            (largest_of(&mut first).max(bytes), total_bytes)
+        }
+        Size::Raw(_) => (usize::try_from(largest).unwrap_or(usize::MAX), total_bytes),
     };
     let has_truth = topics
         .iter()
         .any(|topic| topic.name.ends_with("/truth") && topic.messages > 0);
     let plan = Plan {
         kind,
-        largest_frame_bytes: usize::try_from(largest).unwrap_or(usize::MAX),
+        largest_frame_bytes: largest,
         native_fps: None,
         looped: options.looped,
         has_truth,
@@ -113,38 +116,60 @@ fn span_of(range: &Range) -> Result<Span, SourceError> {
     })
 }
 
+/// What may stand beside an image between it and the next message, in the index: what a topic is and how it is defined.
+const BESIDE_BYTES: u64 = 64 << 10;
+
 /// What the first frame with an image tells.
 struct Opening {
     kind: SourceKind,
-    /// Bytes of its pixels, if it is a picture file.
-    unpacked: Option<usize>,
+    size: Size,
+}
+
+/// Bytes of the first image's pixels.
+enum Size {
+    Raw(usize),
+    /// Of a picture file.
+    Unpacked(usize),
 }
 
 impl Opening {
     fn of(messages: &mut Messages) -> Self {
-        let mut opening = Self {
-            kind: SourceKind::Files,
-            unpacked: None,
-        };
-        loop {
+        let mut kind = SourceKind::Files;
+        let size = loop {
             let frame = match messages.next_frame() {
-                Ok(None) => break,
+                Ok(None) => break Size::Raw(0),
                 // What is damaged is said when its turn comes.
                 Err(_) => continue,
                 Ok(Some(frame)) => frame,
             };
-            opening.kind = kind_of(frame.header.source);
+            kind = kind_of(frame.header.source);
             match frame.pixels {
-                Pixels::None => continue,
-                Pixels::Raw(_) => {}
+                Pixels::None => {}
+                Pixels::Raw(bytes) => break Size::Raw(bytes.len()),
                 Pixels::Png(file) | Pixels::Jpeg(file) => {
                     let size = PictureDecoder::size(Path::new("a picture"), file);
-                    opening.unpacked = Some(size.unwrap_or(0));
+                    break Size::Unpacked(size.unwrap_or(0));
                 }
             }
-            break;
+        };
+        Self { kind, size }
+    }
+}
+
+/// The bytes of the largest of the images that follow. For this all is read: the index of a recording whose images are of
+/// many sizes says how large they are, but also that of a damaged one may.
+fn largest_of(messages: &mut Messages) -> usize {
+    let mut largest = 0;
+    loop {
+        match messages.next_frame() {
+            Ok(None) => return largest,
+            Ok(Some(frame)) => {
+                if let Pixels::Raw(bytes) = frame.pixels {
+                    largest = largest.max(bytes.len());
+                }
+            }
+            Err(_) => {}
         }
-        opening
     }
 }
 

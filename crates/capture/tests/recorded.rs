@@ -311,6 +311,30 @@ fn the_truth_comes_with_its_frame_wherever_it_stands() {
 }
 
 #[test]
+fn room_is_made_for_the_largest_of_images_of_many_sizes() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("sizes.mcap");
+    let mut made = Made::new(&path, Compression::Lz4);
+    let sizes = [(8, 4), (700, 500), (90, 80)];
+    for (sequence, (width, height)) in (1..).zip(sizes) {
+        let header = FrameHeader {
+            width,
+            height,
+            stride: 3 * width,
+            ..header(sequence, 10 * sequence)
+        };
+        made.frame(&header, sequence as u8);
+    }
+    made.writer.finish().unwrap();
+    let mut source = open_whole(&path);
+    assert_eq!(source.largest_frame_bytes(), 3 * 700 * 500);
+    for size in sizes {
+        let (frame, _, _) = next(&mut *source).unwrap();
+        assert_eq!((frame.width, frame.height), size);
+    }
+}
+
+#[test]
 fn pictures_in_a_recording_are_decoded_and_a_broken_one_is_lost() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("pictures.mcap");
