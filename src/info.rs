@@ -195,7 +195,7 @@ impl Info {
                 false => text.push_str("\nsettings other than the defaults\n"),
             }
             for (key, value) in settings {
-                let _ = writeln!(text, "  {key} = {value}");
+                let _ = writeln!(text, "  {key} = {}", shortened(value));
             }
         }
         if !self.attachments.is_empty() {
@@ -284,6 +284,15 @@ fn date(unix_ns: u64) -> String {
         s / 60 % 60,
         s % 60
     )
+}
+
+/// A setting's value in a line: a long list of files is not shown whole (`--json` has it).
+fn shortened(value: &str) -> String {
+    const LONGEST: usize = 100;
+    match value.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &value[..end]),
+        None => value.to_owned(),
+    }
 }
 
 #[cfg(test)]

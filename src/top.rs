@@ -89,7 +89,7 @@ fn wait(
     stop: &Stop,
 ) -> Result<Option<Key>> {
     if gatherer.must_keep_up() {
-        while Instant::now() < until && !stop.asked() {
+        while gatherer.must_keep_up() && Instant::now() < until && !stop.asked() {
             gatherer.keep_up(until, stop);
         }
         return screen.key(Instant::now());

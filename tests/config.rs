@@ -187,8 +187,8 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[run]\nduration = 7\n"),
         "lariat: lariat.toml, line 2: [run] has no key \"duration\". Did you mean \"duration_s\"? Its keys \
-         are rig, lossless, duration_s, frames, out, trace, deadline_us, fuse, realtime, cpus, scheduling, priority, lock_memory, \
-         wake, spin_us\n"
+         are rig, lossless, duration_s, frames, out, trace, record, deadline_us, fuse, realtime, cpus, scheduling, priority, \
+         lock_memory, wake, spin_us\n"
     );
     assert_eq!(
         complaint("[fit]\npoints = 7\n"),
@@ -198,7 +198,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("\n[captur]\nfps = 7\n"),
         "lariat: lariat.toml, line 2: there is no section [captur]. Did you mean [capture]? The sections are \
-         [run], [capture], [camera], [extract], [fit], [sink]\n"
+         [run], [capture], [camera], [extract], [fit], [sink], [record]\n"
     );
     assert_eq!(
         complaint("order = 8\n"),

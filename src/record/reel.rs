@@ -213,7 +213,9 @@ impl Reel {
         let drops = recorder.drops();
         let lasted = self.first.map_or(Duration::ZERO, |first| first.elapsed());
         let ending = recorder.finish();
-        if settings.record.ring.is_none() {
+        // Of a file whose disk broke nothing is known but what the fault says.
+        let is_known = ending.fault.is_none() || ending.written.bytes > 0;
+        if settings.record.ring.is_none() && is_known {
             let said = report::recorded(file, &ending.written, lasted, drops, &self.losses);
             eprintln!("lariat: {said}");
         }

@@ -9,13 +9,13 @@ use serde::Serialize;
 
 use super::ChannelName;
 use super::probe::Any;
-use super::rate::count_and_stamp;
+use super::rate::Pace;
 use super::watch::Meter;
 
 /// The figures since the last report.
 pub(super) struct Bandwidth {
     channel: ChannelName,
-    last: Option<(u64, u64)>,
+    pace: Pace,
     is_titled: bool,
     messages: u64,
     bytes: u64,
@@ -30,7 +30,7 @@ impl Bandwidth {
     pub(super) fn new(channel: ChannelName) -> Self {
         Self {
             channel,
-            last: None,
+            pace: Pace::default(),
             is_titled: false,
             messages: 0,
             bytes: 0,
@@ -78,15 +78,10 @@ impl Meter for Bandwidth {
         self.bytes += bytes as u64;
         self.least = Some(self.least.map_or(bytes, |least| least.min(bytes)));
         self.most = Some(self.most.map_or(bytes, |most| most.max(bytes)));
-        let (count, stamp_ns) = count_and_stamp(self.channel, message.trace());
-        if let Some((count_before, stamp_before)) = self.last
-            && count > count_before
-            && stamp_ns > stamp_before
-        {
-            self.sent += count - count_before;
-            self.span_ns += stamp_ns - stamp_before;
+        if let Some((sent, ns)) = self.pace.step(self.channel, message.trace()) {
+            self.sent += sent;
+            self.span_ns += ns;
         }
-        self.last = Some((count, stamp_ns));
         Ok(String::new())
     }
 
@@ -125,7 +120,7 @@ impl Meter for Bandwidth {
             )
         };
         *self = Self {
-            last: self.last,
+            pace: std::mem::take(&mut self.pace),
             is_titled: self.is_titled,
             ..Self::new(self.channel)
         };

@@ -15,9 +15,9 @@ use super::probe::Any;
 use super::watch::Meter;
 
 /// The counter and the stamp that the channel's writer gives its messages.
-pub(super) fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
+fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     match channel {
-        // A mask has the stamps of its frame.
+        // A mask has those of its frame.
         ChannelName::Frames | ChannelName::Masks | ChannelName::Truth => {
             (trace.captured, trace.captured_ns)
         }
@@ -26,9 +26,43 @@ pub(super) fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64)
     }
 }
 
+/// How far a writer's counter and its clock have gone from one message that is read to the next.
+#[derive(Debug, Default)]
+pub(super) struct Pace(Option<(u64, u64)>);
+
+impl Pace {
+    /// How many were sent since the last message, this one included, and in how many nanoseconds; `None` for the first,
+    /// and where a stage began anew.
+    pub(super) fn step(&mut self, channel: ChannelName, trace: &Trace) -> Option<(u64, u64)> {
+        let (count, stamp_ns) = count_and_stamp(channel, trace);
+        let (count_before, before_ns) = self.0.replace((count, stamp_ns))?;
+        if count <= count_before || stamp_ns <= before_ns {
+            return None;
+        }
+        // Whoever makes masks need not make one of every frame, and does not count them.
+        let sent = match channel {
+            ChannelName::Masks => 1,
+            _ => count - count_before,
+        };
+        Some((sent, stamp_ns - before_ns))
+    }
+}
+
 /// A trace as if the frame's way ended with this channel: what a ledger then takes for lost behind the last stage is what
 /// was sent and not read here.
-fn ended_here(channel: ChannelName, trace: &Trace) -> Trace {
+fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
+    if channel == ChannelName::Masks {
+        // Which were not made and which were not read cannot be told apart.
+        let count = received + 1;
+        return Trace {
+            sequence: count,
+            captured: count,
+            extracted: count,
+            fitted: count,
+            fitted_ns: trace.captured_ns,
+            ..*trace
+        };
+    }
     let (count, stamp_ns) = count_and_stamp(channel, trace);
     let extracted = match channel {
         ChannelName::Centerlines | ChannelName::Descriptors => trace.extracted,
@@ -48,7 +82,7 @@ pub(super) struct Rate {
     ledger: Ledger,
     /// Frames lost up to the last report.
     lost_before: Lost,
-    last: Option<(u64, u64)>,
+    pace: Pace,
     is_titled: bool,
     interval: Intervals,
 }
@@ -73,7 +107,7 @@ impl Rate {
             channel,
             ledger: Ledger::new(false),
             lost_before: Lost::default(),
-            last: None,
+            pace: Pace::default(),
             is_titled: false,
             interval: Intervals::default(),
         }
@@ -151,20 +185,18 @@ impl Meter for Rate {
 
     fn see(&mut self, message: Any, _now_ns: u64) -> Result<String> {
         let trace = message.trace();
-        if self.ledger.received(&ended_here(self.channel, trace)) == Arrival::Stale {
+        let counted = ended_here(self.channel, trace, self.ledger.received_count());
+        if self.ledger.received(&counted) == Arrival::Stale {
             return Ok(String::new());
         }
-        let (count, stamp_ns) = count_and_stamp(self.channel, trace);
+        let step = self.pace.step(self.channel, trace);
         let seen = &mut self.interval;
         seen.messages += 1;
-        if let Some((count_before, stamp_before)) = self.last
-            && count > count_before
-            && stamp_ns > stamp_before
-        {
-            let ns = stamp_ns - stamp_before;
-            seen.sent += count - count_before;
+        if let Some((sent, ns)) = step {
+            seen.sent += sent;
             seen.span_ns += ns;
-            if count == count_before + 1 {
+            // Between two of which one was not read lies no interval.
+            if sent == 1 {
                 let s = ns as f64 / 1e9;
                 seen.count += 1;
                 seen.sum_s += s;
@@ -173,7 +205,6 @@ impl Meter for Rate {
                 seen.longest_ns = Some(seen.longest_ns.map_or(ns, |most| most.max(ns)));
             }
         }
-        self.last = Some((count, stamp_ns));
         Ok(String::new())
     }
 
@@ -296,6 +327,30 @@ mod tests {
         assert_eq!(
             (&found["lost"]["here"], &found["lost"]["capture"]),
             (&1.into(), &0.into())
+        );
+    }
+
+    #[test]
+    fn masks_are_counted_as_they_come_as_not_every_frame_has_one() {
+        let mut rate = Rate::new(ChannelName::Masks);
+        for frame in [3, 6, 9] {
+            let header = lariat_wire::FrameHeader {
+                trace: Trace {
+                    sequence: frame,
+                    captured: frame,
+                    captured_ns: frame * 10_000_000,
+                    ..Trace::EMPTY
+                },
+                ..lariat_wire::FrameHeader::default()
+            };
+            rate.see(Any::Image(&header, &[]), 0).expect("seen");
+        }
+        let found = figures(&rate);
+        let hz = found["hz"].as_f64().expect("a figure");
+        assert!((hz - 100.0 / 3.0).abs() < 1e-9, "{hz}");
+        assert_eq!(
+            (&found["messages"], &found["lost"]["here"]),
+            (&3.into(), &0.into())
         );
     }
 }

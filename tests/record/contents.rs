@@ -9,6 +9,7 @@ use rustix::process::Signal;
 
 use crate::recording::Recording;
 use crate::rig::{Bench, send};
+use crate::rings::{Own, wait_until_announced};
 
 const FRAMES: u64 = 150;
 
@@ -147,12 +148,8 @@ fn frames_are_recorded_as_the_user_likes() {
 #[test]
 fn a_recorder_by_itself_is_there_before_the_rig_and_across_its_restart() {
     let bench = Bench::new();
-    let mut recorder = bench
-        .command(&["record", "--out", "own.mcap", "--lossless"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    crate::rings::wait_until_announced(&bench, recorder.id());
+    let mut recorder = Own::start(&bench, &["--out", "own.mcap", "--lossless"]);
+    wait_until_announced(&bench, recorder.0.id());
     for points in ["100", "110"] {
         let flags = ["run", "--lossless", "--fps", "max", "--frames", "40"];
         let ended = bench.run(&[&flags[..], &["--points", points]].concat());
@@ -162,8 +159,8 @@ fn a_recorder_by_itself_is_there_before_the_rig_and_across_its_restart() {
             String::from_utf8_lossy(&ended.stderr)
         );
     }
-    send(recorder.id() as i32, Signal::TERM);
-    let ended = recorder.wait().unwrap();
+    send(recorder.0.id() as i32, Signal::TERM);
+    let ended = recorder.0.wait().unwrap();
     assert!(ended.success());
     let recording = Recording::read(&bench.path("own.mcap"));
     assert!(recording.is_closed);

@@ -378,4 +378,6 @@ impl Recorder {
 }
 
 #[cfg(test)]
+mod allocation;
+#[cfg(test)]
 mod tests;

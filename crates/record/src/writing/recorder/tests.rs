@@ -3,14 +3,14 @@ use crate::writing::writer::{Compression, Existing};
 use crate::{ImageRecord, writing::queue::Outlet};
 use lariat_wire::{PixelFormat, Trace};
 
-fn head() -> Head {
+pub(super) fn head() -> Head {
     Head {
         rig: "left".into(),
         about: BTreeMap::new(),
     }
 }
 
-fn options(queue_bytes: usize, waits: bool) -> Options {
+pub(super) fn options(queue_bytes: usize, waits: bool) -> Options {
     Options {
         images: Images::Raw,
         queue_bytes,
@@ -45,7 +45,16 @@ fn drain(outlet: &Outlet) {
     }
 }
 
-fn header(count: u64) -> FrameHeader {
+/// Gives back what waits.
+pub(super) fn drain_waiting(outlet: &Outlet) {
+    while outlet.has_more() {
+        if let Ok(Item::Message(parcel)) = outlet.next(None) {
+            outlet.give_back(parcel.cdr);
+        }
+    }
+}
+
+pub(super) fn header(count: u64) -> FrameHeader {
     FrameHeader {
         trace: Trace {
             sequence: 10 + count,
@@ -63,7 +72,7 @@ fn header(count: u64) -> FrameHeader {
     }
 }
 
-fn centerlines(count: u64) -> Box<Centerlines> {
+pub(super) fn centerlines(count: u64) -> Box<Centerlines> {
     let mut seen = Box::new(Centerlines::EMPTY);
     seen.trace = header(count).trace;
     seen.trace.extracted = count;
