@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Any, ClassVar, Literal, NoReturn, TypeVar, final, overload
+from typing import Any, ClassVar, Literal, NoReturn, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self, disjoint_base
 
-from lariat._seen import Seen
 from lariat._names import (
     BasisName,
     HsvRange,
@@ -22,16 +22,37 @@ from lariat._names import (
     StatusName,
     UnitName,
 )
+from lariat._seen import Seen
 
-_Self = TypeVar("_Self")
+__all__ = [
+    "Absent",
+    "Crossing",
+    "Curve",
+    "Fit",
+    "Fitter",
+    "Frame",
+    "Fresh",
+    "Lost",
+    "Notice",
+    "Partial",
+    "Reader",
+    "Rope",
+    "Scene",
+    "Shape",
+    "Stale",
+    "Trace",
+    "Tracer",
+    "Track",
+    "pick",
+]
 
 def pick(
     image: Picture, at: tuple[float, float] | None = None, *, pixel_format: PixelFormat | None = None
 ) -> tuple[list[HsvRange], float]: ...
 @final
 class Tracer:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         *,
         mask: MaskName | HsvRange | Sequence[HsvRange] | None = None,
         method: MethodName = "skeleton",
@@ -40,7 +61,7 @@ class Tracer:
         start: tuple[float, float] | None = None,
         keep_lost_s: float = 1.0,
         roi: tuple[int, int, int, int] | None = None,
-    ) -> None: ...
+    ) -> Self: ...
     def trace(
         self,
         image: Picture,
@@ -115,8 +136,8 @@ class Notice:
 
 @final
 class Fitter:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         points: int = 120,
         order: int | Literal["auto"] = 8,
         basis: BasisName = "bezier",
@@ -131,7 +152,7 @@ class Fitter:
         rho: RhoName = "even",
         weighted: bool = False,
         robust: bool = False,
-    ) -> None: ...
+    ) -> Self: ...
     def fit(self, points: ArrayLike, weights: ArrayLike | None = None) -> Fit: ...
     @property
     def matrix(self) -> NDArray[np.float64]: ...
@@ -178,8 +199,9 @@ class Fit:
     def nearest(self, point: tuple[float, float]) -> tuple[float, float]: ...
     def _repr_html_(self) -> str: ...
 
+@disjoint_base
 class Reader:
-    def __init__(self, rig: str = "default", *, timeout: float = 0.1) -> None: ...
+    def __new__(cls, rig: str = "default", *, timeout: float = 0.1) -> Self: ...
     def latest(self) -> Frame: ...
     def wait(self, timeout: float | None = None) -> Frame: ...
     @property
@@ -194,11 +216,11 @@ class Reader:
     def close(self) -> None: ...
     @property
     def closed(self) -> bool: ...
-    def __enter__(self: _Self) -> _Self: ...
+    def __enter__(self) -> Self: ...
     def __exit__(
         self, error: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None
     ) -> None: ...
-    def __iter__(self: _Self) -> _Self: ...
+    def __iter__(self) -> Self: ...
     def __next__(self) -> Frame: ...
 
 @final

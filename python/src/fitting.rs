@@ -38,10 +38,15 @@ pub(crate) struct Fitter {
 #[pymethods]
 impl Fitter {
     #[new]
-    #[pyo3(signature = (
-        points=120, order=Order::Named(8), basis="bezier", *, closed=false, max_order=16, degree=3, knots="uniform",
-        solver="pinv", ridge=0.0, pin_ends=false, rho="even", weighted=false, robust=false
-    ))]
+    #[pyo3(
+        signature = (
+            points=120, order=Order::Named(8), basis="bezier", *, closed=false, max_order=16, degree=3, knots="uniform",
+            solver="pinv", ridge=0.0, pin_ends=false, rho="even", weighted=false, robust=false
+        ),
+        // What Rust cannot say of the order.
+        text_signature = "(points=120, order=8, basis='bezier', *, closed=False, max_order=16, degree=3, \
+            knots='uniform', solver='pinv', ridge=0.0, pin_ends=False, rho='even', weighted=False, robust=False)"
+    )]
     #[expect(
         clippy::too_many_arguments,
         reason = "as many as the settings have keys, all by name"

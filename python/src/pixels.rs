@@ -8,6 +8,7 @@ use numpy::{
 };
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 
 /// The pixel formats by name, with the last axis of their arrays: how many bytes a pixel has there. None is said where there
 /// is no such axis.
@@ -33,15 +34,16 @@ impl<'py> Pixels<'py> {
     /// # Errors
     /// `TypeError` for what is no array of `uint8`, `ValueError` for a shape that makes no picture.
     pub(crate) fn of(image: &Bound<'py, PyAny>, format: Option<&str>) -> PyResult<Self> {
-        let array = bytes(image)?;
-        let format = format_of(array.shape(), format)?;
-        let lies_well = array.shape().contains(&0) || has_whole_rows(&array);
-        let array = if lies_well {
-            array.clone()
-        } else {
+        let mut array = bytes(image)?;
+        let mut format = format_of(array.shape(), format)?;
+        // `image[..., ::-1]` is how red and blue change places: then the bytes are those of the other format.
+        if let Some((back, other)) = turned(&array, format) {
+            (array, format) = (back, other);
+        }
+        if !array.shape().contains(&0) && !has_whole_rows(&array) {
             let numpy = image.py().import("numpy")?;
-            bytes(&numpy.call_method1("ascontiguousarray", (array,))?)?
-        };
+            array = bytes(&numpy.call_method1("ascontiguousarray", (array,))?)?;
+        }
         let array = array.try_readonly().map_err(|cause| {
             value_error(format!(
                 "the image is being written to ({cause}): wait for that"
@@ -152,6 +154,26 @@ fn format_of(shape: &[usize], name: Option<&str>) -> PyResult<PixelFormat> {
         )));
     }
     Ok(*format)
+}
+
+/// Of an array whose colours were turned around, the array before that and its format.
+fn turned<'py>(
+    array: &Bound<'py, PyArrayDyn<u8>>,
+    format: PixelFormat,
+) -> Option<(Bound<'py, PyArrayDyn<u8>>, PixelFormat)> {
+    let other = match format {
+        PixelFormat::Rgb8 => PixelFormat::Bgr8,
+        PixelFormat::Bgr8 => PixelFormat::Rgb8,
+        _ => return None,
+    };
+    let is_turned = array.strides()[2] == -1;
+    let py = array.py();
+    let all = PySlice::full(py);
+    let back = PySlice::new(py, isize::MAX, isize::MIN, -1);
+    let before = is_turned
+        .then(|| array.get_item((&all, &all, back)).ok())
+        .flatten()?;
+    Some((bytes(&before).ok()?, other))
 }
 
 /// Whether each row is one run of bytes, and the next one lies behind it.

@@ -96,12 +96,9 @@ impl Reader {
 
     /// How ropes are taken to move, for `Rope.predict`: the standard deviation of the acceleration of a point, units/s²,
     /// and how long an acceleration lasts, s. Give it what the chain was given.
-    #[pyo3(signature = (acceleration=Motion::default().acceleration, lasts_s=Motion::default().lasts_s))]
+    #[pyo3(signature = (acceleration=1000.0, lasts_s=0.1))]
     fn expect_motion(&self, acceleration: f64, lasts_s: f64) -> PyResult<()> {
-        if !(acceleration.is_finite()
-            && acceleration >= 0.0
-            && lasts_s.is_finite()
-            && lasts_s > 0.0)
+        if !(acceleration.is_finite() && acceleration > 0.0 && lasts_s.is_finite() && lasts_s > 0.0)
         {
             return Err(value_error(format!(
                 "a motion of {acceleration} units/s² that lasts {lasts_s} s is none: give two positive numbers"

@@ -137,6 +137,28 @@ fn the_newest_stays_at_hand_and_gets_older() {
 }
 
 #[test]
+fn a_kept_frame_stays_what_it_was_and_goes_to_another_thread() {
+    let place = Place::new("kept");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let before = reader.latest().unwrap().keep();
+    assert!(before.frame().message().is_none() && before.frame().age().is_none());
+    chain.send(&[rope(1, Status::Ok, 5.0)]);
+    let frame = reader.latest().unwrap();
+    let (age, kept) = (frame.age(), frame.keep());
+    chain.send(&[rope(1, Status::Ok, 6.0), rope(2, Status::Lost, 7.0)]);
+    reader.latest().unwrap();
+    drop((chain, reader));
+    let said = std::thread::spawn(move || {
+        let frame = kept.frame();
+        let Seen::Fresh(rope) = frame.only_rope(ANY_AGE) else {
+            panic!("it was seen");
+        };
+        (x_of(&rope), frame.is_new(), frame.run(), frame.age())
+    });
+    assert_eq!(said.join().unwrap(), (5.0, true, 1, age));
+}
+
+#[test]
 fn an_image_older_than_allowed_has_no_fresh_rope_whatever_it_shows() {
     let place = Place::new("stale");
     let (mut reader, mut chain) = (place.reader(), place.chain());
