@@ -107,13 +107,14 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
 fn stages_by_hand_are_as_good_citizens() {
     use std::process::Stdio;
     let bench = Bench::new();
-    let start = |stage: &str| {
-        bench
+    let start = |stage: &'static str| {
+        let said = std::fs::File::create(bench.path(stage)).unwrap();
+        let process = bench
             .command(&[stage])
             .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap()
+            .stderr(said)
+            .spawn();
+        (stage, process.unwrap())
     };
     let mut stages = ["sink", "fit", "extract"].map(start);
     let killed = bench
@@ -130,11 +131,13 @@ fn stages_by_hand_are_as_good_citizens() {
     let mut killed = killed;
     crate::rig::send(killed.id() as i32, Signal::KILL);
     killed.wait().unwrap();
-    for stage in &mut stages {
+    for (stage, process) in &mut stages {
         // A signal that comes before a process can be told ends it like any other.
-        crate::rig::wait_until_told_by_signals(stage.id());
-        crate::rig::send(stage.id() as i32, Signal::TERM);
-        assert!(stage.wait().unwrap().success());
+        crate::rig::wait_until_told_by_signals(process.id());
+        crate::rig::send(process.id() as i32, Signal::TERM);
+        let ended = process.wait().unwrap();
+        let said = std::fs::read_to_string(bench.path(stage)).unwrap();
+        assert!(ended.success(), "{stage}: {ended}, {said}");
     }
     bench.assert_nothing_is_left();
 }
