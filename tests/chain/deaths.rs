@@ -127,6 +127,17 @@ fn stages_by_hand_are_as_good_citizens() {
     let reader = lariat_wire::Receiver::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
     assert!(reader.wait(deadline).unwrap().is_some());
+    // Sink may be slower to come up than what it listens to.
+    for (stage, process) in &stages {
+        let entry = format!("lariat-roster/default.{stage}.{}", process.id());
+        let entry = std::path::Path::new("/tmp")
+            .join(format!("lariat-{}", bench.domain))
+            .join(entry);
+        while !entry.exists() {
+            assert!(std::time::Instant::now() < deadline, "{stage} is not up");
+            std::thread::yield_now();
+        }
+    }
     drop((reader, domain));
     let mut killed = killed;
     crate::rig::send(killed.id() as i32, Signal::KILL);
