@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import zlib
 from collections.abc import Iterator
@@ -42,12 +43,17 @@ def image() -> Image:
     return rope_through(wave())
 
 
+def interruptible() -> None:
+    """In a new process: a background job's children ignore Ctrl-C, and Python asks for it only where it is not ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[2] / "target"))
 
 
 def program(name: str) -> Path:
     """What cargo built, of the newest of its profiles."""
-    found = [path for path in TARGET.glob(f"*/{name}") if os.access(path, os.X_OK)]
+    found = [path for path in TARGET.glob(f"*/{name}") if path.is_file() and os.access(path, os.X_OK)]
     if not found:
         pytest.fail(f"{name} is not built: run python/test.sh")
     return max(found, key=lambda path: path.stat().st_mtime)

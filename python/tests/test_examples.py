@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from conftest import program
+from conftest import interruptible, program
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples/python"
@@ -37,7 +37,11 @@ def chain(domain: str) -> Iterator[None]:
 
 def test_a_control_loop_steers_and_says_when_it_holds(chain: None) -> None:
     loop = subprocess.Popen(
-        [sys.executable, "-u", EXAMPLES / "control_loop.py"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-u", EXAMPLES / "control_loop.py"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=interruptible,
     )
     assert loop.stdout is not None
     lines = []

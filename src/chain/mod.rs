@@ -21,10 +21,14 @@ use child::{Child, Ending, Stage};
 const FUSED: [Stage; 3] = [stages::capture::run, stages::extract::run, stages::fit::run];
 const CAPTURE: usize = 0;
 const EXTRACT: usize = 1;
+const FIT: usize = 2;
 const SINK: usize = 3;
-/// Beside the stages, if there is a recording: it starts before them and ends after them, so that all they send is in it.
+/// Beside the stages, if there is a recording: it starts before those that send and ends after them, so that all is in it.
 const RECORDER: usize = 4;
 const CHILDREN: [&str; 5] = [STAGES[0], STAGES[1], STAGES[2], STAGES[3], "recorder"];
+/// From the end to the beginning, so that every message finds its reader there. Readers of a channel are woken in the order
+/// in which they came: the sink is not to wait for the recorder.
+const START_ORDER: [usize; CHILDREN.len()] = [SINK, RECORDER, FIT, EXTRACT, CAPTURE];
 
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
@@ -44,12 +48,11 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
-    // From the end to the beginning, so that every message finds its reader there.
-    let children = match settings.run.record {
-        Some(_) => &CHILDREN[..],
-        None => &CHILDREN[..RECORDER],
-    };
-    for (place, stage) in children.iter().enumerate().rev() {
+    let places = START_ORDER
+        .iter()
+        .filter(|&&place| place != RECORDER || settings.run.record.is_some());
+    for &place in places {
+        let stage = CHILDREN[place];
         let child = match FUSED.get(place) {
             Some(run) if settings.run.fuse => Child::start_here(stage, *run, &settings)?,
             _ => Child::start(stage, arguments)?,

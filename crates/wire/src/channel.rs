@@ -40,8 +40,8 @@ const NODES: usize = 40;
 pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
 /// Masks that another process makes of frames, each a `Gray8` of its frame's size that carries the frame's trace.
 pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
-/// What extract saw.
-pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 4, 0, 6);
+/// What extract saw. Held up for three frames, it sends those in one go behind what waits already.
+pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 8, 0, 6);
 /// What control loops read. A late reader is given the newest at once.
 pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
 /// The true centerlines of rendered frames.
