@@ -15,7 +15,7 @@ MATURIN_PEP517_ARGS="--profile dev --locked" "$python" -m pip install --quiet --
 
 bin=$(realpath --no-symlinks "$target/python/bin")
 cd python
-"$bin/mypy" lariat tests bench.py ../examples/python
+"$bin/mypy" lariat tests bench ../examples/python
 # What is said of the Rust half's types is what they are.
 (cd / && "$bin/stubtest" lariat._native)
 # Not `python -m pytest`, which would find the package's source here before what is installed.

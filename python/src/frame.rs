@@ -2,7 +2,7 @@
 //!
 //! A frame is copied out of shared memory once, when it is looked at; all that is asked of it afterwards looks at that
 //! copy. So an array stays good however long it is kept and in whichever thread, and none holds a slot of the channel,
-//! of which a reader has two. It costs less than to make one array (`bench.py`).
+//! of which a reader has two. It costs less than to make one array (`bench/readers.py`).
 
 use crate::reader::seconds;
 use crate::rope::Track;

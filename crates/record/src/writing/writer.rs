@@ -22,9 +22,9 @@ use super::staged::Staged;
 use super::topic::Topic;
 use crate::schema::{ENCODING, SCHEMA_ENCODING};
 
-/// A chunk that has so many bytes is closed: a few images, so that reading one frame reads little else, and enough that its
-/// head and its index do not count.
-const CHUNK_BYTES: u64 = 4 << 20;
+/// A chunk that has so many bytes is closed: one image of 640×480 in colour, which stays in a core's cache while it is read,
+/// checked and shown; and enough that its head and its index do not count.
+const CHUNK_BYTES: u64 = 1 << 19;
 /// A chunk is closed after so long in any case: who kills the recorder loses no more.
 const CHUNK_TIME: Duration = Duration::from_secs(1);
 /// What a message takes in a chunk and its index beside its own bytes: 9 of a record's head, 22 of the message's, and 16 of

@@ -102,7 +102,7 @@ fn whole_chunks_are_in_the_file_before_it_is_closed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let mut writer = Writer::create(&path, Existing::Keep, &head(), Compression::None).unwrap();
-    let message = cdr(0, 1 << 20);
+    let message = cdr(0, 1 << 17);
     for number in 0..10 {
         writer
             .write(Topic::Image, number, number.into(), &message)

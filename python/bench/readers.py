@@ -3,7 +3,7 @@ with ctypes over the `iceoryx2` wheel, the other way that there is.
 
     pip install ./python iceoryx2==0.10.0
     cargo build --release
-    python python/bench.py [--fps 200] [--frames 2000]
+    python python/bench/readers.py [--fps 200] [--frames 2000]
 
 Both read one running chain, in turns, each in a process of its own: in one process a reader is cut off from its channel
 when the wheel joins the same domain.
@@ -150,7 +150,7 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--fps", type=int, default=200)
     arguments.add_argument("--frames", type=int, default=2000, help="how many of each reader")
-    binary = Path(__file__).parents[1] / "target/release/lariat"
+    binary = Path(__file__).parents[2] / "target/release/lariat"
     arguments.add_argument("--lariat", type=Path, default=binary, metavar="PROGRAM", help="the chain's binary")
     arguments.add_argument("--part", help=argparse.SUPPRESS)
     options = arguments.parse_args()
