@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -254,10 +255,15 @@ def test_other_threads_run_while_one_waits(states: States, reader: lariat.Reader
     assert came and came[0].is_new
 
 
-def test_ctrl_c_ends_a_wait(domain: str) -> None:
+def test_ctrl_c_ends_a_wait(domain: str, tmp_path: Path) -> None:
     program = "import lariat\nreader = lariat.Reader(timeout=1000.0)\nprint('waits', flush=True)\nnext(reader)"
+    # Elsewhere: here the package's source would be found before what is installed.
     process = subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=interruptible
+        [sys.executable, "-c", program],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+        preexec_fn=interruptible,
     )
     assert process.stdout is not None and process.stdout.readline() == b"waits\n"
     process.send_signal(signal.SIGINT)
