@@ -4,7 +4,6 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
@@ -15,6 +14,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
+use crate::making::{self, Hindrance};
 use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// One kind of channel. Every rig has one of each.
@@ -146,9 +146,6 @@ payload!(Centerlines, (), Centerlines);
 payload!(Descriptors, (), Descriptors);
 payload!([u8], FrameHeader, u8);
 
-/// How long a channel that is just being made or removed by another process is waited for.
-const IN_FLUX: Duration = Duration::from_secs(2);
-
 impl<P: Payload + ?Sized> Channel<P> {
     /// Opens the channel of a rig, or makes it. `delivery`: `None` takes it as it is.
     pub(crate) fn open(
@@ -160,33 +157,27 @@ impl<P: Payload + ?Sized> Channel<P> {
         let name = self.on(rig);
         let service_name = ServiceName::new(&name)
             .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
-        let deadline = Instant::now() + IN_FLUX;
-        loop {
-            let overflow = match delivery {
-                Some(delivery) => delivery.overflows(),
-                None => in_use(domain, &service_name).is_none_or(|seen| seen.overflow),
-            };
+        let overflow = || match delivery {
+            Some(delivery) => delivery.overflows(),
+            None => in_use(domain, &service_name).is_none_or(|seen| seen.overflow),
+        };
+        let attempt = || {
             let builder = domain
                 .node
                 .service_builder(&service_name)
                 .publish_subscribe::<P>()
                 .user_header::<P::Header>()
-                .enable_safe_overflow(overflow)
+                .enable_safe_overflow(overflow())
                 .subscriber_max_buffer_size(self.buffer)
                 .subscriber_max_borrowed_samples(BORROWED)
                 .history_size(self.history)
                 .max_publishers(1)
                 .max_subscribers(self.readers)
                 .max_nodes(NODES);
-            match P::open_or_create(builder) {
-                Ok(service) => return Ok(service),
-                Err(cause) if is_in_flux(&cause) && Instant::now() < deadline => {
-                    // Another process is between two steps; there is nothing to be woken by.
-                    std::thread::yield_now();
-                }
-                Err(cause) => return Err(self.explain(domain, &service_name, cause, overflow)),
-            }
-        }
+            P::open_or_create(builder)
+        };
+        making::make(domain, attempt, hindrance)
+            .map_err(|cause| self.explain(domain, &service_name, cause, overflow()))
     }
 
     fn explain(
@@ -230,19 +221,23 @@ impl<P: Payload + ?Sized> Channel<P> {
     }
 }
 
-fn is_in_flux(cause: &OpenOrCreateError) -> bool {
-    matches!(
-        cause,
+fn hindrance(cause: &OpenOrCreateError) -> Hindrance {
+    match cause {
+        OpenOrCreateError::PublishSubscribeOpenError(OpenError::HangsInCreation) => {
+            Hindrance::HalfMade
+        }
         OpenOrCreateError::SystemInFlux
-            | OpenOrCreateError::PublishSubscribeOpenError(
-                OpenError::IsMarkedForDestruction
-                    | OpenError::HangsInCreation
-                    | OpenError::DoesNotExist
-            )
-            | OpenOrCreateError::PublishSubscribeCreateError(
-                CreateError::IsBeingCreatedByAnotherInstance | CreateError::AlreadyExists
-            )
-    )
+        | OpenOrCreateError::PublishSubscribeOpenError(
+            // A signal came, which is not to end this: whoever asked for it is told when it is done.
+            OpenError::IsMarkedForDestruction | OpenError::DoesNotExist | OpenError::Interrupt,
+        )
+        | OpenOrCreateError::PublishSubscribeCreateError(
+            CreateError::IsBeingCreatedByAnotherInstance
+            | CreateError::AlreadyExists
+            | CreateError::Interrupt,
+        ) => Hindrance::Passing,
+        _ => Hindrance::Lasting,
+    }
 }
 
 /// What an existing channel carries.

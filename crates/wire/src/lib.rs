@@ -57,6 +57,7 @@ mod error;
 mod frame;
 mod holdings;
 mod leftovers;
+mod making;
 mod memory;
 mod message;
 mod patience;

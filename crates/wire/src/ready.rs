@@ -8,10 +8,12 @@ use std::time::{Duration, Instant};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
+use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
 use iceoryx2::service::port_factory::event::PortFactory;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
+use crate::making::{self, Hindrance};
 use crate::{Domain, WireError};
 
 /// How long a bell must have been silent before it is trusted.
@@ -39,16 +41,39 @@ fn open(
     let name = format!("{channel}-ready");
     let service = ServiceName::new(&name)
         .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
-    domain
-        .node
-        .service_builder(&service)
-        .event()
-        .max_listeners(readers + 1)
-        .max_notifiers(readers + 2)
-        .max_nodes(40)
-        .event_id_max_value(ANSWER)
-        .open_or_create()
+    let attempt = || {
+        domain
+            .node
+            .service_builder(&service)
+            .event()
+            .max_listeners(readers + 1)
+            .max_notifiers(readers + 2)
+            .max_nodes(40)
+            .event_id_max_value(ANSWER)
+            .open_or_create()
+    };
+    making::make(domain, attempt, hindrance)
         .map_err(|cause| WireError::transport(format!("opening {name}"), cause))
+}
+
+fn hindrance(cause: &EventOpenOrCreateError) -> Hindrance {
+    match cause {
+        EventOpenOrCreateError::EventOpenError(EventOpenError::HangsInCreation) => {
+            Hindrance::HalfMade
+        }
+        EventOpenOrCreateError::SystemInFlux
+        | EventOpenOrCreateError::EventOpenError(
+            EventOpenError::IsMarkedForDestruction
+            | EventOpenError::DoesNotExist
+            | EventOpenError::Interrupt,
+        )
+        | EventOpenOrCreateError::EventCreateError(
+            EventCreateError::IsBeingCreatedByAnotherInstance
+            | EventCreateError::AlreadyExists
+            | EventCreateError::Interrupt,
+        ) => Hindrance::Passing,
+        _ => Hindrance::Lasting,
+    }
 }
 
 /// The writer's side.
