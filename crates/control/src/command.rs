@@ -5,7 +5,8 @@ use std::fmt;
 /// A shape as an image shows it.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
-    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px; as many as the target has.
+    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px (`control_points().as_flattened()` of a reader's rope); as many as the
+    /// target has.
     pub features: &'a [f64],
     /// How well each point is seen.
     pub weights: Weights<'a>,
@@ -34,7 +35,7 @@ impl<'a> Observation<'a> {
 /// ([`Metric`](crate::Metric)); the estimator by the variances themselves.
 #[derive(Debug, Clone, Copy)]
 pub enum Weights<'a> {
-    /// Each as well as it can be, with noise of [`Options::noise_px`](crate::Options::noise_px) in all.
+    /// As even noise of the curve makes them, with noise of [`Options::noise_px`](crate::Options::noise_px) in all.
     Even,
     /// One by the variance of each point's coordinates, 1/px²; from 10⁻¹² to 10¹².
     Points(&'a [f64]),
@@ -64,9 +65,9 @@ pub enum Doing {
         /// Which: 0 to 2 are x, y, θ of the first gripper, 3 to 5 of the second.
         input: usize,
     },
-    /// It drives the rope to the target.
+    /// It drives the rope to the target, or stands there and waits whether the rope stays.
     Steering,
-    /// The rope is within the tolerance: velocity 0, or on its way there.
+    /// The rope is within the tolerance, and stays there: velocity 0.
     Arrived,
     /// Velocity 0 until it knows better.
     Holding {

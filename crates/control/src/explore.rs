@@ -12,7 +12,7 @@ use crate::options::Exploring;
 use crate::pairs::Frame;
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
 
-/// The rope comes to rest, and one image of that is waited for, s: several times what a rope on a table swings on.
+/// At home an input rests for so long, s, and until there is an image of after: the next one begins with a rope at rest.
 const REST_S: f64 = 0.1;
 
 /// An input is turned around when it lacks this share of its reach, and is home within the second one: the slope knows where it

@@ -39,6 +39,21 @@
 //! | what it does, and why it holds | [`Doing`], [`Why`] |
 //! | a robot that measures where it is | [`Servo::robot_is_at`] |
 //!
+//! With a reader (`lariat_wire`) a loop is this, and a command for the robot in every case:
+//!
+//! ```text
+//! let command = match reader.wait(deadline)?.only_rope(max_age) {
+//!     Seen::Fresh(rope) => servo.see(Observation::new(rope.control_points().as_flattened(), rope.exposed_ns()), now_ns()),
+//!     Seen::Partial(rope) => servo.see(Observation { partial: true, ..as above }, now_ns()),
+//!     Seen::Lost(_) => servo.hold(Why::Lost, now_ns()),
+//!     Seen::Stale(_) => servo.hold(Why::Stale, now_ns()),
+//!     Seen::Absent(_) => servo.hold(Why::Absent, now_ns()),
+//! };
+//! ```
+//!
+//! with `weights: Weights::Covariances(&descriptor.covariances[..count])`, and the metric of the curve: [`Metric::bezier`], or
+//! [`Metric::of_rows`] of the shape's `jacobian_at`.
+//!
 //! # Delay
 //!
 //! A shape is of the moment at which its image was *exposed*, and the grippers have moved since. The servo remembers where they were at

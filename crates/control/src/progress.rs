@@ -2,7 +2,7 @@
 
 use crate::options::Exploring;
 
-/// Falling by less than this share in all of the time is none: half of what noise is of an error near the tolerance.
+/// Falling by less than this share in all of the time is none.
 const PROGRESS: f64 = 0.05;
 
 /// The least error so far.

@@ -23,7 +23,7 @@ pub struct Robot {
     pub longest_apart_px: f64,
     /// The lever by which a turn counts: 1 rad is as much as so many px. Of the size of a bend of the rope. From 1 to 10⁴. Default: 100.
     pub lever_px: f64,
-    /// How long after a command the robot moves, s. From 0 to 1. Default: 0.
+    /// How long after a command the robot moves, s; and the rope, where that is known to follow late. From 0 to 1. Default: 0.
     pub delay_s: f64,
 }
 

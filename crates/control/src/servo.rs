@@ -1,5 +1,8 @@
 //! The servo: what it is at, from image to image.
 
+mod known;
+mod sight;
+
 use crate::command::{Command, Doing, Observation, Why};
 use crate::error::ServoError;
 use crate::estimator::{Learner, NONE};
@@ -12,16 +15,11 @@ use crate::options::Options;
 use crate::pairs::{Frame, Pairs};
 use crate::progress::Progress;
 use crate::weighing::Weighing;
-use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
-
-/// Beyond there is no picture, px.
-const FARTHEST_PX: f64 = 1e6;
+use crate::{Coordinates, Features, MAX_FEATURES};
+use sight::{Sight, checked};
 
 /// Between commands farther apart than this a robot is not taken to have gone on gaining speed, s.
 const LONGEST_STEP_S: f64 = 0.1;
-
-/// A Jacobian that is handed over is right to a fifth: of a rope that is held a little otherwise.
-const KNOWN_VARIANCE: f64 = 0.04;
 
 /// The share of the full speed by which a partly covered rope is steered.
 const PARTIAL_SHARE: f64 = 0.5;
@@ -56,23 +54,16 @@ pub struct Servo {
 enum Phase {
     Exploring,
     Steering,
-    Arrived,
+    /// Within the tolerance, and standing there.
+    Within {
+        since_ns: u64,
+    },
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Commanded {
     at_ns: u64,
     velocity: Coordinates,
-}
-
-/// An image that can be gone by.
-struct Sight {
-    frame: Frame,
-    is_new: bool,
-    partial: bool,
-    /// From the shape to the target.
-    error: Features,
-    error_px: f64,
 }
 
 /// What is wanted, before the limits.
@@ -158,7 +149,7 @@ impl Servo {
         }
         self.target = checked(target)?;
         self.way_chosen = !self.options.either_way;
-        if self.phase == Phase::Arrived {
+        if let Phase::Within { .. } = self.phase {
             self.phase = Phase::Steering;
         }
         self.progress = Progress::new(&self.options.exploring);
@@ -176,111 +167,6 @@ impl Servo {
         self.progress = Progress::new(&self.options.exploring);
         self.way_chosen = !self.options.either_way;
         self.resumed_ns = None;
-    }
-
-    /// The robot says where its grippers were at a moment of the last second or so: what was commanded since then counts from
-    /// there. Without it they are where the commands have led them. Numbers that are none, and moments that are not yet, are passed over.
-    pub fn robot_is_at(&mut self, poses: &[[f64; 3]; 2], at_ns: u64) {
-        let near = |c: &f64| c.abs() <= FARTHEST_PX;
-        if !poses.as_flattened().iter().all(near) {
-            return;
-        }
-        let measured = self.limits.gather(poses);
-        match self.commanded {
-            None => self.history.stand_at(measured),
-            Some(last) if at_ns <= last.at_ns.saturating_add(1_000_000_000) => {
-                let at_ns = at_ns.saturating_sub(self.delay_ns());
-                self.history.correct(at_ns, measured);
-            }
-            Some(_) => {}
-        }
-    }
-
-    /// Where the grippers are by the commands so far: x px, y px, θ rad.
-    pub fn poses(&self, now_ns: u64) -> [[f64; 3]; 2] {
-        let at_ns = now_ns.saturating_sub(self.delay_ns());
-        self.limits.spread(&self.history.at(at_ns).unwrap_or(NONE))
-    }
-
-    /// What is known of `∂s/∂r`: the answer of coordinate `feature` of the shape to each coordinate of each gripper, in px/px, px/px,
-    /// px/rad. `None` while it is explored, and for a coordinate that is not there.
-    pub fn jacobian(&self, feature: usize) -> Option<[[f64; 3]; 2]> {
-        if self.phase == Phase::Exploring || feature >= self.size {
-            return None;
-        }
-        let row = self.jacobian.columns.map(|column| column[feature]);
-        Some(self.limits.spread_row(&row))
-    }
-
-    /// Takes `∂s/∂r` for known, of another run with the same rope held alike: a row for each coordinate of the shape, as
-    /// [`jacobian`](Self::jacobian) has them. It steers from the first image on.
-    ///
-    /// # Errors
-    /// Another number of rows than the target has coordinates, or entries that are no numbers.
-    pub fn know(&mut self, rows: &[[[f64; 3]; 2]]) -> Result<(), ServoError> {
-        let finite = rows
-            .as_flattened()
-            .as_flattened()
-            .iter()
-            .all(|c| c.abs() <= FARTHEST_PX);
-        if rows.len() != self.size || !finite {
-            return Err(ServoError::NotAJacobian {
-                given: rows.len(),
-                expected: self.size,
-            });
-        }
-        let movable = self.limits.movable();
-        for (feature, row) in rows.iter().enumerate() {
-            let row = self.limits.gather_row(row);
-            for input in (0..INPUTS).filter(|input| movable[*input]) {
-                self.jacobian.columns[input][feature] = row[input];
-            }
-        }
-        for input in (0..INPUTS).filter(|input| movable[*input]) {
-            self.learner.measured(input, KNOWN_VARIANCE);
-        }
-        self.phase = Phase::Steering;
-        Ok(())
-    }
-
-    /// Whether an image can be gone by; if it can, all of it that the rest asks for.
-    fn sight(&mut self, seen: &Observation, now_ns: u64) -> Result<Sight, Why> {
-        let (given, expected) = (seen.features.len(), self.size);
-        if given != expected {
-            return Err(Why::Size { given, expected });
-        }
-        let features = checked(seen.features).map_err(|_| Why::NotAShape)?;
-        let before = self.commanded.is_some_and(|last| now_ns < last.at_ns);
-        let older = self.exposed_ns.is_some_and(|last| seen.exposed_ns < last);
-        if before || older || seen.exposed_ns > now_ns {
-            return Err(Why::Clock);
-        }
-        if (now_ns - seen.exposed_ns) as f64 * 1e-9 > self.options.oldest_image_s {
-            return Err(Why::Stale);
-        }
-        if seen.partial && (self.options.hold_on_partial || self.phase == Phase::Exploring) {
-            return Err(Why::Partial);
-        }
-        let at_ns = seen.exposed_ns.saturating_sub(self.delay_ns());
-        let r = self.history.at(at_ns).ok_or(Why::Stale)?;
-        let noise_px2 = self.weighing.take(seen.weights, self.options.noise_px)?;
-        let is_new = self.exposed_ns != Some(seen.exposed_ns);
-        self.exposed_ns = Some(seen.exposed_ns);
-        self.choose_way(&features);
-        let error = std::array::from_fn(|k| self.target[k] - features[k]);
-        let frame = Frame {
-            features,
-            r,
-            at_ns,
-            noise_px2,
-        };
-        Ok(Sight {
-            frame,
-            is_new,
-            partial: seen.partial,
-            error,
-            error_px: self.weighing.distance_px(&error),
-        })
     }
 
     fn go_by(&mut self, sight: &Sight, now_ns: u64) -> Command {
@@ -365,29 +251,43 @@ impl Servo {
         let wish = self.within_borders(&law, r);
         // What was seen and what should be now: neither alone is believed to be there.
         let error_px = sight.error_px.max(self.weighing.distance_px(&error));
-        let was_there = self.phase == Phase::Arrived;
-        let release = if was_there { self.options.release } else { 1.0 };
-        let is_there = error_px <= release * self.options.tolerance_px;
-        if is_there {
-            self.phase = Phase::Arrived;
-        } else {
-            self.phase = Phase::Steering;
-            if was_there {
-                self.progress.begin(now_ns);
-            }
-            if self.progress.has_stalled(error_px, now_ns) {
-                self.explorer = Explorer::new(self.options.exploring);
-                self.phase = Phase::Exploring;
-            }
+        let within = self.is_within(error_px, now_ns);
+        if !within && self.progress.has_stalled(error_px, now_ns) {
+            self.explorer = Explorer::new(self.options.exploring);
+            self.phase = Phase::Exploring;
         }
         Plan {
-            velocity: if is_there { NONE } else { wish.velocity },
-            doing: if is_there {
-                Doing::Arrived
-            } else {
-                Doing::Steering
-            },
+            velocity: if within { NONE } else { wish.velocity },
+            doing: self.arrived_or_steering(sight.frame.at_ns),
             condition: Some(wish.condition),
+        }
+    }
+
+    /// Whether the shape is near enough to the target to stand still, which it is for a little farther once it was.
+    fn is_within(&mut self, error_px: f64, now_ns: u64) -> bool {
+        let tolerance_px = self.options.tolerance_px;
+        match self.phase {
+            Phase::Within { .. } if error_px <= self.options.release * tolerance_px => true,
+            Phase::Within { .. } => {
+                self.phase = Phase::Steering;
+                self.progress.begin(now_ns);
+                false
+            }
+            _ if error_px <= tolerance_px => {
+                self.phase = Phase::Within { since_ns: now_ns };
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn arrived_or_steering(&self, seen_at_ns: u64) -> Doing {
+        let settle_ns = (self.options.settle_s * 1e9) as u64;
+        match self.phase {
+            Phase::Within { since_ns } if seen_at_ns >= since_ns.saturating_add(settle_ns) => {
+                Doing::Arrived
+            }
+            _ => Doing::Steering,
         }
     }
 
@@ -410,26 +310,6 @@ impl Servo {
         }
     }
 
-    fn choose_way(&mut self, features: &Features) {
-        if self.way_chosen {
-            return;
-        }
-        self.way_chosen = true;
-        let mut reversed = [0.0; MAX_FEATURES];
-        let points = self.size / 2;
-        for j in 0..points {
-            let from = 2 * (points - 1 - j);
-            reversed[2 * j..2 * j + 2].copy_from_slice(&self.target[from..from + 2]);
-        }
-        let [as_it_is, other] = [&self.target, &reversed].map(|target| {
-            let error = std::array::from_fn(|k| target[k] - features[k]);
-            self.weighing.distance_px(&error)
-        });
-        if other < as_it_is {
-            self.target = reversed;
-        }
-    }
-
     fn command(&mut self, now_ns: u64, velocity: Coordinates) {
         self.history.drive(now_ns, velocity);
         let at_ns = self.commanded.map_or(now_ns, |last| last.at_ns.max(now_ns));
@@ -446,16 +326,4 @@ impl Servo {
     fn delay_ns(&self) -> u64 {
         (self.options.robot.delay_s * 1e9) as u64
     }
-}
-
-fn checked(shape: &[f64]) -> Result<Features, ServoError> {
-    let mut features = [0.0; MAX_FEATURES];
-    for (index, (place, &value)) in features.iter_mut().zip(shape).enumerate() {
-        // NaN is within no range.
-        if !(-FARTHEST_PX..=FARTHEST_PX).contains(&value) {
-            return Err(ServoError::NotATarget { index, value });
-        }
-        *place = value;
-    }
-    Ok(features)
 }

@@ -130,7 +130,7 @@ fn feed(servo: &mut Servo, event: &Event, now_ns: &mut u64) -> Option<lariat_con
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn whatever_it_is_fed_no_velocity_is_above_its_limit(

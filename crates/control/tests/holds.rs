@@ -192,12 +192,15 @@ fn an_arrived_servo_stands_until_the_shape_has_left_the_tolerance_by_half() {
     let mut servo = servo(Options::default());
     assert_eq!(world.run(&mut servo, 30).doing, Doing::Arrived);
     let target = linear(&GOAL);
-    for (off, doing) in [
+    let mut offs = vec![
         (2.9, Doing::Arrived),
         (3.1, Doing::Steering),
         (2.1, Doing::Steering),
-        (1.9, Doing::Arrived),
-    ] {
+    ];
+    // 0.2 s are a dozen images at 16 ms; until then it stands and waits.
+    offs.extend([(1.9, Doing::Steering); 13]);
+    offs.push((2.9, Doing::Arrived));
+    for (off, doing) in offs {
         let (exposed_ns, _) = world.image();
         // Every point by as much, along x.
         let shape: Vec<f64> = target
@@ -262,6 +265,26 @@ fn a_robot_that_says_where_it_is_is_believed() {
             .iter_mut()
             .for_each(|v| *v *= 0.5);
         world.obey(&command);
+    }
+    panic!("it never arrives");
+}
+
+/// 15 images/s and 1000 commands/s: between two images it goes by what should be now, and learns nothing twice.
+#[test]
+fn a_robot_with_a_faster_beat_than_the_camera_is_given_commands_between_images() {
+    let mut world = World::new(linear, START, 1);
+    let mut servo = servo(Options::default());
+    let mut last = world.image();
+    for turn in 0..15_000 {
+        let image = world.image();
+        if turn % 67 == 0 {
+            last = image;
+        }
+        let command = servo.see(Observation::new(&last.1, last.0), world.now_ns());
+        world.obey(&command);
+        if command.doing == Doing::Arrived {
+            return;
+        }
     }
     panic!("it never arrives");
 }

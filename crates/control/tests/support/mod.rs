@@ -68,14 +68,76 @@ pub(crate) fn linear(poses: &Poses) -> Vec<f64> {
     ]
 }
 
+/// A Bezier curve fitted to points of the rope: `(BᵀB)⁻¹Bᵀ`, and the diagonal of `(BᵀB)⁻¹`.
+pub(crate) struct Fit {
+    inverse: Vec<Vec<f64>>,
+    gains: Vec<f64>,
+}
+
+impl Fit {
+    pub(crate) fn bezier(order: usize, samples: usize) -> Self {
+        let count = order + 1;
+        let binomial = |k: usize| (0..k).fold(1.0, |c, i| c * (order - i) as f64 / (i + 1) as f64);
+        let row = |i: usize| -> Vec<f64> {
+            let rho = i as f64 / (samples - 1) as f64;
+            let function =
+                |j: usize| binomial(j) * rho.powi(j as i32) * (1.0 - rho).powi((order - j) as i32);
+            (0..count).map(function).collect()
+        };
+        let b: Vec<_> = (0..samples).map(row).collect();
+        // Gauss and Jordan on [BᵀB | I | Bᵀ].
+        let mut rows: Vec<Vec<f64>> = (0..count)
+            .map(|j| {
+                let gram = (0..count).map(|k| b.iter().map(|row| row[j] * row[k]).sum());
+                let unit = (0..count).map(|k| f64::from(u8::from(j == k)));
+                gram.chain(unit).chain(b.iter().map(|row| row[j])).collect()
+            })
+            .collect();
+        for k in 0..count {
+            let pivot: Vec<f64> = rows[k].iter().map(|c| c / rows[k][k]).collect();
+            for row in &mut rows {
+                let factor = row[k];
+                row.iter_mut()
+                    .zip(&pivot)
+                    .for_each(|(c, p)| *c -= factor * p);
+            }
+            rows[k] = pivot;
+        }
+        Self {
+            gains: (0..count).map(|j| rows[j][count + j]).collect(),
+            inverse: rows
+                .into_iter()
+                .map(|row| row[2 * count..].to_vec())
+                .collect(),
+        }
+    }
+
+    /// What noise in every point makes of the control points.
+    fn disturb(&self, shape: &mut [f64], noise_px: f64, random: &mut Random) {
+        let noise: Vec<[f64; 2]> = self.inverse[0]
+            .iter()
+            .map(|_| [(); 2].map(|()| noise_px * random.normal()))
+            .collect();
+        for (point, row) in shape.chunks_mut(2).zip(&self.inverse) {
+            for (c, place) in point.iter_mut().enumerate() {
+                *place += row.iter().zip(&noise).map(|(r, n)| r * n[c]).sum::<f64>();
+            }
+        }
+    }
+}
+
 /// A rope, its grippers and its camera, in steps of 1 ms.
 pub(crate) struct World {
     pub(crate) rope: fn(&Poses) -> Vec<f64>,
     pub(crate) poses: Poses,
     pub(crate) period_ms: u64,
     pub(crate) delay_ms: u64,
-    /// Standard deviation of each coordinate.
+    /// Standard deviation of each coordinate of what the camera sees: of the points of `seen_by`, or of the shape's own.
     pub(crate) noise_px: f64,
+    pub(crate) seen_by: Option<Fit>,
+    /// The rope follows its grippers by so long, s: at first order.
+    pub(crate) lag_s: f64,
+    followed: Poses,
     pub(crate) random: Random,
     ms: u64,
     next_ms: u64,
@@ -91,6 +153,9 @@ impl World {
             period_ms,
             delay_ms: 0,
             noise_px: 0.0,
+            seen_by: None,
+            lag_s: 0.0,
+            followed: poses,
             random: Random(1),
             ms: 0,
             next_ms: 0,
@@ -107,9 +172,12 @@ impl World {
     pub(crate) fn image(&mut self) -> (u64, Vec<f64>) {
         loop {
             if self.ms == self.next_ms {
-                let mut shape = (self.rope)(&self.poses);
-                for c in &mut shape {
-                    *c += self.noise_px * self.random.normal();
+                let mut shape = (self.rope)(&self.followed);
+                match &self.seen_by {
+                    Some(fit) => fit.disturb(&mut shape, self.noise_px, &mut self.random),
+                    None => shape
+                        .iter_mut()
+                        .for_each(|c| *c += self.noise_px * self.random.normal()),
                 }
                 self.images.push_back((self.ms, shape));
                 self.next_ms += self.period_ms;
@@ -130,6 +198,10 @@ impl World {
                 *c += 1e-3 * v;
             }
         }
+        let followed = self.followed.as_flattened_mut().iter_mut();
+        for (followed, c) in followed.zip(self.poses.as_flattened()) {
+            *followed += (c - *followed) * (1e-3 / self.lag_s.max(1e-3));
+        }
     }
 
     pub(crate) fn obey(&mut self, command: &Command) {
@@ -139,9 +211,15 @@ impl World {
     /// The next image, and what the servo makes of it.
     pub(crate) fn turn(&mut self, servo: &mut Servo) -> Command {
         let (exposed_ns, shape) = self.image();
-        let weights = vec![1.0 / self.noise_px.max(1e-3).powi(2); shape.len() / 2];
+        let gains = self.seen_by.as_ref().map(|fit| fit.gains.clone());
+        let gains = gains.unwrap_or_else(|| vec![1.0; shape.len() / 2]);
+        let variance = self.noise_px.max(1e-3).powi(2);
+        let covariances: Vec<_> = gains
+            .iter()
+            .map(|g| [g * variance, 0.0, g * variance])
+            .collect();
         let observation = Observation {
-            weights: Weights::Points(&weights),
+            weights: Weights::Covariances(&covariances),
             ..Observation::new(&shape, exposed_ns)
         };
         let command = servo.see(observation, self.now_ns());
