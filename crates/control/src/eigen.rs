@@ -1,0 +1,82 @@
+//! Eigenvalues and vectors of a symmetric matrix of at most six rows, by Jacobi's rotations (G. Golub, C. Van Loan, *Matrix
+//! Computations*, 4th edition, 8.5): to rounding also for the small ones, which say how near a Jacobian is to singular.
+
+use crate::{Coordinates, INPUTS};
+
+/// Sweeps after which it has long converged: quadratically, from the fourth or so on.
+const SWEEPS: usize = 12;
+
+/// Eigenvalues in no order, and their vectors as rows.
+pub(crate) struct Eigen {
+    pub(crate) values: Coordinates,
+    pub(crate) vectors: [Coordinates; INPUTS],
+}
+
+pub(crate) fn eigen(mut a: [Coordinates; INPUTS]) -> Eigen {
+    let mut vectors = [[0.0; INPUTS]; INPUTS];
+    for (i, vector) in vectors.iter_mut().enumerate() {
+        vector[i] = 1.0;
+    }
+    for _ in 0..SWEEPS {
+        for i in 0..INPUTS {
+            for j in i + 1..INPUTS {
+                rotate(&mut a, &mut vectors, i, j);
+            }
+        }
+    }
+    Eigen {
+        values: std::array::from_fn(|i| a[i][i]),
+        vectors,
+    }
+}
+
+/// Makes entry (i, j) zero: by the smaller of the two angles that do.
+fn rotate(a: &mut [Coordinates; INPUTS], vectors: &mut [Coordinates; INPUTS], i: usize, j: usize) {
+    if a[i][j] == 0.0 {
+        return;
+    }
+    let tau = (a[j][j] - a[i][i]) / (2.0 * a[i][j]);
+    let sign = if tau < 0.0 { -1.0 } else { 1.0 };
+    let tangent = sign / (tau.abs() + (1.0 + tau * tau).sqrt());
+    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+    let sine = tangent * cosine;
+    let turn = |p: &mut f64, q: &mut f64| {
+        (*p, *q) = (cosine * *p - sine * *q, sine * *p + cosine * *q);
+    };
+    for row in a.iter_mut() {
+        let [p, q] = row.get_disjoint_mut([i, j]).expect("i < j < 6");
+        turn(p, q);
+    }
+    for rows in [a, vectors] {
+        let [p, q] = rows.get_disjoint_mut([i, j]).expect("i < j < 6");
+        p.iter_mut().zip(q).for_each(|(p, q)| turn(p, q));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn vectors_and_values_make_the_matrix_again() {
+        let mut random = Random(1);
+        for _ in 0..50 {
+            let half: [Coordinates; INPUTS] = std::array::from_fn(|_| random.coordinates());
+            let matrix: [Coordinates; INPUTS] = std::array::from_fn(|i| {
+                std::array::from_fn(|j| (0..INPUTS).map(|k| half[i][k] * half[j][k]).sum())
+            });
+            let Eigen { values, vectors } = eigen(matrix);
+            for i in 0..INPUTS {
+                for j in 0..INPUTS {
+                    let again: f64 = (0..INPUTS)
+                        .map(|k| values[k] * vectors[k][i] * vectors[k][j])
+                        .sum();
+                    assert!((again - matrix[i][j]).abs() < 1e-12, "{again}");
+                    let unit: f64 = (0..INPUTS).map(|k| vectors[i][k] * vectors[j][k]).sum();
+                    assert!((unit - f64::from(u8::from(i == j))).abs() < 1e-13, "{unit}");
+                }
+            }
+        }
+    }
+}

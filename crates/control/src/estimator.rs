@@ -1,0 +1,194 @@
+//! `J` kept up to date, by one rule or the other.
+
+use crate::jacobian::{Jacobian, square};
+use crate::kalman::Kalman;
+use crate::options::Estimator;
+use crate::{Coordinates, Features, INPUTS, broyden};
+
+/// Two shapes, and what the grippers did between their exposures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair {
+    /// px-like.
+    pub(crate) dr: Coordinates,
+    /// px.
+    pub(crate) ds: Features,
+    /// The mean square distance that noise alone makes of `ds`, px².
+    pub(crate) noise_px2: f64,
+}
+
+/// The rule, with what it remembers.
+#[derive(Debug, Clone)]
+pub(crate) enum Learner {
+    Broyden { share: f64 },
+    Kalman(Box<Kalman>),
+}
+
+impl Learner {
+    pub(crate) fn new(estimator: Estimator) -> Self {
+        match estimator {
+            Estimator::Broyden { share } => Self::Broyden { share },
+            Estimator::Kalman { drift } => Self::Kalman(Box::new(Kalman::new(drift))),
+        }
+    }
+
+    /// A column was measured anew, with this variance (a mean square, as [`Pair::noise_px2`], by px²).
+    pub(crate) fn measured(&mut self, input: usize, variance: f64) {
+        if let Self::Kalman(kalman) = self {
+            kalman.measured(input, variance);
+        }
+    }
+
+    /// Learns from a pair. One that would leave `J` without finite numbers changes nothing.
+    pub(crate) fn learn(&mut self, jacobian: &mut Jacobian, pair: &Pair) {
+        let gain = match self {
+            Self::Broyden { share } => broyden::gain(*share, &pair.dr),
+            Self::Kalman(kalman) => kalman.gain(&pair.dr, pair.noise_px2),
+        };
+        let surprise = jacobian.surprise(&pair.dr, &pair.ds);
+        // Numbers that are none make a sum that is none, and that is not below.
+        let size: f64 = surprise.iter().map(|s| s * s).sum();
+        if (size * square(&gain)).sqrt() < MOST_CHANGE {
+            jacobian.add(&surprise, &gain);
+        }
+    }
+}
+
+/// A pair that changes `J` by more is no rope's answer, px by px: a jump of the whole shape at a step of some px.
+const MOST_CHANGE: f64 = 100.0;
+
+/// No inputs.
+pub(crate) const NONE: Coordinates = [0.0; INPUTS];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    const SIZE: usize = 18;
+
+    fn truth(random: &mut Random) -> Jacobian {
+        Jacobian {
+            columns: [(); INPUTS].map(|()| random.features(SIZE)),
+        }
+    }
+
+    fn error(a: &Jacobian, b: &Jacobian) -> f64 {
+        let pairs = a
+            .columns
+            .as_flattened()
+            .iter()
+            .zip(b.columns.as_flattened());
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Steps along one input after the other, 5 px long, with noise of this standard deviation in each coordinate of `δs`.
+    fn steps(
+        learner: &mut Learner,
+        truth: &Jacobian,
+        count: usize,
+        noise_px: f64,
+    ) -> Vec<Jacobian> {
+        let mut random = Random(11);
+        let mut jacobian = Jacobian::ZERO;
+        let mut way = Vec::new();
+        for step in 0..count {
+            let mut dr = NONE;
+            dr[step % INPUTS] = 5.0;
+            let mut ds = truth.times(&dr);
+            ds[..SIZE]
+                .iter_mut()
+                .for_each(|ds| *ds += noise_px * random.normal());
+            // Of points: the mean over them of the squares of x and y.
+            let noise_px2 = 2.0 * noise_px * noise_px;
+            learner.learn(&mut jacobian, &Pair { dr, ds, noise_px2 });
+            way.push(jacobian.clone());
+        }
+        way
+    }
+
+    /// The error along each input falls by 1 − γ each time that it moves.
+    #[test]
+    fn broydens_rule_converges_on_a_linear_map_as_its_share_says() {
+        let truth = truth(&mut Random(1));
+        let mut learner = Learner::new(Estimator::Broyden { share: 0.5 });
+        let way = steps(&mut learner, &truth, 10 * INPUTS, 0.0);
+        let begun = error(&Jacobian::ZERO, &truth);
+        for turns in 1..=10 {
+            let left = error(&way[turns * INPUTS - 1], &truth) / begun;
+            assert!((left - 0.5f64.powi(turns as i32)).abs() < 1e-12, "{left}");
+        }
+    }
+
+    /// Each entry is `e ← (1 − γ)e + γ n/‖δr‖`: a variance of γ/(2 − γ) (σ/‖δr‖)², in the mean over 108 entries and 50 turns.
+    #[test]
+    fn noise_leaves_in_broydens_rule_what_it_must() {
+        let truth = truth(&mut Random(1));
+        let (share, sigma) = (0.5, 0.3);
+        let mut learner = Learner::new(Estimator::Broyden { share });
+        let way = steps(&mut learner, &truth, 70 * INPUTS, sigma);
+        let late = &way[20 * INPUTS..];
+        let mean = late.iter().map(|j| error(j, &truth).powi(2)).sum::<f64>()
+            / (late.len() * SIZE * INPUTS) as f64;
+        let wanted = share / (2.0 - share) * (sigma / 5.0f64).powi(2);
+        // Some 108 · 50 · ⅓ independent squares: 2.4 % of standard deviation. Five of these.
+        assert!((mean / wanted - 1.0).abs() < 0.12, "{}", mean / wanted);
+    }
+
+    /// Without drift it is least squares over all steps, from an entry that is 0 ± 1/√m at the start (the mean square of a rope's answer
+    /// is 1): after k steps of 5 px along an input its error has the variance σ²/(25 k), the start's pull aside.
+    #[test]
+    fn the_filter_converges_on_a_linear_map_as_least_squares_do() {
+        let truth = truth(&mut Random(2));
+        let mut learner = Learner::new(Estimator::Kalman { drift: 0.0 });
+        let exact = steps(&mut learner, &truth, 2 * INPUTS, 0.0);
+        assert!(error(&exact[2 * INPUTS - 1], &truth) < 1e-9);
+
+        let sigma = 0.3;
+        let mut learner = Learner::new(Estimator::Kalman { drift: 0.0 });
+        let turns = 40;
+        let way = steps(&mut learner, &truth, turns * INPUTS, sigma);
+        let mean = error(&way[turns * INPUTS - 1], &truth).powi(2) / (SIZE * INPUTS) as f64;
+        let wanted = sigma * sigma / (25.0 * turns as f64);
+        // 108 squares: 14 % of standard deviation. Three of these, and the start's pull of some hundredths.
+        assert!((mean / wanted - 1.0).abs() < 0.45, "{}", mean / wanted);
+    }
+
+    #[test]
+    fn the_filter_follows_a_rope_that_answers_otherwise_later() {
+        let mut random = Random(3);
+        let (before, after) = (truth(&mut random), truth(&mut random));
+        let mut learner = Learner::new(Estimator::Kalman { drift: 0.3 });
+        let mut jacobian = Jacobian::ZERO;
+        for step in 0..80 * INPUTS {
+            let truth = if step < 20 * INPUTS { &before } else { &after };
+            let mut dr = NONE;
+            dr[step % INPUTS] = 5.0;
+            let mut ds = truth.times(&dr);
+            ds[..SIZE]
+                .iter_mut()
+                .for_each(|ds| *ds += 0.1 * random.normal());
+            let noise_px2 = 0.02;
+            learner.learn(&mut jacobian, &Pair { dr, ds, noise_px2 });
+        }
+        assert!(error(&jacobian, &after) < 0.05 * error(&before, &after));
+    }
+
+    #[test]
+    fn a_jump_of_the_shape_is_no_answer() {
+        for estimator in [Estimator::BROYDEN, Estimator::default()] {
+            let mut learner = Learner::new(estimator);
+            let mut jacobian = Jacobian::ZERO;
+            let mut dr = NONE;
+            dr[0] = 2.0;
+            for ds in [1e6, f64::INFINITY, f64::NAN] {
+                let pair = Pair {
+                    dr,
+                    ds: [ds; crate::MAX_FEATURES],
+                    noise_px2: 0.1,
+                };
+                learner.learn(&mut jacobian, &pair);
+            }
+            assert_eq!(jacobian, Jacobian::ZERO);
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The first Jacobian: each input goes a little way out and back while the others stand still, and its column is the slope of the shape
+//! over it, by least squares over all images of that time (the exploratory motions of K. Hosoda, M. Asada, IROS 1994; H. Sutanto,
+//! R. Sharma, V. Varma, ICRA 1997).
+//!
+//! Each image counts at the place where the input was when it was exposed, so that neither delay nor a hold on the way does harm. What a rope
+//! lags behind on the way out it lags behind on the way back, the other way, and the slope is between the two.
+
+use crate::estimator::{Learner, NONE};
+use crate::jacobian::Jacobian;
+use crate::limits::Limits;
+use crate::options::Exploring;
+use crate::pairs::Frame;
+use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
+
+/// At home an input rests for so long, s, and until there is an image of after: the next one begins with a rope at rest.
+const REST_S: f64 = 0.1;
+
+/// An input is turned around when it lacks this share of its reach, and is home within the second one: the slope knows where it
+/// really was.
+const OUT: f64 = 0.1;
+const HOME: f64 = 0.04;
+
+/// Towards its end a motion gets slower by this, 1/s; less where commands come so seldom that it would go beyond.
+const APPROACH: f64 = 10.0;
+
+/// The motions of all inputs in turn.
+#[derive(Debug, Clone)]
+pub(crate) struct Explorer {
+    exploring: Exploring,
+    /// The input that is moved, or about to be.
+    input: usize,
+    leg: Option<Leg>,
+}
+
+/// One input's way.
+#[derive(Debug, Clone)]
+struct Leg {
+    begun_ns: u64,
+    home: f64,
+    sign: f64,
+    way: Way,
+    /// How long it has been on this part of its way, s; holds do not count.
+    moving_s: f64,
+    second_try: bool,
+    slope: Slope,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    Out,
+    Back,
+    Rest { until_ns: u64 },
+}
+
+impl Explorer {
+    pub(crate) fn new(exploring: Exploring) -> Self {
+        Self {
+            exploring,
+            input: 0,
+            leg: None,
+        }
+    }
+
+    /// Takes an image, and with the last one of a leg its column.
+    pub(crate) fn take(&mut self, frame: &Frame, jacobian: &mut Jacobian, learner: &mut Learner) {
+        let Some(leg) = &mut self.leg else {
+            return;
+        };
+        if frame.at_ns < leg.begun_ns {
+            return;
+        }
+        leg.slope.add(frame.r[self.input] - leg.home, frame);
+        if !matches!(leg.way, Way::Rest { until_ns } if frame.at_ns >= until_ns) {
+            return;
+        }
+        if leg.slope.most - leg.slope.least > 0.3 * self.exploring.reach_px {
+            let (column, variance) = leg.slope.fit();
+            jacobian.columns[self.input] = column;
+            learner.measured(self.input, variance);
+        } else if !leg.second_try {
+            // Too few images, or in its way a border.
+            let (home, sign) = (leg.home, -leg.sign);
+            *leg = Leg::new(frame.at_ns, home, sign);
+            leg.second_try = true;
+            return;
+        }
+        self.leg = None;
+        self.input += 1;
+    }
+
+    /// Which input moves now, and how. `None` when all have.
+    pub(crate) fn drive(
+        &mut self,
+        now_ns: u64,
+        dt_s: f64,
+        r: &Coordinates,
+        limits: &Limits,
+    ) -> Option<(usize, Coordinates)> {
+        let movable = limits.movable();
+        while self.input < INPUTS && !movable[self.input] {
+            self.input += 1;
+        }
+        let input = self.input;
+        if input == INPUTS {
+            return None;
+        }
+        let Exploring {
+            reach_px,
+            speed_px_s,
+            ..
+        } = self.exploring;
+        let leg = self.leg.get_or_insert_with(|| {
+            let mut out = *r;
+            out[input] += reach_px;
+            Leg::new(
+                now_ns,
+                r[input],
+                if limits.allow(&out) { 1.0 } else { -1.0 },
+            )
+        });
+        leg.moving_s += dt_s;
+        let speed = speed_px_s.min(limits.speed(input));
+        // Three times as long as it takes, and it is against a border.
+        let late = leg.moving_s > 3.0 * reach_px / speed + 1.0;
+        let mut velocity = NONE;
+        let (goal, near) = match leg.way {
+            Way::Out => (leg.home + leg.sign * reach_px, OUT * reach_px),
+            Way::Back => (leg.home, HOME * reach_px),
+            Way::Rest { .. } => return Some((input, velocity)),
+        };
+        let missing = goal - r[input];
+        if missing.abs() <= near || late {
+            leg.moving_s = 0.0;
+            leg.way = match leg.way {
+                Way::Out => Way::Back,
+                _ => Way::Rest {
+                    until_ns: now_ns.saturating_add((REST_S * 1e9) as u64),
+                },
+            };
+            return Some((input, velocity));
+        }
+        let approach = APPROACH.min(0.5 / dt_s);
+        velocity[input] = (approach * missing).clamp(-speed, speed);
+        Some((input, velocity))
+    }
+}
+
+impl Leg {
+    fn new(begun_ns: u64, home: f64, sign: f64) -> Self {
+        Self {
+            begun_ns,
+            home,
+            sign,
+            way: Way::Out,
+            moving_s: 0.0,
+            second_try: false,
+            slope: Slope::EMPTY,
+        }
+    }
+}
+
+/// Sums for a line through all images.
+#[derive(Debug, Clone)]
+struct Slope {
+    count: f64,
+    r: f64,
+    rr: f64,
+    s: Features,
+    rs: Features,
+    noise_px2: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Slope {
+    const EMPTY: Self = Self {
+        count: 0.0,
+        r: 0.0,
+        rr: 0.0,
+        s: [0.0; MAX_FEATURES],
+        rs: [0.0; MAX_FEATURES],
+        noise_px2: 0.0,
+        least: 0.0,
+        most: 0.0,
+    };
+
+    fn add(&mut self, r: f64, frame: &Frame) {
+        if self.count == 0.0 {
+            (self.least, self.most) = (r, r);
+        }
+        self.count += 1.0;
+        self.r += r;
+        self.rr += r * r;
+        for (k, feature) in frame.features.iter().enumerate() {
+            self.s[k] += feature;
+            self.rs[k] += r * feature;
+        }
+        self.noise_px2 += frame.noise_px2;
+        self.least = self.least.min(r);
+        self.most = self.most.max(r);
+    }
+
+    /// The slope of each coordinate, and the variance that noise makes of it, over the shape.
+    fn fit(&self) -> (Features, f64) {
+        let spread = self.rr - self.r * self.r / self.count;
+        let slope =
+            std::array::from_fn(|k| (self.rs[k] - self.r * self.s[k] / self.count) / spread);
+        (slope, self.noise_px2 / self.count / spread)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::{Estimator, Robot};
+
+    /// Commands and images at 50/s, the images 100 ms late: the columns are the map's but for the noise, and all is home again.
+    #[test]
+    fn out_and_back_each_column_is_found_whatever_the_delay() {
+        let robot = Robot {
+            grippers: 2,
+            ..Robot::default()
+        };
+        let limits = Limits::new(&robot);
+        let mut random = Random(5);
+        let truth = Jacobian {
+            columns: [(); INPUTS].map(|()| random.features(12)),
+        };
+        let mut explorer = Explorer::new(Exploring::default());
+        let mut learner = Learner::new(Estimator::default());
+        let mut jacobian = Jacobian::ZERO;
+        let mut way = vec![NONE];
+        let sigma = 0.2;
+        for step in 0.. {
+            let now_ns = step as u64 * 20_000_000;
+            let then = step.max(5) - 5;
+            let mut features = truth.times(&way[then]);
+            features[..12]
+                .iter_mut()
+                .for_each(|s| *s += 300.0 + sigma * random.normal());
+            let frame = Frame {
+                features,
+                r: way[then],
+                at_ns: then as u64 * 20_000_000,
+                noise_px2: 2.0 * sigma * sigma,
+            };
+            explorer.take(&frame, &mut jacobian, &mut learner);
+            let r = way[step];
+            let Some((_, velocity)) = explorer.drive(now_ns, 0.02, &r, &limits) else {
+                break;
+            };
+            way.push(std::array::from_fn(|i| r[i] + 0.02 * velocity[i]));
+            assert!(step < 500, "{explorer:?}");
+        }
+        for (found, column) in jacobian.columns.iter().zip(&truth.columns) {
+            for (found, entry) in found.iter().zip(column) {
+                // Some 40 images over 15 px: a spread of more than 600 px². Five standard deviations.
+                assert!(
+                    (found - entry).abs() < 5.0 * sigma / 600f64.sqrt(),
+                    "{found} {entry}"
+                );
+            }
+        }
+        assert!(
+            way.last()
+                .is_some_and(|r| r.iter().all(|r| r.abs() <= HOME * 15.0))
+        );
+    }
+}

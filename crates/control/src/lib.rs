@@ -1,0 +1,114 @@
+//! Shape servoing: a rope's descriptor in, gripper velocities out.
+//!
+//! One or two grippers at `r` (each x px, y px, θ rad) hold a rope whose shape a camera sees as `s`: the control points of a
+//! curve, or any points, stacked `[x₀, y₀, x₁, y₁, …]`. How the shape answers to the grippers, `J = ∂s/∂r`, is the rope's own and not
+//! known beforehand. A [`Servo`] finds it by small motions of each input in turn, keeps it up to date while it steers, and drives the
+//! shape towards a target `s*` by damped least squares:
+//!
+//! ```text
+//! v = λ (JᵀWJ + μ²I)⁻¹ JᵀW (s* − s)
+//! ```
+//!
+//! It holds still when told that the rope is lost, and goes on by itself. It has no clock, no thread and does no I/O: it is told
+//! the time, and allocates nothing once made. Whatever it is fed, no velocity is above the robot's limits.
+//!
+//! ```
+//! use lariat_control::{Doing, Observation, Options, Servo};
+//!
+//! // A rope of three control points, held at its last: it answers as it likes.
+//! let rope = |[x, y, turn]: [f64; 3]| [0.0, 0.0, 0.5 * x - 40.0 * turn, 0.7 * y + 60.0 * turn, x, y];
+//! let mut servo = Servo::new(Options::default(), &rope([180.0, 60.0, 0.4]))?;
+//! let (mut gripper, mut now_ns) = ([150.0, 0.0, 0.0], 0);
+//! loop {
+//!     let command = servo.see(Observation::new(&rope(gripper), now_ns), now_ns);
+//!     if command.doing == Doing::Arrived { break }
+//!     now_ns += 10_000_000;
+//!     for (pose, velocity) in gripper.iter_mut().zip(command.velocities[0]) { *pose += 0.01 * velocity }
+//! #   assert!(now_ns < 20_000_000_000);
+//! }
+//! # assert!((gripper[0] - 180.0).abs() < 5.0 && (gripper[1] - 60.0).abs() < 5.0, "{gripper:?}");
+//! # Ok::<(), lariat_control::ServoError>(())
+//! ```
+//!
+//! | for | see |
+//! |---|---|
+//! | the robot: limits of speed, acceleration and place, its delay | [`Robot`], [`Workspace`] |
+//! | what counts as distance between two shapes | [`Metric`]: of curves, not of their control points, where the feature is a curve |
+//! | how well each point is seen | [`Weights`], by which the law weighs and the estimator learns |
+//! | how `J` is learnt | [`Estimator`]: Broyden's rule, or a Kalman filter on its entries; [`Learning`], [`Exploring`] |
+//! | what it does, and why it holds | [`Doing`], [`Why`] |
+//! | a robot that measures where it is | [`Servo::robot_is_at`] |
+//!
+//! With a reader (`lariat_wire`) a loop is this, and a command for the robot in every case:
+//!
+//! ```text
+//! let command = match reader.wait(deadline)?.only_rope(max_age) {
+//!     Seen::Fresh(rope) => servo.see(Observation::new(rope.control_points().as_flattened(), rope.exposed_ns()), now_ns()),
+//!     Seen::Partial(rope) => servo.see(Observation { partial: true, ..as above }, now_ns()),
+//!     Seen::Lost(_) => servo.hold(Why::Lost, now_ns()),
+//!     Seen::Stale(_) => servo.hold(Why::Stale, now_ns()),
+//!     Seen::Absent(_) => servo.hold(Why::Absent, now_ns()),
+//! };
+//! ```
+//!
+//! with `weights: Weights::Covariances(&descriptor.covariances[..count])`, and the metric of the curve: [`Metric::bezier`], or
+//! [`Metric::of_rows`] of the shape's `jacobian_at`.
+//!
+//! # Delay
+//!
+//! A shape is of the moment at which its image was *exposed*, and the grippers have moved since. The servo remembers where they were at
+//! every moment of the last second or so. It pairs `δs` of two images with `δr` between the same two exposures, so that no delay
+//! corrupts `J`, and it steers by the shape that the rope should have *now*, `s + J (r(now) − r(exposed))`: a Smith predictor (O. Smith
+//! 1957), whose plant is the integrator that a velocity-driven rope is.
+//!
+//! # Sources
+//!
+//! The loop is that of D. Navarro-Alarcon and others (*Automatic 3-D manipulation of soft objects by robotic arms with an adaptive
+//! deformation model*, IEEE T-RO 32, 2016; with Y. Liu, *Fourier-based shape servoing*, IEEE T-RO 34, 2018), after K. Hosoda and
+//! M. Asada (*Versatile visual servoing without knowledge of true Jacobian*, IROS 1994). Each module cites what it rests on.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod broyden;
+mod command;
+mod eigen;
+mod error;
+mod estimator;
+mod explore;
+mod history;
+mod jacobian;
+mod kalman;
+mod law;
+mod limits;
+mod metric;
+mod options;
+mod pairs;
+mod progress;
+mod robot;
+mod servo;
+mod weighing;
+
+pub use command::{Command, Doing, Observation, Weights, Why};
+pub use error::{MetricError, ServoError};
+pub use metric::Metric;
+pub use options::{Estimator, Exploring, Learning, Options};
+pub use robot::{Robot, Workspace};
+pub use servo::Servo;
+
+/// The most points that a shape can have: as many as a descriptor has control points.
+pub const MAX_POINTS: usize = 32;
+
+/// Coordinates of a shape, two for each point.
+const MAX_FEATURES: usize = 2 * MAX_POINTS;
+
+/// Coordinates of two grippers: x, y, θ of each.
+const INPUTS: usize = 6;
+
+/// Of both grippers, all px-like: angles are multiplied by the robot's lever. Of velocities, px/s.
+type Coordinates = [f64; INPUTS];
+
+/// A shape, or a difference of two. Behind its size all is 0.
+type Features = [f64; MAX_FEATURES];
+
+#[cfg(test)]
+mod random;

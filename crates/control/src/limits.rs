@@ -1,0 +1,197 @@
+//! No velocity leaves this file that the robot may not have.
+
+use crate::jacobian::square;
+use crate::robot::Robot;
+use crate::{Coordinates, INPUTS};
+
+/// Towards a border no faster than would reach it in this time, s: so that commands that come at least as often do not cross it.
+const BORDER_S: f64 = 0.1;
+
+/// Of all coordinates, px-like.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// What multiplies a coordinate to make it px-like.
+    scale: Coordinates,
+    /// The limits of speed as they were given.
+    given: Coordinates,
+    speeds: Coordinates,
+    accelerations: Coordinates,
+    least: Coordinates,
+    most: Coordinates,
+    longest_apart_px: f64,
+}
+
+impl Limits {
+    pub(crate) fn new(robot: &Robot) -> Self {
+        let scale = [1.0, 1.0, robot.lever_px, 1.0, 1.0, robot.lever_px];
+        let each = |of: fn(&Robot, usize) -> [f64; 3]| -> Coordinates {
+            std::array::from_fn(|i| scale[i] * of(robot, i / 3)[i % 3])
+        };
+        let given = std::array::from_fn(|i| match i / 3 < robot.grippers {
+            true => robot.speeds[i % 3],
+            false => 0.0,
+        });
+        let longest_apart_px = match robot.grippers {
+            2 => robot.longest_apart_px,
+            _ => f64::INFINITY,
+        };
+        Self {
+            scale,
+            given,
+            speeds: std::array::from_fn(|i| scale[i] * given[i]),
+            accelerations: each(|robot, _| robot.accelerations.unwrap_or([f64::INFINITY; 3])),
+            least: each(|robot, gripper| robot.workspaces[gripper].least),
+            most: each(|robot, gripper| robot.workspaces[gripper].most),
+            longest_apart_px,
+        }
+    }
+
+    /// Poses as px-like coordinates.
+    pub(crate) fn gather(&self, poses: &[[f64; 3]; 2]) -> Coordinates {
+        std::array::from_fn(|i| self.scale[i] * poses[i / 3][i % 3])
+    }
+
+    /// Px-like coordinates as poses.
+    pub(crate) fn spread(&self, r: &Coordinates) -> [[f64; 3]; 2] {
+        by_gripper(|i| r[i] / self.scale[i])
+    }
+
+    /// Px-like velocities as those of poses: rounding puts none above its limit.
+    pub(crate) fn spread_velocity(&self, velocity: &Coordinates) -> [[f64; 3]; 2] {
+        by_gripper(|i| (velocity[i] / self.scale[i]).clamp(-self.given[i], self.given[i]))
+    }
+
+    /// A row of the Jacobian, by poses.
+    pub(crate) fn spread_row(&self, row: &Coordinates) -> [[f64; 3]; 2] {
+        by_gripper(|i| row[i] * self.scale[i])
+    }
+
+    /// A row of the Jacobian, by px-like coordinates.
+    pub(crate) fn gather_row(&self, row: &[[f64; 3]; 2]) -> Coordinates {
+        std::array::from_fn(|i| row[i / 3][i % 3] / self.scale[i])
+    }
+
+    pub(crate) fn speed(&self, input: usize) -> f64 {
+        self.speeds[input]
+    }
+
+    /// Which inputs can move at all.
+    pub(crate) fn movable(&self) -> [bool; INPUTS] {
+        self.speeds.map(|speed| speed > 0.0)
+    }
+
+    /// Whether the grippers may be here.
+    pub(crate) fn allow(&self, r: &Coordinates) -> bool {
+        let inside = (0..INPUTS)
+            .all(|i| self.speeds[i] == 0.0 || (self.least[i]..=self.most[i]).contains(&r[i]));
+        inside && apart(r).0 <= self.longest_apart_px
+    }
+
+    /// Whether an input is at a border and would go on outwards: next to nothing is left there of its velocity.
+    pub(crate) fn blocks(&self, input: usize, r: &Coordinates, velocity: f64) -> bool {
+        let (low, high) = self.room(input, r);
+        let velocity = velocity.clamp(-self.speeds[input], self.speeds[input]);
+        velocity.clamp(low, high).abs() < 0.1 * velocity.abs()
+    }
+
+    /// What of a wish may be commanded: `share` of the full speed is allowed, `before` is the last command, `dt_s` ago.
+    pub(crate) fn keep(
+        &self,
+        wish: &Coordinates,
+        share: f64,
+        before: &Coordinates,
+        dt_s: f64,
+        r: &Coordinates,
+    ) -> Coordinates {
+        if !wish.iter().chain(r).all(|number| number.is_finite()) {
+            return [0.0; INPUTS];
+        }
+        let wish = self.tethered(self.saturated(*wish), r);
+        let wish = self.saturated(wish).map(|v| share * v);
+        let mut kept = self.accelerated(wish, before, dt_s);
+        for (i, kept) in kept.iter_mut().enumerate() {
+            let (low, high) = self.room(i, r);
+            *kept = kept.clamp(low, high);
+        }
+        // A border may have stopped the one and not the other.
+        let opening = opening(&kept, r);
+        let allowed = self.allowed_opening(r);
+        if opening > allowed {
+            kept = kept.map(|v| v * (allowed / opening));
+        }
+        self.saturated(kept)
+    }
+
+    /// The whole vector made shorter, its direction kept, until each input is within its limit.
+    fn saturated(&self, velocity: Coordinates) -> Coordinates {
+        let mut share = 1.0f64;
+        for (v, limit) in velocity.iter().zip(&self.speeds) {
+            if *limit > 0.0 && v.abs() > *limit {
+                share = share.min(limit / v.abs());
+            }
+        }
+        // Rounding may put a product a last digit above.
+        std::array::from_fn(|i| (share * velocity[i]).clamp(-self.speeds[i], self.speeds[i]))
+    }
+
+    /// From the last command towards the wish, as far as the accelerations go. Between two velocities that are within the limits of
+    /// speed so is this.
+    fn accelerated(&self, wish: Coordinates, before: &Coordinates, dt_s: f64) -> Coordinates {
+        let mut share = 1.0f64;
+        for i in 0..INPUTS {
+            let (change, most) = ((wish[i] - before[i]).abs(), self.accelerations[i] * dt_s);
+            // Without a limit it is infinite, or, in no time, no number.
+            if change > most {
+                share = share.min(most / change);
+            }
+        }
+        if share == 1.0 {
+            return wish;
+        }
+        std::array::from_fn(|i| before[i] + share * (wish[i] - before[i]))
+    }
+
+    /// The least and the most velocity that does not lead out. Outside only back.
+    fn room(&self, input: usize, r: &Coordinates) -> (f64, f64) {
+        let low = (self.least[input] - r[input]) / BORDER_S;
+        let high = (self.most[input] - r[input]) / BORDER_S;
+        (low.min(0.0), high.max(0.0))
+    }
+
+    /// What would pull the rope taut is taken off both grippers alike.
+    fn tethered(&self, mut velocity: Coordinates, r: &Coordinates) -> Coordinates {
+        let excess = opening(&velocity, r) - self.allowed_opening(r);
+        if excess.is_nan() || excess <= 0.0 {
+            return velocity;
+        }
+        let (_, [x, y]) = apart(r);
+        for (i, away) in [(0, -x), (1, -y), (3, x), (4, y)] {
+            velocity[i] -= 0.5 * excess * away;
+        }
+        velocity
+    }
+
+    fn allowed_opening(&self, r: &Coordinates) -> f64 {
+        ((self.longest_apart_px - apart(r).0) / BORDER_S).max(0.0)
+    }
+}
+
+fn by_gripper(number: impl Fn(usize) -> f64) -> [[f64; 3]; 2] {
+    std::array::from_fn(|gripper| std::array::from_fn(|axis| number(3 * gripper + axis)))
+}
+
+/// How fast the grippers go away from each other.
+fn opening(velocity: &Coordinates, r: &Coordinates) -> f64 {
+    let (_, [x, y]) = apart(r);
+    x * (velocity[3] - velocity[0]) + y * (velocity[4] - velocity[1])
+}
+
+/// How far they are from each other, and in which direction, from the first to the second.
+fn apart(r: &Coordinates) -> (f64, [f64; 2]) {
+    let [x, y] = [r[3] - r[0], r[4] - r[1]];
+    let distance = square(&[x, y, 0.0, 0.0, 0.0, 0.0]).sqrt();
+    if distance == 0.0 {
+        return (0.0, [0.0; 2]);
+    }
+    (distance, [x / distance, y / distance])
+}

@@ -1,0 +1,329 @@
+//! The servo: what it is at, from image to image.
+
+mod known;
+mod sight;
+
+use crate::command::{Command, Doing, Observation, Why};
+use crate::error::ServoError;
+use crate::estimator::{Learner, NONE};
+use crate::explore::Explorer;
+use crate::history::History;
+use crate::jacobian::Jacobian;
+use crate::law::{Law, Wish};
+use crate::limits::Limits;
+use crate::options::Options;
+use crate::pairs::{Frame, Pairs};
+use crate::progress::Progress;
+use crate::weighing::Weighing;
+use crate::{Coordinates, Features, MAX_FEATURES};
+use sight::{Sight, checked};
+
+/// Between commands farther apart than this a robot is not taken to have gone on gaining speed, s.
+const LONGEST_STEP_S: f64 = 0.1;
+
+/// The share of the full speed by which a partly covered rope is steered.
+const PARTIAL_SHARE: f64 = 0.5;
+
+/// Drives a rope's shape to a target: [`see`](Self::see) for each image, or [`hold`](Self::hold) where there is none to go by.
+///
+/// Times are ns of any one clock that does not go back: that of the images' exposure.
+#[derive(Debug, Clone)]
+pub struct Servo {
+    options: Options,
+    limits: Limits,
+    /// Coordinates of a shape.
+    size: usize,
+    target: Features,
+    way_chosen: bool,
+    weighing: Weighing,
+    history: History,
+    jacobian: Jacobian,
+    learner: Learner,
+    pairs: Pairs,
+    explorer: Explorer,
+    phase: Phase,
+    progress: Progress,
+    exposed_ns: Option<u64>,
+    error_px: Option<f64>,
+    commanded: Option<Commanded>,
+    /// Since when it has not held.
+    resumed_ns: Option<u64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    Exploring,
+    Steering,
+    /// Within the tolerance, and standing there.
+    Within {
+        since_ns: u64,
+    },
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Commanded {
+    at_ns: u64,
+    velocity: Coordinates,
+}
+
+/// What is wanted, before the limits.
+struct Plan {
+    velocity: Coordinates,
+    doing: Doing,
+    condition: Option<f64>,
+}
+
+impl Servo {
+    /// A servo for shapes of as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px.
+    ///
+    /// # Errors
+    /// An option out of range, a target that is none, a metric of another number of points.
+    pub fn new(options: Options, target: &[f64]) -> Result<Self, ServoError> {
+        options.check()?;
+        let size = target.len();
+        if size == 0 || size % 2 == 1 || size > MAX_FEATURES {
+            return Err(ServoError::TargetSize { given: size });
+        }
+        match options.metric.points() {
+            Some(metric) if metric != size / 2 => {
+                let target = size / 2;
+                return Err(ServoError::OtherMetric { metric, target });
+            }
+            _ => {}
+        }
+        let limits = Limits::new(&options.robot);
+        let remembered_s = options.oldest_image_s + options.robot.delay_s;
+        Ok(Self {
+            limits,
+            size,
+            target: checked(target)?,
+            way_chosen: !options.either_way,
+            weighing: Weighing::new(&options.metric, size / 2),
+            history: History::new(limits.gather(&options.robot.start), remembered_s),
+            jacobian: Jacobian::ZERO,
+            learner: Learner::new(options.estimator),
+            pairs: Pairs::new(options.learning),
+            explorer: Explorer::new(options.exploring),
+            phase: Phase::Exploring,
+            progress: Progress::new(&options.exploring),
+            exposed_ns: None,
+            error_px: None,
+            commanded: None,
+            resumed_ns: None,
+            options,
+        })
+    }
+
+    /// What to do, by the newest image: for each that comes, and as often between as the robot likes, with the same image.
+    ///
+    /// A shape that cannot be steered by (too old, of another size, no numbers) is held by: the command says why.
+    pub fn see(&mut self, seen: Observation<'_>, now_ns: u64) -> Command {
+        match self.sight(&seen, now_ns) {
+            Ok(sight) => self.go_by(&sight, now_ns),
+            Err(why) => self.hold(why, now_ns),
+        }
+    }
+
+    /// Velocity 0, at once: to be asked for in each cycle in which there is no shape to steer by. The next [`see`](Self::see) goes on.
+    pub fn hold(&mut self, why: Why, now_ns: u64) -> Command {
+        self.resumed_ns = None;
+        self.command(now_ns, NONE);
+        Command {
+            velocities: [[0.0; 3]; 2],
+            doing: Doing::Holding { why },
+            error_px: self.error_px,
+            condition: None,
+        }
+    }
+
+    /// Another target, of as many points. What is known of the rope stays.
+    ///
+    /// # Errors
+    /// A target that is none, or of another size.
+    pub fn aim(&mut self, target: &[f64]) -> Result<(), ServoError> {
+        if target.len() != self.size {
+            return Err(ServoError::OtherTarget {
+                given: target.len(),
+                expected: self.size,
+            });
+        }
+        self.target = checked(target)?;
+        self.way_chosen = !self.options.either_way;
+        if let Phase::Within { .. } = self.phase {
+            self.phase = Phase::Steering;
+        }
+        self.progress = Progress::new(&self.options.exploring);
+        self.resumed_ns = None;
+        Ok(())
+    }
+
+    /// Another rope, or one that was let go and taken again: it is explored anew. Where the grippers are stays known.
+    pub fn begin_anew(&mut self) {
+        self.jacobian = Jacobian::ZERO;
+        self.learner = Learner::new(self.options.estimator);
+        self.pairs.forget();
+        self.explorer = Explorer::new(self.options.exploring);
+        self.phase = Phase::Exploring;
+        self.progress = Progress::new(&self.options.exploring);
+        self.way_chosen = !self.options.either_way;
+        self.resumed_ns = None;
+    }
+
+    fn go_by(&mut self, sight: &Sight, now_ns: u64) -> Command {
+        self.error_px = Some(sight.error_px);
+        let progress = &mut self.progress;
+        let resumed_ns = *self.resumed_ns.get_or_insert_with(|| {
+            progress.resume(now_ns);
+            now_ns
+        });
+        if sight.is_new && !sight.partial {
+            self.learn(&sight.frame);
+        }
+        // No moment is later than now: it is always known.
+        let r = self.history.at(now_ns).unwrap_or(sight.frame.r);
+        let dt_s = self.step_s(now_ns);
+        let plan = self.plan(sight, now_ns, dt_s, &r);
+        let mut share = 1.0;
+        if self.options.ramp_s > 0.0 {
+            share = ((now_ns - resumed_ns) as f64 * 1e-9 / self.options.ramp_s).min(1.0);
+        }
+        if sight.partial {
+            share *= PARTIAL_SHARE;
+        }
+        let before = self.commanded.map_or(NONE, |last| last.velocity);
+        let velocity = self.limits.keep(&plan.velocity, share, &before, dt_s, &r);
+        self.command(now_ns, velocity);
+        Command {
+            velocities: self.limits.spread_velocity(&velocity),
+            doing: plan.doing,
+            error_px: self.error_px,
+            condition: plan.condition,
+        }
+    }
+
+    fn learn(&mut self, frame: &Frame) {
+        if self.phase == Phase::Exploring {
+            self.explorer
+                .take(frame, &mut self.jacobian, &mut self.learner);
+            self.pairs.forget();
+        } else if let Some(pair) = self.pairs.pair(frame) {
+            self.learner.learn(&mut self.jacobian, &pair);
+        }
+    }
+
+    fn plan(&mut self, sight: &Sight, now_ns: u64, dt_s: f64, r: &Coordinates) -> Plan {
+        if self.phase != Phase::Exploring {
+            let plan = self.pursue(sight, now_ns, r);
+            if self.phase != Phase::Exploring {
+                return plan;
+            }
+        }
+        if let Some((input, velocity)) = self.explorer.drive(now_ns, dt_s, r, &self.limits) {
+            return Plan {
+                velocity,
+                doing: Doing::Exploring { input },
+                condition: None,
+            };
+        }
+        self.phase = Phase::Steering;
+        self.progress.begin(now_ns);
+        self.pursue(sight, now_ns, r)
+    }
+
+    /// Steers, or has arrived, or finds that it stands still and begins to explore.
+    fn pursue(&mut self, sight: &Sight, now_ns: u64, r: &Coordinates) -> Plan {
+        let mut error = sight.error;
+        if self.options.look_ahead {
+            let since = std::array::from_fn(|i| r[i] - sight.frame.r[i]);
+            let moved = self.jacobian.times(&since);
+            error
+                .iter_mut()
+                .zip(moved)
+                .for_each(|(e, moved)| *e -= moved);
+        }
+        let law = Law::new(
+            &self.jacobian,
+            &self.weighing,
+            &error,
+            self.options.gain,
+            self.options.damping,
+        );
+        let wish = self.within_borders(&law, r);
+        // What was seen and what should be now: neither alone is believed to be there.
+        let error_px = sight.error_px.max(self.weighing.distance_px(&error));
+        let within = self.is_within(error_px, now_ns);
+        if !within && self.progress.has_stalled(error_px, now_ns) {
+            self.explorer = Explorer::new(self.options.exploring);
+            self.phase = Phase::Exploring;
+        }
+        Plan {
+            velocity: if within { NONE } else { wish.velocity },
+            doing: self.arrived_or_steering(sight.frame.at_ns),
+            condition: Some(wish.condition),
+        }
+    }
+
+    /// Whether the shape is near enough to the target to stand still, which it is for a little farther once it was.
+    fn is_within(&mut self, error_px: f64, now_ns: u64) -> bool {
+        let tolerance_px = self.options.tolerance_px;
+        match self.phase {
+            Phase::Within { .. } if error_px <= self.options.release * tolerance_px => true,
+            Phase::Within { .. } => {
+                self.phase = Phase::Steering;
+                self.progress.begin(now_ns);
+                false
+            }
+            _ if error_px <= tolerance_px => {
+                self.phase = Phase::Within { since_ns: now_ns };
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn arrived_or_steering(&self, seen_at_ns: u64) -> Doing {
+        let settle_ns = (self.options.settle_s * 1e9) as u64;
+        match self.phase {
+            Phase::Within { since_ns } if seen_at_ns >= since_ns.saturating_add(settle_ns) => {
+                Doing::Arrived
+            }
+            _ => Doing::Steering,
+        }
+    }
+
+    /// The law's wish. What a border blocks is left out, and the other inputs do what they can without it.
+    fn within_borders(&self, law: &Law, r: &Coordinates) -> Wish {
+        let mut free = self.limits.movable();
+        loop {
+            let wish = law.solve(&free);
+            let mut blocked = false;
+            for (input, free) in free.iter_mut().enumerate() {
+                let velocity = wish.velocity[input];
+                if *free && velocity != 0.0 && self.limits.blocks(input, r, velocity) {
+                    (*free, blocked) = (false, true);
+                }
+            }
+            // Each round takes away one at least.
+            if !blocked {
+                return wish;
+            }
+        }
+    }
+
+    fn command(&mut self, now_ns: u64, velocity: Coordinates) {
+        self.history.drive(now_ns, velocity);
+        let at_ns = self.commanded.map_or(now_ns, |last| last.at_ns.max(now_ns));
+        self.commanded = Some(Commanded { at_ns, velocity });
+    }
+
+    fn step_s(&self, now_ns: u64) -> f64 {
+        let step_ns = self
+            .commanded
+            .map_or(0, |last| now_ns.saturating_sub(last.at_ns));
+        (step_ns as f64 * 1e-9).min(LONGEST_STEP_S)
+    }
+
+    fn delay_ns(&self) -> u64 {
+        (self.options.robot.delay_s * 1e9) as u64
+    }
+}

@@ -1,0 +1,95 @@
+//! Whether an image can be gone by, and what of it the rest asks for.
+
+use super::{Phase, Servo};
+use crate::command::{Observation, Why};
+use crate::error::ServoError;
+use crate::pairs::Frame;
+use crate::{Features, MAX_FEATURES};
+
+/// Beyond there is no picture, px.
+pub(super) const FARTHEST_PX: f64 = 1e6;
+
+/// An image that can be gone by.
+pub(super) struct Sight {
+    pub(super) frame: Frame,
+    pub(super) is_new: bool,
+    pub(super) partial: bool,
+    /// From the shape to the target.
+    pub(super) error: Features,
+    pub(super) error_px: f64,
+}
+
+impl Servo {
+    /// The image, or why it cannot be gone by: nothing has then changed.
+    pub(super) fn sight(&mut self, seen: &Observation, now_ns: u64) -> Result<Sight, Why> {
+        let (given, expected) = (seen.features.len(), self.size);
+        if given != expected {
+            return Err(Why::Size { given, expected });
+        }
+        let features = checked(seen.features).map_err(|_| Why::NotAShape)?;
+        let before = self.commanded.is_some_and(|last| now_ns < last.at_ns);
+        let older = self.exposed_ns.is_some_and(|last| seen.exposed_ns < last);
+        if before || older || seen.exposed_ns > now_ns {
+            return Err(Why::Clock);
+        }
+        if (now_ns - seen.exposed_ns) as f64 * 1e-9 > self.options.oldest_image_s {
+            return Err(Why::Stale);
+        }
+        if seen.partial && (self.options.hold_on_partial || self.phase == Phase::Exploring) {
+            return Err(Why::Partial);
+        }
+        let at_ns = seen.exposed_ns.saturating_sub(self.delay_ns());
+        let r = self.history.at(at_ns).ok_or(Why::Stale)?;
+        let noise_px2 = self.weighing.take(seen.weights, self.options.noise_px)?;
+        let is_new = self.exposed_ns != Some(seen.exposed_ns);
+        self.exposed_ns = Some(seen.exposed_ns);
+        self.choose_way(&features);
+        let error = std::array::from_fn(|k| self.target[k] - features[k]);
+        let frame = Frame {
+            features,
+            r,
+            at_ns,
+            noise_px2,
+        };
+        Ok(Sight {
+            frame,
+            is_new,
+            partial: seen.partial,
+            error,
+            error_px: self.weighing.distance_px(&error),
+        })
+    }
+
+    fn choose_way(&mut self, features: &Features) {
+        if self.way_chosen {
+            return;
+        }
+        self.way_chosen = true;
+        let mut reversed = [0.0; MAX_FEATURES];
+        let points = self.size / 2;
+        for j in 0..points {
+            let from = 2 * (points - 1 - j);
+            reversed[2 * j..2 * j + 2].copy_from_slice(&self.target[from..from + 2]);
+        }
+        let [as_it_is, other] = [&self.target, &reversed].map(|target| {
+            let error = std::array::from_fn(|k| target[k] - features[k]);
+            self.weighing.distance_px(&error)
+        });
+        if other < as_it_is {
+            self.target = reversed;
+        }
+    }
+}
+
+/// A shape whose coordinates are all places in a picture.
+pub(super) fn checked(shape: &[f64]) -> Result<Features, ServoError> {
+    let mut features = [0.0; MAX_FEATURES];
+    for (index, (place, &value)) in features.iter_mut().zip(shape).enumerate() {
+        // NaN is within no range.
+        if !(-FARTHEST_PX..=FARTHEST_PX).contains(&value) {
+            return Err(ServoError::NotATarget { index, value });
+        }
+        *place = value;
+    }
+    Ok(features)
+}
