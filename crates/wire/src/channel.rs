@@ -15,7 +15,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
 use crate::making::{self, Hindrance};
-use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
+use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// One kind of channel. Every rig has one of each.
 #[derive(Debug)]
@@ -46,6 +46,8 @@ pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 8, 0, 
 pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
 /// The true centerlines of rendered frames.
 pub const TRUTH: Channel<Centerlines> = Channel::new("truth", 8, 0, 4);
+/// What a controller tells the simulated robot. Always with the newest winning: a robot waits for nobody.
+pub const COMMANDS: Channel<Command> = Channel::new("commands", 8, 0, 4);
 
 impl<P: ?Sized> Channel<P> {
     const fn new(name: &'static str, buffer: usize, history: usize, readers: usize) -> Self {
@@ -143,6 +145,7 @@ macro_rules! payload {
     };
 }
 payload!(Centerlines, (), Centerlines);
+payload!(Command, (), Command);
 payload!(Descriptors, (), Descriptors);
 payload!([u8], FrameHeader, u8);
 

@@ -52,6 +52,8 @@
 mod channel;
 mod clock;
 mod codes;
+mod command;
+mod command_reader;
 mod domain;
 mod error;
 mod frame;
@@ -72,9 +74,13 @@ mod shape;
 mod survey;
 mod writer;
 
-pub use channel::{CENTERLINES, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH};
+pub use channel::{
+    CENTERLINES, COMMANDS, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH,
+};
 pub use clock::now_ns;
 pub use codes::{Basis, PixelFormat, SourceKind, Status, Unit};
+pub use command::{Command, MAX_GRIPPERS};
+pub use command_reader::CommandReader;
 pub use domain::{Domain, Rig};
 pub use error::WireError;
 pub use frame::{Frame, KeptFrame};

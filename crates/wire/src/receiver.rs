@@ -14,7 +14,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
 use crate::reader::WriterId;
 use crate::ready::{self, Ear};
-use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError};
+use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
 pub struct Receiver<P: Payload + ?Sized> {
@@ -315,5 +315,6 @@ macro_rules! message_access {
     };
 }
 message_access!(Centerlines);
+message_access!(Command);
 message_access!(Descriptors);
 message_access!([u8]);

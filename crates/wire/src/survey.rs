@@ -5,15 +5,15 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::port_factory::PortFactory;
 
-use crate::channel::{CENTERLINES, DESCRIPTORS, FRAMES, MASKS, Payload, TRUTH, describe};
-use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
+use crate::channel::{CENTERLINES, COMMANDS, DESCRIPTORS, FRAMES, MASKS, Payload, TRUTH, describe};
+use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
 
 /// A channel of a rig, as it is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelState {
     /// The rig.
     pub rig: Rig,
-    /// The channel's name on it: `frames`, `masks`, `centerlines`, `descriptors` or `truth`.
+    /// The channel's name on it: `frames`, `masks`, `centerlines`, `descriptors`, `truth` or `commands`.
     pub channel: &'static str,
     /// The versioned name of the messages that it carries.
     pub message: String,
@@ -52,12 +52,13 @@ pub struct ChannelWriter {
 }
 
 /// All channels of a rig, in the order of a frame's way.
-const NAMES: [&str; 5] = [
+const NAMES: [&str; 6] = [
     FRAMES.name(),
     MASKS.name(),
     CENTERLINES.name(),
     DESCRIPTORS.name(),
     TRUTH.name(),
+    COMMANDS.name(),
 ];
 
 impl Domain {
@@ -96,6 +97,8 @@ impl Domain {
             (<[u8]>::types(), ends_of_images)
         } else if channel == DESCRIPTORS.name() {
             (Descriptors::types(), ends_of_descriptors)
+        } else if channel == COMMANDS.name() {
+            (Command::types(), ends_of_commands)
         } else {
             (Centerlines::types(), ends_of_centerlines)
         };
@@ -159,6 +162,7 @@ macro_rules! ends_of {
 ends_of!(ends_of_images, [u8], FrameHeader);
 ends_of!(ends_of_centerlines, Centerlines, ());
 ends_of!(ends_of_descriptors, Descriptors, ());
+ends_of!(ends_of_commands, Command, ());
 
 /// What the transport counts the length of a message in.
 trait Elements {
@@ -171,6 +175,9 @@ impl Elements for Centerlines {
     type Element = Self;
 }
 impl Elements for Descriptors {
+    type Element = Self;
+}
+impl Elements for Command {
     type Element = Self;
 }
 

@@ -18,7 +18,9 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, Delivery, FRAMES, MASKS, Payload};
 use crate::ready::{self, Bell, Ear};
-use crate::{Centerlines, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience};
+use crate::{
+    Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience,
+};
 
 /// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
 const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
@@ -90,6 +92,7 @@ macro_rules! message_writer {
     };
 }
 message_writer!(Centerlines);
+message_writer!(Command);
 message_writer!(Descriptors);
 
 impl Writer<[u8]> {
@@ -320,5 +323,6 @@ macro_rules! slot_access {
     };
 }
 slot_access!(Centerlines);
+slot_access!(Command);
 slot_access!(Descriptors);
 slot_access!([u8]);

@@ -1,0 +1,91 @@
+//! Shapes to drive the rope to. Each is one that the rope has taken, so that it can be reached.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::str::FromStr;
+
+use crate::gripper::Pose;
+use crate::options::{Options, OptionsError};
+use crate::random::SplitMix64;
+use crate::shape::{at_equal_steps, lay, poses};
+use crate::simulation::Simulation;
+
+/// The shapes that have names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TargetShape {
+    /// Both ends upwards.
+    U,
+    /// Bent to one side, then to the other.
+    S,
+    /// All but straight. A rope between two ends as far apart as it is long has no shape of its own: it moves by many
+    /// times as much as a gripper does, to either side. So this one hangs by a twentieth of its length.
+    Line,
+}
+
+/// A name that is none.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a target: choose u, s or line")]
+pub struct NoTarget(String);
+
+impl FromStr for TargetShape {
+    type Err = NoTarget;
+
+    fn from_str(name: &str) -> Result<Self, NoTarget> {
+        match name {
+            "u" => Ok(Self::U),
+            "s" => Ok(Self::S),
+            "line" => Ok(Self::Line),
+            _ => Err(NoTarget(name.to_owned())),
+        }
+    }
+}
+
+/// A shape, and how the rope was brought there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// The poses that the grippers went to.
+    pub poses: [Pose; 2],
+    /// The part of the rope between the jaws, at equal steps of arc length, in pixels.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl TargetShape {
+    /// Heading along the free part of the rope, in radians.
+    fn heading(self, share: f64) -> f64 {
+        match self {
+            Self::U => FRAC_PI_2 * libm::cos(PI * share),
+            // What a rod does whose ends are turned by as much to the same side and neither pulled nor pushed: with a push it
+            // could as well take other shapes.
+            Self::S => 1.25 * (1.0 - 6.0 * share * (1.0 - share)),
+            Self::Line => 0.15 * libm::cos(PI * share),
+        }
+    }
+
+    /// The poses for a rope of these options: the shape's own, a little moved and turned by the seed.
+    fn poses(self, options: &Options) -> [Pose; 2] {
+        let random = &mut SplitMix64::new(options.seed, 2);
+        let turn = random.uniform(-0.08, 0.08);
+        let middle = options
+            .picture_px
+            .map(|size| size / 2.0 + random.uniform(-0.03, 0.03) * size);
+        let heading = |share: f64| turn + self.heading(share);
+        let line = lay(options.nodes, options.segment_px(), middle, heading);
+        poses(&line, heading)
+    }
+
+    /// The shape as the rope of these options takes it, when it is taken there slowly from its start: so many points.
+    ///
+    /// # Errors
+    /// Options out of their ranges, or a single gripper.
+    pub fn reached(self, options: &Options, points: usize) -> Result<Target, OptionsError> {
+        let mut simulation = Simulation::new(options)?;
+        if options.grippers < 2 {
+            return Err(OptionsError::OneGripper);
+        }
+        let poses = self.poses(options);
+        simulation.drive_to(&poses);
+        Ok(Target {
+            poses,
+            points: at_equal_steps(simulation.visible(), points),
+        })
+    }
+}

@@ -1,0 +1,58 @@
+//! What a controller tells a robot's grippers, where the robot is a simulated one.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Most grippers of one robot.
+pub const MAX_GRIPPERS: usize = 2;
+
+/// Velocities for a robot's grippers, from the moment of sending on. A layout like those of the other messages.
+///
+/// Only the simulated rope takes commands: a real robot has a driver of its own.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
+#[type_name("lariat.Command.v1")]
+pub struct Command {
+    /// How many the controller has sent, this one included.
+    pub count: u64,
+    /// When it was sent, on the clock of [`now_ns`](crate::now_ns).
+    pub sent_ns: u64,
+    /// When the image was taken that it goes by ([`Trace::exposed_ns`](crate::Trace::exposed_ns)); 0 if by none.
+    pub exposed_ns: u64,
+    /// How many grippers are meant.
+    pub grippers: u32,
+    /// Always 0.
+    pub reserved: u32,
+    /// The velocity of each gripper in the image: x and y in px/s, and the angle from x towards y in rad/s.
+    pub velocities: [[f64; 3]; MAX_GRIPPERS],
+}
+
+impl Command {
+    /// The velocities that are meant.
+    pub fn velocities(&self) -> &[[f64; 3]] {
+        &self.velocities[..(self.grippers as usize).min(MAX_GRIPPERS)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_layout_is_what_controllers_in_other_languages_were_told() {
+        assert_eq!(offset_of!(Command, sent_ns), 8);
+        assert_eq!(offset_of!(Command, exposed_ns), 16);
+        assert_eq!(offset_of!(Command, grippers), 24);
+        assert_eq!(offset_of!(Command, velocities), 32);
+        assert_eq!(size_of::<Command>(), 80);
+    }
+
+    #[test]
+    fn a_command_that_lies_about_its_grippers_has_no_more_than_there_are() {
+        let command = Command {
+            grippers: 7,
+            ..Command::default()
+        };
+        assert_eq!(command.velocities().len(), MAX_GRIPPERS);
+    }
+}
