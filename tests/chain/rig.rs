@@ -62,9 +62,9 @@ impl Bench {
             introduction += &line;
         }
         let ids = ["capture", "extract", "fit", "sink"].map(|stage| {
-            let mut words = introduction
-                .split_whitespace()
-                .skip_while(|word| *word != stage);
+            // Before it stages may have said something of themselves.
+            let line = introduction.lines().last().expect("a line");
+            let mut words = line.split_whitespace().skip_while(|word| *word != stage);
             words
                 .nth(1)
                 .and_then(|id| id.parse().ok())
