@@ -15,6 +15,7 @@ mod meaning;
 mod problem;
 pub(crate) mod range;
 mod recording;
+mod simulation;
 mod table;
 mod view;
 
@@ -26,6 +27,7 @@ pub(crate) use keys::template;
 pub(crate) use meaning::{image_size, mask_text, number_text};
 pub(crate) use problem::Problems;
 pub(crate) use recording::{COMPRESSIONS, IMAGES, Recording};
+pub(crate) use simulation::Simulation;
 pub(crate) use view::{Camera, Unit};
 
 use crate::settings::keys::KEYS;
@@ -48,6 +50,7 @@ pub(crate) const FILE_NAME: &str = "lariat.toml";
 pub(crate) struct Settings {
     pub(crate) run: Run,
     pub(crate) capture: Capture,
+    pub(crate) simulation: Simulation,
     pub(crate) camera: Camera,
     pub(crate) extract: Extract,
     pub(crate) fit: Fit,
@@ -125,12 +128,12 @@ pub(crate) const USUAL_FPS: f64 = 30.0;
 /// `[capture]`: where frames come from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Capture {
-    /// `rendered` alone, or the paths of pictures, folders or a video.
+    /// `rendered` or `simulated` alone, or the paths of pictures, folders or a video.
     pub(crate) source: Vec<PathBuf>,
     pub(crate) fps: Fps,
     /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly [`USUAL_SIZE`].
     pub(crate) size: Option<[u32; 2]>,
-    /// Which of all rendered ropes.
+    /// Which of all rendered or simulated ropes.
     pub(crate) seed: u64,
     /// Whether files begin again after the last.
     pub(crate) looped: bool,
@@ -161,8 +164,8 @@ impl Default for Capture {
 }
 
 impl Capture {
-    /// The source itself; rendered ropes have a truth of `points` points.
-    pub(crate) fn source(&self, points: usize) -> Source {
+    /// The source itself, if it is not simulated; rendered ropes have a truth of `points` points.
+    fn source(&self, points: usize) -> Source {
         if self.is_camera() {
             return Source::Camera(CameraOptions {
                 path: self.source[0].clone(),
@@ -220,6 +223,11 @@ impl Capture {
     /// The size that frames most likely have, px.
     pub(crate) fn likely_size(&self) -> [u32; 2] {
         self.size.unwrap_or(USUAL_SIZE)
+    }
+
+    /// Whether the source is a simulated rope.
+    pub(crate) fn is_simulated(&self) -> bool {
+        self.source[..] == [PathBuf::from("simulated")]
     }
 
     /// Whether the source is a camera.
@@ -320,6 +328,15 @@ impl Settings {
     /// All that is wrong with the file and the flags, a sentence each.
     pub(crate) fn resolve(args: &ChainArgs) -> Result<Self> {
         Ok(Resolved::new(args)?.settings)
+    }
+
+    /// The source that frames come from.
+    pub(crate) fn source(&self) -> Source {
+        let points = self.extract.points;
+        if self.capture.is_simulated() {
+            return Source::Simulated(self.simulation.options(&self.capture, points));
+        }
+        self.capture.source(points)
     }
 
     /// What the sink is to count by. `from_start`: it was there before the first frame.

@@ -81,7 +81,7 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
         false => Duration::ZERO,
     });
     let stop = Stop::on_signals()?;
-    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let mut source = lariat_capture::open(&settings.source())?;
     let Some(frame) = frame_after(after, source.as_mut(), &stop)? else {
         bail!("no picture was taken: it was told to stop before there was one");
     };

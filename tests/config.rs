@@ -198,7 +198,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("\n[captur]\nfps = 7\n"),
         "lariat: lariat.toml, line 2: there is no section [captur]. Did you mean [capture]? The sections are \
-         [run], [capture], [camera], [extract], [fit], [sink], [record]\n"
+         [run], [capture], [simulation], [camera], [extract], [fit], [sink], [record]\n"
     );
     assert_eq!(
         complaint("order = 8\n"),

@@ -105,7 +105,7 @@ pub(crate) struct RecordingArgs {
 /// The flags of every command that runs the chain or a part of it.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ChainArgs {
-    /// Where frames come from: `rendered`, a camera (/dev/video0), or pictures, folders of them, or a Y4M video (may be
+    /// Where frames come from: `rendered`, `simulated`, a camera (/dev/video0), or pictures, folders of them, or a Y4M video (may be
     /// repeated)
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) source: Vec<PathBuf>,
@@ -143,7 +143,7 @@ pub(crate) struct ChainArgs {
     /// Size of a camera's picture or the rendered one, for instance 640x480
     #[arg(long, value_name = "WxH")]
     pub(crate) size: Option<String>,
-    /// Which of all rendered ropes
+    /// Which of all rendered or simulated ropes
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
     /// Filter the control points in time

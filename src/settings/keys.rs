@@ -20,9 +20,13 @@ pub(super) struct Key {
 }
 
 /// What each section is about.
-const SECTIONS: [(&str, &str); 7] = [
+const SECTIONS: [(&str, &str); 8] = [
     ("run", "The chain as a whole."),
     ("capture", "Where frames come from."),
+    (
+        "simulation",
+        "The rope that is simulated, with the source \"simulated\".",
+    ),
     ("camera", "Where what is seen in them lies."),
     (
         "extract",

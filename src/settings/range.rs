@@ -59,6 +59,7 @@ pub(super) fn every(value: &Value) -> Result<NonZeroU64, String> {
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Rendered,
+    Simulated,
     Camera,
     Files,
 }
@@ -69,6 +70,8 @@ impl Kind {
             Self::Camera
         } else if capture.source[..] == [PathBuf::from("rendered")] {
             Self::Rendered
+        } else if capture.is_simulated() {
+            Self::Simulated
         } else {
             Self::Files
         }
@@ -77,6 +80,7 @@ impl Kind {
     fn name(self) -> &'static str {
         match self {
             Self::Rendered => "the rendered rope",
+            Self::Simulated => "the simulated rope",
             Self::Camera => "a camera",
             Self::Files => "pictures and videos",
         }

@@ -2,7 +2,7 @@
 
 use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
-use crate::settings::{arrangement, camera, meaning, range, recording, view};
+use crate::settings::{arrangement, camera, meaning, range, recording, simulation, view};
 use lariat_extract::Method;
 use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
@@ -168,7 +168,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "source",
-        about: "\"rendered\" (a rope drawn by lariat), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
+        about: "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
                 stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them.",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
@@ -199,7 +199,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "seed",
-        about: "Which of all rendered ropes: the same number makes the same frames on every machine.",
+        about: "Which of all rendered or simulated ropes: the same number makes the same rope on every machine.",
         example: "",
         set: |s, v| meaning::whole(v, 0, i64::MAX).map(|seed| s.capture.seed = seed.unsigned_abs()),
         get: |s| {
@@ -292,6 +292,62 @@ pub(super) const KEYS: &[Key] = &[
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.capture.camera.restore = yes),
         get: |s| Some(Value::Boolean(s.capture.camera.restore)),
+    },
+    Key {
+        section: "simulation",
+        name: "grippers",
+        about: "How many grippers hold the rope: 1 or 2. They take commands from lariat/<rig>/commands.",
+        example: "",
+        set: |s, v| set_count(v, 1, 2, &mut s.simulation.grippers),
+        get: |s| Some(Value::Integer(s.simulation.grippers as i64)),
+    },
+    Key {
+        section: "simulation",
+        name: "length_px",
+        about: "Length of the rope in pixels: 100 to two thirds of the picture's width, and of 4/3 of its height.",
+        example: "",
+        set: |s, v| simulation::between(v, 100.0, 6000.0).map(|px| s.simulation.length_px = px),
+        get: |s| Some(meaning::number_value(s.simulation.length_px)),
+    },
+    Key {
+        section: "simulation",
+        name: "stiffness",
+        about: "Bending stiffness by mass of length, in m⁴/s² with a pixel as a millimetre, 0.01 to 1: a cable has 0.1.",
+        example: "",
+        set: |s, v| simulation::between(v, 0.01, 1.0).map(|b| s.simulation.stiffness = b),
+        get: |s| Some(meaning::number_value(s.simulation.stiffness)),
+    },
+    Key {
+        section: "simulation",
+        name: "friction",
+        about: "Coefficient of friction with the table, 0 to 1.",
+        example: "",
+        set: |s, v| simulation::between(v, 0.0, 1.0).map(|mu| s.simulation.friction = mu),
+        get: |s| Some(meaning::number_value(s.simulation.friction)),
+    },
+    Key {
+        section: "simulation",
+        name: "noise",
+        about: "Standard deviation of the camera's noise in its picture, in steps of a byte, 0 to 4.",
+        example: "",
+        set: |s, v| simulation::between(v, 0.0, 4.0).map(|noise| s.simulation.noise = noise),
+        get: |s| Some(meaning::number_value(s.simulation.noise)),
+    },
+    Key {
+        section: "simulation",
+        name: "hand_at_s",
+        about: "Let a hand come and rest on the rope, from this moment on, in seconds after the first frame.",
+        example: "2",
+        set: |s, v| simulation::between(v, 0.0, 1e6).map(|at| s.simulation.hand_at_s = Some(at)),
+        get: |s| s.simulation.hand_at_s.map(meaning::number_value),
+    },
+    Key {
+        section: "simulation",
+        name: "hand_for_s",
+        about: "For how many seconds it rests there.",
+        example: "",
+        set: |s, v| simulation::between(v, 0.0, 1e6).map(|time| s.simulation.hand_for_s = time),
+        get: |s| Some(meaning::number_value(s.simulation.hand_for_s)),
     },
     Key {
         section: "camera",

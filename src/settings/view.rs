@@ -82,7 +82,7 @@ impl Settings {
 /// elsewhere.
 fn known_size(settings: &Settings) -> Option<[u32; 2]> {
     let source = &settings.capture.source;
-    if source[..] == [PathBuf::from("rendered")] {
+    if source[..] == [PathBuf::from("rendered")] || settings.capture.is_simulated() {
         return Some(settings.capture.likely_size());
     }
     // A camera has the size that was asked for, or refuses it.

@@ -3,8 +3,11 @@
 use std::os::fd::AsFd;
 
 use anyhow::Context;
-use lariat_capture::{Frame, FrameSource, Next, Pacer, Until};
-use lariat_wire::{Centerlines, Delivery, FrameHeader, SourceKind, TRUTH, Trace, Writer, now_ns};
+use lariat_capture::{Frame, FrameSource, Next, Pacer, Source, Until};
+use lariat_wire::{
+    Centerlines, Command, CommandReader, Delivery, Domain, FrameHeader, SourceKind, TRUTH, Trace,
+    Writer, now_ns,
+};
 
 use super::arrangement::{Rest, precise_timer};
 use super::feed::{self, Feed};
@@ -16,7 +19,7 @@ use crate::stop::Stop;
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     let mut station = Station::open(settings, "capture", seat)?;
-    let mut source = lariat_capture::open(&settings.capture.source(settings.extract.points))?;
+    let mut source = open(settings, &station)?;
     let first = match source.largest_frame_bytes() {
         // What room the frames need is known with the first.
         0 => {
@@ -75,6 +78,25 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     }
     station.status.sent(sent);
     outcome
+}
+
+/// Opens the source; a simulated robot takes its rig's commands.
+fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameSource>> {
+    let source = settings.source();
+    let Source::Simulated(options) = &source else {
+        return Ok(lariat_capture::open(&source)?);
+    };
+    let reader = CommandReader::open(Domain::open()?, &station.rig)?;
+    let mut is_broken = false;
+    let commands = move || -> Option<Command> {
+        reader.next().unwrap_or_else(|cause| {
+            if !std::mem::replace(&mut is_broken, true) {
+                tracing::warn!("the robot stands still, as its commands cannot be read: {cause}");
+            }
+            None
+        })
+    };
+    Ok(lariat_capture::open_simulated(options, Box::new(commands))?)
 }
 
 struct Sender<'w> {

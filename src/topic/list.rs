@@ -108,6 +108,8 @@ impl<'a> Entry<'a> {
         let usual = match state.channel {
             "frames" | "truth" => "capture",
             "centerlines" => "extract",
+            // A controller is no stage.
+            "commands" => "",
             _ => "fit",
         };
         let process = |pid: u32, usual: &str| Process {

@@ -8,6 +8,7 @@ mod frames;
 mod fused;
 mod masks;
 mod rig;
+mod simulated;
 mod sources;
 mod top;
 mod topic;

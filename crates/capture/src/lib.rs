@@ -1,4 +1,4 @@
-//! Frame sources: files, video and a rendered rope with known truth.
+//! Frame sources: files, video, and a rendered and a simulated rope with known truth.
 //!
 //! A [`FrameSource`] makes one frame after the other ready and writes its pixels where it is told to: whoever sends
 //! the frames lends the memory, if need be ahead of time, so that the pixels are written once. The [`Pacer`] says when
@@ -19,6 +19,7 @@ mod range;
 mod recorded;
 mod rendered;
 pub mod scenes;
+mod simulated;
 mod source;
 mod until;
 mod v4l2;
@@ -35,6 +36,7 @@ pub use picture::StillPicture;
 pub use range::{Position, Range};
 pub use recorded::RecordingOptions;
 pub use rendered::RenderOptions;
+pub use simulated::{Commands, HandOptions, SimulatedOptions, open_simulated};
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};
 pub use v4l2::{

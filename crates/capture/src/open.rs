@@ -8,6 +8,7 @@ use crate::pictures::open_pictures;
 use crate::range::Range;
 use crate::recorded::{RecordingOptions, open_recording};
 use crate::rendered::{RenderOptions, Rendered};
+use crate::simulated::{Simulated, SimulatedOptions};
 use crate::source::{FrameSource, SourceError};
 use crate::v4l2::{CameraOptions, open_camera};
 use crate::video::open_video;
@@ -17,6 +18,9 @@ use crate::video::open_video;
 pub enum Source {
     /// A rope drawn by lariat.
     Rendered(RenderOptions),
+    /// A rope that is simulated in real time; it rests if it is opened without commands
+    /// ([`open_simulated`](crate::open_simulated)).
+    Simulated(SimulatedOptions),
     /// Pictures (PNG, JPEG), folders of pictures, or one Y4M video.
     Paths {
         /// Shown in this order; the pictures of a folder in natural order.
@@ -74,6 +78,7 @@ impl Source {
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Simulated(options) => Ok(Box::new(Simulated::new(options, Box::new(|| None))?)),
         Source::Recording(options) => Ok(Box::new(open_recording(options)?)),
         Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),

@@ -150,9 +150,12 @@ pub trait FrameSource: Send {
 pub enum SourceError {
     /// No source was named.
     #[error(
-        "no source was named: say `rendered`, or the path of a picture, a folder of pictures or a .y4m video"
+        "no source was named: say `rendered`, `simulated`, or the path of a picture, a folder of pictures or a .y4m video"
     )]
     Unnamed,
+    /// A rope that cannot be simulated.
+    #[error(transparent)]
+    Simulated(#[from] lariat_simulation::OptionsError),
     /// The size asked of the rendered rope makes no picture of a rope.
     #[error("the rendered rope needs {what}")]
     Rendered {

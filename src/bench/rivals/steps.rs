@@ -74,7 +74,7 @@ impl Camera {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         precise_timer();
         Ok(Self {
-            source: lariat_capture::open(&settings.capture.source(settings.extract.points))?,
+            source: lariat_capture::open(&settings.source())?,
             pacer: Pacer::new(settings.capture.pace())?,
             end_ns: None,
             duration_ns: settings.run.duration_ns().unwrap_or(0),

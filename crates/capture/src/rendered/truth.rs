@@ -4,7 +4,7 @@ use lariat_wire::{Centerlines, Crossing, MAX_CROSSINGS, Status};
 
 /// Writes the drawn centerline (equal steps from tip to tip) as `count` points at equal arc lengths, with its
 /// crossings with itself, of which the later strand is the upper one.
-pub(super) fn fill(
+pub(crate) fn fill(
     line: &[[f64; 2]],
     length_px: f64,
     width_px: f64,

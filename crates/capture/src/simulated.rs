@@ -1,0 +1,226 @@
+//! A rope that is simulated in real time, held by grippers that take commands, and drawn as a camera would see it.
+//!
+//! A frame is a camera's: its moment comes, whatever anyone does, and shows what is there then. The simulation goes on to
+//! that moment, each command taking effect when it was sent; a little behind the clock meanwhile, so that little is left
+//! to do when the moment comes.
+
+mod gripper;
+mod hand;
+mod plate;
+mod scene;
+
+use std::collections::VecDeque;
+
+use lariat_simulation::{OptionsError, STEP_NS, Simulation};
+use lariat_wire::{Centerlines, Command, MAX_POINTS, PixelFormat, SourceKind, now_ns};
+
+use crate::pace::{Pace, Pacer};
+use crate::rendered::truth;
+use crate::source::{Frame, FrameSource, Next, SourceError};
+use crate::until::{Until, Woken};
+pub use hand::HandOptions;
+use scene::{ROPE_PX, Scene};
+
+/// Between two frames it looks for commands so often: at 1000 a second fewer come than may wait.
+const LOOK_NS: u64 = 4_000_000;
+/// So far behind the clock it stays before the moment comes: a command that was sent meanwhile is there by then.
+const BEHIND_NS: u64 = 3_000_000;
+/// The most commands that are kept; older ones make room.
+const MOST_COMMANDS: usize = 64;
+
+/// Where commands come from: the oldest that waits, `None` if there is none. Never blocks.
+pub type Commands = Box<dyn FnMut() -> Option<Command> + Send>;
+
+/// What is simulated, and how it is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimulatedOptions {
+    /// The rope, the table and the robot. The picture has whole pixels, 200 to 8192 each way.
+    pub simulation: lariat_simulation::Options,
+    /// How often the camera takes a picture.
+    pub pace: Pace,
+    /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
+    pub noise: f64,
+    /// A hand that covers the rope.
+    pub hand: Option<HandOptions>,
+    /// How many points the true centerline has, 2 to 256.
+    pub truth_points: u32,
+}
+
+impl Default for SimulatedOptions {
+    fn default() -> Self {
+        Self {
+            simulation: lariat_simulation::Options::default(),
+            pace: Pace::Fps(30.0),
+            noise: 2.5,
+            hand: None,
+            truth_points: 120,
+        }
+    }
+}
+
+/// Opens a simulated rope that is commanded by whoever sends such commands. A rope without any rests.
+///
+/// # Errors
+/// Options out of their ranges.
+pub fn open_simulated(
+    options: &SimulatedOptions,
+    commands: Commands,
+) -> Result<Box<dyn FrameSource>, SourceError> {
+    Ok(Box::new(Simulated::new(options, commands)?))
+}
+
+pub(crate) struct Simulated {
+    simulation: Simulation,
+    scene: Scene,
+    commands: Commands,
+    /// Those whose moment has not come.
+    waiting: VecDeque<Command>,
+    pacer: Pacer,
+    /// The moment of the first frame, which is the simulation's first.
+    start_ns: Option<u64>,
+    /// The moment of the next frame.
+    due_ns: Option<u64>,
+    sequence: u64,
+    truth_points: usize,
+}
+
+impl Simulated {
+    pub(crate) fn new(options: &SimulatedOptions, commands: Commands) -> Result<Self, SourceError> {
+        if !(2..=MAX_POINTS as u32).contains(&options.truth_points) {
+            let what = format!(
+                "2 to {MAX_POINTS} points of truth, not {}",
+                options.truth_points
+            );
+            return Err(OptionsError::OutOfRange { what }.into());
+        }
+        if !(0.0..=4.0).contains(&options.noise) {
+            let what = format!("noise from 0 to 4, not {}", options.noise);
+            return Err(OptionsError::OutOfRange { what }.into());
+        }
+        let pacer = Pacer::new(options.pace).map_err(|error| OptionsError::OutOfRange {
+            what: format!("a camera's rate, but {error}"),
+        })?;
+        let simulation = Simulation::new(&options.simulation)?;
+        Ok(Self {
+            scene: Scene::new(options, &simulation),
+            simulation,
+            commands,
+            waiting: VecDeque::with_capacity(MOST_COMMANDS),
+            pacer,
+            start_ns: None,
+            due_ns: None,
+            sequence: 0,
+            truth_points: options.truth_points as usize,
+        })
+    }
+
+    /// Takes in what was sent.
+    fn hear(&mut self) {
+        while let Some(command) = (self.commands)() {
+            if self.waiting.len() == MOST_COMMANDS {
+                self.waiting.pop_front();
+            }
+            self.waiting.push_back(command);
+        }
+    }
+
+    /// Simulates up to a moment.
+    fn go_on_to(&mut self, moment_ns: u64) {
+        let Some(start_ns) = self.start_ns else {
+            return;
+        };
+        loop {
+            let now_ns = start_ns + self.simulation.steps() * STEP_NS;
+            if now_ns + STEP_NS > moment_ns {
+                return;
+            }
+            while let Some(command) = self.waiting.front().filter(|next| next.sent_ns <= now_ns) {
+                self.simulation.command(command.velocities());
+                self.waiting.pop_front();
+            }
+            self.simulation.step();
+        }
+    }
+
+    /// Waits for a frame's moment, simulating meanwhile; `false` if that was ended before.
+    fn wait_for(&mut self, due_ns: u64, until: &Until) -> bool {
+        loop {
+            self.hear();
+            let now_ns = now_ns();
+            if now_ns >= due_ns {
+                return true;
+            }
+            self.go_on_to(now_ns.saturating_sub(BEHIND_NS));
+            let look_ns = due_ns.min(now_ns + LOOK_NS);
+            if until.wait(None, Some(look_ns)) == Woken::Interrupted {
+                return false;
+            }
+        }
+    }
+
+    fn frame(&self, exposed_ns: u64) -> Frame {
+        let [width, height] = self.scene.size();
+        Frame {
+            sequence: self.sequence,
+            width,
+            height,
+            stride: 3 * width,
+            format: PixelFormat::Rgb8,
+            exposed_ns: Some(exposed_ns),
+            slot: None,
+        }
+    }
+}
+
+impl FrameSource for Simulated {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Rendered
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        self.frame(0).bytes()
+    }
+
+    fn has_truth(&self) -> bool {
+        true
+    }
+
+    fn advance(&mut self, until: &Until) -> Result<Next, SourceError> {
+        let now_ns = now_ns();
+        let due_ns = match self.due_ns {
+            Some(due_ns) => due_ns,
+            None => {
+                // A camera's next picture does not wait for who is late for this one.
+                self.sequence += 1 + self.pacer.give_up(now_ns);
+                self.pacer.next_due_ns(now_ns)
+            }
+        };
+        self.due_ns = Some(due_ns);
+        let start_ns = *self.start_ns.get_or_insert(due_ns);
+        if !self.wait_for(due_ns, until) {
+            return Ok(Next::Nothing);
+        }
+        self.due_ns = None;
+        self.go_on_to(due_ns);
+        let time_s = (due_ns - start_ns) as f64 * 1e-9;
+        self.scene.draw(&self.simulation, time_s);
+        Ok(Next::Frame(self.frame(due_ns)))
+    }
+
+    fn write(&mut self, pixels: &mut [u8]) {
+        self.scene.write(self.sequence, pixels);
+    }
+
+    fn truth(&self, message: &mut Centerlines) -> bool {
+        let line = self.scene.visible();
+        if line.len() < 2 {
+            return false;
+        }
+        [message.width, message.height] = self.scene.size();
+        let nodes = self.simulation.visible().len() - 1;
+        let options = self.simulation.options();
+        let length_px = options.length_px * nodes as f64 / (options.nodes - 1) as f64;
+        truth::fill(line, length_px, ROPE_PX, self.truth_points, message);
+        true
+    }
+}

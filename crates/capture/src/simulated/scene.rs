@@ -1,0 +1,131 @@
+//! The picture: table, rope, grippers and hand, drawn anew where they were and are.
+
+use lariat_simulation::Simulation;
+use lariat_wire::PixelFormat;
+
+use super::SimulatedOptions;
+use super::gripper::Drawing;
+use super::hand::Hand;
+use crate::rendered::RenderOptions;
+use crate::rendered::draw::{Area, Brush, Canvas};
+use crate::rendered::table::{SensorNoise, lit_table};
+
+/// Width of the rope in pixels.
+pub(super) const ROPE_PX: f64 = 12.0;
+/// Points of the drawn line from one node to the next.
+const FINER: usize = 2;
+/// What is drawn: the rope, two grippers, a hand.
+const THINGS: usize = 4;
+
+#[derive(Debug)]
+pub(super) struct Scene {
+    width: usize,
+    height: usize,
+    brush: Brush,
+    noise: SensorNoise,
+    /// The table without anything on it.
+    table: Vec<u8>,
+    /// The picture without noise.
+    pixels: Vec<u8>,
+    /// Where it differs from the table.
+    drawn: [Area; THINGS],
+    hand: Option<Hand>,
+    /// The drawn line, from end to end, and where in it the part between the jaws begins and ends.
+    line: Vec<[f64; 2]>,
+    visible: [usize; 2],
+}
+
+impl Scene {
+    pub(super) fn new(options: &SimulatedOptions, simulation: &Simulation) -> Self {
+        let seen = options.simulation;
+        let [width, height] = seen.picture_px.map(|size| size as u32);
+        let looks = RenderOptions {
+            seed: seen.seed,
+            width,
+            height,
+            rope_px: ROPE_PX,
+            noise: options.noise,
+            ..RenderOptions::default()
+        };
+        let table = lit_table(&looks);
+        Self {
+            width: width as usize,
+            height: height as usize,
+            brush: Brush::new(&looks, seen.length_px),
+            noise: SensorNoise::new(seen.seed, options.noise, 3 * width as usize),
+            pixels: table.clone(),
+            table,
+            drawn: [Area::default(); THINGS],
+            hand: options.hand.map(Hand::new),
+            line: Vec::with_capacity(FINER * simulation.nodes().len()),
+            visible: [0; 2],
+        }
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        [self.width as u32, self.height as u32]
+    }
+
+    /// The centerline between the jaws as it was drawn last, at equal steps.
+    pub(super) fn visible(&self) -> &[[f64; 2]] {
+        &self.line[self.visible[0]..self.visible[1]]
+    }
+
+    /// Draws what there is, so long after the first frame.
+    pub(super) fn draw(&mut self, simulation: &Simulation, time_s: f64) {
+        self.wipe();
+        self.trace(simulation);
+        let (width, height) = (self.width, self.height);
+        let canvas = &mut Canvas {
+            pixels: &mut self.pixels,
+            width,
+            height,
+        };
+        self.drawn[0] = self.brush.area(&self.line, width, height);
+        self.brush.draw(&self.line, canvas);
+        for (i, pose) in simulation.grippers().iter().enumerate() {
+            let drawing = Drawing::new(pose, simulation.jaw_px(), ROPE_PX);
+            self.drawn[1 + i] = drawing.area(width, height);
+            drawing.draw(canvas);
+        }
+        if let Some(hand) = &mut self.hand {
+            let middle = self.line[self.line.len() / 2];
+            self.drawn[3] = hand.draw(time_s, middle, canvas);
+        }
+    }
+
+    /// The picture with this frame's noise.
+    pub(super) fn write(&self, sequence: u64, pixels: &mut [u8]) {
+        let row_bytes = PixelFormat::Rgb8.row_bytes(self.width as u32);
+        self.noise.add(sequence, row_bytes, &self.pixels, pixels);
+    }
+
+    fn wipe(&mut self) {
+        for Area { x, y } in std::mem::take(&mut self.drawn) {
+            for row in y[0]..y[1] {
+                let bytes = 3 * (row * self.width + x[0])..3 * (row * self.width + x[1]);
+                self.pixels[bytes.clone()].copy_from_slice(&self.table[bytes]);
+            }
+        }
+    }
+
+    /// Lays a smooth line through the nodes (Catmull and Rom's spline, at its middles).
+    fn trace(&mut self, simulation: &Simulation) {
+        let nodes = simulation.nodes();
+        self.line.clear();
+        for (i, pair) in nodes.windows(2).enumerate() {
+            let before = nodes[i.saturating_sub(1)];
+            let after = nodes[(i + 2).min(nodes.len() - 1)];
+            self.line.push(pair[0]);
+            self.line.push([0, 1].map(|axis| {
+                let inner = pair[0][axis] + pair[1][axis];
+                (9.0 * inner - before[axis] - after[axis]) / 16.0
+            }));
+        }
+        self.line.push(nodes[nodes.len() - 1]);
+        let first = (nodes.len() - simulation.visible().len()) / simulation.grippers().len();
+        let count = simulation.visible().len();
+        self.visible = [FINER * first, FINER * (first + count - 1) + 1];
+    }
+}

@@ -1,0 +1,93 @@
+//! The chain on the simulated rope: a controller closes the loop through it.
+
+use std::time::{Duration, Instant};
+
+use lariat_wire::{COMMANDS, Command, Delivery, Domain, Reader, Rig, Writer, now_ns};
+use rustix::process::Signal;
+
+use crate::rig::Bench;
+
+const CHAIN: [&str; 6] = ["--source", "simulated", "--fps", "60", "--out", "out"];
+
+#[test]
+fn a_controller_moves_the_rope_by_what_it_sees() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&CHAIN);
+    chain.wait_for_frames();
+    let rig = Rig::default();
+    let mut reader =
+        Reader::open_in(Domain::named(&bench.domain).unwrap(), &rig).expect("a reader");
+    let domain = Domain::named(&bench.domain).unwrap();
+    let writer = Writer::<Command>::create(&domain, &rig, &COMMANDS, &Delivery::NewestWins);
+    let writer = writer.expect("the one controller");
+    let began = Instant::now();
+    let mut seen: Vec<[f64; 2]> = Vec::new();
+    let mut count = 0;
+    // Upwards, both, until the middle of the rope is 15 px higher.
+    let is_there = |seen: &[[f64; 2]]| {
+        let rise = seen.first().zip(seen.last());
+        rise.is_some_and(|(first, last)| first[1] - last[1] > 15.0)
+    };
+    while !is_there(&seen) {
+        assert!(began.elapsed() < Duration::from_secs(30), "{seen:?}");
+        let frame = reader
+            .wait(Instant::now() + Duration::from_secs(1))
+            .unwrap();
+        let Some(message) = frame.message().filter(|_| frame.is_new()) else {
+            continue;
+        };
+        let Some(curve) = message.curves().first() else {
+            continue;
+        };
+        let control = curve.control_points();
+        seen.push(control[control.len() / 2]);
+        count += 1;
+        let mut slot = writer.slot().unwrap();
+        *slot = Command {
+            count,
+            sent_ns: now_ns(),
+            exposed_ns: message.trace.exposed_ns,
+            grippers: 2,
+            velocities: [[0.0, -60.0, 0.0]; 2],
+            ..Command::default()
+        };
+        slot.send().unwrap();
+    }
+    let list = bench.run(&["topic", "list"]);
+    let list = String::from_utf8(list.stdout).unwrap();
+    let of_commands = list.split("commands").nth(1).expect("it is listed");
+    let me = format!("process {}", std::process::id());
+    assert!(of_commands.contains(&me), "{list}");
+    assert!(of_commands.contains("read by capture"), "{list}");
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    bench.assert_every_frame_is_accounted_for("out");
+    drop((reader, writer, domain));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn the_visible_rope_is_seen_where_it_is() {
+    let bench = Bench::new();
+    let frames = ["--frames", "60", "--lossless", "--seed", "3"];
+    let ended = bench.run(&[&["run"], &CHAIN[..], &frames].concat());
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success(), "{said}");
+    let summary = bench.summary("out");
+    assert_eq!(summary["frames"]["received"], 60);
+    bench.assert_every_frame_is_accounted_for("out");
+    let mean = summary["error_px"]["centerline"]["mean"].as_f64();
+    assert!(mean.is_some_and(|mean| mean < 1.0), "{summary:#}");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_rope_that_cannot_be_simulated_is_refused_before_anything_runs() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("lariat.toml"), "[simulation]\ngrippers = 3\n").unwrap();
+    let ended = bench.run(&[&["run"], &CHAIN[..]].concat());
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(said.contains("choose a whole number from 1 to 2"), "{said}");
+    bench.assert_nothing_is_left();
+}
