@@ -4,14 +4,14 @@
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 use lariat_fit::{Basis, Filter, FilterOptions, Fitter, Noise};
+use lariat_plot::spread::mean;
+use lariat_plot::words::{digits, px};
+use lariat_plot::{Axis, Chart, Look, Marker, Stroke};
 
 use crate::csv::Csv;
 use crate::curves::{bspline, fitter, sampled};
 use crate::figure::Figure;
-use crate::plot::{self, Axis, Chart, Look, Marker, Stroke};
 use crate::shapes::POINTS;
-use crate::spread::mean;
-use crate::words::{digits, px};
 use crate::{Effort, PaperError};
 
 /// Control points of the descriptors: of the Bezier curves those of order 2, 4, 6, 8, 10 and 12.
@@ -166,7 +166,7 @@ impl AtRest {
         Ok(Figure {
             number: 14,
             title: "A rope at rest".to_owned(),
-            svg: plot::draw("figure 14", &[self.chart()], 1)?,
+            svg: lariat_plot::draw("figure 14", &[self.chart()], 1)?,
             shows: format!(
                 "{} drawn ropes lie still for {} frames (30 a second) of a camera with noise of {} levels, seen by the \
                  extractor: root mean square distance of the control points from their mean place, the first {SETTLING} \

@@ -3,12 +3,12 @@
 mod drawing;
 
 use lariat_extract::{Extractor, Method, Options};
+use lariat_plot::spread::{Spread, mean, median};
+use lariat_plot::words::{count, digits, list, px, time};
 use std::time::Instant;
 
 use crate::polyline::{apart_px, from_line_px};
 use crate::shapes::{POINTS, Shape, Shapes};
-use crate::spread::{Spread, mean, median};
-use crate::words::{count, digits, list, px, time};
 use crate::{PaperError, Picture};
 
 /// A point this many widths off the true point of the same ρ is one that was put in another place of the line.

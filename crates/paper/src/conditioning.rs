@@ -3,13 +3,13 @@
 mod figures;
 
 use lariat_fit::Basis;
+use lariat_plot::spread::median;
+use lariat_plot::words::{digits, list};
 
 use crate::PaperError;
 use crate::curves::{bspline, fitter};
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::median;
-use crate::words::{digits, list};
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=24;
 /// Noise of each coordinate of each point, px.

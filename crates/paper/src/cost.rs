@@ -1,14 +1,14 @@
 //! Computational efficiency, which the paper claims and does not show: what a fit takes, by order and solver.
 
 use lariat_fit::{Basis, Fitter, Options, Rho, Solver};
+use lariat_plot::spread::median;
+use lariat_plot::words::{digits, list, percent, time};
+use lariat_plot::{Axis, Chart, Look};
 use std::time::Instant;
 
 use crate::csv::Csv;
 use crate::figure::Figure;
-use crate::plot::{self, Axis, Chart, Look};
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::median;
-use crate::words::{digits, list, percent, time};
 use crate::{Effort, PaperError};
 
 const ORDERS: [usize; 10] = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24];
@@ -158,7 +158,7 @@ impl Cost {
         Ok(Figure {
             number: 8,
             title: "Time against order".to_owned(),
-            svg: plot::draw("figure 8", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 8", &[chart], 1)?,
             shows: format!(
                 "Time of one fit of a Bezier curve to {POINTS} points on this machine, the residuals of all points included: \
                  medians."

@@ -1,6 +1,7 @@
 //! Figure 2 of the paper: fits of its four orders over the picture.
 
 use lariat_fit::{Basis, Fit};
+use lariat_plot::words::{list, px};
 
 use crate::PaperError;
 use crate::Picture;
@@ -10,7 +11,6 @@ use crate::figure::Figure;
 use crate::orders::Orders;
 use crate::overlay::{self, Drawn, Panel, Stroke};
 use crate::shapes::{Shape, Shapes};
-use crate::words::{list, px};
 
 /// The figure, on the shown rope whose error at order 8 is the most usual; nothing if no picture was kept.
 pub(crate) fn figure(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure>, PaperError> {

@@ -33,15 +33,12 @@ mod ordering;
 mod orders;
 mod overlay;
 mod picture;
-mod plot;
 mod polyline;
 mod random;
 mod report;
 mod rivals;
 mod robustness;
 mod shapes;
-mod spread;
-mod words;
 
 pub use csv::Csv;
 pub use options::{Effort, Options, PaperError, Ropes};

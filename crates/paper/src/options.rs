@@ -6,10 +6,11 @@ use lariat_extract::{ImageError, OptionsError};
 use lariat_fit::{
     CurveError, CurveSpaceError, FilterError, FitError, FitterError, PredictError, UpdateError,
 };
+use lariat_plot::PlotError;
+use lariat_plot::words::count;
 use thiserror::Error;
 
 use crate::Picture;
-use crate::words::count;
 
 /// What a report is made from, beside pictures.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,11 +139,6 @@ pub enum PaperError {
     #[error(transparent)]
     Predict(#[from] PredictError),
     /// A drawing failed.
-    #[error("the figure '{figure}' cannot be drawn: {why}")]
-    Drawing {
-        /// Which.
-        figure: &'static str,
-        /// What the plotting library said.
-        why: String,
-    },
+    #[error(transparent)]
+    Plot(#[from] PlotError),
 }

@@ -3,14 +3,14 @@
 mod figures;
 
 use lariat_fit::{Basis, Fitter, Options, Rho};
+use lariat_plot::words::px;
+use lariat_plot::{Spread, spread::median};
 
 use crate::PaperError;
 use crate::curves::sampled;
 use crate::polyline::{apart_px, at, rms_from_line_px};
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::{Spread, median};
-use crate::words::px;
 
 /// The largest step between neighbours by the least.
 const RATIOS: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 7.0, 10.0];

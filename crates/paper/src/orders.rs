@@ -1,15 +1,14 @@
 //! Figure 3 of the paper: the error of fits of rising order.
 
 use lariat_fit::Basis;
+use lariat_plot::words::{count, digits, list, percent, px};
+use lariat_plot::{Axis, Chart, Look, Mark, Marker, Spread, Stroke as Dash, spread::median};
 
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::curves::{PAPERS, fitter, off_at_rho_px};
 use crate::figure::{Figure, Table};
-use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke as Dash};
 use crate::shapes::{POINTS, Shape, Shapes};
-use crate::spread::{Spread, median};
-use crate::words::{count, digits, list, percent, px};
 
 /// The orders of figure 3.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=12;
@@ -195,7 +194,7 @@ impl Orders {
         Ok(Figure {
             number: 3,
             title: "Error against order".to_owned(),
-            svg: plot::draw("figure 3", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 3", &[chart], 1)?,
             shows: format!(
                 "Root mean square distance √(Q/N) between the {POINTS} points of a centerline and the Bezier curve of order \
                  n fitted to them, over {}.",

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::report::escaped;
+use lariat_plot::escaped;
+
 use crate::{PaperError, Picture};
 
 /// Width of a whole figure, in its own units.
@@ -237,7 +238,7 @@ mod tests {
         assert_eq!(svg.matches("data:image/png").count(), 1);
         assert_eq!(svg.matches("<use").count(), 3);
         assert!(svg.contains("a &lt; b"));
-        crate::report::check_tags(&svg).unwrap();
+        lariat_plot::check_tags(&svg).unwrap();
     }
 
     #[test]

@@ -1,12 +1,8 @@
 //! The page: all experiments one after the other, their figures, and every parameter.
 
 mod page;
-#[cfg(test)]
-mod tags;
 
-pub(crate) use page::escaped;
-#[cfg(test)]
-pub(crate) use tags::check_tags;
+use lariat_plot::words::{count, list, time};
 
 use crate::at_rest::AtRest;
 use crate::clusterings::Clusterings;
@@ -19,7 +15,6 @@ use crate::orders::Orders;
 use crate::rivals::Rivals;
 use crate::robustness::{Lights, Missing, Noise, Outliers};
 use crate::shapes::{self, POINTS, Shapes};
-use crate::words::{count, list, time};
 use crate::{Csv, Options, PaperError, Ropes};
 
 /// What came of a run.
@@ -259,7 +254,7 @@ mod tests {
     #[test]
     fn the_page_is_whole_and_stands_alone() {
         let report = repeat(&least(2), Ropes::Drawn, &mut |_| {}).unwrap();
-        check_tags(&report.html).unwrap();
+        lariat_plot::check_tags(&report.html).unwrap();
         for number in 1..=14 {
             assert!(
                 report.html.contains(&format!("Figure {number}.")),

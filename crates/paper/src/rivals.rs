@@ -1,14 +1,14 @@
 //! The rivals that the paper names and the curves that it allows, at an equal number of parameters.
 
+use lariat_plot::words::{digits, list, px, time};
+use lariat_plot::{Axis, Chart, Look, Mark, Spread, spread::median};
+
 use crate::cost::median_us;
 use crate::csv::Csv;
 use crate::family::{Family, Fitting, PAPERS_NUMBERS};
 use crate::figure::{Figure, Table};
-use crate::plot::{self, Axis, Chart, Look, Mark};
 use crate::random::Random;
 use crate::shapes::{GENTLE, Shapes};
-use crate::spread::{Spread, median};
-use crate::words::{digits, list, px, time};
 use crate::{Effort, PaperError};
 
 /// Numbers that describe a curve, at most.
@@ -159,7 +159,7 @@ impl Rivals {
         Ok(Figure {
             number: 9,
             title: "Against its rivals, at an equal number of parameters".to_owned(),
-            svg: plot::draw("figure 9", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 9", &[chart], 1)?,
             shows: format!(
                 "Median distance, over {} ropes, between the rope and the curve fitted to its exact points, by how many \
                  numbers the curve takes: two a control point, and one a weight. The table is at the size of the paper's \

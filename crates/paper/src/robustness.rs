@@ -10,7 +10,7 @@ pub(crate) use missing::Missing;
 pub(crate) use noise::Noise;
 pub(crate) use outliers::Outliers;
 
-use crate::spread::Spread;
+use lariat_plot::Spread;
 
 /// The median at each step of a sweep.
 fn medians(spreads: &[Spread]) -> Vec<f64> {

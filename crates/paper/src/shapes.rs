@@ -3,12 +3,12 @@
 use lariat_capture::scenes::{self, Class, SceneError, Still};
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_extract::{Extractor, Options, Status};
+use lariat_plot::spread::median;
 use lariat_wire::Centerlines;
 use std::time::Instant;
 
 use crate::polyline::{at, even, rms_apart_px};
 use crate::random::Random;
-use crate::spread::median;
 use crate::{Effort, PaperError, Picture};
 
 /// Points of a centerline: the paper's N.

@@ -1,13 +1,14 @@
 //! The clusterings as a figure: panels over one picture, a table over all.
 
+use lariat_plot::words::{digits, list, px, time};
+use lariat_plot::{Spread, spread::mean};
+
 use super::{Clusterings, SETTLING, SKELETON, WRONG_WIDTHS, short, title};
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::figure::{Figure, Table};
 use crate::overlay::{self, Drawn, Panel, Stroke};
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::{Spread, mean};
-use crate::words::{digits, list, px, time};
 
 impl Clusterings {
     pub(crate) fn figure(&self, shapes: &Shapes) -> Result<Option<Figure>, PaperError> {

@@ -1,10 +1,11 @@
 //! Condition numbers, gains and total errors as figures.
 
+use lariat_plot::{Axis, Chart, Look, Mark, Marker, Stroke};
+
 use super::{Conditioning, DRAWS, MAIN, NoiseOf, ORDERS, Row, SIGMAS_PX};
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::figure::{Figure, Table};
-use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke};
 use crate::shapes::POINTS;
 
 impl Conditioning {
@@ -62,7 +63,7 @@ impl Conditioning {
         Ok(Figure {
             number: 10,
             title: "Condition number and noise gain against order".to_owned(),
-            svg: plot::draw("figure 10", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 10", &[chart], 1)?,
             shows: format!(
                 "For {POINTS} points: the condition number of B in the 2-norm (that of BᵀB is its square), and the noise \
                  gain, the standard deviation of a coordinate of the least certain control point for noise of 1 in every \
@@ -131,7 +132,7 @@ impl Conditioning {
         Ok(Figure {
             number: 11,
             title: "The model's error and the noise's together".to_owned(),
-            svg: plot::draw("figure 11", &charts, 2)?,
+            svg: lariat_plot::draw("figure 11", &charts, 2)?,
             shows: format!(
                 "Median error of the Bezier curve over {} ropes, and its root sum of squares with what noise of the points \
                  does: left to the least certain control point, right to the curve. Rings: the least of each. Upright line: \

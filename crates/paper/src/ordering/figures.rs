@@ -1,12 +1,13 @@
 //! Uneven steps and wrong orders as figures.
 
+use lariat_plot::words::px;
+use lariat_plot::{Axis, Chart, Look, Mark, Marker, Stroke};
+
 use super::{Disorder, Ordering, RATIOS, RHOS};
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::figure::{Figure, Table};
-use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke};
 use crate::shapes::POINTS;
-use crate::words::px;
 
 impl Ordering {
     pub(crate) fn figures(&self) -> Result<[Figure; 2], PaperError> {
@@ -57,7 +58,7 @@ impl Ordering {
         Ok(Figure {
             number: 12,
             title: "Arc length: even or measured".to_owned(),
-            svg: plot::draw("figure 12", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 12", &[chart], 1)?,
             shows: format!(
                 "Bezier curves of order 8 fitted to {POINTS} exact points that are not evenly spaced, taken for evenly spaced \
                  or with ρ measured along them: median distance, over {} ropes, from the curve fitted to points in even steps.",
@@ -99,7 +100,7 @@ impl Ordering {
         Ok(Figure {
             number: 13,
             title: "Points in a wrong order".to_owned(),
-            svg: plot::draw("figure 13", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 13", &[chart], 1)?,
             shows: format!(
                 "Distance between the rope and the Bezier curve of order 8 fitted to its exact points in another order, over \
                  {} ropes: markers are medians, thick lines the middle half, thin ones 5 to 95 %.",

@@ -1,19 +1,13 @@
-//! The page as HTML: one file, readable on a screen and on paper, without scripts and without anything to fetch.
+//! The page as HTML.
 
 use std::fmt::Write;
+
+use lariat_plot::{escaped, page};
 
 use super::finding;
 use crate::figure::{Figure, Section, Table};
 
-const STYLE: &str = include_str!("page.css");
-
-/// Text as HTML has it.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
-}
+const TITLE: &str = "The paper, repeated";
 
 pub(super) fn write(
     sections: &[Section],
@@ -21,10 +15,7 @@ pub(super) fn write(
     parameters: &[(&'static str, String)],
 ) -> String {
     let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>The paper, repeated</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
-         <h1>The paper, repeated</h1>\n<p class=\"lead\">{}</p>\n",
+        "<h1>{TITLE}</h1>\n<p class=\"lead\">{}</p>\n",
         escaped(introduction)
     );
     html.push_str("<h2>In short</h2>\n<ul class=\"short\">\n");
@@ -71,8 +62,8 @@ pub(super) fn write(
             figure.csv.name
         );
     }
-    html.push_str("</tbody>\n</table>\n</section>\n</main>\n</body>\n</html>\n");
-    html
+    html.push_str("</tbody>\n</table>\n</section>\n");
+    page(TITLE, &html)
 }
 
 /// "Figure 3." and the rest.

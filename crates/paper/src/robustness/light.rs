@@ -2,15 +2,14 @@
 
 use lariat_capture::scenes::Class;
 use lariat_fit::Basis;
+use lariat_plot::words::{digits, px};
+use lariat_plot::{Axis, Chart, Look, Mark, Marker, Spread, Stroke, spread::median};
 
 use crate::csv::Csv;
 use crate::curves::{fitter, sampled};
 use crate::figure::{Figure, Table};
-use crate::plot::{self, Axis, Chart, Look, Mark, Marker, Stroke};
 use crate::polyline::{even, rms_apart_px, rms_from_line_px};
 use crate::shapes::{Eye, POINTS, along, still};
-use crate::spread::{Spread, median};
-use crate::words::{digits, px};
 use crate::{Effort, PaperError, Picture};
 
 /// Kinds of pictures, the plain one first.
@@ -181,7 +180,7 @@ impl Lights {
         Ok(Figure {
             number: 7,
             title: "Light, noise and blur in the picture".to_owned(),
-            svg: plot::draw("figure 7", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 7", &[chart], 1)?,
             shows: "Drawn pictures of each kind through the extractor: how far its points are off the true centerline, and \
                     how far that moves the curve of order 8. Markers are medians, thick lines the middle half, thin ones 5 to \
                     95 % of the pictures."

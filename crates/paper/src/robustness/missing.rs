@@ -1,17 +1,17 @@
 //! Points that are missing, in one gap or here and there, and three ways to fit the rest.
 
 use lariat_fit::{Basis, Fitter, Options, Rho, Weights};
+use lariat_plot::Spread;
+use lariat_plot::words::px;
+use lariat_plot::{Axis, Chart, Look};
 
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::curves::{fitter, sampled};
 use crate::figure::Figure;
-use crate::plot::{self, Axis, Chart, Look};
 use crate::polyline::rms_from_line_px;
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::Spread;
-use crate::words::px;
 
 use super::medians;
 
@@ -218,7 +218,7 @@ impl Missing {
         Ok(Figure {
             number: 5,
             title: "Missing points".to_owned(),
-            svg: plot::draw("figure 5", &charts, 2)?,
+            svg: lariat_plot::draw("figure 5", &charts, 2)?,
             shows: format!(
                 "Median distance, over {} ropes, between the Bezier curve of order 8 that was fitted to all {POINTS} points \
                  of a rope and the one fitted to what is left of them; the points are exact.",

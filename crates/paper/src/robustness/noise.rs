@@ -1,15 +1,16 @@
 //! Noise on the points, against families of equal size.
 
+use lariat_plot::Spread;
+use lariat_plot::words::px;
+use lariat_plot::{Axis, Chart, Look};
+
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::family::{Family, Fitting, PAPERS_NUMBERS};
 use crate::figure::Figure;
-use crate::plot::{self, Axis, Chart, Look};
 use crate::polyline::rms_apart_px;
 use crate::random::Random;
 use crate::shapes::Shapes;
-use crate::spread::Spread;
-use crate::words::px;
 
 use super::medians;
 
@@ -142,7 +143,7 @@ impl Noise {
         Ok(Figure {
             number: 4,
             title: "Noise on the points".to_owned(),
-            svg: plot::draw("figure 4", &charts, 2)?,
+            svg: lariat_plot::draw("figure 4", &charts, 2)?,
             shows: format!(
                 "Normal noise is added to each point of {} ropes, and curves are fitted that take {PAPERS_NUMBERS} numbers \
                  (the rational one 17). Median distance of the rope from the curve (left), and of the curve from the one \

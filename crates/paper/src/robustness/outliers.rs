@@ -1,17 +1,17 @@
 //! Points that lie far off, with and without Huber's weights.
 
 use lariat_fit::{Basis, Fitter, Options, Weights};
+use lariat_plot::Spread;
+use lariat_plot::words::px;
+use lariat_plot::{Axis, Chart, Look};
 
 use crate::PaperError;
 use crate::csv::Csv;
 use crate::curves::{bspline, sampled};
 use crate::figure::Figure;
-use crate::plot::{self, Axis, Chart, Look};
 use crate::polyline::{apart_px, rms_apart_px};
 use crate::random::Random;
 use crate::shapes::{POINTS, Shapes};
-use crate::spread::Spread;
-use crate::words::px;
 
 use super::medians;
 
@@ -128,7 +128,7 @@ impl Outliers {
         Ok(Figure {
             number: 6,
             title: "Outliers".to_owned(),
-            svg: plot::draw("figure 6", &[chart], 1)?,
+            svg: lariat_plot::draw("figure 6", &[chart], 1)?,
             shows: format!(
                 "Of the {POINTS} points of each of {} ropes a share was moved by {:.0} to {:.0} % of the rope's length in any \
                  direction, the others have noise of {}: median distance, at the same ρ, between the curve of nine control \

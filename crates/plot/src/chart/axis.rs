@@ -14,7 +14,7 @@ enum Scale {
 
 /// An axis of numbers, even or by their logarithm, or of names.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Axis {
+pub struct Axis {
     label: String,
     scale: Scale,
     first: f64,
@@ -23,7 +23,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// From `first` to `last`, with a tick each `step`.
-    pub(crate) fn linear(label: &str, [first, last]: [f64; 2], step: f64) -> Self {
+    pub fn linear(label: &str, [first, last]: [f64; 2], step: f64) -> Self {
         Self {
             label: label.to_owned(),
             scale: Scale::Linear { step },
@@ -33,7 +33,7 @@ impl Axis {
     }
 
     /// By the logarithm, from `first` to `last`, both positive.
-    pub(crate) fn log(label: &str, [first, last]: [f64; 2]) -> Self {
+    pub fn log(label: &str, [first, last]: [f64; 2]) -> Self {
         Self {
             label: label.to_owned(),
             scale: Scale::Log,
@@ -43,7 +43,7 @@ impl Axis {
     }
 
     /// By the logarithm, with room for all of `numbers` that are positive.
-    pub(crate) fn log_around(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
+    pub fn log_around(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
         for number in numbers {
             if number > 0.0 && number.is_finite() {
@@ -63,7 +63,7 @@ impl Axis {
     }
 
     /// Names, the first at the top of an upright axis.
-    pub(crate) fn names(label: &str, names: Vec<String>) -> Self {
+    pub fn names(label: &str, names: Vec<String>) -> Self {
         Self {
             label: label.to_owned(),
             // Upwards the last is the highest.
@@ -73,7 +73,8 @@ impl Axis {
         }
     }
 
-    pub(crate) fn label(&self) -> &str {
+    /// What it says of its numbers.
+    pub fn label(&self) -> &str {
         &self.label
     }
 

@@ -2,7 +2,7 @@
 
 /// # Errors
 /// The first tag that is not closed, or closed without being open.
-pub(crate) fn check_tags(text: &str) -> Result<(), String> {
+pub fn check_tags(text: &str) -> Result<(), String> {
     const EMPTY: [&str; 2] = ["meta", "br"];
     let mut open: Vec<&str> = Vec::new();
     let mut rest = text;

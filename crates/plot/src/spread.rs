@@ -2,24 +2,24 @@
 
 /// Quantiles of some numbers; NaN of none.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Spread {
+pub struct Spread {
     /// How many numbers.
-    pub(crate) count: usize,
+    pub count: usize,
     /// The 5 % quantile.
-    pub(crate) p5: f64,
+    pub p5: f64,
     /// The lower quartile.
-    pub(crate) p25: f64,
+    pub p25: f64,
     /// The median.
-    pub(crate) median: f64,
+    pub median: f64,
     /// The upper quartile.
-    pub(crate) p75: f64,
+    pub p75: f64,
     /// The 95 % quantile.
-    pub(crate) p95: f64,
+    pub p95: f64,
 }
 
 impl Spread {
     /// Of these numbers, those that are not finite left out.
-    pub(crate) fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
+    pub fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = numbers.into_iter().filter(|x| x.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         Self {
@@ -45,7 +45,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 /// The mean; NaN of no numbers.
-pub(crate) fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
+pub fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0usize);
     for number in numbers {
         sum += number;
@@ -55,7 +55,7 @@ pub(crate) fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// The median of some numbers; NaN of none.
-pub(crate) fn median(numbers: impl IntoIterator<Item = f64>) -> f64 {
+pub fn median(numbers: impl IntoIterator<Item = f64>) -> f64 {
     Spread::of(numbers).median
 }
 

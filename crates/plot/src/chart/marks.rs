@@ -18,38 +18,53 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
+/// Of a line that is one among many: where they lie on each other it is darker.
+const THIN_OPACITY: f64 = 0.35;
+
 /// How a line goes on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stroke {
+pub enum Stroke {
+    /// Without gaps.
     Solid,
+    /// Dashes of 7 px of the page.
     Dashed,
+    /// Dots of 2 px.
     Dotted,
+    /// Dashes of 14 px.
     LongDashed,
 }
 
 /// What marks a line's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Marker {
+pub enum Marker {
+    /// Nothing.
     None,
+    /// A ring.
     Circle,
+    /// A square.
     Square,
+    /// A triangle, its tip up.
     Triangle,
+    /// A square on its corner.
     Diamond,
+    /// Two strokes.
     Cross,
 }
 
 /// How a line looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Look {
+pub struct Look {
     /// Which of the palette's colors.
-    pub(crate) color: usize,
-    pub(crate) stroke: Stroke,
-    pub(crate) marker: Marker,
+    pub color: usize,
+    /// Its dashes.
+    pub stroke: Stroke,
+    /// What is at its points.
+    pub marker: Marker,
 }
 
 impl Look {
     /// The look of a chart's `n`-th line: every one another color, dash and marker.
-    pub(crate) fn nth(n: usize) -> Self {
+    pub fn nth(n: usize) -> Self {
         const STROKES: [Stroke; 4] = [
             Stroke::Solid,
             Stroke::Dashed,
@@ -70,11 +85,13 @@ impl Look {
         }
     }
 
-    pub(crate) fn stroke(self, stroke: Stroke) -> Self {
+    /// The same with other dashes.
+    pub fn stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
     }
 
-    pub(crate) fn marker(self, marker: Marker) -> Self {
+    /// The same with another marker.
+    pub fn marker(self, marker: Marker) -> Self {
         Self { marker, ..self }
     }
 
@@ -85,32 +102,66 @@ impl Look {
 
 /// One thing in a chart.
 #[derive(Debug, Clone)]
-pub(crate) enum Mark {
+pub enum Mark {
     /// A line through points, broken where one is no number or lies beyond the axes.
     Line {
+        /// In the legend; empty: not there.
         name: String,
+        /// How it looks.
         look: Look,
+        /// x and y, in the numbers of the axes.
         points: Vec<[f64; 2]>,
     },
-    /// What lies between two lines: x, lower and upper end.
+    /// A line of one among many: thin and pale, without markers and not in the legend; broken likewise.
+    Thin {
+        /// Which of the palette's colors.
+        color: usize,
+        /// x and y, in the numbers of the axes.
+        points: Vec<[f64; 2]>,
+    },
+    /// What lies between two lines.
     Band {
+        /// In the legend; empty: not there.
         name: String,
+        /// Which of the palette's colors.
         color: usize,
         /// 0 to 1.
         opacity: f64,
+        /// x, lower and upper end.
         edges: Vec<[f64; 3]>,
     },
     /// The spread of numbers along x, at the height of the `row`-th name, moved by a share of a row.
     Spread {
+        /// Which of the upright axis's names.
         row: usize,
+        /// Downwards, in rows.
         shift: f64,
+        /// Its color and its marker.
         look: Look,
+        /// Median, quartiles, and where nine tenths lie.
         spread: Spread,
     },
     /// An upright line at an x, with words at its top.
-    Rule { x: f64, text: String },
+    Rule {
+        /// Where.
+        x: f64,
+        /// May be empty.
+        text: String,
+    },
+    /// A level line at a y, with words above its right end.
+    Level {
+        /// Where.
+        y: f64,
+        /// May be empty.
+        text: String,
+    },
     /// A name in the legend for marks that have none.
-    Key { name: String, look: Look },
+    Key {
+        /// In the legend.
+        name: String,
+        /// How they look.
+        look: Look,
+    },
 }
 
 pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn {
@@ -124,6 +175,15 @@ pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn 
             let seen = points.iter().filter(|p| fits(p));
             seen.map(|&p| at(p))
                 .try_for_each(|p| marker(root, p, *look, 4))
+        }
+        Mark::Thin { color, points } => {
+            let fits = |p: &[f64; 2]| chart.x.holds(p[0]) && chart.y.holds(p[1]);
+            let style = COLORS[color % COLORS.len()].mix(THIN_OPACITY);
+            for run in points.split(|p| !fits(p)) {
+                let pixels: Vec<_> = run.iter().map(|&p| at(p)).collect();
+                root.draw(&PathElement::new(pixels, style.stroke_width(FINE as u32)))?;
+            }
+            Ok(())
         }
         Mark::Band {
             color,
@@ -160,6 +220,7 @@ pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn 
             marker(root, at([spread.median, y]), *look, 5)
         }
         Mark::Rule { x, text } => rule(root, *x, text, at, chart),
+        Mark::Level { y, text } => level(root, *y, text, at, chart),
         Mark::Key { .. } => Ok(()),
     }
 }
@@ -179,6 +240,17 @@ fn rule(root: &Area, x: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
     };
     let style = letters(SOFT, false).pos(Pos::new(side, VPos::Top));
     let place = (top.0 + dx, top.1 + 3 * FINE);
+    root.draw(&Text::new(text.to_owned(), place, style))
+}
+
+/// A level dashed line with words above its right end.
+fn level(root: &Area, y: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
+    let (left, right) = (at([chart.x.first(), y]), at([chart.x.last(), y]));
+    let style = SOFT.stroke_width(FINE as u32);
+    let (dash, gap) = (4 * FINE, 3 * FINE);
+    root.draw(&DashedPathElement::new([left, right], dash, gap, style))?;
+    let style = letters(SOFT, false).pos(Pos::new(HPos::Right, VPos::Bottom));
+    let place = (right.0 - 4 * FINE, right.1 - 2 * FINE);
     root.draw(&Text::new(text.to_owned(), place, style))
 }
 

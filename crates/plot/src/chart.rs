@@ -8,14 +8,14 @@ mod axis;
 mod legend;
 mod marks;
 
-pub(crate) use axis::Axis;
-pub(crate) use marks::{Look, Mark, Marker, Stroke};
+pub use axis::Axis;
+pub use marks::{Look, Mark, Marker, Stroke};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::PaperError;
+use thiserror::Error;
 
 /// Pixels of the drawing for one of the page.
 const FINE: i32 = 4;
@@ -41,22 +41,36 @@ const SOFT: RGBColor = RGBColor(90, 90, 90);
 const GRID: RGBColor = RGBColor(221, 221, 221);
 const FAINT: RGBColor = RGBColor(240, 240, 240);
 
+/// A drawing failed.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("the figure '{figure}' cannot be drawn: {why}")]
+pub struct PlotError {
+    /// Which.
+    pub figure: &'static str,
+    /// What the plotting library said.
+    pub why: String,
+}
+
 /// One chart: two axes and what is drawn between them.
 #[derive(Debug, Clone)]
-pub(crate) struct Chart {
+pub struct Chart {
     /// What it is about, where a figure has several.
-    pub(crate) title: String,
-    pub(crate) x: Axis,
-    pub(crate) y: Axis,
-    pub(crate) marks: Vec<Mark>,
+    pub title: String,
+    /// The level axis.
+    pub x: Axis,
+    /// The upright axis.
+    pub y: Axis,
+    /// What is drawn, the first below the others.
+    pub marks: Vec<Mark>,
     /// Height without title and legend, px of the page.
-    pub(crate) height_px: i32,
+    pub height_px: i32,
     /// Room for the labels left of it, px of the page.
-    pub(crate) left_px: i32,
+    pub left_px: i32,
 }
 
 impl Chart {
-    pub(crate) fn new(x: Axis, y: Axis) -> Self {
+    /// An empty chart without a title.
+    pub fn new(x: Axis, y: Axis) -> Self {
         Self {
             title: String::new(),
             x,
@@ -67,23 +81,24 @@ impl Chart {
         }
     }
 
-    pub(crate) fn titled(mut self, title: &str) -> Self {
+    /// The same with a title.
+    pub fn titled(mut self, title: &str) -> Self {
         title.clone_into(&mut self.title);
         self
     }
 
-    pub(crate) fn line(&mut self, name: &str, look: Look, points: Vec<[f64; 2]>) {
+    /// Adds a line that is named in the legend.
+    pub fn line(&mut self, name: &str, look: Look, points: Vec<[f64; 2]>) {
         let name = name.to_owned();
         self.marks.push(Mark::Line { name, look, points });
     }
 }
 
-/// Draws charts beside each other, `columns` in a row, as one SVG without a size of its own.
-pub(crate) fn draw(
-    figure: &'static str,
-    charts: &[Chart],
-    columns: i32,
-) -> Result<String, PaperError> {
+/// Draws charts beside each other, `columns` in a row, as one SVG without a size of its own. `figure` names it in an error.
+///
+/// # Errors
+/// What the plotting library refuses.
+pub fn draw(figure: &'static str, charts: &[Chart], columns: i32) -> Result<String, PlotError> {
     let width = WIDTH_PX * FINE;
     let each = width / columns;
     // Charts of one row have their axes side by side: the tallest legend counts.
@@ -123,7 +138,7 @@ pub(crate) fn draw(
         }
         all.and_then(|()| root.present().map_err(|e| e.to_string()))
     };
-    drawn.map_err(|why| PaperError::Drawing { figure, why })?;
+    drawn.map_err(|why| PlotError { figure, why })?;
     Ok(without_size(&svg))
 }
 
@@ -251,12 +266,18 @@ mod tests {
             Axis::log("error & px", [0.01, 100.0]),
         );
         let points = (1..10).map(|i| [f64::from(i), 10.0 / f64::from(i)]);
-        chart.line("Bezier", Look::nth(0), points.collect());
+        chart.line("Bezier", Look::nth(0), points.clone().collect());
+        chart.marks.push(Mark::Thin {
+            color: 1,
+            points: points.collect(),
+        });
+        let text = "a level".to_owned();
+        chart.marks.push(Mark::Level { y: 5.0, text });
         let svg = draw("a test", &[chart.clone(), chart.titled("another")], 2).unwrap();
         assert!(svg.starts_with("<svg viewBox="), "{}", &svg[..60]);
         assert_eq!(svg.matches("<svg").count(), 1);
         assert!(svg.contains("order &lt; n") && svg.contains("error &amp; px"));
-        assert!(svg.contains("another"));
-        crate::report::check_tags(&svg).unwrap();
+        assert!(svg.contains("another") && svg.contains("a level"));
+        crate::check_tags(&svg).unwrap();
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers as sentences have them.
 
 /// To three digits: 0.0123, 1.23, 123, 1.2·10⁵.
-pub(crate) fn digits(number: f64) -> String {
+pub fn digits(number: f64) -> String {
     let size = number.abs();
     if !number.is_finite() {
         "–".to_owned()
@@ -33,7 +33,7 @@ fn power_of_ten(number: f64) -> String {
 }
 
 /// A whole number as an exponent.
-pub(crate) fn raised(power: i32) -> String {
+pub fn raised(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     power
         .to_string()
@@ -46,12 +46,12 @@ pub(crate) fn raised(power: i32) -> String {
 }
 
 /// Pixels: "0.123 px".
-pub(crate) fn px(number: f64) -> String {
+pub fn px(number: f64) -> String {
     format!("{} px", digits(number))
 }
 
 /// A time in the unit that suits it, of microseconds.
-pub(crate) fn time(us: f64) -> String {
+pub fn time(us: f64) -> String {
     if us < 1.0 {
         format!("{} ns", digits(1e3 * us))
     } else if us < 1e3 {
@@ -64,7 +64,7 @@ pub(crate) fn time(us: f64) -> String {
 }
 
 /// A share as whole percents, "all" and "none" only if it is.
-pub(crate) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     let whole = 100.0 * share;
     if !share.is_finite() {
         "–".to_owned()
@@ -78,12 +78,12 @@ pub(crate) fn percent(share: f64) -> String {
 }
 
 /// How many, with the right form of the noun.
-pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
+pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
 /// "a", "a and b", "a, b and c".
-pub(crate) fn list(items: &[String]) -> String {
+pub fn list(items: &[String]) -> String {
     match items {
         [] => "none".to_owned(),
         [one] => one.clone(),
