@@ -19,6 +19,7 @@ use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
+use crate::servo::{self, ControllerArgs, ServoArgs};
 use crate::settings::{ChainArgs, Settings};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
@@ -78,6 +79,11 @@ enum Command {
     Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
+    /// A simulated rope driven to a shape through the whole chain, and what that depends on
+    Servo(ServoArgs),
+    /// The controller that `servo` starts
+    #[command(hide = true)]
+    Controller(Box<ControllerArgs>),
     /// What of this machine makes lariat slower than it could be, and what to type
     Doctor(DoctorArgs),
     /// How long a frame is under way on this machine, beside its floors and beside others
@@ -127,6 +133,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Top(args)) => top::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
+        Some(Command::Servo(args)) => servo::run(&args),
+        Some(Command::Controller(args)) => servo::run_controller(&args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),

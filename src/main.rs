@@ -22,6 +22,7 @@ mod plane_file;
 mod record;
 mod recording;
 mod replay;
+mod servo;
 mod settings;
 mod snapshot;
 mod stages;

@@ -1,0 +1,157 @@
+//! `lariat servo`: a simulated rope driven to a shape by what the camera sees, through the real chain; how well, and what it
+//! depends on.
+
+mod camera;
+mod cases;
+mod controller;
+mod episode;
+mod film;
+mod job;
+mod judge;
+mod report;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use clap::Args;
+
+use crate::settings::duration;
+use crate::stop::Stop;
+use crate::whole_file::{self, Existing};
+use cases::{Case, Target};
+pub(crate) use controller::{ControllerArgs, run as run_controller};
+use lariat_sink::Machine;
+use report::{Row, Study};
+
+/// The share of ropes that is to reach its target, for the exit code.
+const ENOUGH: f64 = 0.95;
+
+/// What is asked of `lariat servo`.
+#[derive(Debug, Args)]
+pub(crate) struct ServoArgs {
+    /// The shape that is wanted: u, s, line, or a file with {"points":[[x,y],…]} in pixels
+    #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
+    target: String,
+    /// How many ropes: each seed is another start, and another place of the target
+    #[arg(long, default_value_t = 5, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// The first of the seeds
+    #[arg(long, default_value_t = 1, value_name = "NUMBER")]
+    first_seed: u64,
+    /// Frames a second, 5 to 1000
+    #[arg(long, default_value_t = 60.0, value_name = "RATE", value_parser = fps)]
+    fps: f64,
+    /// The longest that one rope is driven
+    #[arg(long, default_value = "20s", value_name = "TIME", value_parser = duration::parse)]
+    time: Duration,
+    /// Also what it depends on: latency, frame rate, occlusion, noise, order and basis, features, estimator
+    #[arg(long)]
+    study: bool,
+    /// Put the table and a page with all figures into this folder
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Film the first rope
+    #[arg(long, value_name = "FILE.gif")]
+    gif: Option<PathBuf>,
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok();
+    rate.filter(|rate| (5.0..=1000.0).contains(rate))
+        .ok_or_else(|| "choose a rate from 5 to 1000".to_owned())
+}
+
+/// Drives ropes, and says how well.
+pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
+    let stop = Stop::on_signals()?;
+    let target = Target::named(&args.target)?;
+    // Before anything is driven: what cannot be written is said now.
+    if let Some(folder) = &args.out {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("{} cannot be made", folder.display()))?;
+    }
+    let is_filmed = args.gif.is_some() || args.out.is_some();
+    let mut film = None;
+    let mut latencies_ms = Vec::new();
+    let mut rows = Vec::new();
+    for case in Case::all(args.fps, args.study) {
+        let mut outcomes = Vec::new();
+        for seed in args.first_seed..args.first_seed + args.seeds {
+            let filmed = is_filmed && film.is_none();
+            let Some(driven) = case.drive(seed, &target, args.time, filmed, &stop)? else {
+                return Ok(ExitCode::from(130));
+            };
+            eprintln!("lariat: {}", case.said(&driven.outcome));
+            outcomes.push(driven.outcome);
+            film = film.or(driven.film);
+            if rows.is_empty() {
+                latencies_ms.extend(driven.latencies_ms);
+            }
+        }
+        rows.push(case.row(outcomes));
+    }
+    let study = study(args, rows, latencies_ms);
+    print!("{}", report::table(&study));
+    if let (Some(path), Some(film)) = (&args.gif, &film) {
+        whole_file::write(path, film, Existing::Replace)?;
+    }
+    if let Some(folder) = &args.out {
+        write_report(folder, &study, film.as_deref())?;
+    }
+    Ok(verdict(&study.rows))
+}
+
+fn study(args: &ServoArgs, rows: Vec<Row>, mut latencies_ms: Vec<f64>) -> Study {
+    latencies_ms.sort_by(f64::total_cmp);
+    let machine = Machine::this();
+    let words = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let seeds = format!("{} from {} on", args.seeds, args.first_seed);
+    Study {
+        title: "A rope driven to a shape by what the camera sees".to_owned(),
+        target: args.target.clone(),
+        rows,
+        command: format!("lariat {words}"),
+        parameters: vec![
+            ("lariat", env!("CARGO_PKG_VERSION").to_owned()),
+            ("seeds", seeds),
+            ("frames/s", args.fps.to_string()),
+            ("kernel", machine.kernel),
+            ("CPU", machine.cpu.unwrap_or_default()),
+        ],
+        own_latency_ms: latencies_ms.get(latencies_ms.len() / 2).copied(),
+    }
+}
+
+fn write_report(folder: &Path, study: &Study, film: Option<&[u8]>) -> Result<()> {
+    let page = report::page(study, film).context("the figures could not be drawn")?;
+    whole_file::write(
+        &folder.join("servo.html"),
+        page.as_bytes(),
+        Existing::Replace,
+    )?;
+    whole_file::write(
+        &folder.join("servo.txt"),
+        report::table(study).as_bytes(),
+        Existing::Replace,
+    )?;
+    if let Some(film) = film {
+        whole_file::write(&folder.join("servo.gif"), film, Existing::Replace)?;
+    }
+    eprintln!("lariat: wrote {}", folder.join("servo.html").display());
+    Ok(())
+}
+
+/// Whether the chain as it is brings enough ropes to their target.
+fn verdict(rows: &[Row]) -> ExitCode {
+    let Some(row) = rows.first() else {
+        return ExitCode::FAILURE;
+    };
+    let reached = row.outcomes.iter().filter(|o| o.is_reached()).count();
+    if reached as f64 >= ENOUGH * row.outcomes.len() as f64 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

@@ -1,0 +1,269 @@
+//! What is varied: one thing at a time, from the chain as it is.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use lariat_simulation::{Options, Simulation, TargetShape};
+use serde::Deserialize;
+
+use super::episode::{Driven, Episode};
+use super::job::{Features, Job, Learner, RAW_POINTS, Robot};
+use super::judge::Outcome;
+use super::report::{Group, Row};
+use crate::stop::Stop;
+
+/// Points of a target.
+const TARGET_POINTS: usize = 120;
+/// Limits of a gripper: px/s, px/s, rad/s. Both axes at once are what the robot allows itself.
+const SPEEDS: [f64; 3] = [100.0, 100.0, 1.0];
+/// How far apart the grippers may go, as a share of the rope between them: it is never pulled taut.
+const SLACK: f64 = 0.998;
+/// λ of the law, 1/s.
+const GAIN: f64 = 3.0;
+/// When a hand comes, in seconds: in the middle of the way.
+const HAND_AT_S: f64 = 5.0;
+
+/// What the rope is to become.
+#[derive(Debug, Clone)]
+pub(super) enum Target {
+    /// A shape that the rope takes in the simulation, another for each seed.
+    Named(TargetShape),
+    /// A curve through points, px.
+    Points(Vec<[f64; 2]>),
+}
+
+#[derive(Deserialize)]
+struct Line {
+    points: Vec<[f64; 2]>,
+}
+
+impl Target {
+    /// The target that was named, or the one in a file of that name.
+    pub(super) fn named(name: &str) -> Result<Self> {
+        if let Ok(shape) = name.parse() {
+            return Ok(Self::Named(shape));
+        }
+        let path = Path::new(name);
+        if !path.exists() {
+            bail!("`{name}` is no target: say u, s, line, or a file with {{\"points\":[[x,y],…]}}");
+        }
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("{name} could not be read"))?;
+        let line: Line = serde_json::from_str(text.lines().next().unwrap_or_default())
+            .with_context(|| {
+                format!("{name} is no target: {{\"points\":[[x,y],…]}} in one line is")
+            })?;
+        let is_place = |point: &[f64; 2]| point.iter().all(|at| at.is_finite());
+        if line.points.len() < 2 || !line.points.iter().all(is_place) {
+            bail!("{name} is no target: a curve takes two points at least");
+        }
+        Ok(Self::Points(line.points))
+    }
+
+    fn points(&self, options: &Options) -> Result<Vec<[f64; 2]>> {
+        match self {
+            Self::Named(shape) => Ok(shape.reached(options, TARGET_POINTS)?.points),
+            Self::Points(points) => Ok(points.clone()),
+        }
+    }
+}
+
+/// One way to drive ropes.
+#[derive(Debug, Clone)]
+pub(super) struct Case {
+    group: Group,
+    name: String,
+    value: Option<f64>,
+    fps: f64,
+    delay_ms: f64,
+    look_ahead: bool,
+    features: Features,
+    learner: Learner,
+    /// Of the chain, beside its source.
+    flags: Vec<String>,
+    /// `[simulation]`
+    simulation: String,
+}
+
+impl Case {
+    /// Nothing is varied.
+    fn as_it_is(fps: f64) -> Self {
+        Self {
+            group: Group::AsItIs,
+            name: "as it is".into(),
+            value: None,
+            fps,
+            delay_ms: 0.0,
+            look_ahead: true,
+            features: Features::Descriptor,
+            learner: Learner::Kalman,
+            flags: Vec::new(),
+            simulation: String::new(),
+        }
+    }
+
+    /// The chain as it is; and, for a study, with all that is varied, one thing at a time.
+    pub(super) fn all(fps: f64, is_study: bool) -> Vec<Self> {
+        let base = Self::as_it_is(fps);
+        if !is_study {
+            return vec![base];
+        }
+        let varied = |group, name: String, value| Self {
+            group,
+            name,
+            value,
+            ..base.clone()
+        };
+        let mut cases = vec![base.clone()];
+        for (group, look_ahead) in [(Group::Latency, true), (Group::LatencyTaken, false)] {
+            for delay_ms in [0.0, 10.0, 30.0, 100.0] {
+                cases.push(Self {
+                    delay_ms,
+                    look_ahead,
+                    ..varied(group, format!("{delay_ms:.0} ms later"), Some(delay_ms))
+                });
+            }
+        }
+        for rate in [15.0, 30.0, 60.0, 120.0, 500.0] {
+            let varied = varied(Group::FrameRate, format!("{rate:.0} frames/s"), Some(rate));
+            cases.push(Self {
+                fps: rate,
+                ..varied
+            });
+        }
+        let noise = |level: f64| format!("noise = {level:.1}\n");
+        for (name, value, simulation) in [
+            ("no noise", 0.0, noise(0.0)),
+            ("2.5 levels", 2.5, noise(2.5)),
+            ("4 levels", 4.0, noise(4.0)),
+        ] {
+            let varied = varied(Group::Noise, name.into(), Some(value));
+            cases.push(Self {
+                simulation,
+                ..varied
+            });
+        }
+        let hand = format!("hand_at_s = {HAND_AT_S:.1}\nhand_for_s = 1.0\n");
+        cases.push(Self {
+            simulation: hand,
+            ..varied(Group::Occlusion, "a hand for a second".into(), None)
+        });
+        for (name, flags) in [
+            ("Bezier, order 4", &["--order", "4"][..]),
+            ("Bezier, order 6", &["--order", "6"]),
+            ("Bezier, order 8", &["--order", "8"]),
+            ("Bezier, order 12", &["--order", "12"]),
+            ("B-spline", &["--basis", "bspline"]),
+        ] {
+            let varied = varied(Group::OrderAndBasis, name.into(), None);
+            let flags = flags.iter().map(|&flag| flag.to_owned()).collect();
+            cases.push(Self { flags, ..varied });
+        }
+        cases.push(Self {
+            features: Features::Points,
+            ..varied(
+                Group::Features,
+                format!("{RAW_POINTS} points of the centerline"),
+                None,
+            )
+        });
+        cases.push(Self {
+            learner: Learner::Broyden,
+            ..varied(Group::Estimator, "Broyden's rule".into(), None)
+        });
+        cases
+    }
+
+    /// One rope, as a line for who waits.
+    pub(super) fn said(&self, outcome: &Outcome) -> String {
+        let Outcome { seed, doing, .. } = outcome;
+        let error_px = outcome.final_px();
+        let Self { name, .. } = self;
+        match outcome.reached_s() {
+            Some(time_s) => {
+                format!(
+                    "{name}, seed {seed}: there after {time_s:.1} s, {error_px:.1} px in the end ({doing})"
+                )
+            }
+            None => format!("{name}, seed {seed}: {error_px:.1} px in the end ({doing})"),
+        }
+    }
+
+    /// This case's row of the table.
+    pub(super) fn row(&self, outcomes: Vec<Outcome>) -> Row {
+        Row {
+            group: self.group,
+            name: self.name.clone(),
+            value: self.value,
+            outcomes,
+        }
+    }
+
+    /// Drives one rope; `None` if a signal came.
+    pub(super) fn drive(
+        &self,
+        seed: u64,
+        target: &Target,
+        time: Duration,
+        filmed: bool,
+        stop: &Stop,
+    ) -> Result<Option<Driven>> {
+        let folder = tempfile::tempdir().context("no room for a rope's files")?;
+        let options = Options {
+            seed,
+            ..Options::default()
+        };
+        let settings = folder.path().join("lariat.toml");
+        std::fs::write(&settings, format!("[simulation]\n{}", self.simulation))
+            .context("no room for a rope's settings")?;
+        let own = [
+            "--config",
+            &settings.display().to_string(),
+            "--source",
+            "simulated",
+            "--seed",
+            &seed.to_string(),
+            "--fps",
+            &self.fps.to_string(),
+        ];
+        let episode = Episode {
+            seed,
+            rig: "servo".into(),
+            chain: own
+                .iter()
+                .map(|&word| word.to_owned())
+                .chain(self.flags.clone())
+                .collect(),
+            job: Job {
+                target: target.points(&options)?,
+                robot: robot(&options)?,
+                features: self.features,
+                learner: self.learner,
+                gain: GAIN,
+                look_ahead: self.look_ahead,
+                delay_ms: self.delay_ms,
+                period_s: 1.0 / self.fps,
+            },
+            time,
+            folder: folder.path(),
+            filmed,
+        };
+        episode.run(stop)
+    }
+}
+
+/// What a robot knows of itself.
+fn robot(options: &Options) -> Result<Robot> {
+    let simulation = Simulation::new(options)?;
+    let poses = simulation.grippers().iter();
+    let margin_px = options.limits.margin_px;
+    Ok(Robot {
+        start: poses
+            .map(|pose| [pose.at[0], pose.at[1], pose.angle_rad])
+            .collect(),
+        speeds: SPEEDS,
+        workspace_px: options.picture_px.map(|size| [margin_px, size - margin_px]),
+        longest_apart_px: SLACK * options.length_px,
+    })
+}

@@ -1,0 +1,250 @@
+//! One rope, driven: the chain on a simulated rope, the controller beside it, and a judge who knows the truth.
+
+use std::fs::File;
+use std::io::Read;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use lariat_wire::{Centerlines, DESCRIPTORS, Descriptors, Domain, Receiver, TRUTH};
+use rustix::process::{Pid, Signal, kill_process};
+
+use super::camera::Camera;
+use super::job::Job;
+use super::judge::{Judge, Moment, Outcome, REACHED_PX};
+use crate::stop::Stop;
+
+/// How long the rope must stay at its target for the case to be closed.
+const STAYS_S: f64 = 1.5;
+/// How long the chain may take to send its first image.
+const STARTS_WITHIN: Duration = Duration::from_secs(30);
+/// How long a process may take to end.
+const ENDS_WITHIN: Duration = Duration::from_secs(20);
+/// The judge looks for a signal this often at least.
+const BEAT: Duration = Duration::from_millis(100);
+
+/// One case.
+pub(super) struct Episode<'a> {
+    pub(super) seed: u64,
+    pub(super) rig: String,
+    /// What the chain is started with, beside its rig.
+    pub(super) chain: Vec<String>,
+    pub(super) job: Job,
+    /// The case is closed after so long in any case.
+    pub(super) time: Duration,
+    /// Where its files are put.
+    pub(super) folder: &'a Path,
+    /// Whether to film it.
+    pub(super) filmed: bool,
+}
+
+/// What came of a case.
+pub(super) struct Driven {
+    pub(super) outcome: Outcome,
+    /// From exposure to descriptor, image by image, ms.
+    pub(super) latencies_ms: Vec<f64>,
+    /// The film, as a GIF.
+    pub(super) film: Option<Vec<u8>>,
+}
+
+/// What the judge sees the case by.
+struct Sights {
+    truth: Receiver<Centerlines>,
+    descriptors: Receiver<Descriptors>,
+    camera: Option<Camera>,
+    latencies_ms: Vec<f64>,
+}
+
+impl Episode<'_> {
+    /// Drives the rope; `None` if a signal came.
+    pub(super) fn run(&self, stop: &Stop) -> Result<Option<Driven>> {
+        let domain = Domain::open()?;
+        let rig = self.rig.parse()?;
+        let camera = || Camera::open(&domain, &rig, &self.job.target);
+        // Before the chain, so that the first image is judged too.
+        let mut sights = Sights {
+            truth: Receiver::create(&domain, &rig, &TRUTH, None)?,
+            descriptors: Receiver::create_unwoken(&domain, &rig, &DESCRIPTORS, None)?,
+            camera: self.filmed.then(camera).transpose()?,
+            latencies_ms: Vec::new(),
+        };
+        let job = self.folder.join("job.json");
+        self.job.write(&job)?;
+        let mut controller = Process::start("controller", &self.controller(&job), self.folder)?;
+        let mut chain = Process::start("run", &self.chain_arguments(), self.folder)?;
+        let errors = self.judge(&mut sights, &mut [&mut chain, &mut controller], stop)?;
+        let doing = controller.end()?;
+        chain.end()?;
+        let Some(errors) = errors else {
+            return Ok(None);
+        };
+        Ok(Some(Driven {
+            outcome: Outcome {
+                seed: self.seed,
+                errors,
+                doing: doing.lines().last().unwrap_or_default().to_owned(),
+            },
+            latencies_ms: sights.latencies_ms,
+            film: sights.camera.map(Camera::finish).transpose()?,
+        }))
+    }
+
+    fn chain_arguments(&self) -> Vec<String> {
+        // An end of its own, should this process be killed.
+        let longest_s = (self.time + STARTS_WITHIN).as_secs();
+        let own = ["--rig", &self.rig, "--duration", &format!("{longest_s}s")].map(str::to_owned);
+        [&own[..], &self.chain].concat()
+    }
+
+    fn controller(&self, job: &Path) -> Vec<String> {
+        let job = job.display().to_string();
+        let own = ["--job", &job, "--rig", &self.rig].map(str::to_owned);
+        [&own[..], &self.chain].concat()
+    }
+
+    /// Watches the true rope until it stays at its target or the time is over; `None` if a signal came.
+    fn judge(
+        &self,
+        sights: &mut Sights,
+        processes: &mut [&mut Process],
+        stop: &Stop,
+    ) -> Result<Option<Vec<Moment>>> {
+        let judge = Judge::new(&self.job.target);
+        let begun = Instant::now();
+        let mut errors: Vec<Moment> = Vec::new();
+        let mut first_ns = None;
+        let mut there_since_s = None;
+        loop {
+            if stop.asked() {
+                return Ok(None);
+            }
+            for process in &mut *processes {
+                process.check()?;
+            }
+            sights.truth.sleep(Some(Instant::now() + BEAT), None)?;
+            sights.time()?;
+            while let Some(message) = sights.truth.next()? {
+                let Some(curve) = message.curves().first() else {
+                    continue;
+                };
+                let at_ns = message.trace.exposed_ns;
+                let at_s = at_ns.saturating_sub(*first_ns.get_or_insert(at_ns)) as f64 / 1e9;
+                let points: Vec<_> = curve.points().iter().map(|p| p.map(f64::from)).collect();
+                let error_px = judge.error_px(&points);
+                errors.push(Moment { at_s, error_px });
+                if let (Some(camera), [first, .., last]) = (&mut sights.camera, &points[..]) {
+                    camera.take(&message.trace, [*first, *last], (at_s, error_px))?;
+                }
+                if error_px > REACHED_PX {
+                    there_since_s = None;
+                } else if at_s - *there_since_s.get_or_insert(at_s) >= STAYS_S {
+                    return Ok(Some(errors));
+                }
+            }
+            let last_s = errors.last().map_or(0.0, |moment| moment.at_s);
+            if last_s >= self.time.as_secs_f64() {
+                return Ok(Some(errors));
+            }
+            if errors.is_empty() && begun.elapsed() > STARTS_WITHIN {
+                bail!("the chain sent no image in {} s", STARTS_WITHIN.as_secs());
+            }
+        }
+    }
+}
+
+impl Sights {
+    /// Notes how long descriptors took.
+    fn time(&mut self) -> Result<()> {
+        while let Some(message) = self.descriptors.next()? {
+            let trace = &message.trace;
+            let took_ns = trace.fitted_ns.saturating_sub(trace.exposed_ns);
+            self.latencies_ms.push(took_ns as f64 / 1e6);
+        }
+        Ok(())
+    }
+}
+
+/// A command of lariat that runs beside this one, and ends with it.
+struct Process {
+    name: &'static str,
+    child: Child,
+    said: PathBuf,
+    complained: PathBuf,
+}
+
+impl Process {
+    fn start(name: &'static str, arguments: &[String], folder: &Path) -> Result<Self> {
+        let starting = || format!("`lariat {name}` could not be started");
+        let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
+        let said = folder.join(format!("{name}.out"));
+        let complained = folder.join(format!("{name}.err"));
+        let child = Command::new(itself)
+            .arg(name)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(File::create(&said).with_context(starting)?)
+            .stderr(File::create(&complained).with_context(starting)?)
+            // A Ctrl-C is this process's to deal with.
+            .process_group(0)
+            .spawn()
+            .with_context(starting)?;
+        Ok(Self {
+            name,
+            child,
+            said,
+            complained,
+        })
+    }
+
+    /// # Errors
+    /// It has ended, which it should not have.
+    fn check(&mut self) -> Result<()> {
+        match self.child.try_wait()? {
+            None => Ok(()),
+            Some(status) => bail!(
+                "`lariat {}` ended ({status}): {}",
+                self.name,
+                text(&self.complained)
+            ),
+        }
+    }
+
+    /// Ends it, and tells what it said.
+    fn end(&mut self) -> Result<String> {
+        if let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw)
+            && self.child.try_wait()?.is_none()
+        {
+            kill_process(pid, Signal::TERM)?;
+            let deadline = Instant::now() + ENDS_WITHIN;
+            while self.child.try_wait()?.is_none() && Instant::now() < deadline {
+                // There is nothing to be woken by but a signal that others may want.
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
+        self.kill();
+        Ok(text(&self.said))
+    }
+
+    fn kill(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        if matches!(self.child.try_wait(), Ok(None)) {
+            let _ = self.end();
+        }
+    }
+}
+
+fn text(path: &Path) -> String {
+    let mut text = String::new();
+    if let Ok(mut file) = File::open(path) {
+        let _ = file.read_to_string(&mut text);
+    }
+    text.trim().to_owned()
+}
