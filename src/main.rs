@@ -22,6 +22,8 @@ mod plane_file;
 mod record;
 mod recording;
 mod replay;
+#[cfg(test)]
+mod servo;
 mod settings;
 mod snapshot;
 mod stages;

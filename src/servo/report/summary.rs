@@ -1,0 +1,104 @@
+//! A row's outcomes as the few numbers that the table shows.
+
+use super::Row;
+use crate::servo::judge::REACHED_PX;
+
+/// How the ropes of a row did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Summary {
+    pub(super) ropes: usize,
+    /// How many are at the target in the end.
+    pub(super) reached: usize,
+    /// When half of all ropes and nine tenths had come to the target; infinite if fewer did.
+    pub(super) time_s: Quantiles,
+    /// How far they went beyond [`REACHED_PX`] again once they had been there.
+    pub(super) overshoot_px: Quantiles,
+    /// Their error at the end; infinite if they were not seen.
+    pub(super) final_px: Quantiles,
+}
+
+/// Of the ropes of a row; NaN of none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Quantiles {
+    pub(super) median: f64,
+    pub(super) p90: f64,
+    pub(super) worst: f64,
+}
+
+impl Quantiles {
+    /// Of numbers that may be infinite.
+    pub(super) fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = numbers.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        Self {
+            median: quantile(&sorted, 0.5),
+            p90: quantile(&sorted, 0.9),
+            worst: quantile(&sorted, 1.0),
+        }
+    }
+}
+
+/// Between the two nearest (Hyndman and Fan's seventh), as far as these are finite.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = share * last as f64;
+    let below = (place as usize).min(last);
+    let above = (below + 1).min(last);
+    let part = place - below as f64;
+    if part == 0.0 || sorted[below] == sorted[above] {
+        return sorted[below];
+    }
+    sorted[below] + part * (sorted[above] - sorted[below])
+}
+
+impl Summary {
+    pub(super) fn of(row: &Row) -> Self {
+        let outcomes = &row.outcomes;
+        let never = f64::INFINITY;
+        let overshoots = outcomes.iter().filter_map(|outcome| outcome.overshoot_px());
+        Self {
+            ropes: outcomes.len(),
+            reached: outcomes.iter().filter(|o| o.is_reached()).count(),
+            time_s: Quantiles::of(outcomes.iter().map(|o| o.reached_s().unwrap_or(never))),
+            overshoot_px: Quantiles::of(overshoots.map(|px| (px - REACHED_PX).max(0.0))),
+            final_px: Quantiles::of(outcomes.iter().map(|o| o.final_px())),
+        }
+    }
+
+    /// How many of all, 0 to 1; 0 of none.
+    pub(super) fn share(&self) -> f64 {
+        self.reached as f64 / self.ropes.max(1) as f64
+    }
+
+    /// Whether it does clearly worse than another: one in twenty fewer reach the target, or they take a quarter more
+    /// time, or end farther from it by a quarter and half a pixel. What is less may be chance.
+    pub(super) fn is_worse_than(&self, other: &Self) -> bool {
+        self.is_rarer_than(other) || self.is_slower_than(other) || self.is_farther_than(other)
+    }
+
+    pub(super) fn is_farther_than(&self, other: &Self) -> bool {
+        let (ours, theirs) = (self.final_px.median, other.final_px.median);
+        ours > 1.25 * theirs && ours > theirs + 0.5
+    }
+
+    fn is_slower_than(&self, other: &Self) -> bool {
+        self.time_s.median > 1.25 * other.time_s.median
+    }
+
+    fn is_rarer_than(&self, other: &Self) -> bool {
+        self.share() < other.share() - 0.05 - 1e-9
+    }
+}
+
+#[test]
+fn quantiles_are_infinite_only_where_too_few_came() {
+    let never = f64::INFINITY;
+    let all = Quantiles::of([1.0, 2.0, 3.0]);
+    assert_eq!((all.median, all.worst), (2.0, 3.0));
+    let most = Quantiles::of([3.0, never, 1.0, 2.0, never]);
+    assert_eq!((most.median, most.p90), (3.0, never));
+    assert_eq!(Quantiles::of([never, never]).median, never);
+    assert!(Quantiles::of([]).median.is_nan());
+}

@@ -1,0 +1,79 @@
+//! The table: how often, how fast and how well ropes came to the target.
+
+use std::fmt::Write;
+
+use lariat_bench::Table;
+
+use super::summary::Summary;
+use super::{Group, Study};
+use crate::servo::judge::REACHED_PX;
+
+/// What stands above each number, in the table's order.
+pub(super) const HEAD: [&str; 7] = [
+    "reached",
+    "time to 5 px, s",
+    "p90",
+    "overshoot, px",
+    "worst",
+    "final error, px",
+    "worst",
+];
+
+/// The table as text, with what its columns mean.
+pub(crate) fn table(study: &Study) -> String {
+    let title = format!("to the target {}", study.target);
+    let head: Vec<&str> = std::iter::once(title.as_str()).chain(HEAD).collect();
+    let mut table = Table::new(&head);
+    for (group, rows) in study.groups() {
+        if group != Group::AsItIs {
+            table.push([group.title().to_owned()]);
+        }
+        for row in rows {
+            let indent = if group == Group::AsItIs { "" } else { "  " };
+            let name = format!("{indent}{}", row.name);
+            table.push(std::iter::once(name).chain(cells(&Summary::of(row))));
+        }
+    }
+    let mut text = table.to_string();
+    let _ = writeln!(text, "\n{}", meaning());
+    text
+}
+
+/// What the columns mean.
+pub(super) fn meaning() -> String {
+    format!(
+        "reached: ropes that are at the target in the end, at most {REACHED_PX} px from it on average. time: from the first \
+         image until they\ncame there to stay, for half of all ropes and for nine tenths (–: fewer came). overshoot: how far \
+         beyond {REACHED_PX} px they went again\nonce they had been there, median and worst. final error: mean distance from the \
+         target in the end, median and worst."
+    )
+}
+
+/// A row's numbers, as [`HEAD`] has them.
+pub(super) fn cells(summary: &Summary) -> [String; 7] {
+    let Summary {
+        ropes,
+        reached,
+        time_s,
+        overshoot_px,
+        final_px,
+    } = summary;
+    [
+        format!("{reached}/{ropes}"),
+        fixed(time_s.median, 2),
+        fixed(time_s.p90, 2),
+        fixed(overshoot_px.median, 1),
+        fixed(overshoot_px.worst, 1),
+        fixed(final_px.median, 1),
+        fixed(final_px.worst, 1),
+    ]
+}
+
+/// So many decimals, or a dash.
+pub(super) fn fixed(number: f64, decimals: usize) -> String {
+    if number.is_finite() {
+        format!("{number:.decimals$}")
+    } else {
+        "–".to_owned()
+    }
+}
