@@ -179,7 +179,10 @@ impl Case {
     pub(super) fn said(&self, outcome: &Outcome) -> String {
         let Outcome { seed, doing, .. } = outcome;
         let error_px = outcome.final_px();
-        let Self { name, .. } = self;
+        let name = match self.group {
+            Group::AsItIs => self.name.clone(),
+            group => format!("{}, {}", group.title(), self.name),
+        };
         match outcome.reached_s() {
             Some(time_s) => {
                 format!(
