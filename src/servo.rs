@@ -46,9 +46,9 @@ pub(crate) struct ServoArgs {
     /// The longest that one rope is driven
     #[arg(long, default_value = "20s", value_name = "TIME", value_parser = duration::parse)]
     time: Duration,
-    /// Also what it depends on: latency, frame rate, occlusion, noise, order and basis, features, estimator
-    #[arg(long)]
-    study: bool,
+    /// Also what it depends on, of all groups or of one: latency, frame rate, occlusion, noise, order and basis, features, estimator
+    #[arg(long, value_name = "GROUP", num_args = 0..=1, default_missing_value = "")]
+    study: Option<String>,
     /// Put the table and a page with all figures into this folder
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     let mut film = None;
     let mut latencies_ms = Vec::new();
     let mut rows = Vec::new();
-    for case in Case::all(args.fps, args.study) {
+    for case in Case::asked(args.fps, args.study.as_deref())? {
         let mut outcomes = Vec::new();
         for seed in args.first_seed..args.first_seed + args.seeds {
             let filmed = is_filmed && film.is_none();

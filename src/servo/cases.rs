@@ -21,6 +21,9 @@ const SPEEDS: [f64; 3] = [100.0, 100.0, 1.0];
 const SLACK: f64 = 0.998;
 /// λ of the law, 1/s.
 const GAIN: f64 = 3.0;
+/// The rope by its colour: a hand and grippers have others, and are not taken for parts of it.
+const EXTRACT: &str =
+    "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
 /// When a hand comes, in seconds: in the middle of the way.
 const HAND_AT_S: f64 = 5.0;
 
@@ -103,12 +106,27 @@ impl Case {
         }
     }
 
-    /// The chain as it is; and, for a study, with all that is varied, one thing at a time.
-    pub(super) fn all(fps: f64, is_study: bool) -> Vec<Self> {
-        let base = Self::as_it_is(fps);
-        if !is_study {
-            return vec![base];
+    /// The chain as it is; and, for a study, with what is varied in the group of this name, in all groups if it is empty.
+    pub(super) fn asked(fps: f64, study: Option<&str>) -> Result<Vec<Self>> {
+        let mut cases = Self::all(fps);
+        match study {
+            None => cases.truncate(1),
+            Some("") => {}
+            Some(name) => {
+                cases.retain(|case| {
+                    case.group == Group::AsItIs || case.group.title().starts_with(name)
+                });
+                if cases.len() == 1 {
+                    bail!("`{name}` is no group of a study: see `lariat servo --help`");
+                }
+            }
         }
+        Ok(cases)
+    }
+
+    /// The chain as it is, and with all that is varied, one thing at a time.
+    fn all(fps: f64) -> Vec<Self> {
+        let base = Self::as_it_is(fps);
         let varied = |group, name: String, value| Self {
             group,
             name,
@@ -218,8 +236,11 @@ impl Case {
             ..Options::default()
         };
         let settings = folder.path().join("lariat.toml");
-        std::fs::write(&settings, format!("[simulation]\n{}", self.simulation))
-            .context("no room for a rope's settings")?;
+        std::fs::write(
+            &settings,
+            format!("{EXTRACT}[simulation]\n{}", self.simulation),
+        )
+        .context("no room for a rope's settings")?;
         let own = [
             "--config",
             &settings.display().to_string(),

@@ -59,12 +59,32 @@ pub(super) struct Eye {
     waiting: VecDeque<(Instant, Sight)>,
     /// What is known.
     known: Sight,
-    /// The longest that the rope was seen, px.
-    longest_px: f64,
+    whole: Whole,
 }
 
-/// A rope of which less is seen than this share of the most that was seen has more covered than what the jaws hold.
-const WHOLE: f64 = 0.97;
+/// A rope does not stretch: one that is seen shorter or longer than by this share has more covered than what the jaws hold, or is
+/// taken for another.
+const STRETCHED: f64 = 0.03;
+/// It is as long as it was in the middle of its first sights.
+const FIRST_SIGHTS: usize = 15;
+
+/// How long the rope is when all of it is seen.
+#[derive(Default)]
+struct Whole {
+    first_px: Vec<f64>,
+}
+
+impl Whole {
+    /// Whether a rope of this length is seen whole.
+    fn is_it(&mut self, length_px: f64) -> bool {
+        if self.first_px.len() < FIRST_SIGHTS {
+            self.first_px.push(length_px);
+            self.first_px.sort_by(f64::total_cmp);
+        }
+        let whole_px = self.first_px[self.first_px.len() / 2];
+        (length_px - whole_px).abs() <= STRETCHED * whole_px
+    }
+}
 
 enum Source {
     Descriptors(Box<Reader>),
@@ -98,7 +118,7 @@ impl Eye {
             max_age: Duration::from_secs_f64(late_s),
             waiting: VecDeque::new(),
             known: Sight::Absent,
-            longest_px: 0.0,
+            whole: Whole::default(),
         })
     }
 
@@ -149,7 +169,7 @@ impl Eye {
                 Ok(Some(match frame.only_rope(self.max_age) {
                     // Ends in a gripper's jaws are covered, always; what counts is whether anything else is.
                     Seen::Fresh(rope) | Seen::Partial(rope) => {
-                        let is_whole = is_whole(&mut self.longest_px, rope.length());
+                        let is_whole = self.whole.is_it(rope.length());
                         by_descriptor(&rope, rope.hidden() > 0.0 || !is_whole)
                     }
                     Seen::Lost(_) => Sight::Lost,
@@ -159,7 +179,7 @@ impl Eye {
             }
             Source::Points(receiver) => {
                 let message = receiver.wait(until)?;
-                Ok(message.map(|message| by_points(&message, &mut self.longest_px)))
+                Ok(message.map(|message| by_points(&message, &mut self.whole)))
             }
         }
     }
@@ -181,20 +201,14 @@ fn by_descriptor(rope: &Rope, partial: bool) -> Sight {
     })
 }
 
-/// Whether a rope is seen as long as ever.
-fn is_whole(longest_px: &mut f64, length_px: f64) -> bool {
-    *longest_px = longest_px.max(length_px);
-    length_px >= WHOLE * *longest_px
-}
-
-fn by_points(seen: &Centerlines, longest_px: &mut f64) -> Sight {
+fn by_points(seen: &Centerlines, whole: &mut Whole) -> Sight {
     let mut curves = seen.curves().iter();
     let (Some(curve), None) = (curves.next(), curves.next()) else {
         return Sight::Absent;
     };
     match curve.status() {
         Some(Status::Ok | Status::Partial) => {
-            let is_whole = is_whole(longest_px, f64::from(curve.length_px));
+            let is_whole = whole.is_it(f64::from(curve.length_px));
             let is_hidden = curve.hidden.iter().any(|&word| word != 0);
             let points: Vec<[f64; 2]> = curve.points().iter().map(|p| p.map(f64::from)).collect();
             Sight::Shape(Shape {
