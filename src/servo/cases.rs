@@ -135,7 +135,7 @@ impl Case {
         };
         let mut cases = vec![base.clone()];
         for (group, look_ahead) in [(Group::Latency, true), (Group::LatencyTaken, false)] {
-            for delay_ms in [0.0, 10.0, 30.0, 100.0] {
+            for delay_ms in [0.0, 10.0, 30.0, 100.0, 300.0] {
                 cases.push(Self {
                     delay_ms,
                     look_ahead,
