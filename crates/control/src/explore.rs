@@ -256,7 +256,7 @@ mod tests {
         }
         for (found, column) in jacobian.columns.iter().zip(&truth.columns) {
             for (found, entry) in found.iter().zip(column) {
-                // Some 40 images over 10 px: a spread of more than 600 px². Five standard deviations.
+                // Some 40 images over 13 px: a spread of more than 600 px². Five standard deviations.
                 assert!(
                     (found - entry).abs() < 5.0 * sigma / 600f64.sqrt(),
                     "{found} {entry}"
@@ -265,7 +265,7 @@ mod tests {
         }
         assert!(
             way.last()
-                .is_some_and(|r| r.iter().all(|r| r.abs() <= HOME * 10.0))
+                .is_some_and(|r| r.iter().all(|r| r.abs() <= HOME * 13.0))
         );
     }
 }

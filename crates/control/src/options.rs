@@ -122,7 +122,7 @@ impl Default for Learning {
 /// The motions at the start, there and back with each input in turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exploring {
-    /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 10.
+    /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 13.
     pub reach_px: f64,
     /// How fast, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
     pub speed_px_s: f64,
@@ -136,7 +136,7 @@ pub struct Exploring {
 impl Default for Exploring {
     fn default() -> Self {
         Self {
-            reach_px: 10.0,
+            reach_px: 13.0,
             speed_px_s: 100.0,
             stalled_s: 1.0,
             again: 4,
