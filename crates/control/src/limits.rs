@@ -75,6 +75,11 @@ impl Limits {
         self.speeds[input]
     }
 
+    /// A speed from which an input stops in less than this distance: in the half, so that commands may come seldom.
+    pub(crate) fn stops_within(&self, input: usize, distance_px: f64) -> f64 {
+        (self.accelerations[input] * distance_px).sqrt()
+    }
+
     /// Which inputs can move at all.
     pub(crate) fn movable(&self) -> [bool; INPUTS] {
         self.speeds.map(|speed| speed > 0.0)

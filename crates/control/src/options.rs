@@ -87,10 +87,11 @@ pub enum Estimator {
 }
 
 impl Default for Estimator {
-    /// The filter. An entry is of the order of 1, and a rope bends over some hundreds of px. With 0.05 to 0.3 a bent rope is driven
-    /// to its target as fast; with more, one that lags behind is sooner taken for one that answers less.
+    /// The filter. An entry is of the order of 1, and a rope bends over some hundreds of px. With 0.1 a rope on a table now and then
+    /// stands before its target with a `J` of long ago; with more than 0.3 one that lags behind is sooner taken for one that answers
+    /// less.
     fn default() -> Self {
-        Self::Kalman { drift: 0.1 }
+        Self::Kalman { drift: 0.2 }
     }
 }
 
@@ -121,23 +122,24 @@ impl Default for Learning {
 /// The motions at the start, there and back with each input in turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exploring {
-    /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 15.
+    /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 13.
     pub reach_px: f64,
-    /// How fast, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 60.
+    /// How fast, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
     pub speed_px_s: f64,
-    /// Explore anew when the error has not fallen by a twentieth for this long, s. From 0.1 to 10³. Default: 4.
+    /// Explore anew when the error has not fallen by a twentieth for this long, s; up to four times as long where the limits leave
+    /// less of what the law asks for. From 0.1 to 10³. Default: 1.
     pub stalled_s: f64,
-    /// How often at most. Default: 1.
+    /// How often at most. Default: 4.
     pub again: u32,
 }
 
 impl Default for Exploring {
     fn default() -> Self {
         Self {
-            reach_px: 15.0,
-            speed_px_s: 60.0,
-            stalled_s: 4.0,
-            again: 1,
+            reach_px: 13.0,
+            speed_px_s: 100.0,
+            stalled_s: 1.0,
+            again: 4,
         }
     }
 }

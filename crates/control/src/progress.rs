@@ -5,12 +5,19 @@ use crate::options::Exploring;
 /// Falling by less than this share in all of the time is none.
 const PROGRESS: f64 = 0.05;
 
+/// Of a command that the limits leave little of, so much of its time counts at least: it may stand against a border for ever.
+const LEAST_SHARE: f64 = 0.25;
+
 /// The least error so far.
+///
+/// Time counts by the share of the law's wish that the robot's limits leave: a robot that does a tenth of what it is asked for takes
+/// ten times as long, with the best of all `J`.
 #[derive(Debug, Clone)]
 pub(crate) struct Progress {
     best_px: f64,
-    since_ns: u64,
-    patience_ns: u64,
+    stalled_s: f64,
+    last_ns: u64,
+    patience_s: f64,
     left: u32,
 }
 
@@ -18,29 +25,34 @@ impl Progress {
     pub(crate) fn new(exploring: &Exploring) -> Self {
         Self {
             best_px: f64::INFINITY,
-            since_ns: 0,
-            patience_ns: (exploring.stalled_s * 1e9) as u64,
+            stalled_s: 0.0,
+            last_ns: 0,
+            patience_s: exploring.stalled_s,
             left: exploring.again,
         }
     }
 
     /// Steering goes on from here: time before does not count.
     pub(crate) fn resume(&mut self, now_ns: u64) {
-        self.since_ns = now_ns;
+        self.stalled_s = 0.0;
+        self.last_ns = now_ns;
     }
 
     /// Any error is progress from here on.
     pub(crate) fn begin(&mut self, now_ns: u64) {
         self.best_px = f64::INFINITY;
-        self.since_ns = now_ns;
+        self.resume(now_ns);
     }
 
-    /// Whether it is time to explore anew; that often is then one less.
-    pub(crate) fn has_stalled(&mut self, error_px: f64, now_ns: u64) -> bool {
+    /// Whether it is time to explore anew; that often is then one less. `share` of the law's wish has been done since the last time.
+    pub(crate) fn has_stalled(&mut self, error_px: f64, share: f64, now_ns: u64) -> bool {
+        let since_s = now_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
+        self.stalled_s += share.clamp(LEAST_SHARE, 1.0) * since_s;
+        self.last_ns = now_ns;
         if error_px < (1.0 - PROGRESS) * self.best_px {
-            (self.best_px, self.since_ns) = (error_px, now_ns);
+            (self.best_px, self.stalled_s) = (error_px, 0.0);
         }
-        let stalled = self.left > 0 && now_ns.saturating_sub(self.since_ns) > self.patience_ns;
+        let stalled = self.left > 0 && self.stalled_s > self.patience_s;
         if stalled {
             self.left -= 1;
             self.begin(now_ns);

@@ -8,7 +8,7 @@ use crate::error::ServoError;
 use crate::estimator::{Learner, NONE};
 use crate::explore::Explorer;
 use crate::history::History;
-use crate::jacobian::Jacobian;
+use crate::jacobian::{Jacobian, square};
 use crate::law::{Law, Wish};
 use crate::limits::Limits;
 use crate::options::Options;
@@ -64,6 +64,8 @@ enum Phase {
 struct Commanded {
     at_ns: u64,
     velocity: Coordinates,
+    /// Of what the law wished for, what the limits left.
+    share: f64,
 }
 
 /// What is wanted, before the limits.
@@ -127,7 +129,7 @@ impl Servo {
     /// Velocity 0, at once: to be asked for in each cycle in which there is no shape to steer by. The next [`see`](Self::see) goes on.
     pub fn hold(&mut self, why: Why, now_ns: u64) -> Command {
         self.resumed_ns = None;
-        self.command(now_ns, NONE);
+        self.command(now_ns, NONE, 0.0);
         Command {
             velocities: [[0.0; 3]; 2],
             doing: Doing::Holding { why },
@@ -192,7 +194,7 @@ impl Servo {
         }
         let before = self.commanded.map_or(NONE, |last| last.velocity);
         let velocity = self.limits.keep(&plan.velocity, share, &before, dt_s, &r);
-        self.command(now_ns, velocity);
+        self.command(now_ns, velocity, share_of(&velocity, &plan.velocity));
         Command {
             velocities: self.limits.spread_velocity(&velocity),
             doing: plan.doing,
@@ -252,7 +254,8 @@ impl Servo {
         // What was seen and what should be now: neither alone is believed to be there.
         let error_px = sight.error_px.max(self.weighing.distance_px(&error));
         let within = self.is_within(error_px, now_ns);
-        if !within && self.progress.has_stalled(error_px, now_ns) {
+        let share = self.commanded.map_or(0.0, |last| last.share);
+        if !within && self.progress.has_stalled(error_px, share, now_ns) {
             self.explorer = Explorer::new(self.options.exploring);
             self.phase = Phase::Exploring;
         }
@@ -310,10 +313,14 @@ impl Servo {
         }
     }
 
-    fn command(&mut self, now_ns: u64, velocity: Coordinates) {
+    fn command(&mut self, now_ns: u64, velocity: Coordinates, share: f64) {
         self.history.drive(now_ns, velocity);
         let at_ns = self.commanded.map_or(now_ns, |last| last.at_ns.max(now_ns));
-        self.commanded = Some(Commanded { at_ns, velocity });
+        self.commanded = Some(Commanded {
+            at_ns,
+            velocity,
+            share,
+        });
     }
 
     fn step_s(&self, now_ns: u64) -> f64 {
@@ -326,4 +333,13 @@ impl Servo {
     fn delay_ns(&self) -> u64 {
         (self.options.robot.delay_s * 1e9) as u64
     }
+}
+
+/// How much of a wish is kept; all of none.
+fn share_of(kept: &Coordinates, wish: &Coordinates) -> f64 {
+    let (kept, wish) = (square(kept), square(wish));
+    if wish == 0.0 {
+        return 1.0;
+    }
+    (kept / wish).sqrt()
 }

@@ -215,10 +215,10 @@ fn an_arrived_servo_stands_until_the_shape_has_left_the_tolerance_by_half() {
 }
 
 #[test]
-fn a_rope_that_does_not_answer_is_explored_once_more_and_then_waited_for() {
+fn a_rope_that_does_not_answer_is_explored_a_few_times_more_and_then_waited_for() {
     let mut world = World::new(|_| linear(&START), START, 16);
     let exploring = Exploring {
-        stalled_s: 1.0,
+        again: 2,
         ..Exploring::default()
     };
     let mut servo = servo(Options {
@@ -232,7 +232,7 @@ fn a_rope_that_does_not_answer_is_explored_once_more_and_then_waited_for() {
         begun += u32::from(doing == Doing::Exploring { input: 0 } && before == Doing::Steering);
         before = doing;
     }
-    assert_eq!((begun, before), (2, Doing::Steering));
+    assert_eq!((begun, before), (3, Doing::Steering));
 }
 
 #[test]
