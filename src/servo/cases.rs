@@ -16,7 +16,7 @@ use crate::stop::Stop;
 /// Points of a target.
 const TARGET_POINTS: usize = 120;
 /// Limits of a gripper: px/s, px/s, rad/s. Both axes at once are what the robot allows itself.
-const SPEEDS: [f64; 3] = [100.0, 100.0, 1.0];
+const SPEEDS: [f64; 3] = [100.0, 100.0, 1.5];
 /// How far apart the grippers may go, as a share of the rope between them: it is never pulled taut.
 const SLACK: f64 = 0.998;
 /// λ of the law, 1/s.

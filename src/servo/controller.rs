@@ -14,7 +14,7 @@ use lariat_control::{
 };
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
-use super::job::{Features, Job, Learner};
+use super::job::{Job, Learner};
 use crate::settings::{ChainArgs, Settings};
 use crate::stop::Stop;
 use eye::{Eye, Sight};
@@ -124,8 +124,6 @@ fn options(job: &Job, metric: Metric) -> Options {
             Learner::Kalman => Estimator::default(),
             Learner::Broyden => Estimator::BROYDEN,
         },
-        // A closed rope has no two ways; a rope in two grippers has, and is seen from either end.
-        either_way: job.features == Features::Points || job.robot.start.len() == 2,
         ..Options::default()
     }
 }

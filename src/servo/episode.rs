@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use lariat_wire::{Centerlines, DESCRIPTORS, Descriptors, Domain, Receiver, TRUTH};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 
 use super::camera::Camera;
 use super::job::Job;
@@ -217,11 +219,12 @@ impl Process {
             && self.child.try_wait()?.is_none()
         {
             kill_process(pid, Signal::TERM)?;
-            let deadline = Instant::now() + ENDS_WITHIN;
-            while self.child.try_wait()?.is_none() && Instant::now() < deadline {
-                // There is nothing to be woken by but a signal that others may want.
-                std::thread::sleep(Duration::from_millis(2));
-            }
+            // Readable when it has ended.
+            let ended = pidfd_open(pid, PidfdFlags::empty())?;
+            let within = Timespec::try_from(ENDS_WITHIN)?;
+            while let Err(Errno::INTR) =
+                poll(&mut [PollFd::new(&ended, PollFlags::IN)], Some(&within))
+            {}
         }
         self.kill();
         Ok(text(&self.said))
