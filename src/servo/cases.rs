@@ -24,8 +24,8 @@ const GAIN: f64 = 3.0;
 /// The rope by its colour: a hand and grippers have others, and are not taken for parts of it.
 const EXTRACT: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
-/// When a hand comes, in seconds: in the middle of the way.
-const HAND_AT_S: f64 = 5.0;
+/// When a hand comes, in seconds: on the way to the target, which most reach after three.
+const HAND_AT_S: f64 = 2.5;
 
 /// What the rope is to become.
 #[derive(Debug, Clone)]
