@@ -130,6 +130,7 @@ fn trouble(readers: &mut Vec<Part>, time: Duration) -> Result<()> {
         bail!("two readers are wanted for that");
     };
     let id = Pid::from_child(&stopped.process);
+    // The moments of what is measured: nothing is waited for.
     std::thread::sleep(time / 3);
     kill_process(id, Signal::STOP)?;
     std::thread::sleep(time / 6);

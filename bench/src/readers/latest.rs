@@ -111,6 +111,7 @@ fn after_sleeps(reader: &mut Reader, time: Duration) -> Result<Counts> {
     let mut counts = Counts::new();
     let end_ns = now_ns() + time.as_nanos() as u64;
     loop {
+        // What is measured is a look after a sleep.
         std::thread::sleep(Duration::from_millis(1));
         let before_ns = now_ns();
         reader.latest()?;

@@ -65,6 +65,7 @@ fn beat(rate: f64, ended: &AtomicBool, mut work: impl FnMut(u64) -> Result<()>) 
     let mut due = Instant::now();
     let mut number = 0;
     while !ended.load(Ordering::Relaxed) {
+        // The beat of what is measured.
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         due += period;
         number += 1;
