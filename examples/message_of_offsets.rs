@@ -13,7 +13,9 @@ use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Trace, Writer};
+use lariat_wire::{
+    CenterlinePoints, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Trace, Writer,
+};
 
 #[allow(dead_code, reason = "a test has the message alone")]
 fn main() -> anyhow::Result<()> {
@@ -62,7 +64,10 @@ pub(crate) fn message() -> Box<Descriptors> {
     (message.width, message.height) = (80, 84);
     (message.count, message.unit) = (88, 92);
     for (i, rope) in message.curves.iter_mut().enumerate() {
-        fill(rope, 96 + 2400 * i as u32);
+        fill(rope, 96 + 2408 * i as u32);
+    }
+    for (i, points) in message.centerlines.iter_mut().enumerate() {
+        fill_points(points, 96 + 8 * 2408 + 3112 * i as u32);
     }
     message
 }
@@ -81,6 +86,8 @@ fn fill(rope: &mut Descriptor, at: u32) {
         (28, &mut rope.border),
         (88, &mut rope.hidden),
         (92, &mut rope.filtered),
+        (96, &mut rope.fit),
+        (100, &mut rope.reserved),
     ] {
         *field = at + offset;
     }
@@ -97,10 +104,25 @@ fn fill(rope: &mut Descriptor, at: u32) {
     rope.age_ns = (at + 80).into();
     for j in 0..32u32 {
         let i = j as usize;
-        rope.control_points[i] = [0, 8].map(|axis| half(96 + 16 * j + axis));
-        rope.weights[i] = half(608 + 8 * j);
-        rope.covariances[i] = [0, 8, 16].map(|entry| half(864 + 24 * j + entry));
-        rope.velocities[i] = [0, 8].map(|axis| half(1632 + 16 * j + axis));
-        rope.knots[i] = half(2144 + 8 * j);
+        rope.control_points[i] = [0, 8].map(|axis| half(104 + 16 * j + axis));
+        rope.weights[i] = half(616 + 8 * j);
+        rope.covariances[i] = [0, 8, 16].map(|entry| half(872 + 24 * j + entry));
+        rope.velocities[i] = [0, 8].map(|axis| half(1640 + 16 * j + axis));
+        rope.knots[i] = half(2152 + 8 * j);
+    }
+}
+
+/// A centerline that begins at this offset.
+fn fill_points(points: &mut CenterlinePoints, at: u32) {
+    // Exact, as no offset has more than 16 bits.
+    let half = |offset: u32| (at + offset) as f32 + 0.5;
+    (points.count, points.closed) = (at, at + 4);
+    for (offset, word) in (8..).step_by(4).zip(&mut points.hidden) {
+        *word = at + offset;
+    }
+    for i in 0..256 {
+        let place = i as usize;
+        points.points[place] = [0, 4].map(|axis| half(40 + 8 * i + axis));
+        points.widths[place] = half(2088 + 4 * i);
     }
 }

@@ -16,8 +16,8 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use lariat_wire::{
-    Absent, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, Rig, Seen, Trace,
-    Track, Writer, now_ns,
+    Absent, CenterlinePoints, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, Rig,
+    Seen, Trace, Track, Writer, now_ns,
 };
 use rig::{Bench, send, wait_until_gone};
 use rustix::process::Signal;
@@ -251,7 +251,7 @@ fn every_field_of_a_message_is_read_in_its_place() {
     for (i, rope) in message.curves.iter().enumerate() {
         let at = offset_of!(Descriptors, curves) + i * size_of::<Descriptor>();
         integers!(Descriptor, rope, at; track, status, basis, order, count, samples, closed, border, age_ns, hidden,
-            filtered);
+            filtered, fit, reserved);
         floats!(rope, at; rms, max, residual_variance, condition, length, width);
         arrays!(rope, at; control_points, covariances, velocities);
         for (j, (weight, knot)) in rope.weights.iter().zip(rope.knots).enumerate() {
@@ -263,6 +263,25 @@ fn every_field_of_a_message_is_read_in_its_place() {
                 knot,
                 (at + offset_of!(Descriptor, knots) + 8 * j) as f64 + 0.5
             );
+        }
+    }
+    for (i, points) in message.centerlines.iter().enumerate() {
+        let at = offset_of!(Descriptors, centerlines) + i * size_of::<CenterlinePoints>();
+        integers!(CenterlinePoints, points, at; count, closed);
+        for (j, word) in points.hidden.iter().enumerate() {
+            let at = at + offset_of!(CenterlinePoints, hidden) + 4 * j;
+            assert_eq!(*word as usize, at, "hidden {j}");
+        }
+        for (first, numbers) in [
+            (
+                offset_of!(CenterlinePoints, points),
+                points.points.as_flattened(),
+            ),
+            (offset_of!(CenterlinePoints, widths), &points.widths[..]),
+        ] {
+            for (j, number) in numbers.iter().enumerate() {
+                assert_eq!(*number, (at + first + 4 * j) as f32 + 0.5, "{first} {j}");
+            }
         }
     }
     // These numbers are a message, and no rope.

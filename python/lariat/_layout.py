@@ -41,11 +41,23 @@ _DESCRIPTOR = np.dtype(
         ("age_ns", "u8"),
         ("hidden", "u4"),
         ("filtered", "u4"),
+        ("fit", "u4"),
+        ("reserved", "u4"),
         ("control_points", "f8", (32, 2)),
         ("weights", "f8", (32,)),
         ("covariances", "f8", (32, 3)),
         ("velocities", "f8", (32, 2)),
         ("knots", "f8", (32,)),
+    ]
+)
+
+_CENTERLINE = np.dtype(
+    [
+        ("count", "u4"),
+        ("closed", "u4"),
+        ("hidden", "u4", (8,)),
+        ("points", "f4", (256, 2)),
+        ("widths", "f4", (256,)),
     ]
 )
 
@@ -57,9 +69,10 @@ MESSAGE = np.dtype(
         ("count", "u4"),
         ("unit", "u4"),
         ("curves", _DESCRIPTOR, (8,)),
+        ("centerlines", _CENTERLINE, (8,)),
     ]
 )
-"""The type of ``Frame.message``: ``lariat.Descriptors.v4``."""
+"""The type of ``Frame.message``: ``lariat.Descriptors.v5``."""
 
 
 def record(message: NDArray[np.uint8]) -> Any:

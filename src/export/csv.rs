@@ -1,6 +1,6 @@
 //! Control points as a table: a row for each rope in each frame. A frame without a rope has a row without one.
 
-use super::shapes::{basis, status, unit};
+use super::shapes::{basis, fit, status, unit};
 use super::{Part, Written};
 use crate::whole_file::{Existing, Growing};
 use anyhow::{Context, Result, bail};
@@ -10,8 +10,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// The columns before the control points.
-const COLUMNS: &str =
-    "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,rms,max,filtered";
+const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,fit,rms,max,filtered";
 
 pub(super) fn write(part: &Part, path: &Path) -> Result<Written> {
     let about = || format!("cannot write {}", path.display());
@@ -74,7 +73,7 @@ fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io:
     for (i, curve) in message.curves().iter().enumerate() {
         write!(
             to,
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             beginning[0],
             beginning[1],
             i + 1,
@@ -86,6 +85,7 @@ fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io:
             unit(message),
             curve.length,
             curve.width,
+            fit(curve),
             curve.rms,
             curve.max,
             curve.filtered
@@ -115,7 +115,7 @@ mod tests {
         write_frame(&mut text, &message, 3).unwrap();
         let text = head(3) + &String::from_utf8(text).unwrap();
         let columns: Vec<_> = text.lines().map(|row| row.split(',').count()).collect();
-        assert_eq!(columns, [20; 4]);
+        assert_eq!(columns, [21; 4]);
         assert!(text.contains(",x2,y2\n"));
     }
 }

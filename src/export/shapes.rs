@@ -1,7 +1,9 @@
 //! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print, and all that stands beside them.
 
 use crate::descriptor_json::unit_name;
-use lariat_wire::{Basis, Descriptor, Descriptors, Status, Trace, Unit};
+use lariat_wire::{
+    Basis, CenterlinePoints, Descriptor, Descriptors, FitQuality, Status, Trace, Unit,
+};
 use serde::Serialize;
 
 /// A frame's way, as in shared memory.
@@ -62,6 +64,7 @@ struct CurveObject<'a> {
     weights: &'a [f64],
     #[serde(skip_serializing_if = "Vec::is_empty")]
     knots: Vec<f64>,
+    fit: &'static str,
     rms: f64,
     max: f64,
     residual_variance: f64,
@@ -73,6 +76,10 @@ struct CurveObject<'a> {
     /// Of filtered ones.
     #[serde(skip_serializing_if = "<[[f64; 2]]>::is_empty")]
     velocities: &'a [[f64; 2]],
+    /// The points that it was fitted to.
+    centerline: &'a [[f32; 2]],
+    /// The width at each.
+    widths: &'a [f32],
 }
 
 impl<'a> FrameObject<'a> {
@@ -85,14 +92,15 @@ impl<'a> FrameObject<'a> {
             curves: message
                 .curves()
                 .iter()
-                .map(|curve| CurveObject::of(curve, unit))
+                .zip(message.centerlines())
+                .map(|(curve, points)| CurveObject::of(curve, points, unit))
                 .collect(),
         }
     }
 }
 
 impl<'a> CurveObject<'a> {
-    fn of(curve: &'a Descriptor, unit: &'static str) -> Self {
+    fn of(curve: &'a Descriptor, points: &'a CenterlinePoints, unit: &'static str) -> Self {
         let control_points = curve.control_points();
         let count = control_points.len();
         let is_rational = curve.basis() == Some(Basis::RationalBezier);
@@ -110,6 +118,7 @@ impl<'a> CurveObject<'a> {
             control_points,
             weights: &curve.weights[..if is_rational { count } else { 0 }],
             knots: knots(curve),
+            fit: fit(curve),
             rms: curve.rms,
             max: curve.max,
             residual_variance: curve.residual_variance,
@@ -119,6 +128,8 @@ impl<'a> CurveObject<'a> {
             width: curve.width,
             covariances: &curve.covariances[..count],
             velocities: &curve.velocities[..if is_filtered { count } else { 0 }],
+            centerline: points.points(),
+            widths: points.widths(),
         }
     }
 }
@@ -130,12 +141,12 @@ pub(super) fn unit(message: &Descriptors) -> &'static str {
 
 /// What is known of a rope.
 pub(super) fn status(curve: &Descriptor) -> &'static str {
-    match curve.status() {
-        Some(Status::Ok) => "ok",
-        Some(Status::Partial) => "partial",
-        Some(Status::Lost) => "lost",
-        None => "unknown",
-    }
+    curve.status().map_or("unknown", Status::name)
+}
+
+/// Whether its curve lies on its points.
+pub(super) fn fit(curve: &Descriptor) -> &'static str {
+    curve.fit().map_or("unknown", FitQuality::name)
 }
 
 /// The name of a curve's family, as settings have it.

@@ -1,6 +1,6 @@
 //! Where two messages differ that should be the same.
 
-use lariat_wire::{Centerlines, Crossing, Curve, Descriptor, Descriptors};
+use lariat_wire::{CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors};
 use std::fmt;
 
 /// How equal numbers must be.
@@ -89,6 +89,10 @@ impl Comparer {
         for (i, (recorded, now)) in recorded.curves().iter().zip(now.curves()).enumerate() {
             self.descriptor(i + 1, recorded, now);
         }
+        let points = recorded.centerlines().iter().zip(now.centerlines());
+        for (i, (recorded, now)) in points.enumerate() {
+            self.points_of(i + 1, recorded, now);
+        }
         self.found.take()
     }
 
@@ -106,22 +110,44 @@ impl Comparer {
         for ((name, recorded), (_, now)) in words(recorded).into_iter().zip(words(now)) {
             self.whole(|| format!("rope {rope}, {name}"), recorded, now);
         }
-        for i in 0..recorded.points().len() {
-            let hidden = |curve: &Curve| u64::from(curve.is_hidden(i));
-            let name = || format!("rope {rope}, whether point {i} is hidden");
-            self.whole(name, hidden(recorded), hidden(now));
-        }
         self.single(rope, "length_px", recorded.length_px, now.length_px);
         self.single(rope, "width_px", recorded.width_px, now.width_px);
-        let points = recorded.points().iter().zip(now.points());
-        for (i, (recorded, now)) in points.enumerate() {
+        let hidden = [recorded, now].map(|curve| curve.hidden);
+        self.hidden(rope, recorded.points().len(), hidden);
+        self.points(rope, recorded.points(), now.points());
+        self.widths(rope, recorded.widths_px(), now.widths_px());
+    }
+
+    fn points_of(&mut self, rope: usize, recorded: &CenterlinePoints, now: &CenterlinePoints) {
+        let name = || format!("rope {rope}, number of points");
+        self.whole(name, recorded.count, now.count);
+        let name = || format!("rope {rope}, whether its points are closed");
+        self.whole(name, recorded.closed, now.closed);
+        let hidden = [recorded, now].map(|points| points.hidden);
+        self.hidden(rope, recorded.points().len(), hidden);
+        self.points(rope, recorded.points(), now.points());
+        self.widths(rope, recorded.widths(), now.widths());
+    }
+
+    fn hidden(&mut self, rope: usize, count: usize, [recorded, now]: [[u32; 8]; 2]) {
+        for i in 0..count {
+            let name = || format!("rope {rope}, whether point {i} is hidden");
+            let [recorded, now] = [recorded, now].map(|mask| mask[i / 32] >> (i % 32) & 1);
+            self.whole(name, recorded, now);
+        }
+    }
+
+    fn points(&mut self, rope: usize, recorded: &[[f32; 2]], now: &[[f32; 2]]) {
+        for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
             for (axis, name) in ["x", "y"].into_iter().enumerate() {
                 let name = || format!("rope {rope}, point {i}, {name}");
                 self.position32(name, recorded[axis], now[axis]);
             }
         }
-        let widths = recorded.widths_px().iter().zip(now.widths_px());
-        for (i, (recorded, now)) in widths.enumerate() {
+    }
+
+    fn widths(&mut self, rope: usize, recorded: &[f32], now: &[f32]) {
+        for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
             let name = || format!("rope {rope}, width at point {i}");
             self.number32(name, *recorded, *now);
         }
@@ -161,6 +187,7 @@ impl Comparer {
                 ("border", of.border.into()),
                 ("hidden", of.hidden.into()),
                 ("filtered", of.filtered.into()),
+                ("fit", of.fit.into()),
                 ("age_ns", of.age_ns),
             ]
         };

@@ -37,7 +37,7 @@ fn farthest(of: &Centerlines, from: &Centerlines) -> f64 {
 }
 
 fn seen(message: &Centerlines) -> impl Iterator<Item = &Curve> {
-    let is_seen = |curve: &&Curve| matches!(curve.status(), Some(Status::Ok | Status::Partial));
+    let is_seen = |curve: &&Curve| !matches!(curve.status(), Some(Status::Lost) | None);
     message.curves().iter().filter(is_seen)
 }
 

@@ -79,6 +79,10 @@ pub(super) fn text(comparison: &Comparison) -> String {
             "ropes covered in part",
             columns.map(|c| count(c.ropes_partial)),
         ),
+        (
+            "ropes that may be none",
+            columns.map(|c| count(c.ropes_doubtful)),
+        ),
         ("ropes lost", columns.map(|c| count(c.ropes_lost))),
     ] {
         row(&mut text, name, value, Kind::Count);

@@ -5,8 +5,8 @@ mod place;
 
 use lariat_fit::{Fit, Fitter};
 use lariat_wire::{
-    Basis, CENTERLINES, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
-    MAX_CONTROL_POINTS, MAX_POINTS, Status, Unit, Writer, now_ns,
+    Basis, CENTERLINES, CenterlinePoints, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
+    FitQuality, MAX_CONTROL_POINTS, MAX_POINTS, Status, Unit, Writer, now_ns,
 };
 
 use super::extract::Warned;
@@ -68,7 +68,10 @@ pub(crate) fn fill(
     for curve in seen.curves() {
         let descriptor = &mut message.curves[count];
         match curves.describe(curve, seen.trace.exposed_ns, descriptor) {
-            Ok(()) => count += 1,
+            Ok(()) => {
+                curves.write_points(curve, &mut message.centerlines[count]);
+                count += 1;
+            }
             Err(cause) => unfitted.once(&cause),
         }
     }
@@ -188,6 +191,23 @@ impl CurveFitter {
         Ok(())
     }
 
+    /// Writes the points that this curve, the last that was described, was fitted to.
+    pub(crate) fn write_points(&self, curve: &Curve, to: &mut CenterlinePoints) {
+        let count = curve.points().len();
+        (to.count, to.closed) = (count as u32, curve.closed);
+        let Some(placer) = &self.placer else {
+            to.hidden = curve.hidden;
+            to.points[..count].copy_from_slice(curve.points());
+            to.widths[..count].copy_from_slice(curve.widths_px());
+            return;
+        };
+        to.set_hidden((0..count).map(|k| placer.is_hidden(curve, k)));
+        for (k, point) in self.points[..count].iter().enumerate() {
+            to.points[k] = point.map(|c| c as f32);
+            to.widths[k] = placer.width_at(k) as f32;
+        }
+    }
+
     fn fit(&mut self, curve: &Curve) -> anyhow::Result<()> {
         let points = &self.points[..self.count];
         let fitter = if curve.closed != 0 {
@@ -235,6 +255,7 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
     descriptor.residual_variance = fit.residual_variance;
     descriptor.condition = fit.condition;
     descriptor.filtered = 0;
+    descriptor.fit = FitQuality::NotJudged as u32;
     descriptor.control_points[..count].copy_from_slice(&fit.control_points[..count]);
     match fit.weights.get(..count) {
         Some(weights) => descriptor.weights[..count].copy_from_slice(weights),

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use lariat_sink::{Arrival, Ledger, points_along};
 use lariat_wire::{
-    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, Member, Receiver, Rig, Status, Trace,
-    Unit, WireError, members,
+    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, FitQuality, Member, Receiver, Rig, Status,
+    Trace, Unit, WireError, members,
 };
 
 use super::processes::Processes;
@@ -350,6 +350,7 @@ fn rope(descriptor: &Descriptor) -> Rope {
         status: match descriptor.status() {
             Some(Status::Ok) => Seen::Ok,
             Some(Status::Partial) => Seen::Partial,
+            Some(Status::Doubtful) => Seen::Doubtful,
             Some(Status::Lost) => Seen::Lost,
             None => Seen::Unknown,
         },
@@ -366,6 +367,7 @@ fn rope(descriptor: &Descriptor) -> Rope {
         order: descriptor.order,
         length: descriptor.length,
         rms: descriptor.rms,
+        is_coarse: descriptor.fit() == Some(FitQuality::Coarse),
         age_s: descriptor.age_ns as f64 / 1e9,
         // A Fourier series has coefficients, not points.
         control_points: match descriptor.basis() {

@@ -81,6 +81,8 @@ pub(super) struct Rope {
     pub(super) order: u32,
     pub(super) length: f64,
     pub(super) rms: f64,
+    /// Its curve does not lie on its points.
+    pub(super) is_coarse: bool,
     /// How long before the image it was last seen.
     pub(super) age_s: f64,
     pub(super) control_points: Vec<[f64; 2]>,
@@ -94,6 +96,7 @@ pub(super) enum Seen {
     #[default]
     Ok,
     Partial,
+    Doubtful,
     Lost,
     /// A status that this release does not know.
     Unknown,

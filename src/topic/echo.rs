@@ -67,15 +67,12 @@ fn word<T>(known: Option<T>, name: impl FnOnce(T) -> &'static str, code: u32) ->
 
 fn status(code: u32) -> String {
     use lariat_wire::Status;
-    word(
-        Status::from_code(code),
-        |status| match status {
-            Status::Ok => "ok",
-            Status::Partial => "partial",
-            Status::Lost => "lost",
-        },
-        code,
-    )
+    word(Status::from_code(code), Status::name, code)
+}
+
+fn fit(code: u32) -> String {
+    use lariat_wire::FitQuality;
+    word(FitQuality::from_code(code), FitQuality::name, code)
 }
 
 fn basis(code: u32) -> String {

@@ -51,15 +51,27 @@ static void read_rope(const lariat_descriptor *rope, uint64_t at) {
     U64(rope->age_ns, at + 80);
     U64(rope->hidden, at + 88);
     U64(rope->filtered, at + 92);
+    U64(rope->fit, at + 96);
+    U64(rope->reserved, at + 100);
     for (uint64_t j = 0; j < LARIAT_MAX_CONTROL_POINTS; j++) {
         for (uint64_t axis = 0; axis < 2; axis++) {
-            DOUBLE(rope->control_points[j][axis], at + 96 + 16 * j + 8 * axis);
-            DOUBLE(rope->velocities[j][axis], at + 1632 + 16 * j + 8 * axis);
+            DOUBLE(rope->control_points[j][axis], at + 104 + 16 * j + 8 * axis);
+            DOUBLE(rope->velocities[j][axis], at + 1640 + 16 * j + 8 * axis);
         }
         for (uint64_t entry = 0; entry < 3; entry++)
-            DOUBLE(rope->covariances[j][entry], at + 864 + 24 * j + 8 * entry);
-        DOUBLE(rope->weights[j], at + 608 + 8 * j);
-        DOUBLE(rope->knots[j], at + 2144 + 8 * j);
+            DOUBLE(rope->covariances[j][entry], at + 872 + 24 * j + 8 * entry);
+        DOUBLE(rope->weights[j], at + 616 + 8 * j);
+        DOUBLE(rope->knots[j], at + 2152 + 8 * j);
+    }
+}
+
+static void read_points(const lariat_centerline *line, uint64_t at) {
+    U64(line->count, at);
+    U64(line->closed, at + 4);
+    for (uint64_t word = 0; word < LARIAT_MAX_POINTS / 32; word++) U64(line->hidden[word], at + 8 + 4 * word);
+    for (uint64_t i = 0; i < LARIAT_MAX_POINTS; i++) {
+        for (uint64_t axis = 0; axis < 2; axis++) DOUBLE(line->points[i][axis], at + 40 + 8 * i + 4 * axis);
+        DOUBLE(line->widths[i], at + 2088 + 4 * i);
     }
 }
 
@@ -77,7 +89,8 @@ int main(void) {
     U64(message->height, 84);
     U64(message->count, 88);
     U64(message->unit, 92);
-    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 96 + 2400 * i);
+    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 96 + 2408 * i);
+    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 96 + 8 * 2408 + 3112 * i);
     // These numbers are a message, and no rope.
     if (lariat_rope_at(reader, 7, UINT64_MAX, &rope) != LARIAT_UNREADABLE
         || lariat_rope_at(reader, 8, UINT64_MAX, &rope) != LARIAT_NO_ROPE

@@ -12,8 +12,8 @@ use serde_json::json;
 
 use crate::rig::Bench;
 
-/// One rope's track and control points.
-type Shape = (u32, Vec<[f64; 2]>);
+/// One rope's track and control points, and its centerline's points and widths.
+type Shape = (u32, Vec<[f64; 2]>, Vec<[f32; 2]>, Vec<f32>);
 
 /// What the libraries make of the rendered rope, frame by frame.
 struct Library {
@@ -56,7 +56,12 @@ impl Library {
                 .map(|point| point.map(f64::from))
                 .collect();
             let fit = self.fitter.fit(&points).unwrap();
-            curves.push((curve.track, fit.control_points.clone()));
+            curves.push((
+                curve.track,
+                fit.control_points.clone(),
+                curve.points.clone(),
+                curve.widths_px.clone(),
+            ));
         }
         (frame.sequence, curves)
     }
@@ -114,7 +119,15 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
         let seen: Vec<_> = message
             .curves()
             .iter()
-            .map(|curve| (curve.track, curve.control_points().to_vec()))
+            .zip(message.centerlines())
+            .map(|(curve, centerline)| {
+                (
+                    curve.track,
+                    curve.control_points().to_vec(),
+                    centerline.points().to_vec(),
+                    centerline.widths().to_vec(),
+                )
+            })
             .collect();
         assert_eq!(seen, curves, "frame {count}");
         assert_stamps_are_in_order(&message);

@@ -100,6 +100,9 @@
 // Most control points of one rope.
 #define LARIAT_MAX_CONTROL_POINTS 32
 
+// Most points of one rope's centerline.
+#define LARIAT_MAX_POINTS 256
+
 // The rope is seen whole (lariat_descriptor.status).
 #define LARIAT_STATUS_OK 1
 
@@ -108,6 +111,18 @@
 
 // It is not seen now: the last known shape.
 #define LARIAT_STATUS_LOST 3
+
+// It is seen whole, but it may be no rope: a shadow, a pen, an edge.
+#define LARIAT_STATUS_DOUBTFUL 4
+
+// The writer did not look whether the curve lies on its points (lariat_descriptor.fit).
+#define LARIAT_FIT_NOT_JUDGED 0
+
+// It lies on them.
+#define LARIAT_FIT_GOOD 1
+
+// It does not: the centerline's points are right, and the curve is not.
+#define LARIAT_FIT_COARSE 2
 
 // Bernstein polynomials of degree `order` (lariat_descriptor.basis).
 #define LARIAT_BASIS_BEZIER 1
@@ -163,6 +178,9 @@ typedef enum lariat_seen {
   // Its numbers make no rope. A chain of this release sends none such.
   LARIAT_UNREADABLE = 11,
 } lariat_seen;
+
+// The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
+typedef struct lariat_centerline lariat_centerline;
 
 // A control loop's end of a rig.
 typedef struct lariat_reader lariat_reader;
@@ -227,6 +245,10 @@ typedef struct lariat_descriptor {
   uint32_t hidden;
   // 1 if the control points are filtered in time, and have velocities.
   uint32_t filtered;
+  // A LARIAT_FIT_…: whether the curve lies on the centerline's points.
+  uint32_t fit;
+  // 0.
+  uint32_t reserved;
   // x, y of each; of a Fourier series the coefficients a0, a1, b1, a2, b2, ...
   double control_points[LARIAT_MAX_CONTROL_POINTS][2];
   // Weights of rational curves; else 1.
@@ -253,6 +275,8 @@ typedef struct lariat_descriptors {
   uint32_t unit;
   // The ropes.
   struct lariat_descriptor ropes[LARIAT_MAX_ROPES];
+  // The points of each rope.
+  struct lariat_centerline centerlines[LARIAT_MAX_ROPES];
 } lariat_descriptors;
 
 // Which rope: its number, and the run of the chain that gave it. A chain that is started anew numbers its ropes anew.

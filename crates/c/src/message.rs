@@ -8,6 +8,8 @@ use lariat_wire as wire;
 pub const LARIAT_MAX_ROPES: usize = 8;
 /// Most control points of one rope.
 pub const LARIAT_MAX_CONTROL_POINTS: usize = 32;
+/// Most points of one rope's centerline.
+pub const LARIAT_MAX_POINTS: usize = 256;
 
 /// The rope is seen whole (lariat_descriptor.status).
 pub const LARIAT_STATUS_OK: u32 = 1;
@@ -15,6 +17,15 @@ pub const LARIAT_STATUS_OK: u32 = 1;
 pub const LARIAT_STATUS_PARTIAL: u32 = 2;
 /// It is not seen now: the last known shape.
 pub const LARIAT_STATUS_LOST: u32 = 3;
+/// It is seen whole, but it may be no rope: a shadow, a pen, an edge.
+pub const LARIAT_STATUS_DOUBTFUL: u32 = 4;
+
+/// The writer did not look whether the curve lies on its points (lariat_descriptor.fit).
+pub const LARIAT_FIT_NOT_JUDGED: u32 = 0;
+/// It lies on them.
+pub const LARIAT_FIT_GOOD: u32 = 1;
+/// It does not: the centerline's points are right, and the curve is not.
+pub const LARIAT_FIT_COARSE: u32 = 2;
 
 /// Bernstein polynomials of degree `order` (lariat_descriptor.basis).
 pub const LARIAT_BASIS_BEZIER: u32 = 1;
@@ -100,6 +111,10 @@ pub struct lariat_descriptor {
     pub hidden: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,
+    /// A LARIAT_FIT_…: whether the curve lies on the centerline's points.
+    pub fit: u32,
+    /// 0.
+    pub reserved: u32,
     /// x, y of each; of a Fourier series the coefficients a0, a1, b1, a2, b2, ...
     pub control_points: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
     /// Weights of rational curves; else 1.
@@ -110,6 +125,22 @@ pub struct lariat_descriptor {
     pub velocities: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
     /// A B-spline's inner knots, count - order - 1 of them.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
+}
+
+/// The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_centerline {
+    /// How many points are meant; 0 if the writer has none to give.
+    pub count: u32,
+    /// 1 if the rope is closed: the last point is followed by the first.
+    pub closed: u32,
+    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+    pub hidden: [u32; LARIAT_MAX_POINTS / 32],
+    /// x, y of each.
+    pub points: [[f32; 2]; LARIAT_MAX_POINTS],
+    /// The rope's width at each.
+    pub widths: [f32; LARIAT_MAX_POINTS],
 }
 
 /// What the chain says of one frame.
@@ -128,6 +159,8 @@ pub struct lariat_descriptors {
     pub unit: u32,
     /// The ropes.
     pub ropes: [lariat_descriptor; LARIAT_MAX_ROPES],
+    /// The points of each rope.
+    pub centerlines: [lariat_centerline; LARIAT_MAX_ROPES],
 }
 
 macro_rules! same_layout {
@@ -145,10 +178,14 @@ same_layout!(lariat_trace, wire::Trace: sequence = sequence, captured = captured
 same_layout!(lariat_descriptor, wire::Descriptor: track = track, status = status, basis = basis, order = order,
     count = count, samples = samples, closed = closed, border = border, rms = rms, max = max,
     residual_variance = residual_variance, condition = condition, length = length, width = width, age_ns = age_ns,
-    hidden = hidden, filtered = filtered, control_points = control_points, weights = weights,
+    hidden = hidden, filtered = filtered, fit = fit, control_points = control_points, weights = weights,
     covariances = covariances, velocities = velocities, knots = knots);
+same_layout!(lariat_centerline, wire::CenterlinePoints: count = count, closed = closed, hidden = hidden, points = points,
+    widths = widths);
 same_layout!(lariat_descriptors, wire::Descriptors: trace = trace, width = width, height = height, count = count,
-    unit = unit, ropes = curves);
+    unit = unit, ropes = curves, centerlines = centerlines);
 const _: () = assert!(
-    LARIAT_MAX_ROPES == wire::MAX_CURVES && LARIAT_MAX_CONTROL_POINTS == wire::MAX_CONTROL_POINTS
+    LARIAT_MAX_ROPES == wire::MAX_CURVES
+        && LARIAT_MAX_CONTROL_POINTS == wire::MAX_CONTROL_POINTS
+        && LARIAT_MAX_POINTS == wire::MAX_POINTS
 );

@@ -108,6 +108,15 @@ impl Resampler {
         [before, after]
     }
 
+    /// What is known at the old points, at new point `k`: linear between its two neighbours.
+    pub fn carry(&self, k: usize, values: &[f64]) -> f64 {
+        let mean = &self.means[k];
+        let [_, before, after, _] = mean.from;
+        let (start, end) = (self.arcs[before], self.arcs[before + 1]);
+        let share = ((mean.rho * self.length - start) / (end - start)).clamp(0.0, 1.0);
+        values[before] + share * (values[after] - values[before])
+    }
+
     /// The direction of the line at new point `k`.
     pub(crate) fn tangent(&self, mean: &Mean) -> [f64; 2] {
         self.chords[mean.from[1]]
@@ -273,6 +282,24 @@ mod tests {
             );
         }
         assert!((resampler.length() - 500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_known_at_the_old_points_is_carried_to_the_new_ones() {
+        let mut resampler = Resampler::new();
+        let old = uneven(120, 0.0);
+        resampler.resample(&old, false).unwrap();
+        // What is linear along the line stays so.
+        let values: Vec<f64> = old.iter().map(|p| 3.0 + 0.1 * p[0]).collect();
+        for k in 0..120 {
+            let s = k as f64 / 119.0;
+            assert!((resampler.carry(k, &values) - (3.0 + 40.0 * s)).abs() < 1e-9);
+        }
+        let ring = [[0.0, 0.0], [1.0, 0.0], [1.0, 4.0], [0.0, 4.0]];
+        resampler.resample(&ring, true).unwrap();
+        // Steps of 2.5 around a circumference of 10: the last point lies between the last and the first.
+        let carried = [0, 1, 2, 3].map(|k| resampler.carry(k, &[1.0, 2.0, 6.0, 8.0]));
+        assert_eq!(carried, [1.0, 3.5, 6.0, 6.25]);
     }
 
     #[test]

@@ -148,9 +148,8 @@ fn put_label(to: &mut Encoder, stamp_ns: u64, rope: &Curve) {
     let at = rope.points().first().copied().unwrap_or_default();
     at.map(|c| f64::from(c) + 0.5).put(to);
     to.string(match rope.status() {
-        Some(Status::Partial) => "partial",
-        Some(Status::Lost) => "lost",
-        _ => "start",
+        None | Some(Status::Ok) => "start",
+        Some(status) => status.name(),
     });
     12.0_f64.put(to);
     color(rope.track).put(to);

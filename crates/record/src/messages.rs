@@ -1,7 +1,8 @@
 //! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
 
 use lariat_wire::{
-    Basis, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader, MAX_POINTS, Trace,
+    Basis, CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader,
+    MAX_POINTS, Trace,
 };
 
 use crate::cdr::{Cdr, CdrError, Decoder, Encoder, fields};
@@ -65,6 +66,8 @@ record!(
         "Descriptors.msg",
         "lariat_msgs/Trace" = "Trace.msg",
         "lariat_msgs/Descriptor" = "Descriptor.msg",
+        "lariat_msgs/CenterlinePoints" = "CenterlinePoints.msg",
+        "lariat_msgs/PointF32" = "PointF32.msg",
         "lariat_msgs/PointF64" = "PointF64.msg",
         "lariat_msgs/Covariance" = "Covariance.msg"
     )
@@ -99,6 +102,26 @@ fields!(Crossing {
     confidence,
 });
 
+fn put_hidden(to: &mut Encoder, count: usize, is_hidden: impl Fn(usize) -> bool) {
+    (count as u32).put(to);
+    for i in 0..count {
+        u8::from(is_hidden(i)).put(to);
+    }
+}
+
+/// Reads which of so many points are hidden.
+fn get_hidden(from: &mut Decoder, points: u32) -> Result<impl Iterator<Item = bool>, CdrError> {
+    let mut hidden = [0_u8; MAX_POINTS];
+    let count = from.sequence(&mut hidden)?;
+    if count != points {
+        return Err(CdrError::Uneven);
+    }
+    Ok(hidden
+        .into_iter()
+        .take(count as usize)
+        .map(|byte| byte != 0))
+}
+
 impl Cdr for Curve {
     fn put(&self, to: &mut Encoder) {
         let count = self.points().len();
@@ -110,10 +133,7 @@ impl Cdr for Curve {
         self.age_ns.put(to);
         to.sequence(self.points());
         to.sequence(self.widths_px());
-        (count as u32).put(to);
-        for i in 0..count {
-            u8::from(self.is_hidden(i)).put(to);
-        }
+        put_hidden(to, count, |i| self.is_hidden(i));
     }
 
     fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
@@ -131,13 +151,10 @@ impl Cdr for Curve {
         self.age_ns.get(from)?;
         self.reserved = 0;
         self.count = from.sequence(&mut self.points)?;
-        let widths = from.sequence(&mut self.widths_px)?;
-        let mut hidden = [0_u8; MAX_POINTS];
-        let seen = from.sequence(&mut hidden)?;
-        if widths != self.count || seen != self.count {
+        if from.sequence(&mut self.widths_px)? != self.count {
             return Err(CdrError::Uneven);
         }
-        self.set_hidden(hidden[..seen as usize].iter().map(|&byte| byte != 0));
+        self.set_hidden(get_hidden(from, self.count)?);
         Ok(())
     }
 }
@@ -185,6 +202,7 @@ impl Cdr for Descriptor {
             self.border,
             self.hidden,
             self.filtered,
+            self.fit,
         ] {
             word.put(to);
         }
@@ -217,6 +235,7 @@ impl Cdr for Descriptor {
             &mut self.border,
             &mut self.hidden,
             &mut self.filtered,
+            &mut self.fit,
         ];
         for word in words {
             word.get(from)?;
@@ -233,6 +252,7 @@ impl Cdr for Descriptor {
             number.get(from)?;
         }
         self.age_ns.get(from)?;
+        self.reserved = 0;
         self.count = from.sequence(&mut self.control_points)?;
         let others = [
             from.sequence(&mut self.weights)?,
@@ -247,6 +267,25 @@ impl Cdr for Descriptor {
     }
 }
 
+impl Cdr for CenterlinePoints {
+    fn put(&self, to: &mut Encoder) {
+        self.closed.put(to);
+        to.sequence(self.points());
+        to.sequence(self.widths());
+        put_hidden(to, self.points().len(), |i| self.is_hidden(i));
+    }
+
+    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
+        self.closed.get(from)?;
+        self.count = from.sequence(&mut self.points)?;
+        if from.sequence(&mut self.widths)? != self.count {
+            return Err(CdrError::Uneven);
+        }
+        self.set_hidden(get_hidden(from, self.count)?);
+        Ok(())
+    }
+}
+
 impl Cdr for Descriptors {
     fn put(&self, to: &mut Encoder) {
         self.trace.put(to);
@@ -254,6 +293,7 @@ impl Cdr for Descriptors {
         self.height.put(to);
         self.unit.put(to);
         to.sequence(self.curves());
+        to.sequence(self.centerlines());
     }
 
     fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
@@ -262,6 +302,9 @@ impl Cdr for Descriptors {
         self.height.get(from)?;
         self.unit.get(from)?;
         self.count = from.sequence(&mut self.curves)?;
+        if from.sequence(&mut self.centerlines)? != self.count {
+            return Err(CdrError::Uneven);
+        }
         Ok(())
     }
 }

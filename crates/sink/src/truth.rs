@@ -22,7 +22,7 @@ const SAMPLES: usize = 128;
 
 /// Whether the curve is seen in its frame: neither lost nor of a status that this version does not know.
 pub(crate) fn is_seen(status: Option<Status>) -> bool {
-    matches!(status, Some(Status::Ok | Status::Partial))
+    !matches!(status, Some(Status::Lost) | None)
 }
 
 /// Which frame a message is about.

@@ -77,6 +77,8 @@ pub enum Status {
     Partial = 2,
     /// Not seen now: the curve is the last known shape.
     Lost = 3,
+    /// Seen whole, but it may be no rope: a shadow, a pen, an edge.
+    Doubtful = 4,
 }
 
 impl Status {
@@ -86,8 +88,52 @@ impl Status {
             1 => Self::Ok,
             2 => Self::Partial,
             3 => Self::Lost,
+            4 => Self::Doubtful,
             _ => return None,
         })
+    }
+
+    /// Its name in text and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Partial => "partial",
+            Self::Lost => "lost",
+            Self::Doubtful => "doubtful",
+        }
+    }
+}
+
+/// Whether a descriptor's curve lies on the points that it was fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum FitQuality {
+    /// The writer did not look.
+    NotJudged = 0,
+    /// It lies on them, within the tolerance that the chain was started with.
+    Good = 1,
+    /// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
+    Coarse = 2,
+}
+
+impl FitQuality {
+    /// The quality a message's number stands for, if it stands for one.
+    pub const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            0 => Self::NotJudged,
+            1 => Self::Good,
+            2 => Self::Coarse,
+            _ => return None,
+        })
+    }
+
+    /// Its name in text and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotJudged => "not judged",
+            Self::Good => "good",
+            Self::Coarse => "coarse",
+        }
     }
 }
 

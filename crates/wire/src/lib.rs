@@ -78,7 +78,7 @@ pub use channel::{
     CENTERLINES, COMMANDS, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH,
 };
 pub use clock::now_ns;
-pub use codes::{Basis, PixelFormat, SourceKind, Status, Unit};
+pub use codes::{Basis, FitQuality, PixelFormat, SourceKind, Status, Unit};
 pub use command::{Command, MAX_GRIPPERS};
 pub use command_reader::CommandReader;
 pub use domain::{Domain, Rig};

@@ -9,7 +9,7 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::codes::{Basis, PixelFormat, Status, Unit};
+use crate::codes::{Basis, FitQuality, PixelFormat, Status, Unit};
 
 /// Most curves in one frame.
 pub const MAX_CURVES: usize = 8;
@@ -182,15 +182,12 @@ impl Curve {
 
     /// Whether point `i` is covered by something, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
-        i < MAX_POINTS && self.hidden[i / 32] >> (i % 32) & 1 == 1
+        bit(&self.hidden, i)
     }
 
     /// Says of each point, in order, whether it is covered.
     pub fn set_hidden(&mut self, hidden: impl IntoIterator<Item = bool>) {
-        self.hidden = [0; MAX_POINTS / 32];
-        for (i, is_hidden) in hidden.into_iter().take(MAX_POINTS).enumerate() {
-            self.hidden[i / 32] |= u32::from(is_hidden) << (i % 32);
-        }
+        self.hidden = mask(hidden);
     }
 
     /// What is known of the rope; `None` for a number this version does not know.
@@ -280,7 +277,7 @@ impl Centerlines {
 /// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptor.v4")]
+#[type_name("lariat.Descriptor.v5")]
 pub struct Descriptor {
     /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
@@ -317,6 +314,10 @@ pub struct Descriptor {
     pub hidden: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,
+    /// A [`FitQuality`]'s number: whether the curve lies on its points.
+    pub fit: u32,
+    /// Always 0.
+    pub reserved: u32,
     /// The control points, `[x, y]` in the message's unit.
     pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
     /// Their weights: rational bases only, 1 elsewhere.
@@ -350,6 +351,8 @@ impl Descriptor {
         age_ns: 0,
         hidden: 0,
         filtered: 0,
+        fit: FitQuality::NotJudged as u32,
+        reserved: 0,
         control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
         weights: [1.0; MAX_CONTROL_POINTS],
         covariances: [[0.0; 3]; MAX_CONTROL_POINTS],
@@ -367,16 +370,84 @@ impl Descriptor {
         Status::from_code(self.status)
     }
 
+    /// Whether the curve lies on its points; `None` for a number this version does not know.
+    pub const fn fit(&self) -> Option<FitQuality> {
+        FitQuality::from_code(self.fit)
+    }
+
     /// The functions that the control points weigh; `None` for a number this version does not know.
     pub const fn basis(&self) -> Option<Basis> {
         Basis::from_code(self.basis)
     }
 }
 
+/// The points that a descriptor was fitted to: the rope's centerline, at equal steps of arc length, in the message's unit.
+/// They are as the image has them, unfiltered, however well the curve lies on them.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("lariat.CenterlinePoints.v1")]
+pub struct CenterlinePoints {
+    /// How many points are meant; 0 if the writer has none to give.
+    pub count: u32,
+    /// 1 if the rope is closed: the last point is followed by the first.
+    pub closed: u32,
+    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+    pub hidden: [u32; MAX_POINTS / 32],
+    /// The points, `[x, y]`.
+    pub points: [[f32; 2]; MAX_POINTS],
+    /// The rope's width at each point.
+    pub widths: [f32; MAX_POINTS],
+}
+
+impl CenterlinePoints {
+    /// No points.
+    pub const EMPTY: Self = Self {
+        count: 0,
+        closed: 0,
+        hidden: [0; MAX_POINTS / 32],
+        points: [[0.0; 2]; MAX_POINTS],
+        widths: [0.0; MAX_POINTS],
+    };
+
+    /// The points that are meant.
+    pub fn points(&self) -> &[[f32; 2]] {
+        &self.points[..(self.count as usize).min(MAX_POINTS)]
+    }
+
+    /// The widths at those points.
+    pub fn widths(&self) -> &[f32] {
+        &self.widths[..(self.count as usize).min(MAX_POINTS)]
+    }
+
+    /// Whether point `i` is covered by something, and so not seen.
+    pub const fn is_hidden(&self, i: usize) -> bool {
+        bit(&self.hidden, i)
+    }
+
+    /// Says of each point, in order, whether it is covered.
+    pub fn set_hidden(&mut self, hidden: impl IntoIterator<Item = bool>) {
+        self.hidden = mask(hidden);
+    }
+}
+
+/// Bit `i` of a mask of points.
+const fn bit(mask: &[u32; MAX_POINTS / 32], i: usize) -> bool {
+    i < MAX_POINTS && mask[i / 32] >> (i % 32) & 1 == 1
+}
+
+/// A mask of points with these bits, in order.
+fn mask(bits: impl IntoIterator<Item = bool>) -> [u32; MAX_POINTS / 32] {
+    let mut mask = [0; MAX_POINTS / 32];
+    for (i, is_set) in bits.into_iter().take(MAX_POINTS).enumerate() {
+        mask[i / 32] |= u32::from(is_set) << (i % 32);
+    }
+    mask
+}
+
 /// What a control loop reads: the shape of every rope in one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Descriptors.v4")]
+#[type_name("lariat.Descriptors.v5")]
 pub struct Descriptors {
     /// The frame's whole way.
     pub trace: Trace,
@@ -390,6 +461,8 @@ pub struct Descriptors {
     pub unit: u32,
     /// The curves.
     pub curves: [Descriptor; MAX_CURVES],
+    /// The points of each: entry `i` is of `curves[i]`.
+    pub centerlines: [CenterlinePoints; MAX_CURVES],
 }
 
 impl Descriptors {
@@ -403,6 +476,11 @@ impl Descriptors {
         &self.curves[..(self.count as usize).min(MAX_CURVES)]
     }
 
+    /// The points of those curves.
+    pub fn centerlines(&self) -> &[CenterlinePoints] {
+        &self.centerlines[..(self.count as usize).min(MAX_CURVES)]
+    }
+
     /// A message without curves.
     pub const EMPTY: Self = Self {
         trace: Trace::EMPTY,
@@ -411,6 +489,7 @@ impl Descriptors {
         count: 0,
         unit: Unit::Pixel as u32,
         curves: [Descriptor::EMPTY; MAX_CURVES],
+        centerlines: [CenterlinePoints::EMPTY; MAX_CURVES],
     };
 }
 
@@ -439,15 +518,22 @@ mod tests {
         assert_eq!(offset_of!(Descriptor, rms), 32);
         assert_eq!(offset_of!(Descriptor, age_ns), 80);
         assert_eq!(offset_of!(Descriptor, hidden), 88);
-        assert_eq!(offset_of!(Descriptor, control_points), 96);
-        assert_eq!(offset_of!(Descriptor, weights), 96 + 32 * 16);
-        assert_eq!(offset_of!(Descriptor, covariances), 96 + 32 * 24);
-        assert_eq!(offset_of!(Descriptor, velocities), 96 + 32 * 48);
-        assert_eq!(offset_of!(Descriptor, knots), 96 + 32 * 64);
-        assert_eq!(size_of::<Descriptor>(), 96 + 32 * 72);
+        assert_eq!(offset_of!(Descriptor, fit), 96);
+        assert_eq!(offset_of!(Descriptor, control_points), 104);
+        assert_eq!(offset_of!(Descriptor, weights), 104 + 32 * 16);
+        assert_eq!(offset_of!(Descriptor, covariances), 104 + 32 * 24);
+        assert_eq!(offset_of!(Descriptor, velocities), 104 + 32 * 48);
+        assert_eq!(offset_of!(Descriptor, knots), 104 + 32 * 64);
+        assert_eq!(size_of::<Descriptor>(), 104 + 32 * 72);
+        assert_eq!(offset_of!(CenterlinePoints, closed), 4);
+        assert_eq!(offset_of!(CenterlinePoints, hidden), 8);
+        assert_eq!(offset_of!(CenterlinePoints, points), 40);
+        assert_eq!(offset_of!(CenterlinePoints, widths), 40 + 256 * 8);
+        assert_eq!(size_of::<CenterlinePoints>(), 40 + 256 * 12);
         assert_eq!(offset_of!(Descriptors, unit), 92);
         assert_eq!(offset_of!(Descriptors, curves), 96);
-        assert_eq!(size_of::<Descriptors>(), 96 + 8 * 2400);
+        assert_eq!(offset_of!(Descriptors, centerlines), 96 + 8 * 2408);
+        assert_eq!(size_of::<Descriptors>(), 96 + 8 * (2408 + 3112));
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl<'a> Seen<'a> {
             None => Self::Absent(Absent::Unreadable),
             Some(_) if is_stale => Self::Stale(LastKnown(rope)),
             Some(Status::Ok) => Self::Fresh(rope),
-            Some(Status::Partial) => Self::Partial(rope),
+            Some(Status::Partial | Status::Doubtful) => Self::Partial(rope),
             Some(Status::Lost) => Self::Lost(LastKnown(rope)),
         }
     }

@@ -28,6 +28,7 @@ pub(in crate::replay) struct Column {
     /// Ropes in frames, by what was seen of them.
     pub(in crate::replay) ropes_ok: u64,
     pub(in crate::replay) ropes_partial: u64,
+    pub(in crate::replay) ropes_doubtful: u64,
     pub(in crate::replay) ropes_lost: u64,
     /// Times of this machine, now.
     pub(in crate::replay) extract_us: Spread,
@@ -87,6 +88,7 @@ impl Column {
             ropes: BTreeSet::new(),
             ropes_ok: 0,
             ropes_partial: 0,
+            ropes_doubtful: 0,
             ropes_lost: 0,
             extract_us: Spread::default(),
             fit_us: Spread::default(),
@@ -111,6 +113,7 @@ impl Column {
             let counter = match rope.status() {
                 Some(Status::Ok) => &mut self.ropes_ok,
                 Some(Status::Partial) => &mut self.ropes_partial,
+                Some(Status::Doubtful) => &mut self.ropes_doubtful,
                 _ => {
                     self.ropes_lost += 1;
                     continue;
@@ -129,7 +132,7 @@ impl Column {
         self.centerline_px = summary.error_px.centerline;
         self.curve_px = summary.error_px.curve;
         self.lost = summary.frames.lost;
-        let seen = self.ropes_ok + self.ropes_partial;
+        let seen = self.ropes_ok + self.ropes_partial + self.ropes_doubtful;
         self.rms = (seen > 0).then(|| self.rms_sum / seen as f64);
         self.extract_us = spread(times.extract);
         self.fit_us = spread(times.fit);

@@ -207,7 +207,7 @@ fn by_points(seen: &Centerlines, whole: &mut Whole) -> Sight {
         return Sight::Absent;
     };
     match curve.status() {
-        Some(Status::Ok | Status::Partial) => {
+        Some(Status::Ok | Status::Partial | Status::Doubtful) => {
             let is_whole = whole.is_it(f64::from(curve.length_px));
             let is_hidden = curve.hidden.iter().any(|&word| word != 0);
             let points: Vec<[f64; 2]> = curve.points().iter().map(|p| p.map(f64::from)).collect();

@@ -15,7 +15,9 @@ pub(super) struct Placer {
     points: Box<[[f64; 2]; MAX_POINTS]>,
     /// `JJᵀ` of the way to each, as xx, xy, yy.
     squares: Box<[[f64; 3]; MAX_POINTS]>,
+    /// The width at each, in the unit.
     widths: Box<[f64; MAX_POINTS]>,
+    by_size: Box<[f64; MAX_POINTS]>,
     /// The last curve's: median width, in the unit.
     width: f64,
     covariances: Box<[[f64; 3]; MAX_CONTROL_POINTS]>,
@@ -30,6 +32,7 @@ impl Placer {
             points: Box::new([[0.0; 2]; MAX_POINTS]),
             squares: Box::new([[0.0; 3]; MAX_POINTS]),
             widths: Box::new([0.0; MAX_POINTS]),
+            by_size: Box::new([0.0; MAX_POINTS]),
             width: 0.0,
             covariances: Box::new([[0.0; 3]; MAX_CONTROL_POINTS]),
         }
@@ -88,10 +91,11 @@ impl Placer {
             let area = (a[0] * b[1] - a[1] * b[0]).abs();
             self.widths[i] = f64::from(curve.widths_px()[i]) * area / libm::hypot(step[0], step[1]);
         }
-        let widths = &mut self.widths[..count];
+        let by_size = &mut self.by_size[..count];
+        by_size.copy_from_slice(&self.widths[..count]);
         self.width = match count {
             0 => 0.0,
-            _ => *widths.select_nth_unstable_by(count / 2, f64::total_cmp).1,
+            _ => *by_size.select_nth_unstable_by(count / 2, f64::total_cmp).1,
         };
         Ok(self
             .line
@@ -101,6 +105,11 @@ impl Placer {
     /// Whether the `k`-th of the placed points lies beside one that is covered.
     pub(super) fn is_hidden(&self, curve: &Curve, k: usize) -> bool {
         self.line.between(k).into_iter().any(|i| curve.is_hidden(i))
+    }
+
+    /// The rope's width at the `k`-th of the placed points.
+    pub(super) fn width_at(&self, k: usize) -> f64 {
+        self.line.carry(k, &self.widths[..])
     }
 
     /// Writes what is to be said of the last curve in the unit, once it is fitted.

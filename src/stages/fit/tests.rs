@@ -325,6 +325,52 @@ fn hidden_points_stay_hidden_on_the_plane() {
 }
 
 #[test]
+fn the_points_go_along_as_extract_sent_them() {
+    let mut fitter = fitter(&settings::Fit::default());
+    let mut curve = rope();
+    curve.set_hidden((0..MAX_POINTS).map(|i| i % 7 == 3));
+    for (i, width) in curve.widths_px[..120].iter_mut().enumerate() {
+        *width = 10.0 + 0.01 * i as f32;
+    }
+    let (mut descriptor, mut points) = (Descriptor::EMPTY, CenterlinePoints::EMPTY);
+    points.points[120] = [7.0; 2];
+    fitter.describe(&curve, 1, &mut descriptor).unwrap();
+    fitter.write_points(&curve, &mut points);
+    assert_eq!(points.points(), curve.points());
+    assert_eq!(points.widths(), curve.widths_px());
+    assert_eq!(points.hidden, curve.hidden);
+    assert_eq!(
+        points.points[120], [7.0; 2],
+        "what is not meant is not copied"
+    );
+}
+
+#[test]
+fn on_the_plane_the_points_are_those_that_were_fitted() {
+    let mut fitter = on_the_plane(SLANT, None, settings::Fit::default());
+    fitter.turn_to([640, 480]).unwrap();
+    let mut curve = slanting_rope();
+    curve.set_hidden((0..MAX_POINTS).map(|i| (60..75).contains(&i)));
+    let (mut descriptor, mut line) = (Descriptor::EMPTY, CenterlinePoints::EMPTY);
+    fitter.describe(&curve, 1, &mut descriptor).unwrap();
+    fitter.write_points(&curve, &mut line);
+    assert_eq!(line.count, 120);
+    let step = descriptor.length / 119.0;
+    for pair in line.points().windows(2) {
+        let [a, b] = [pair[0], pair[1]].map(|p| p.map(f64::from));
+        assert!(((b[0] - a[0]).hypot(b[1] - a[1]) - step).abs() < 1e-3);
+    }
+    // Far away a pixel is longer: so is the rope's width, which is ten pixels everywhere.
+    let widths = line.widths();
+    assert!(widths.is_sorted_by(|near, far| near > far) || widths.is_sorted());
+    let [least, most] = [widths[0].min(widths[119]), widths[0].max(widths[119])].map(f64::from);
+    assert!(least < descriptor.width && descriptor.width < most && most > 1.5 * least);
+    // Fifteen points of the picture are as long as a few more or fewer here, and in one piece.
+    let hidden: Vec<usize> = (0..120).filter(|&k| line.is_hidden(k)).collect();
+    assert!(hidden.len() > 5 && hidden[hidden.len() - 1] - hidden[0] == hidden.len() - 1);
+}
+
+#[test]
 fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
     // The horizon is at y = 400 px.
     let steep = "homography = [[1, 0, 0], [0, 1, 0], [0, -2.5e-3, 1]]";
@@ -336,6 +382,8 @@ fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
     fill(&mut message, &seen, &mut curves, &mut unfitted);
     assert_eq!((message.count, message.unit()), (1, Some(Unit::Millimeter)));
     assert!(message.curves[0].length > 238.0);
+    assert_eq!(message.centerlines().len(), 1);
+    assert_eq!(message.centerlines[0].count, 120);
 }
 
 #[test]

@@ -150,11 +150,16 @@ fn heading(rope: &Rope) -> Line<'static> {
     let (word, style) = match rope.status {
         Seen::Ok => ("ok".to_owned(), GOOD),
         Seen::Partial => ("partial".to_owned(), DOUBTFUL),
+        Seen::Doubtful => ("doubtful".to_owned(), DOUBTFUL),
         Seen::Lost => (format!("lost for {:.1} s", rope.age_s), BAD),
         Seen::Unknown => ("?".to_owned(), BAD),
     };
-    Line::from(vec![
+    let mut line = Line::from(vec![
         Span::styled(format!("rope {}  ", rope.track), BOLD.fg(color(rope))),
         Span::styled(word, style),
-    ])
+    ]);
+    if rope.is_coarse {
+        line.push_span(Span::styled(", coarse", BAD));
+    }
+    line
 }

@@ -113,6 +113,25 @@ fn more_room_is_the_picture_s() {
 }
 
 #[test]
+fn a_coarse_curve_and_a_doubtful_rope_stand_out() {
+    let mut view = view();
+    let shape = view.shape.as_mut().expect("there");
+    shape.ropes[0].is_coarse = true;
+    shape.ropes.push(rope(1, Seen::Doubtful));
+    let mut terminal = Terminal::new(TestBackend::new(80, 24)).expect("memory");
+    terminal
+        .draw(|frame| super::draw(frame, &view))
+        .expect("memory takes it");
+    let cells = terminal.backend().buffer().content();
+    let colored = |color: Color| {
+        let cells = cells.iter().filter(|cell| cell.fg == color);
+        cells.map(|cell| cell.symbol()).collect::<String>()
+    };
+    assert!(colored(Color::Red).contains(", coarse"));
+    assert!(colored(Color::Yellow).contains("doubtful"));
+}
+
+#[test]
 fn without_a_chain_it_says_what_it_waits_for() {
     let view = View {
         obstacle: Some(

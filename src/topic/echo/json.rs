@@ -2,10 +2,12 @@
 //! as they are meant. Numbers are written so that they read back to the last bit.
 
 use anyhow::Result;
-use lariat_wire::{Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader, Trace};
+use lariat_wire::{
+    CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader, Trace,
+};
 use serde::Serialize;
 
-use super::{basis, pixel_format, source, status, unit};
+use super::{basis, fit, pixel_format, source, status, unit};
 use crate::topic::probe::Any;
 
 #[derive(Serialize)]
@@ -96,12 +98,23 @@ struct DescriptorFields<'a> {
     age_ns: u64,
     hidden: u32,
     filtered: bool,
+    fit: String,
     control_points: &'a [[f64; 2]],
     weights: &'a [f64],
     covariances: &'a [[f64; 3]],
     velocities: &'a [[f64; 2]],
     /// The inner ones of a B-spline.
     knots: &'a [f64],
+    centerline: PointsFields<'a>,
+}
+
+/// The points that a curve was fitted to.
+#[derive(Serialize)]
+struct PointsFields<'a> {
+    /// Those that are covered, by their numbers from 0.
+    hidden: Vec<usize>,
+    points: &'a [[f32; 2]],
+    widths: &'a [f32],
 }
 
 /// The message on a line.
@@ -142,9 +155,12 @@ fn centerlines(message: &Centerlines) -> Rest<'_> {
 }
 
 fn descriptors(message: &Descriptors) -> Rest<'_> {
+    let curves = message.curves().iter().zip(message.centerlines());
     Rest::Descriptors {
         unit: unit(message.unit),
-        curves: message.curves().iter().map(DescriptorFields::of).collect(),
+        curves: curves
+            .map(|(curve, points)| DescriptorFields::of(curve, points))
+            .collect(),
     }
 }
 
@@ -201,7 +217,7 @@ impl CrossingFields {
 }
 
 impl<'a> DescriptorFields<'a> {
-    fn of(curve: &'a Descriptor) -> Self {
+    fn of(curve: &'a Descriptor, centerline: &'a CenterlinePoints) -> Self {
         let count = curve.control_points().len();
         let knots = match curve.basis() {
             Some(lariat_wire::Basis::BSpline) => count.saturating_sub(curve.order as usize + 1),
@@ -224,11 +240,19 @@ impl<'a> DescriptorFields<'a> {
             age_ns: curve.age_ns,
             hidden: curve.hidden,
             filtered: curve.filtered != 0,
+            fit: fit(curve.fit),
             control_points: curve.control_points(),
             weights: &curve.weights[..count],
             covariances: &curve.covariances[..count],
             velocities: &curve.velocities[..count],
             knots: &curve.knots[..knots],
+            centerline: PointsFields {
+                hidden: (0..centerline.points().len())
+                    .filter(|&i| centerline.is_hidden(i))
+                    .collect(),
+                points: centerline.points(),
+                widths: centerline.widths(),
+            },
         }
     }
 }

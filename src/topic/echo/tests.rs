@@ -1,6 +1,6 @@
 use lariat_wire::{
-    Basis, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader, PixelFormat,
-    SourceKind, Status, Trace, Unit,
+    Basis, Centerlines, Crossing, Curve, Descriptor, Descriptors, FitQuality, FrameHeader,
+    PixelFormat, SourceKind, Status, Trace, Unit,
 };
 use serde_json::{Value, json};
 
@@ -33,6 +33,12 @@ fn shape() -> Box<Descriptors> {
     rope.control_points[..3].copy_from_slice(&[[1.0, 2.0], [3.0, 4.5], [5.0, 6.0]]);
     rope.covariances[1] = [0.04, 0.0, 0.09];
     rope.knots[0] = 0.5;
+    rope.fit = FitQuality::Coarse as u32;
+    let centerline = &mut message.centerlines[0];
+    centerline.count = 2;
+    centerline.points[..2].copy_from_slice(&[[1.0, 2.25], [5.0, 6.0]]);
+    centerline.widths[..2].copy_from_slice(&[7.5, 8.0]);
+    centerline.set_hidden([true, false]);
     message
 }
 
@@ -57,9 +63,13 @@ fn a_descriptor_is_told_with_all_its_fields_to_the_last_bit() {
     );
     assert_eq!(rope["covariances"][1], json!([0.04, 0.0, 0.09]));
     assert_eq!(rope["knots"], json!([0.5]));
+    assert_eq!(rope["fit"], "coarse");
+    let centerline =
+        json!({"hidden": [0], "points": [[1.0, 2.25], [5.0, 6.0]], "widths": [7.5, 8.0]});
+    assert_eq!(rope["centerline"], centerline);
     // Every field of the message, but for those that other keys stand for.
     let keys = rope.as_object().expect("an object").len();
-    assert_eq!(keys, 21);
+    assert_eq!(keys, 23);
 }
 
 #[test]
@@ -127,7 +137,7 @@ fn as_text_a_rope_says_how_it_is_and_a_frame_without_one_that_it_has_none() {
     let text = text::paragraph("descriptors", Any::Descriptors(&message));
     let expected = "descriptors: frame 12, exposed 5.000000 s; sent: captured 11, extracted 10, fitted 9\n  \
          µs: capture 100, wait for extract 50.0, extract 200, wait for fit 30.0, fit 10.0\n  \
-         rope 3  lost for 1.50 s, its last end leaves the image  bspline of order 1, 321.0 mm long, 0.0 wide\n    \
+         rope 3  lost for 1.50 s, its last end leaves the image  bspline of order 1, coarse, 321.0 mm long, 0.0 wide\n    \
          rms 0.250, max 0.300 mm of 120 points (0 hidden), condition 0, control points known to 0.300 mm\n    \
          (1.0, 2.0) (3.0, 4.5) (5.0, 6.0)\n\n";
     assert_eq!(text, expected);

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use lariat_sink::{Figure, Step};
-use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, Trace};
+use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, FitQuality, Trace};
 
-use super::{basis, pixel_format, source, status, unit};
+use super::{basis, fit, pixel_format, source, status, unit};
 use crate::topic::probe::Any;
 
 /// The message as a paragraph, with an empty line behind it.
@@ -109,8 +109,12 @@ fn descriptors(message: &Descriptors, text: &mut String) {
 
 fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
     let name = basis(curve.basis);
+    let judged = match curve.fit() {
+        Some(FitQuality::NotJudged) => String::new(),
+        _ => format!(", {}", fit(curve.fit)),
+    };
     *text += &format!(
-        "  rope {}  {}{}  {name} of order {}, {:.1} {unit} long, {:.1} wide\n",
+        "  rope {}  {}{}  {name} of order {}{judged}, {:.1} {unit} long, {:.1} wide\n",
         curve.track,
         status(curve.status),
         more(curve.closed, curve.border, curve.age_ns),

@@ -93,6 +93,7 @@ fn descriptors(curves: u32, count: u32, seed: u64) -> Box<Descriptors> {
         (curve.rms, curve.max, curve.residual_variance) = (of.f64(), of.f64(), of.f64());
         (curve.condition, curve.length, curve.width) = (of.f64(), of.f64(), of.f64());
         (curve.age_ns, curve.hidden, curve.filtered) = (of.next(), of.u32(), of.u32() % 2);
+        curve.fit = of.u32() % 3;
         for i in 0..count as usize {
             curve.control_points[i] = [of.f64(), of.f64()];
             curve.weights[i] = of.f64();
@@ -102,6 +103,14 @@ fn descriptors(curves: u32, count: u32, seed: u64) -> Box<Descriptors> {
         for i in 0..inner_knots(curve) {
             curve.knots[i] = of.f64();
         }
+    }
+    for centerline in &mut message.centerlines[..curves as usize] {
+        (centerline.count, centerline.closed) = (8 * count, of.u32() % 2);
+        for i in 0..8 * count as usize {
+            centerline.points[i] = [of.f32(), of.f32()];
+            centerline.widths[i] = of.f32();
+        }
+        centerline.set_hidden((0..8 * count).map(|_| of.next() % 2 == 1));
     }
     message
 }
@@ -158,6 +167,9 @@ fn what_is_not_meant_is_not_written() {
     sent.encode(&mut before);
     sent.curves[3].rms = 7.0;
     sent.curves[0].control_points[4] = [7.0; 2];
+    sent.centerlines[0].points[32] = [7.0; 2];
+    sent.centerlines[0].hidden[1..].fill(u32::MAX);
+    sent.centerlines[1].count = 5;
     sent.encode(&mut after);
     assert_eq!(before, after);
 }
