@@ -13,7 +13,9 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Args;
-use lariat_wire::{Domain, holdings, leftovers, members, remove_leftovers};
+use lariat_wire::{
+    Domain, holdings, leftovers, members, remove_leftovers, shared_by_others, user_name,
+};
 use rustix::fs::statvfs;
 use rustix::process::geteuid;
 use rustix::thread::{CpuSet, sched_getaffinity};
@@ -118,41 +120,34 @@ fn examine(clean: bool) -> Vec<Finding> {
 
 /// What the dead left, removed if that is wanted.
 fn leftover(clean: bool) -> Finding {
+    let others: Vec<_> = shared_by_others()
+        .into_iter()
+        .map(|(user, (files, bytes))| (user_name(user), files, bytes))
+        .collect();
     if !clean {
-        return checks::leftover(&leftovers(), None);
+        return checks::leftover(&leftovers(), None, &others);
     }
     let (left, kept) = remove_leftovers();
     let told = kept
         .iter()
         .map(|(path, cause)| format!("{} ({cause})", path.display()));
-    checks::leftover(&left, Some(&told.collect::<Vec<_>>()))
+    checks::leftover(&left, Some(&told.collect::<Vec<_>>()), &others)
 }
 
 /// Whose the domain's files are.
 fn rights() -> Finding {
     let me = geteuid().as_raw();
-    let users = read("/etc/passwd");
     let mut others = BTreeMap::new();
     let mut own = 0;
     for path in holdings().unwrap_or_default() {
         match fs::symlink_metadata(path).map(|data| data.uid()) {
             Ok(uid) if uid == me => own += 1,
-            Ok(uid) => *others.entry(user_name(&users, uid)).or_insert(0) += 1,
+            Ok(uid) => *others.entry(user_name(uid)).or_insert(0) += 1,
             // Gone meanwhile.
             Err(_) => {}
         }
     }
-    checks::rights(&user_name(&users, me), own, &others)
-}
-
-/// A user's name by `/etc/passwd`; the number, if it has none.
-fn user_name(passwd: &str, uid: u32) -> String {
-    let number = uid.to_string();
-    let mut lines = passwd
-        .lines()
-        .map(|line| line.split(':').collect::<Vec<_>>());
-    let line = lines.find(|fields| fields.get(2) == Some(&number.as_str()));
-    line.map_or_else(|| format!("user {number}"), |fields| fields[0].to_owned())
+    checks::rights(&user_name(me), own, &others)
 }
 
 /// A file's text; nothing, if it is not there.
@@ -179,16 +174,4 @@ fn idle_states() -> Vec<[String; 3]> {
         .map(|state| ["name", "latency", "disable"].map(|name| file(state, name)))
         .take_while(|[name, ..]| !name.is_empty())
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::user_name;
-
-    #[test]
-    fn a_user_is_named_or_numbered() {
-        let passwd = "root:x:0:0:root:/root:/bin/sh\nann:x:1000:1000::/home/ann:/bin/sh\n";
-        assert_eq!(user_name(passwd, 1000), "ann");
-        assert_eq!(user_name(passwd, 77), "user 77");
-    }
 }

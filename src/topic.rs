@@ -234,7 +234,8 @@ fn nothing_runs() -> anyhow::Error {
     anyhow::anyhow!(
         "no chain is running{domain}: start one with `lariat run`{}",
         if domain.is_empty() {
-            " (one that was started with LARIAT_DOMAIN is seen with the same LARIAT_DOMAIN only)"
+            " (one that another user started is seen by that user only, and one with LARIAT_DOMAIN with the same \
+             LARIAT_DOMAIN)"
         } else {
             ""
         }

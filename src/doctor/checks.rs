@@ -115,7 +115,7 @@ pub(super) fn domain(fault: Option<String>) -> Finding {
         Some(fault) => bad(
             NAME,
             fault,
-            "run all of a rig as one user, or give it a domain of its own: `export LARIAT_DOMAIN=mine`",
+            "run all of a rig as one user, or in another domain: `export LARIAT_DOMAIN=NAME`",
         ),
     }
 }

@@ -12,3 +12,4 @@ mod simulated;
 mod sources;
 mod top;
 mod topic;
+mod users;

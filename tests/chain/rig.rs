@@ -1,5 +1,6 @@
 //! A place to run the binary in: its own domain, so that no test sees another, and nothing left behind unnoticed.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
@@ -31,7 +32,12 @@ impl Bench {
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_lariat"));
+        self.command_of(env!("CARGO_BIN_EXE_lariat"), arguments)
+    }
+
+    /// A command of a copy of the binary.
+    pub(crate) fn command_of(&self, binary: impl AsRef<OsStr>, arguments: &[&str]) -> Command {
+        let mut command = Command::new(binary);
         command
             .args(arguments)
             .env("LARIAT_DOMAIN", &self.domain)
@@ -47,8 +53,12 @@ impl Bench {
 
     /// Starts `lariat run` and waits until all its stages are up.
     pub(crate) fn start(&self, arguments: &[&str]) -> Running {
-        let mut process = self
-            .command(&[&["run"], arguments].concat())
+        self.start_command(self.command(&[&["run"], arguments].concat()))
+    }
+
+    /// The same, of a command that was made ready.
+    pub(crate) fn start_command(&self, mut command: Command) -> Running {
+        let mut process = command
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

@@ -2,12 +2,13 @@
 //! Where the channels of a machine live, and the names of the camera chains in it.
 
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
 use iceoryx2::prelude::*;
 
-use crate::{WireError, memory, roster};
+use crate::{WireError, memory, owner, roster};
 
 /// How long a sweep waits for another process that is sweeping too.
 const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
@@ -54,8 +55,9 @@ fn is_plain(name: &str, longest: usize) -> bool {
 
 /// This process's place among those that share channels: one for each process, opened first and dropped last.
 ///
-/// Processes see each other's channels if they are in the same domain: the machine's, or the one that the
-/// environment variable `LARIAT_DOMAIN` names. Opening a domain also removes what killed processes left behind in it.
+/// Processes see each other's channels if they are in the same domain: their user's own, or the one that the environment
+/// variable `LARIAT_DOMAIN` names. A domain is one user's: the transport makes its files for their owner alone. Opening a
+/// domain also removes what killed processes left behind in it.
 #[derive(Debug)]
 pub struct Domain {
     // Before `last_out`, which looks whether any node is left.
@@ -64,18 +66,22 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Joins the domain that `LARIAT_DOMAIN` names, or the machine's.
+    /// Joins the domain that `LARIAT_DOMAIN` names, or the user's own.
+    ///
+    /// # Errors
+    /// It is another user's, or there is no shared memory.
     pub fn open() -> Result<Self, WireError> {
-        Self::join(config_here()?)
+        Self::named(&name_here()?)
     }
 
-    /// Joins a domain by name, whatever the environment says.
+    /// Joins a domain by name, whatever the environment says. A user's own is named by the user's number.
+    ///
+    /// # Errors
+    /// It is another user's, or there is no shared memory.
     pub fn named(name: &str) -> Result<Self, WireError> {
-        Self::join(config_of(name)?)
-    }
-
-    fn join(config: Config) -> Result<Self, WireError> {
         set_log_level_from_env_or(LogLevel::Fatal);
+        let config = config_of(name)?;
+        owner::require_own(name, &root_of(&config))?;
         memory::require_shared_memory()?;
         let node = NodeBuilder::new()
             .config(&config)
@@ -147,12 +153,26 @@ pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     Ok(config)
 }
 
-/// The settings of the domain that `LARIAT_DOMAIN` names, or of the machine's.
+/// The settings of the domain that `LARIAT_DOMAIN` names, or of the user's own.
 pub(crate) fn config_here() -> Result<Config, WireError> {
-    match std::env::var("LARIAT_DOMAIN") {
-        Ok(name) => config_of(&name),
-        Err(_) => Ok(Config::global_config().clone()),
+    config_of(&name_here()?)
+}
+
+/// The domain that `LARIAT_DOMAIN` names, or the user's own: the user's number, and nothing else of the environment, so that
+/// a login shell, a service and a cron job of one user meet. (`XDG_RUNTIME_DIR` is not set in all of them, and is emptied
+/// under a running chain when its user logs out.)
+fn name_here() -> Result<String, WireError> {
+    match std::env::var_os("LARIAT_DOMAIN") {
+        None => Ok(owner::this_user().to_string()),
+        Some(name) => name
+            .into_string()
+            .map_err(|name| WireError::DomainName(name.to_string_lossy().into_owned())),
     }
+}
+
+/// The folder with a domain's locks.
+pub(crate) fn root_of(config: &Config) -> PathBuf {
+    PathBuf::from(config.global.root_path().to_string())
 }
 
 #[cfg(test)]

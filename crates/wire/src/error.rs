@@ -16,6 +16,28 @@ pub enum WireError {
         "LARIAT_DOMAIN is '{0}': use 1 to 16 of the characters a-z, 0-9, '-' and '_', or unset it"
     )]
     DomainName(String),
+    /// The variable names the domain of another user.
+    #[error(
+        "LARIAT_DOMAIN={name} is the domain of {owner}, which no other user can enter: run lariat as {owner}, unset \
+         LARIAT_DOMAIN, or choose a name with a letter in it"
+    )]
+    DomainOfUser {
+        /// The domain.
+        name: String,
+        /// Its user.
+        owner: String,
+    },
+    /// The domain's folder is another user's.
+    #[error(
+        "{folder} belongs to {owner}, and only {owner} can use this domain: run lariat as {owner}, choose another one \
+         with LARIAT_DOMAIN=NAME, or, if nothing of {owner}'s runs in it, remove it with 'sudo lariat doctor --clean'"
+    )]
+    Owner {
+        /// The folder.
+        folder: String,
+        /// Whose it is.
+        owner: String,
+    },
     /// The system has no POSIX shared memory.
     #[error(
         "there is no shared memory at /dev/shm ({0}): mount it with 'mount -t tmpfs tmpfs /dev/shm', or start the container with --ipc=host"

@@ -4,17 +4,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::WireError;
-use crate::domain::config_here;
+use crate::domain::{config_here, root_of};
 use crate::memory::SHM;
 
-/// The folders and files that belong to the domain that `LARIAT_DOMAIN` names, or to the machine's: its own folder with
+/// The folders and files that belong to the domain that `LARIAT_DOMAIN` names, or to the user's own: its own folder with
 /// all that is in it, and its shared memory. The domain is not joined.
 ///
 /// # Errors
 /// `LARIAT_DOMAIN` is no name.
 pub fn holdings() -> Result<Vec<PathBuf>, WireError> {
     let config = config_here()?;
-    let root = PathBuf::from(config.global.root_path().to_string());
+    let root = root_of(&config);
     let mut found = Vec::new();
     if root.exists() {
         found.push(root.clone());

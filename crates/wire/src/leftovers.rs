@@ -1,5 +1,8 @@
 //! What killed processes left in shared memory, in every domain of the machine, without joining any; and its removal.
 //!
+//! Domains of other users can be looked into by root alone. One is nobody's: before each user had a domain of their own, all
+//! shared the transport's own place, `/tmp/iceoryx2`, where whoever came first locked out the others.
+//!
 //! A domain's files are left over if nobody is at home: its folder with the transport's locks is here (in a container that
 //! shares the host's `/dev/shm` alone it is not, and nothing can be known), none of the locks is held, no process has its
 //! shared memory mapped, as far as this user may know, and nothing was made just now by one that is about to take a lock.
@@ -7,15 +10,16 @@
 use std::collections::BTreeMap;
 use std::fs::{self, DirEntry, Metadata};
 use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use iceoryx2::node::NodeState;
 use iceoryx2::prelude::*;
 
-use crate::domain::config_of;
+use crate::domain::{config_of, root_of};
 use crate::memory::SHM;
-use crate::roster;
+use crate::{owner, roster};
 
 /// A process takes its locks within milliseconds of its first file.
 const SETTLED_AFTER: Duration = Duration::from_secs(2);
@@ -25,7 +29,8 @@ const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
 /// The files that a domain's processes left when they were killed, all of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leftover {
-    /// The domain's name; `None` is the machine's own, which other programs on iceoryx2 may share.
+    /// The domain's name; `None` is the place that older releases shared with other programs on iceoryx2. There also the
+    /// folder alone is left over.
     pub domain: Option<String>,
     /// What the names of its files in shared memory begin with.
     pub prefix: String,
@@ -55,6 +60,14 @@ pub fn leftovers() -> Vec<Leftover> {
         leftover.bytes += data.map_or(0, |data| data.len());
     }
     found.retain(|domain, _| !is_new.contains(domain));
+    if is_shared_place_left() {
+        found.entry(None).or_insert_with(|| Leftover {
+            prefix: format!("{SHM}/{}", prefix_of(None)),
+            domain: None,
+            files: 0,
+            bytes: 0,
+        });
+    }
     if found.is_empty() {
         return Vec::new();
     }
@@ -70,8 +83,28 @@ pub fn leftovers() -> Vec<Leftover> {
     found.into_values().filter(is_left).collect()
 }
 
-/// Removes what belongs to no living process: all of each domain that is [left over](leftovers), and what the dead left
-/// beside the living. Returns what was left over, and the files that could not be removed, each with its cause.
+/// What other users' processes have in `/dev/shm`: each user's number, with how many files and bytes. Whether they live only
+/// they can tell, and root.
+pub fn shared_by_others() -> BTreeMap<u32, (usize, u64)> {
+    let mut others = BTreeMap::new();
+    let me = owner::this_user();
+    let files = shared_files().filter_map(|(_, entry)| entry.metadata().ok());
+    for file in files.filter(|file| file.uid() != me && me != 0) {
+        let (files, bytes) = others.entry(file.uid()).or_insert((0, 0));
+        *files += 1;
+        *bytes += file.len();
+    }
+    others
+}
+
+/// Whether the place that all users once shared has lariat's own folder in it, as far as this user may see.
+fn is_shared_place_left() -> bool {
+    let roster = root_of(Config::global_config()).join(roster::FOLDER);
+    fs::symlink_metadata(roster).is_ok_and(|data| data.is_dir() && is_settled(&data))
+}
+
+/// Removes what belongs to no living process: all of each domain that is [left over](leftovers), the folders of those in
+/// which nobody is, and what the dead left beside the living. Returns what was left over, and the files that could not be removed, each with its cause.
 pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     let left = leftovers();
     let mut kept = Vec::new();
@@ -91,6 +124,9 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
             remove_tree(&root_of(&config), &name, &mut kept);
         }
     }
+    for folder in domain_folders() {
+        remove_if_empty_of_life(&folder);
+    }
     let domains = shared_files().map(|(domain, _)| domain);
     let mut domains: Vec<_> = domains.collect();
     domains.sort();
@@ -102,6 +138,36 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
         sweep_dead(&config);
     }
     (left, kept)
+}
+
+/// The domains that have a folder.
+fn domain_folders() -> Vec<String> {
+    let root = root_of(Config::global_config());
+    let beside = fs::read_dir(root.parent().unwrap_or(Path::new("/tmp")));
+    let entries = beside.into_iter().flatten().flatten();
+    let folders = entries.filter(|entry| entry.metadata().is_ok_and(|data| data.is_dir()));
+    let names = folders.map(|folder| folder.file_name().to_string_lossy().into_owned());
+    names
+        .filter_map(|name| Some(name.strip_prefix("lariat-")?.to_owned()))
+        .filter(|name| config_of(name).is_ok())
+        .collect()
+}
+
+/// Removes a domain's folder in which nobody is: whose it was, another user could not use a domain of this name.
+fn remove_if_empty_of_life(domain: &str) {
+    let Ok(config) = config_of(domain) else {
+        return;
+    };
+    let root = root_of(&config);
+    let entries = fs::read_dir(&root).into_iter().flatten().flatten();
+    let mut all = entries
+        .filter_map(|entry| entry.metadata().ok())
+        .chain(fs::metadata(&root).ok());
+    let has_memory = || shared_files().any(|(other, _)| other.as_deref() == Some(domain));
+    if all.all(|data| is_settled(&data)) && !has_memory() && !lives(Some(domain)) {
+        roster::sweep(&config);
+        remove_tree(&root, &prefix_of(Some(domain)), &mut Vec::new());
+    }
 }
 
 /// Removes what dead nodes left beside living ones, by the transport's own books.
@@ -153,7 +219,7 @@ fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
     })
 }
 
-/// The domain of a file in `/dev/shm`, `Some(None)` being the machine's: after the prefix come the transport's own words,
+/// The domain of a file in `/dev/shm`, `Some(None)` being the one that all users shared: after the prefix come the transport's own words,
 /// the first of them 40 hexadecimal digits.
 fn domain_of(name: &str) -> Option<Option<&str>> {
     let is_hash = |word: &str| word.len() == 40 && word.bytes().all(|c| c.is_ascii_hexdigit());
@@ -182,10 +248,6 @@ fn config(domain: Option<&str>) -> Option<Config> {
         Some(name) => config_of(name).ok(),
         None => Some(Config::global_config().clone()),
     }
-}
-
-fn root_of(config: &Config) -> PathBuf {
-    PathBuf::from(config.global.root_path().to_string())
 }
 
 fn is_settled(data: &Metadata) -> bool {

@@ -7,12 +7,13 @@
 
 use std::fs::{self, File};
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::*;
 
 use crate::Domain;
+use crate::domain::root_of;
 
 /// How long a service that another process is just making or removing is waited for.
 const IN_FLUX: Duration = Duration::from_secs(4);
@@ -69,12 +70,12 @@ struct Alone {
 impl Alone {
     fn in_domain(config: &Config) -> Option<Self> {
         let global = &config.global;
-        let root = global.root_path().to_string();
+        let root = root_of(config);
         let folder = File::open(&root).ok()?;
         folder.lock().ok()?;
         Some(Self {
             _lock: folder,
-            services: Path::new(&root).join(global.service.directory.to_string()),
+            services: root.join(global.service.directory.to_string()),
             prefix: global.prefix.to_string(),
             settled_after: global.creation_timeout,
         })
@@ -106,11 +107,12 @@ impl Alone {
 mod tests {
     use super::*;
     use crate::Receiver;
+    use std::path::Path;
     use std::time::SystemTime;
 
     fn services(domain: &Domain) -> PathBuf {
         let global = &domain.config().global;
-        Path::new(&global.root_path().to_string()).join(global.service.directory.to_string())
+        root_of(domain.config()).join(global.service.directory.to_string())
     }
 
     fn files(folder: &Path) -> Vec<PathBuf> {

@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use crate::WireError;
-use crate::domain::{Domain, Rig, config_here};
+use crate::domain::{Domain, Rig, config_here, root_of};
 use iceoryx2::config::Config;
 
 /// What a file begins with, so that what is none is left alone.
 const HEAD: &str = "lariat ";
-const FOLDER: &str = "lariat-roster";
+pub(crate) const FOLDER: &str = "lariat-roster";
 /// Written to under this ending, and put in place whole.
 const UNFINISHED: &str = "new";
 
@@ -59,7 +59,7 @@ impl Domain {
     }
 }
 
-/// Who runs on the rigs of the domain that `LARIAT_DOMAIN` names, or of the machine's, by rig and stage. The domain is not
+/// Who runs on the rigs of the domain that `LARIAT_DOMAIN` names, or of the user's own, by rig and stage. The domain is not
 /// joined.
 ///
 /// # Errors
@@ -74,7 +74,7 @@ pub(crate) fn sweep(config: &Config) {
 }
 
 fn folder_of(config: &Config) -> PathBuf {
-    Path::new(&config.global.root_path().to_string()).join(FOLDER)
+    root_of(config).join(FOLDER)
 }
 
 fn announce(folder: &Path, rig: &Rig, stage: &str, settings: &str) -> io::Result<Announcement> {

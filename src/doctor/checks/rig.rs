@@ -7,44 +7,73 @@ use lariat_wire::{ChannelState, Leftover, Member};
 use super::{Finding, better, ok};
 
 /// What dead processes left, and what became of it: `kept` are the files that were to be removed and could not be, each
-/// with its cause; `None`, if nothing was to be removed.
-pub(in crate::doctor) fn leftover(left: &[Leftover], kept: Option<&[String]>) -> Finding {
+/// with its cause; `None`, if nothing was to be removed. `others`: name, files and bytes of other users, whose domains this one
+/// cannot look into.
+pub(in crate::doctor) fn leftover(
+    left: &[Leftover],
+    kept: Option<&[String]>,
+    others: &[(String, usize, u64)],
+) -> Finding {
     const NAME: &str = "leftovers";
-    let files: usize = left.iter().map(|of| of.files).sum();
-    let bytes: u64 = left.iter().map(|of| of.bytes).sum();
-    let what = format!("{files} files of {:.1} MB in /dev/shm", bytes as f64 / 1e6);
-    match kept {
-        Some([]) if left.is_empty() => ok(NAME, "nothing was left to clean up"),
-        Some([]) => ok(
-            NAME,
-            format!("removed: {what}, which killed processes had left"),
+    let what = described(left);
+    let with_others = |found: &str| match others {
+        [] => found.to_owned(),
+        others => format!(
+            "{found}; {}: whether that is in use, `sudo lariat doctor` tells",
+            of_others(others)
         ),
+    };
+    match kept {
+        Some([]) if left.is_empty() => ok(NAME, with_others("nothing was left to clean up")),
+        Some([]) => ok(NAME, with_others(&format!("removed: {what}"))),
         Some(kept @ [first, ..]) => better(
             NAME,
             format!("{} files could not be removed: {first}", kept.len()),
             "`sudo lariat doctor --clean`",
         ),
-        None if left.is_empty() => ok(NAME, "no dead process has left shared memory"),
+        None if left.is_empty() => ok(NAME, with_others("no dead process has left shared memory")),
         None => better(
             NAME,
-            format!("killed processes left {what}{}", in_domains(left)),
+            with_others(&format!("left: {what}")),
             "`lariat doctor --clean`",
         ),
     }
 }
 
+/// What was left, and where.
+fn described(left: &[Leftover]) -> String {
+    let files: usize = left.iter().map(|of| of.files).sum();
+    let bytes: u64 = left.iter().map(|of| of.bytes).sum();
+    let mut parts = Vec::new();
+    if files > 0 {
+        let megabytes = bytes as f64 / 1e6;
+        parts.push(format!(
+            "{files} files of {megabytes:.1} MB in /dev/shm, of killed processes{}",
+            in_domains(left)
+        ));
+    }
+    if left.iter().any(|of| of.domain.is_none()) {
+        parts.push("/tmp/iceoryx2, the folder of an older lariat".to_owned());
+    }
+    parts.join(", and ")
+}
+
 fn in_domains(left: &[Leftover]) -> String {
-    let names = left
-        .iter()
-        .map(|of| of.domain.as_deref().unwrap_or("the machine's"));
-    let mut names: Vec<&str> = names.collect();
+    let mut names: Vec<&str> = left.iter().filter_map(|of| of.domain.as_deref()).collect();
     names.sort_unstable();
     match names.as_slice() {
-        ["the machine's"] => String::new(),
-        [one] => format!(", in the domain {one}"),
-        [first, rest @ ..] => format!(", in the domain {first} and {} more", rest.len()),
+        [one] => format!(" in the domain {one}"),
+        [first, rest @ ..] => format!(" in the domain {first} and {} more", rest.len()),
         [] => String::new(),
     }
+}
+
+fn of_others(others: &[(String, usize, u64)]) -> String {
+    let each = others.iter().map(|(user, files, bytes)| {
+        let megabytes = *bytes as f64 / 1e6;
+        format!("{files} files of {megabytes:.1} MB are {user}'s")
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Whose files the domain's are. `others`: the owners' names, other than this user, and how many files each has.
@@ -66,8 +95,8 @@ pub(in crate::doctor) fn rights(
             "{files} files of the domain are {other}'s, and this is {user}: one of the two cannot take part"
         ),
         format!(
-            "run every process of a rig as one user (`sudo -u {other} lariat …`), take a domain of your own (`export \
-             LARIAT_DOMAIN=mine`), or, if nothing of {other}'s runs any more, `sudo lariat doctor --clean`"
+            "run every process of a rig as one user (`sudo -u {other} lariat …`), take another domain (`export \
+             LARIAT_DOMAIN=NAME`), or, if nothing of {other}'s runs in it any more, `sudo lariat doctor --clean`"
         ),
     )
 }

@@ -53,7 +53,7 @@ fn a_good_machine_has_nothing_to_type() {
         shared_memory(Some((8 << 30, 7 << 30))),
         shared_memory(Some((0, 0))),
         domain(None),
-        leftover(&[], None),
+        leftover(&[], None, &[]),
         cores(2),
         realtime_priority(&limits("99", "unlimited"), USER),
         realtime_priority(&limits("0", "0"), ROOT),
@@ -112,19 +112,48 @@ fn what_the_dead_left_can_be_removed_as_it_is_typed() {
     };
     let left = std::slice::from_ref(&left);
     assert_eq!(
-        leftover(left, None).to_string(),
-        "could be better  leftovers           killed processes left 13 files of 4.7 MB in /dev/shm, in the domain arm\n                                     \
+        leftover(left, None, &[]).to_string(),
+        "could be better  leftovers           left: 13 files of 4.7 MB in /dev/shm, of killed processes in the domain arm\n                                     \
          → `lariat doctor --clean`\n"
     );
-    let removed = leftover(left, Some(&[]));
+    let removed = leftover(left, Some(&[]), &[]);
     assert_eq!(removed.verdict, Verdict::Ok);
     assert!(removed.found.starts_with("removed: 13 files"), "{removed}");
     let kept = leftover(
         left,
         Some(&["/dev/shm/lariat_arm_1 (not permitted)".to_owned()]),
+        &[],
     );
     assert_eq!(kept.advice.as_deref(), Some("`sudo lariat doctor --clean`"));
     assert!(kept.found.contains("lariat_arm_1"), "{kept}");
+}
+
+#[test]
+fn what_other_users_have_in_memory_is_said_with_who_can_judge_it() {
+    let others = [("root".to_owned(), 12, 3_000_000)];
+    let found = leftover(&[], None, &others);
+    assert_eq!(found.verdict, Verdict::Ok);
+    assert_eq!(
+        found.found,
+        "no dead process has left shared memory; 12 files of 3.0 MB are root's: whether that is in use, `sudo lariat \
+         doctor` tells"
+    );
+}
+
+#[test]
+fn the_folder_that_all_users_once_shared_is_left_over() {
+    let shared = Leftover {
+        domain: None,
+        prefix: "/dev/shm/iox2_".to_owned(),
+        files: 0,
+        bytes: 0,
+    };
+    let found = leftover(&[shared], None, &[]);
+    assert_eq!(
+        found.found,
+        "left: /tmp/iceoryx2, the folder of an older lariat"
+    );
+    assert_eq!(found.advice.as_deref(), Some("`lariat doctor --clean`"));
 }
 
 #[test]

@@ -1,0 +1,76 @@
+//! Whose a domain is: its folder and its shared memory are made for their owner alone, so that a process of another user can
+//! neither take part nor tell what lives there.
+
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+use crate::WireError;
+
+/// The number of the user that this process runs as.
+pub(crate) fn this_user() -> u32 {
+    rustix::process::geteuid().as_raw()
+}
+
+/// A user's name, or the number where `/etc/passwd` has none.
+pub fn user_name(uid: u32) -> String {
+    name_in(&fs::read_to_string("/etc/passwd").unwrap_or_default(), uid)
+}
+
+fn name_in(passwd: &str, uid: u32) -> String {
+    let number = uid.to_string();
+    let mut users = passwd
+        .lines()
+        .map(|line| line.split(':').collect::<Vec<_>>());
+    let user = users.find(|fields| fields.get(2) == Some(&number.as_str()));
+    user.map_or_else(|| format!("user {number}"), |fields| fields[0].to_owned())
+}
+
+/// The domain is this user's, or nobody's yet.
+pub(crate) fn require_own(name: &str, folder: &Path) -> Result<(), WireError> {
+    let me = this_user();
+    // A name of digits is the domain of the user of this number, also before that user has ever run anything.
+    let by_name = name.parse().ok().filter(|_| is_number(name));
+    let by_folder = fs::symlink_metadata(folder).ok().map(|data| data.uid());
+    match (by_name, by_folder) {
+        (Some(owner), _) if owner != me => Err(WireError::DomainOfUser {
+            name: name.to_owned(),
+            owner: user_name(owner),
+        }),
+        (_, Some(owner)) if owner != me => Err(WireError::Owner {
+            folder: folder.display().to_string(),
+            owner: user_name(owner),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn is_number(name: &str) -> bool {
+    name.bytes().all(|c| c.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_user_is_named_or_numbered() {
+        let passwd = "root:x:0:0:root:/root:/bin/sh\nann:x:1000:1000::/home/ann:/bin/sh\n";
+        assert_eq!(name_in(passwd, 1000), "ann");
+        assert_eq!(name_in(passwd, 77), "user 77");
+    }
+
+    #[test]
+    fn the_domain_of_another_user_is_refused_by_its_name_and_by_its_folder() {
+        let me = this_user();
+        let nowhere = Path::new("/tmp/lariat-nobody-was-here");
+        assert!(require_own(&me.to_string(), nowhere).is_ok());
+        assert!(require_own("mine", nowhere).is_ok());
+        let other = require_own(&(me + 1).to_string(), nowhere);
+        assert!(matches!(other, Err(WireError::DomainOfUser { .. })));
+        // Of the kernel, so that it is another's whoever runs this; in a user namespace it is nobody's.
+        let owner = fs::metadata("/proc/sys").expect("there").uid();
+        let other = require_own("mine", Path::new("/proc/sys"));
+        assert_eq!(matches!(other, Err(WireError::Owner { .. })), owner != me);
+    }
+}

@@ -1,0 +1,129 @@
+//! Two users on one machine: each has a domain of their own, and nobody stands in another's way.
+//!
+//! Only root can be two users: elsewhere these tests say that they were left out.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, Output};
+use std::time::{Duration, SystemTime};
+
+use rustix::process::{Signal, geteuid};
+
+use crate::rig::Bench;
+
+/// Two users whom no other test has, if this process may become others.
+fn users() -> Option<[u32; 2]> {
+    if !geteuid().is_root() {
+        eprintln!("left out: only root can run lariat as two users");
+        return None;
+    }
+    // Below 65,536, as containers have no more.
+    let first = 40_000 + std::process::id() % 5_000;
+    Some([first, first + 10_000])
+}
+
+/// A user's bench: in the domain that a user has who says nothing of domains.
+fn bench_of(user: u32) -> Bench {
+    let mut bench = Bench::new();
+    bench.domain = user.to_string();
+    let everyone = fs::Permissions::from_mode(0o777);
+    fs::set_permissions(bench.folder.path(), everyone).expect("its own folder");
+    // Where cargo put it, others may not be allowed to look.
+    fs::copy(env!("CARGO_BIN_EXE_lariat"), bench.path("lariat")).expect("copied");
+    bench
+}
+
+fn command_of(bench: &Bench, arguments: &[&str]) -> Command {
+    let user = bench.domain.parse().expect("a user's number");
+    let mut command = bench.command_of(bench.path("lariat"), arguments);
+    command.env_remove("LARIAT_DOMAIN").uid(user).gid(user);
+    command
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn two_users_run_the_same_rig_at_once_and_neither_sees_the_other() {
+    let Some(users) = users() else { return };
+    let benches = users.map(bench_of);
+    let mut chains = benches
+        .each_ref()
+        .map(|bench| bench.start_command(command_of(bench, &["run", "--source", "rendered"])));
+    for chain in &mut chains {
+        chain.wait_for_frames();
+    }
+    // A shell without XDG_RUNTIME_DIR and one with it are the same user.
+    for (bench, chain) in benches.iter().zip(&chains) {
+        for runtime in [None, Some("/run/user/1")] {
+            let mut command = command_of(bench, &["topic", "list", "--json"]);
+            command.env_remove("XDG_RUNTIME_DIR");
+            command.envs(runtime.map(|folder| ("XDG_RUNTIME_DIR", folder)));
+            let output = command.output().expect("the binary runs");
+            let listed = String::from_utf8_lossy(&output.stdout).into_owned();
+            let capture = chain.ids[0].to_string();
+            assert!(listed.contains(&capture), "{listed} {}", text(&output));
+        }
+    }
+    for chain in &chains {
+        chain.signal_chain(Signal::INT);
+    }
+    for (chain, bench) in chains.into_iter().zip(&benches) {
+        let ended = chain.end();
+        assert!(ended.status.success(), "{}", ended.stderr);
+        bench.assert_nothing_is_left();
+    }
+}
+
+#[test]
+fn the_domain_of_another_user_is_refused_with_whose_it_is_and_what_to_do() {
+    let Some([user, _]) = users() else { return };
+    let roots = Bench::new();
+    let ran = roots.run(&["run", "--source", "rendered", "--frames", "3"]);
+    assert!(ran.status.success(), "{}", text(&ran));
+
+    let bench = bench_of(user + 5_000);
+    let run = || {
+        let mut command = command_of(&bench, &["run", "--source", "rendered", "--frames", "3"]);
+        command.env("LARIAT_DOMAIN", &roots.domain);
+        command.output().expect("the binary runs")
+    };
+    let refused = run();
+    assert!(!refused.status.success());
+    let said = text(&refused);
+    let folder = format!("/tmp/lariat-{}", roots.domain);
+    for word in [&folder[..], "belongs to root", "lariat doctor --clean"] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+
+    // What nobody is in any more is removed as it is said there.
+    let minute_ago = SystemTime::now() - Duration::from_secs(60);
+    for entry in fs::read_dir(&folder).expect("there").flatten() {
+        let file = fs::File::open(entry.path()).expect("root's");
+        file.set_modified(minute_ago).expect("root's");
+    }
+    let file = fs::File::open(&folder).expect("root's");
+    file.set_modified(minute_ago).expect("root's");
+    let cleaned = roots
+        .command(&["doctor", "--clean"])
+        .env("LARIAT_DOMAIN", format!("{}x", roots.domain))
+        .output()
+        .expect("the binary runs");
+    assert!(cleaned.status.success(), "{}", text(&cleaned));
+    let ran = run();
+    assert!(ran.status.success(), "{}", text(&ran));
+
+    // Nor can root enter a user's own: its files would be in that user's way.
+    let mut command = roots.command(&["topic", "list"]);
+    command.env("LARIAT_DOMAIN", &bench.domain);
+    let refused = command.output().expect("the binary runs");
+    assert!(!refused.status.success());
+    let said = text(&refused);
+    assert!(
+        said.contains(&format!("the domain of user {}", bench.domain)),
+        "{said}"
+    );
+    let _ = fs::remove_dir_all(format!("/tmp/lariat-{}x", roots.domain));
+}
