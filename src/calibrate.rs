@@ -4,15 +4,14 @@ mod page;
 mod points;
 
 use crate::calibrated::read_camera;
+use crate::output::{Existing, Output, print};
 use crate::picture::Picture;
 use crate::plane_file;
 use crate::settings;
-use crate::whole_file::{self, Existing};
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use lariat_camera::{Camera, Mapping, Pair, Plane};
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Where what the camera sees lies
@@ -46,12 +45,24 @@ struct PlaneArgs {
     /// Size of the images, for instance 640x480 (default: the picture's, else the calibration's)
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Where to write the plane; without it, it is only judged
+    /// Where to write the plane, - for standard output; without it, it is only judged
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     /// Write a page on which the points are clicked in the picture, and do nothing else
     #[arg(long, value_name = "FILE.html", requires = "image", conflicts_with_all = ["points", "points_file", "out"])]
     html: Option<PathBuf>,
+    /// Overwrite a file that is there already
+    #[arg(long)]
+    force: bool,
+}
+
+impl PlaneArgs {
+    /// Where a file goes, beside those that are read.
+    fn output(&self, file: &Path) -> Result<Output> {
+        let inputs = [&self.image, &self.points_file, &self.calibration];
+        let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
+        Output::new(file, Existing::forced(self.force), inputs)
+    }
 }
 
 /// Runs `lariat calibrate`.
@@ -62,13 +73,12 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     let What::Plane(args) = args.what;
     let camera = args.calibration.as_deref().map(read_camera).transpose()?;
     let size = size(&args, camera.as_ref())?;
-    if let (Some(html), Some(image)) = (&args.html, &args.image) {
+    let output = args.html.as_deref().or(args.out.as_deref());
+    let output = output.map(|file| args.output(file)).transpose()?;
+    if let (true, Some(html), Some(image)) = (args.html.is_some(), &output, &args.image) {
         let page = page::of(image, size, args.calibration.as_deref())?;
-        whole_file::write(html, page.as_bytes(), Existing::Replace)?;
-        eprintln!(
-            "lariat: open {} in a browser and click the points",
-            html.display()
-        );
+        html.write(page.as_bytes())?;
+        eprintln!("lariat: open {html} in a browser and click the points");
         return Ok(ExitCode::SUCCESS);
     }
     let pairs = match (&args.points, &args.points_file) {
@@ -84,15 +94,16 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
         ),
     };
     let (plane, mapping) = plane(&pairs, camera.as_ref(), size)?;
-    std::io::stdout().write_all(judged(&pairs, &mapping).as_bytes())?;
-    if let Some(out) = &args.out {
+    let judged = judged(&pairs, &mapping);
+    match &output {
+        Some(output) => output.print(&judged)?,
+        None => print(&judged)?,
+    }
+    if let Some(output) = &output {
         let about = format!("From {} points, by `lariat calibrate plane`.", pairs.len());
         let text = plane_file::text(plane.homography(), size, camera.as_ref(), &about);
-        whole_file::write(out, text.as_bytes(), Existing::Replace)?;
-        eprintln!(
-            "lariat: the plane is in {}: use it with --plane",
-            out.display()
-        );
+        output.write(text.as_bytes())?;
+        eprintln!("lariat: the plane is in {output}: use it with --plane");
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -156,6 +156,8 @@ fn log_to_stderr() {
         .with_writer(std::io::stderr)
         .without_time()
         .with_target(false)
+        // It would be said where nothing can be said.
+        .log_internal_errors(false)
         .with_max_level(tracing::Level::INFO)
         .init();
 }

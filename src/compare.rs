@@ -18,6 +18,7 @@ use clap::Args;
 use lariat_bench::Table;
 use lariat_sink::Figure as Digits;
 
+use crate::output::print;
 use read::{Kind, Measured};
 use verdict::{Verdict, verdict};
 
@@ -48,13 +49,13 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode> {
         );
     }
     if before.machine != now.machine {
-        println!(
-            "! The machines differ: {} and {}.",
+        print(&format!(
+            "! The machines differ: {} and {}.\n",
             before.machine, now.machine
-        );
+        ))?;
     }
     let changes = changes(&before.measured, &now.measured);
-    print!("{}", table(&changes, now.kind));
+    print(&table(&changes, now.kind))?;
     let worse = changes
         .iter()
         .any(|change| change.ours && change.verdict == Verdict::Worse);

@@ -1,8 +1,8 @@
 //! `lariat config`: write a settings file, read one critically, show what holds.
 
+use crate::output::{Existing, Output, print};
 use crate::settings::{ChainArgs, FILE_NAME, Resolved, Settings, template};
-use crate::whole_file::{self, Existing};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ pub(crate) struct ConfigArgs {
 enum ConfigCommand {
     /// Write lariat.toml into this folder: every setting with its default and what it does
     Init {
-        /// Replace the file that is there
+        /// Overwrite the file that is there already
         #[arg(long)]
         force: bool,
     },
@@ -42,24 +42,15 @@ enum ConfigCommand {
 pub(crate) fn run(args: ConfigArgs) -> Result<ExitCode> {
     match args.command {
         ConfigCommand::Init { force } => {
-            let path = Path::new(FILE_NAME);
-            if path.exists() && !force {
-                bail!("there is a {FILE_NAME} already: `lariat config init --force` replaces it");
-            }
-            // Without --force not even a file that has appeared just now is replaced.
-            let existing = if force {
-                Existing::Replace
-            } else {
-                Existing::Keep
-            };
-            whole_file::write(path, template().as_bytes(), existing)?;
-            println!("wrote {FILE_NAME}");
+            let file = Output::new(Path::new(FILE_NAME), Existing::forced(force), [])?;
+            file.write(template().as_bytes())?;
+            print(&format!("wrote {FILE_NAME}\n"))?;
         }
         ConfigCommand::Check { file } => {
             Settings::of_file(&file)?;
-            println!("{} is good", file.display());
+            print(&format!("{} is good\n", file.display()))?;
         }
-        ConfigCommand::Show { chain } => print!("{}", Resolved::new(&chain)?.show()),
+        ConfigCommand::Show { chain } => print(&Resolved::new(&chain)?.show())?,
     }
     Ok(ExitCode::SUCCESS)
 }

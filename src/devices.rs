@@ -5,7 +5,6 @@
 
 mod text;
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -14,6 +13,8 @@ use lariat_capture::{
     AboutCamera, Control, FormatOffer, ListedCamera, Rates, SizeRange, list_cameras,
 };
 use serde::Serialize;
+
+use crate::output::print;
 
 /// The cameras of this machine: names, formats, sizes, rates and controls
 #[derive(Debug, Args)]
@@ -47,9 +48,7 @@ pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
             .collect::<Vec<_>>()
             .join("\n")
     };
-    let mut out = std::io::stdout().lock();
-    // A reader that has gone away is no fault.
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    print(&text)?;
     Ok(if cameras.is_empty() {
         eprintln!("{NONE}");
         ExitCode::FAILURE

@@ -7,7 +7,6 @@ mod checks;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
 use std::os::unix::fs::MetadataExt;
 use std::process::ExitCode;
 
@@ -21,6 +20,7 @@ use rustix::process::geteuid;
 use rustix::thread::{CpuSet, sched_getaffinity};
 use serde::Serialize;
 
+use crate::output::print;
 use checks::{Finding, Verdict};
 
 /// Say what of this machine makes lariat slower than it could be, and what to type
@@ -48,7 +48,6 @@ struct Diagnosis {
 pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     let checks = examine(args.clean);
     let works = checks.iter().all(|found| found.verdict != Verdict::Bad);
-    let mut out = std::io::stdout().lock();
     let text = if args.json {
         let diagnosis = Diagnosis {
             schema: 1,
@@ -59,8 +58,7 @@ pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     } else {
         checks.iter().map(Finding::to_string).collect()
     };
-    // A reader that has gone away is no fault.
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    print(&text)?;
     Ok(if works {
         ExitCode::SUCCESS
     } else {

@@ -6,12 +6,14 @@ mod pictures;
 mod shapes;
 mod y4m;
 
+use crate::output::{Existing, Output, print};
 use crate::recording::{Gather, RecordingArgs, shown, span};
 use crate::settings::range::position_of_flag;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use lariat_capture::Position;
 use lariat_record::{Messages, Recording};
+use std::io::BufWriter;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -27,9 +29,12 @@ pub(crate) struct ExportArgs {
     /// What to write
     #[arg(long, value_enum)]
     format: Format,
-    /// File to write; for png the folder, which must be new or empty
+    /// File to write, - for standard output; for png the folder, which must be new or empty
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
+    /// Overwrite a file, or pictures, that are there already
+    #[arg(long)]
+    force: bool,
     /// First frame: its place in the recording, from 1, or a time from the beginning, such as 2.5s
     #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
     from: Option<Position>,
@@ -74,6 +79,11 @@ impl Part<'_> {
         Ok(self.recording.frame_times_ns(span)?)
     }
 
+    /// What is said where the file cannot be written.
+    fn failure(&self) -> String {
+        format!("cannot write {}", self.args.out.display())
+    }
+
     /// Whether the frame of this place in the part, from 0, is wanted.
     fn is_wanted(&self, place: u64) -> bool {
         place.is_multiple_of(self.args.every.get())
@@ -103,16 +113,32 @@ pub(crate) fn run(args: ExportArgs) -> Result<ExitCode> {
         recording: &recording,
         args: &args,
     };
-    let written = match args.format {
-        Format::Csv => csv::write(&part, &args.out),
-        Format::Jsonl => jsonl::write(&part, &args.out),
-        Format::Y4m => y4m::write(&part, &args.out),
-        Format::Png => pictures::write(&part, &args.out),
+    let written = if args.format == Format::Png {
+        let written = pictures::write(&part, &args.out).with_context(about)?;
+        print(&format!("wrote {}: {}\n", args.out.display(), written.what))?;
+        written
+    } else {
+        let existing = Existing::forced(args.force);
+        let output = Output::new(&args.out, existing, [args.recording.file.as_path()])?;
+        let written = write(&part, &output).with_context(about)?;
+        output.print(&format!("wrote {output}: {}\n", written.what))?;
+        written
     };
-    let written = written.with_context(about)?;
-    println!("wrote {}: {}", args.out.display(), written.what);
     for note in written.notes {
         eprintln!("lariat: {note}");
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes what is one file.
+fn write(part: &Part, output: &Output) -> Result<Written> {
+    let mut file = BufWriter::new(output.begin()?);
+    let written = match part.args.format {
+        Format::Csv => csv::write(part, &mut file)?,
+        Format::Jsonl => jsonl::write(part, &mut file)?,
+        Format::Y4m | Format::Png => y4m::write(part, &mut file)?,
+    };
+    let file = file.into_inner().map_err(|error| error.into_error());
+    file.with_context(|| part.failure())?.place()?;
+    Ok(written)
 }

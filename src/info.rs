@@ -1,5 +1,6 @@
 //! `lariat info`: what a recording holds, told from its index.
 
+use crate::output::print;
 use crate::recording::{CALIBRATION, PLANE, RecordedSettings, RecordingArgs, shown};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -107,9 +108,9 @@ pub(crate) fn run(args: InfoArgs) -> Result<ExitCode> {
     let file = shown(&args.recording.file);
     let info = Info::of(&recording, file.clone()).with_context(|| file)?;
     if args.json {
-        println!("{}", serde_json::to_string(&info)?);
+        print(&format!("{}\n", serde_json::to_string(&info)?))?;
     } else {
-        print!("{}", info.text());
+        print(&info.text())?;
     }
     Ok(ExitCode::SUCCESS)
 }

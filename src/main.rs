@@ -1,5 +1,19 @@
 //! lariat: from a camera's images to the shape of the rope in them, through shared memory.
 
+/// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
+macro_rules! eprintln {
+    ($($text:tt)*) => {{
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($text)*)));
+    }};
+}
+
+/// Likewise, without the line's end.
+macro_rules! eprint {
+    ($($text:tt)*) => {{
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!($($text)*));
+    }};
+}
+
 mod bench;
 mod calibrate;
 mod calibrated;
@@ -15,6 +29,7 @@ mod export;
 mod fit_lines;
 mod info;
 mod inputs;
+mod output;
 mod paper;
 mod pick;
 mod picture;
@@ -22,6 +37,7 @@ mod plane_file;
 mod record;
 mod recording;
 mod replay;
+mod run_files;
 mod servo;
 mod settings;
 mod snapshot;
@@ -30,12 +46,14 @@ mod stop;
 mod top;
 mod topic;
 mod trace;
-mod whole_file;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     cli::run().unwrap_or_else(|error| {
+        if output::Unread::is_cause_of(&error) {
+            return ExitCode::SUCCESS;
+        }
         eprintln!("lariat: {error:#}");
         ExitCode::FAILURE
     })

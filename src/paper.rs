@@ -1,14 +1,13 @@
 //! `lariat paper`: the experiments of arXiv 2312.16502 again, as one page with figures and as tables of numbers.
 
 use crate::inputs;
+use crate::output::{Existing, OutputFolder, print};
 use crate::picture::Picture;
-use crate::whole_file::{self, Existing};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use lariat_paper::{Effort, Options, Ropes, repeat};
 use lariat_sink::Machine;
-use std::fs;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -27,6 +26,9 @@ pub(crate) struct PaperArgs {
     /// Which ropes and noises are drawn; the same seed gives the same numbers, but for times
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Overwrite a report that is there already
+    #[arg(long)]
+    force: bool,
     /// A first look, in some seconds: few and small pictures, so that chance has a part in the numbers
     #[arg(long)]
     quick: bool,
@@ -39,7 +41,7 @@ pub(crate) struct PaperArgs {
 pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
     let files = pictures(&args.images)?;
     // Before the work, so that nobody waits for it in vain.
-    let folder = Folder::make(&args.out)?;
+    let folder = OutputFolder::new(&args.out, Existing::forced(args.force), ["report.html"])?;
     let options = Options {
         seed: args.seed,
         effort: if args.quick {
@@ -64,13 +66,12 @@ pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
     }
     // Last, so that a page has its numbers beside it.
     folder.write("report.html", report.html.as_bytes())?;
-    folder.keep();
     let mut text = report.findings.join("\n\n");
     text.push('\n');
-    stdout().write_all(text.as_bytes())?;
+    print(&text)?;
     eprintln!(
         "lariat: the report is {}",
-        args.out.join("report.html").display()
+        folder.path().join("report.html").display()
     );
     Ok(ExitCode::SUCCESS)
 }
@@ -117,40 +118,6 @@ fn machine() -> String {
         Some(1) => format!("{cpu}, 1 core"),
         Some(cores) => format!("{cpu}, {cores} cores"),
         None => cpu,
-    }
-}
-
-/// The folder that is written to. One that was made in vain is taken away again.
-struct Folder<'a> {
-    path: &'a Path,
-    is_new: bool,
-}
-
-impl<'a> Folder<'a> {
-    fn make(path: &'a Path) -> Result<Self> {
-        let about = || format!("cannot write to the folder {}", path.display());
-        let is_new = !path.exists();
-        fs::create_dir_all(path).with_context(about)?;
-        let folder = Self { path, is_new };
-        tempfile::tempfile_in(path).with_context(about)?;
-        Ok(folder)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
-        whole_file::write(&self.path.join(name), bytes, Existing::Replace)
-    }
-
-    fn keep(mut self) {
-        self.is_new = false;
-    }
-}
-
-impl Drop for Folder<'_> {
-    fn drop(&mut self) {
-        if self.is_new {
-            // Only an empty folder can be taken away; whatever is in it was written whole.
-            let _ = fs::remove_dir(self.path);
-        }
     }
 }
 

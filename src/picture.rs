@@ -18,13 +18,13 @@ impl Picture {
     pub(crate) fn load(path: &Path) -> Result<Self> {
         let shown = path.display();
         File::open(path).with_context(|| format!("cannot open the picture {shown}"))?;
-        let about = || format!("cannot read {shown} as a PNG or JPEG picture");
+        let about = || format!("{shown} cannot be decoded");
         let StillPicture {
             width,
             height,
             format,
             pixels,
-        } = StillPicture::load(path).with_context(about)?;
+        } = StillPicture::load(path)?;
         let decoded = if format == lariat_wire::PixelFormat::Gray8 {
             GrayImage::from_raw(width, height, pixels).map(DynamicImage::ImageLuma8)
         } else {

@@ -17,9 +17,9 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use clap::Args;
 
+use crate::output::{Existing, Output, OutputFolder, print};
 use crate::settings::duration;
 use crate::stop::Stop;
-use crate::whole_file::{self, Existing};
 use cases::{Case, Target};
 pub(crate) use controller::{ControllerArgs, run as run_controller};
 use lariat_sink::Machine;
@@ -52,9 +52,12 @@ pub(crate) struct ServoArgs {
     /// Put the table and a page with all figures into this folder
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Film the first rope
+    /// Film the first rope; - for standard output
     #[arg(long, value_name = "FILE.gif")]
     gif: Option<PathBuf>,
+    /// Overwrite files that are there already
+    #[arg(long)]
+    force: bool,
 }
 
 fn fps(text: &str) -> Result<f64, String> {
@@ -68,11 +71,18 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let target = Target::named(&args.target)?;
     // Before anything is driven: what cannot be written is said now.
-    if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("{} cannot be made", folder.display()))?;
-    }
-    let is_filmed = args.gif.is_some() || args.out.is_some();
+    let existing = Existing::forced(args.force);
+    let folder = args
+        .out
+        .as_ref()
+        .map(|folder| OutputFolder::new(folder, existing, ["servo.html", "servo.txt", "servo.gif"]))
+        .transpose()?;
+    let gif = args
+        .gif
+        .as_ref()
+        .map(|file| Output::new(file, existing, [Path::new(&args.target)]))
+        .transpose()?;
+    let is_filmed = gif.is_some() || folder.is_some();
     let mut film = None;
     let mut latencies_ms = Vec::new();
     let mut rows = Vec::new();
@@ -93,11 +103,15 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
         rows.push(case.row(outcomes));
     }
     let study = study(args, rows, latencies_ms);
-    print!("{}", report::table(&study));
-    if let (Some(path), Some(film)) = (&args.gif, &film) {
-        whole_file::write(path, film, Existing::Replace)?;
+    let table = report::table(&study);
+    match &gif {
+        Some(gif) => gif.print(&table)?,
+        None => print(&table)?,
     }
-    if let Some(folder) = &args.out {
+    if let (Some(gif), Some(film)) = (&gif, &film) {
+        gif.write(film)?;
+    }
+    if let Some(folder) = &folder {
         write_report(folder, &study, film.as_deref())?;
     }
     Ok(verdict(&study.rows))
@@ -124,22 +138,15 @@ fn study(args: &ServoArgs, rows: Vec<Row>, mut latencies_ms: Vec<f64>) -> Study 
     }
 }
 
-fn write_report(folder: &Path, study: &Study, film: Option<&[u8]>) -> Result<()> {
+fn write_report(folder: &OutputFolder, study: &Study, film: Option<&[u8]>) -> Result<()> {
     let page = report::page(study, film).context("the figures could not be drawn")?;
-    whole_file::write(
-        &folder.join("servo.html"),
-        page.as_bytes(),
-        Existing::Replace,
-    )?;
-    whole_file::write(
-        &folder.join("servo.txt"),
-        report::table(study).as_bytes(),
-        Existing::Replace,
-    )?;
+    folder.write("servo.html", page.as_bytes())?;
+    folder.write("servo.txt", report::table(study).as_bytes())?;
     if let Some(film) = film {
-        whole_file::write(&folder.join("servo.gif"), film, Existing::Replace)?;
+        folder.write("servo.gif", film)?;
     }
-    eprintln!("lariat: wrote {}", folder.join("servo.html").display());
+    let page = folder.path().join("servo.html");
+    eprintln!("lariat: wrote {}", page.display());
     Ok(())
 }
 

@@ -339,6 +339,14 @@ impl Settings {
         self.capture.source(points)
     }
 
+    /// The files that are read, which no output may overwrite.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let sources = self.capture.source.iter();
+        let camera = [&self.camera.calibration, &self.camera.plane];
+        let named = sources.chain(camera.into_iter().flatten());
+        named.map(PathBuf::as_path).chain([Path::new(FILE_NAME)])
+    }
+
     /// What the sink is to count by. `from_start`: it was there before the first frame.
     pub(crate) fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {

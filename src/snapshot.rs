@@ -15,10 +15,10 @@ use lariat_capture::{Frame, FrameSource, Next, Until};
 use lariat_extract::{Image, PixelFormat};
 use lariat_wire::now_ns;
 
+use crate::output::{Existing, Output};
 use crate::settings::{ChainArgs, Settings, ShapeArgs, USUAL_FPS, duration, name_and_value};
 use crate::stages;
 use crate::stop::Stop;
-use crate::whole_file::{self, Existing};
 
 /// How long a camera's exposure and white balance take to settle, most often: some 30 frames.
 const SETTLING: Duration = Duration::from_secs(1);
@@ -29,7 +29,7 @@ const PATIENCE_NS: u64 = 10_000_000_000;
 /// One frame of a camera, or any other source, as a PNG picture
 #[derive(Debug, Args)]
 pub(crate) struct SnapshotArgs {
-    /// Where to write it; a file that is there is replaced
+    /// Where to write it; - for standard output
     #[arg(value_name = "FILE.png")]
     file: PathBuf,
     /// Where the frame comes from: a camera (/dev/video0), `rendered`, a picture, a folder, or a Y4M video
@@ -59,6 +59,9 @@ pub(crate) struct SnapshotArgs {
     /// Settings file (default: lariat.toml in this folder, if there is one)
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// Overwrite a file that is there already
+    #[arg(long)]
+    force: bool,
 }
 
 /// Runs `lariat snapshot`.
@@ -66,20 +69,15 @@ pub(crate) struct SnapshotArgs {
 /// # Errors
 /// The source cannot be opened or gives no frame, or the picture cannot be written. There is no half a picture then.
 pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
-    let file = args.file.clone();
-    let is_png = (file.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if !is_png {
-        bail!(
-            "the picture is a PNG: give it a name that ends in .png, not {}",
-            file.display()
-        );
-    }
+    let (file, existing) = (args.file.clone(), Existing::forced(args.force));
     let after = args.after;
     let settings = Settings::resolve(&chain_args(args))?;
     let after = after.unwrap_or(match settings.capture.is_camera() {
         true => SETTLING,
         false => Duration::ZERO,
     });
+    let output = Output::new(&file, existing, settings.inputs())?;
+    output.require_ending("png")?;
     let stop = Stop::on_signals()?;
     let mut source = lariat_capture::open(&settings.source())?;
     let Some(frame) = frame_after(after, source.as_mut(), &stop)? else {
@@ -90,9 +88,9 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     // A camera is free again before the file is written.
     drop(source);
     let picture = png(&frame, &bytes)?;
-    whole_file::write(&file, &picture, Existing::Replace)?;
+    output.write(&picture)?;
     let (width, height) = (frame.width, frame.height);
-    eprintln!("lariat: wrote {}, {width}x{height}", file.display());
+    eprintln!("lariat: wrote {output}, {width}x{height}");
     Ok(ExitCode::SUCCESS)
 }
 

@@ -11,6 +11,7 @@ use crate::descriptor_json::{Descriptor, Measure, thousandths, unit_name};
 use crate::doubts;
 use crate::fit_lines::is_closed;
 use crate::inputs;
+use crate::output::Existing;
 use crate::picture::Picture;
 use crate::settings::{Settings, ShapeArgs};
 use crate::stages::extract::{part, part_of_mask};
@@ -42,6 +43,9 @@ pub(crate) struct TraceArgs {
     /// Write a PNG of each picture with curve, points and control polygon drawn over it into this folder
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
+    /// Overwrite overlays that are there already
+    #[arg(long)]
+    force: bool,
     /// Take the pictures for one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
@@ -69,7 +73,10 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     let (images, missing) = inputs::pictures(&args.images);
     missing.into_iter().for_each(&mut complain);
     let mut overlays = match &args.overlay {
-        Some(folder) => Some(Overlays::new(folder, &images)?),
+        Some(folder) => {
+            let existing = Existing::forced(args.force);
+            Some(Overlays::new(folder, &images, existing)?)
+        }
         None => None,
     };
     let mut table = Table::new(&images, unit_name(tracer.unit()));

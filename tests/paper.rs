@@ -97,11 +97,7 @@ fn what_is_no_good_is_refused_with_a_sentence_and_nothing_is_written() {
             Some("nowhere.png"),
             "cannot open the picture nowhere.png",
         ),
-        (
-            "new",
-            Some("broken.png"),
-            "cannot read broken.png as a PNG or JPEG picture",
-        ),
+        ("new", Some("broken.png"), "broken.png cannot be decoded"),
         (
             "new",
             Some("table.png"),

@@ -50,8 +50,7 @@ fn a_frame_of_a_picture_is_that_picture() {
     colours.save(folder.path().join("colours.png")).unwrap();
     grey.save(folder.path().join("grey.png")).unwrap();
     for source in ["colours.png", "grey.png"] {
-        // The one before is replaced.
-        snapshot(&folder, &["out.png", "--source", source])
+        snapshot(&folder, &["out.png", "--force", "--source", source])
             .assert()
             .success();
         let [out, source] =

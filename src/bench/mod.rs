@@ -26,9 +26,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use clap::{Args, Subcommand};
 
+use crate::output::{Existing, OutputFolder, print};
 use crate::stop::Stop;
 use plan::Plan;
 pub(crate) use summary::KIND;
@@ -40,6 +41,9 @@ pub(crate) struct BenchArgs {
     /// Write report.html, summary.json and a histogram (.hgrm) of everything into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Overwrite a report that is there already
+    #[arg(long)]
+    pub(crate) force: bool,
     /// A look in a few seconds: one short round
     #[arg(long, conflicts_with = "full")]
     pub(crate) quick: bool,
@@ -114,10 +118,12 @@ fn spin() -> Result<()> {
 /// The chain does not run here, or the report cannot be written. Rivals that are not there are said to be missing.
 pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     // Asked before the minutes pass.
-    if let Some(dir) = &args.out {
-        std::fs::create_dir_all(dir)
-            .with_context(|| format!("the report's folder {} cannot be made", dir.display()))?;
-    }
+    let existing = Existing::forced(args.force);
+    let folder = args
+        .out
+        .as_ref()
+        .map(|dir| OutputFolder::new(dir, existing, ["report.html", "summary.json"]))
+        .transpose()?;
     // A path is meant from here, and not from where the scripts run; symbolic links stay, as a virtual environment's
     // Python is one.
     let python = match args.python.components().count() {
@@ -132,13 +138,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     drop(workplace);
     plan.compare_with_the_floor();
     let summary = summary::Summary::new(&plan, args, rounds, seconds);
-    print!("{}", table::table(&plan, &summary));
-    if let Some(dir) = &args.out {
-        report::write(dir, &plan, &summary)?;
-        eprintln!(
-            "lariat: the report is {}",
-            dir.join("report.html").display()
-        );
+    print(&table::table(&plan, &summary))?;
+    if let Some(folder) = &folder {
+        report::write(folder, &plan, &summary)?;
+        let page = folder.path().join("report.html");
+        eprintln!("lariat: the report is {}", page.display());
     }
     Ok(ExitCode::SUCCESS)
 }

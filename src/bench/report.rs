@@ -1,9 +1,8 @@
 //! The report's folder: `report.html`, `summary.json`, and an `.hgrm` of everything that was timed.
 
 use std::fmt::Write;
-use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use lariat_sink::Figure as Digits;
 
 use super::figures::{Group, Item};
@@ -11,7 +10,7 @@ use super::plan::Plan;
 use super::plot::{Line, escaped, percentiles};
 use super::summary::Summary;
 use super::table;
-use crate::whole_file::{self, Existing};
+use crate::output::OutputFolder;
 
 const STYLE: &str = "body{font:15px sans-serif;max-width:1120px;margin:2em auto;padding:0 1em;color:#222}\
 pre{overflow-x:auto;font-size:12px;line-height:1.35}table{border-collapse:collapse;font-size:13px}\
@@ -19,11 +18,8 @@ td,th{padding:2px 10px;text-align:right;border-bottom:1px solid #eee}td:first-ch
 svg{width:100%;height:auto}";
 
 /// Writes everything. The summary comes last: where it is, the others are.
-pub(super) fn write(dir: &Path, plan: &Plan, summary: &Summary) -> Result<()> {
-    let put = |name: &str, bytes: &[u8]| {
-        whole_file::write(&dir.join(name), bytes, Existing::Replace)
-            .context("the report cannot be written")
-    };
+pub(super) fn write(folder: &OutputFolder, plan: &Plan, summary: &Summary) -> Result<()> {
+    let put = |name: &str, bytes: &[u8]| folder.write(name, bytes);
     for (item, times) in plan
         .items
         .iter()

@@ -80,6 +80,7 @@ pub(crate) struct Child {
     lacks: Lacks,
     done: bool,
     told_by_another: bool,
+    unread_output: bool,
     sent: Option<Sent>,
     masks_late: Option<u64>,
     ending: Option<Ending>,
@@ -143,6 +144,7 @@ impl Child {
             lacks: Lacks::default(),
             done: false,
             told_by_another: false,
+            unread_output: false,
             sent: None,
             masks_late: None,
             ending: None,
@@ -176,6 +178,11 @@ impl Child {
     /// Whether a signal that was not the chain's is ending it.
     pub(crate) fn was_told_by_another(&self) -> bool {
         self.told_by_another
+    }
+
+    /// Whether nobody reads any more what it prints.
+    pub(crate) fn is_unread(&self) -> bool {
+        self.unread_output
     }
 
     /// What it said it sent in all, if it lived to say so.
@@ -236,6 +243,7 @@ impl Child {
             match (words.next(), words.next(), words.next()) {
                 (Some("ready"), ..) => self.ready = true,
                 (Some("done"), ..) => self.done = true,
+                (Some("unread"), ..) => self.unread_output = true,
                 (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
                 (Some("late"), Some(count), None) => self.masks_late = count.parse().ok(),
                 (Some("sent"), Some(count), Some(last)) => {
@@ -263,7 +271,7 @@ impl Child {
 
     /// Asks it to work off what waits, and end.
     pub(crate) fn tell_to_stop(&mut self) {
-        self.told_to_stop = true;
+        self.told_to_stop |= self.ending.is_none();
         match &mut self.host {
             Host::Process(_) => self.signal(Signal::TERM),
             Host::Thread { stopper, .. } => stopper.stop(),

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use lariat_wire::Domain;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use crate::run_files::RunFiles;
 use crate::settings::{STAGES, Settings};
 use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
@@ -45,6 +46,8 @@ const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
 pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<ExitCode> {
     arrangement::check(&settings.run.arrangement)?;
+    // Before anything is started: what cannot be written at the end is said now.
+    let _files = RunFiles::open_all(&settings)?;
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
@@ -132,7 +135,9 @@ impl Chain {
                 .as_ref()
                 .is_some_and(|child| child.ending().is_some())
         };
-        while !stop.asked() && self.fallen.is_none() && !capture_ended(self) {
+        // As after `| head`.
+        let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
+        while !stop.asked() && self.fallen.is_none() && !capture_ended(self) && !is_unread(self) {
             self.listen(None, Some(stop))?;
         }
         Ok(())
@@ -244,6 +249,8 @@ impl Chain {
             .and_then(|fallen| self.children[fallen].as_ref());
         if let Some(fallen) = fallen
             && let Some(ending) = fallen.ending()
+            // What fails in its turn at the end has stopped nothing.
+            && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
         {
             eprintln!("lariat: {} {ending}; the chain was stopped", fallen.stage);
         }

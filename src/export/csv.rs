@@ -2,20 +2,17 @@
 
 use super::shapes::{basis, fit, status, unit};
 use super::{Part, Written};
-use crate::whole_file::{Existing, Growing};
 use anyhow::{Context, Result, bail};
 use lariat_record::Entry;
 use lariat_wire::Descriptors;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::io::{self, Write};
 
 /// The columns before the control points.
 const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,fit,rms,max,filtered";
 
-pub(super) fn write(part: &Part, path: &Path) -> Result<Written> {
-    let about = || format!("cannot write {}", path.display());
+pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
+    let about = || part.failure();
     let points = most_points(part)?;
-    let mut file = BufWriter::new(Growing::new(path)?);
     file.write_all(head(points).as_bytes())
         .with_context(about)?;
     let mut frames = part.gathered()?;
@@ -24,14 +21,12 @@ pub(super) fn write(part: &Part, path: &Path) -> Result<Written> {
         let wanted = part.is_wanted(place);
         place += 1;
         if let Some(descriptors) = gathered.descriptors().filter(|_| wanted) {
-            rows += write_frame(&mut file, descriptors, points).with_context(about)?;
+            rows += write_frame(file, descriptors, points).with_context(about)?;
         }
     }
     if rows == 0 {
         bail!("there are no descriptors in this part of the recording");
     }
-    let file = file.into_inner().map_err(|error| error.into_error());
-    file.with_context(about)?.place(Existing::Replace)?;
     Ok(Written {
         what: format!("{rows} rows of up to {points} control points"),
         notes: Vec::new(),

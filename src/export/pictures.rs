@@ -1,6 +1,7 @@
 //! Frames as numbered PNGs, exact: each number in a picture is the one in the frame.
 
 use super::{Part, Written};
+use crate::output::of_the_system;
 use crate::recording::{Decoder, Pixels};
 use anyhow::{Context, Result, bail};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -11,9 +12,15 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
-    if folder.exists() && !is_empty_folder(folder) {
+    if folder.exists() && !folder.is_dir() {
         bail!(
-            "{} is there already: name a folder that is new or empty",
+            "{} is no folder: name one that is new or empty",
+            folder.display()
+        );
+    }
+    if !part.args.force && folder.exists() && !is_empty_folder(folder) {
+        bail!(
+            "{} is there already: name a folder that is new or empty, or overwrite the pictures in it with --force",
             folder.display()
         );
     }
@@ -26,6 +33,7 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
     let growing = tempfile::Builder::new()
         .prefix(".lariat-export")
         .tempdir_in(parent)
+        .map_err(|cause| of_the_system(&cause))
         .with_context(about)?;
     let mut frames = part.frames()?;
     let mut decoder = Decoder::default();
@@ -72,6 +80,13 @@ fn place_folder(growing: tempfile::TempDir, folder: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
     let permissions = std::fs::Permissions::from_mode(0o755);
     std::fs::set_permissions(growing.path(), permissions)?;
+    if folder.exists() && !is_empty_folder(folder) {
+        for picture in std::fs::read_dir(growing.path())? {
+            let picture = picture?;
+            std::fs::rename(picture.path(), folder.join(picture.file_name()))?;
+        }
+        return Ok(());
+    }
     // An empty folder of that name makes room.
     std::fs::rename(growing.path(), folder)?;
     // It is gone from where it was, and is not to be removed.
@@ -80,7 +95,9 @@ fn place_folder(growing: tempfile::TempDir, folder: &Path) -> Result<()> {
 }
 
 fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) -> Result<()> {
-    let about = || format!("cannot write {}", path.display());
+    // Without the folder, which has another name as yet.
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let about = || format!("cannot write {name}");
     let (pixels, color) = match header.format() {
         Some(PixelFormat::Gray8) => (bytes, ExtendedColorType::L8),
         Some(PixelFormat::Rgb8) => (bytes, ExtendedColorType::Rgb8),

@@ -4,15 +4,12 @@
 use super::{Part, Written};
 use crate::recording::{Decoder, Pixels};
 use crate::settings::USUAL_FPS;
-use crate::whole_file::{Existing, Growing};
 use anyhow::{Context, Result, bail};
 use lariat_wire::{FrameHeader, PixelFormat};
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::io::Write;
 
-pub(super) fn write(part: &Part, path: &Path) -> Result<Written> {
-    let about = || format!("cannot write {}", path.display());
-    let mut file = BufWriter::new(Growing::new(path)?);
+pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
+    let about = || part.failure();
     let fps = frames_per_second(part)?;
     let mut frames = part.frames()?;
     let mut decoder = Decoder::default();
@@ -51,8 +48,6 @@ pub(super) fn write(part: &Part, path: &Path) -> Result<Written> {
     let Some(first) = first else {
         bail!("there are no images in this part of the recording");
     };
-    let file = file.into_inner().map_err(|error| error.into_error());
-    file.with_context(about)?.place(Existing::Replace)?;
     let mut notes = Vec::new();
     if matches!(first.format(), Some(PixelFormat::Rgb8 | PixelFormat::Bgr8)) {
         notes.push(

@@ -18,6 +18,7 @@ use signal_hook::consts::SIGUSR1;
 use super::about::{self, Rig};
 use super::channels::{Channels, Counters};
 use super::{STAGE, report};
+use crate::run_files::check_recording;
 use crate::settings::Settings;
 use crate::stages::{Seat, Station, arrangement, sink};
 
@@ -26,6 +27,7 @@ const LOSSES_EVERY: Duration = Duration::from_secs(1);
 
 /// Records until a signal comes, as much is recorded as was asked, or there is no room for more.
 pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCode> {
+    check_recording(settings, file)?;
     // Before any thread is made: all are kept where this one is.
     arrangement::keep_apart(&settings.run.arrangement);
     let mut station = Station::open(settings, STAGE, seat)?;
@@ -213,6 +215,15 @@ impl Reel {
         let drops = recorder.drops();
         let lasted = self.first.map_or(Duration::ZERO, |first| first.elapsed());
         let ending = recorder.finish();
+        if settings.record.ring.is_none() && ending.fault.is_none() && ending.written.is_empty() {
+            // An empty one would only be in the way of the next.
+            if !ending.written.kept_old && file.is_file() {
+                let _ = std::fs::remove_file(file);
+            }
+            eprintln!("lariat: {}", report::nothing(file, &ending.written));
+            outcome?;
+            return Ok(ExitCode::SUCCESS);
+        }
         // Of a file whose disk broke nothing is known but what the fault says.
         let is_known = ending.fault.is_none() || ending.written.bytes > 0;
         if settings.record.ring.is_none() && is_known {

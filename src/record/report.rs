@@ -41,6 +41,18 @@ pub(super) fn flushed(flushed: &Flushed) -> String {
     }
 }
 
+/// What became of the file, where nothing came.
+pub(super) fn nothing(file: &Path, written: &Written) -> String {
+    let then = match written.kept_old {
+        true => "the recording that is there stays as it was",
+        false => "no file was made",
+    };
+    format!(
+        "nothing came to be recorded into {}: {then}",
+        file.display()
+    )
+}
+
 /// What a recording holds, and what not.
 pub(super) fn recorded(
     file: &Path,

@@ -8,6 +8,7 @@ use super::ReplayArgs;
 use super::difference::{Comparer, Difference, Rule};
 use super::distance;
 use super::stages::{Stages, prepare};
+use crate::output::print;
 use crate::recording::{Decoder, Gather, Gathered, Pixels, RecordedSettings};
 use anyhow::{Context, Result, bail};
 use lariat_record::{About, Recording, Span};
@@ -62,9 +63,9 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
     check.whole(&recording).with_context(impossible)?;
     let outcome = check.outcome(begin.elapsed());
     if args.json {
-        println!("{}", serde_json::to_string(&outcome)?);
+        print(&format!("{}\n", serde_json::to_string(&outcome)?))?;
     } else {
-        print(&file, &outcome, recording.about(), args.within);
+        print(&text(&file, &outcome, recording.about(), args.within))?;
     }
     Ok(match outcome.difference {
         None => ExitCode::SUCCESS,
@@ -305,7 +306,8 @@ fn beside(distance: f64) -> Difference {
     }
 }
 
-fn print(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) {
+fn text(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) -> String {
+    let mut lines = Vec::new();
     let Outcome {
         centerlines,
         descriptors,
@@ -313,12 +315,12 @@ fn print(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) {
     } = outcome;
     if outcome.rule != "bits" && within_px.is_none() {
         let of = |key| about.get(key).unwrap_or("unknown");
-        println!(
+        lines.push(format!(
             "made on another machine ({}, {}): results are the same within {}",
             of("cpu"),
             of("arch"),
             outcome.rule
-        );
+        ));
     }
     match &outcome.difference {
         None => {
@@ -326,9 +328,9 @@ fn print(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) {
                 ("bits", _) => "the same to the bit".to_owned(),
                 (rule, largest) => format!("the same within {rule} (at most {largest:e} apart)"),
             };
-            println!(
+            lines.push(format!(
                 "{file}: {centerlines} centerlines and {descriptors} descriptors computed again are {how}"
-            );
+            ));
         }
         Some(Shown {
             sequence,
@@ -338,18 +340,23 @@ fn print(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) {
             now,
             distance,
         }) => {
-            println!("{file}: the {what} of frame {sequence} are not the same:");
-            println!("  {field}: recorded {recorded}, now {now}, {distance:e} apart");
-            println!(
+            lines.push(format!(
+                "{file}: the {what} of frame {sequence} are not the same:"
+            ));
+            lines.push(format!(
+                "  {field}: recorded {recorded}, now {now}, {distance:e} apart"
+            ));
+            lines.push(format!(
                 "before it {centerlines} centerlines and {descriptors} descriptors were looked at"
-            );
+            ));
         }
     }
     if outcome.skipped > 0 {
-        println!("{} could not be computed again", outcome.skipped);
+        lines.push(format!("{} could not be computed again", outcome.skipped));
     }
-    println!(
+    lines.push(format!(
         "{:.0} frames/s: extract took {:.0} µs a frame, fit {:.1} µs, the rest was reading",
         outcome.frames_per_s, outcome.extract_us, outcome.fit_us
-    );
+    ));
+    lines.join("\n") + "\n"
 }

@@ -9,6 +9,7 @@ mod figures;
 use super::ReplayArgs;
 use super::stages::{Stages, prepare};
 use super::table;
+use crate::output::print;
 use crate::recording::{Decoder, Gather, Gathered, RecordedSettings};
 use crate::settings::Settings;
 use anyhow::{Context, Result, bail};
@@ -51,9 +52,9 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
     race.whole(&recording).with_context(impossible)?;
     let comparison = race.finish();
     if args.json {
-        println!("{}", serde_json::to_string(&comparison)?);
+        print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
     } else {
-        print!("{}", table::text(&comparison));
+        print(&table::text(&comparison))?;
     }
     Ok(ExitCode::SUCCESS)
 }

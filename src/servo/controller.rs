@@ -15,6 +15,7 @@ use lariat_control::{
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
 use super::job::{Job, Learner};
+use crate::output::print;
 use crate::settings::{ChainArgs, Settings};
 use crate::stop::Stop;
 use eye::{Eye, Sight};
@@ -66,7 +67,7 @@ pub(crate) fn run(args: &ControllerArgs) -> Result<ExitCode> {
         slot.send()?;
         // Line by line, what it does whenever that is something else: whoever started it reads the last one.
         if said.replace(wish.doing) != Some(wish.doing) {
-            println!("{}", wish.doing);
+            print(&format!("{}\n", wish.doing))?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -97,7 +97,7 @@ pub(crate) struct RecordingArgs {
     /// The most memory that --ring may take, for instance 1GB
     #[arg(long, value_name = "SIZE", value_parser = recording::size)]
     pub(crate) ring_memory: Option<usize>,
-    /// Replace a recording that is there already
+    /// Overwrite files that are there already
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -132,7 +132,7 @@ pub(crate) struct ChainArgs {
     /// Write the report into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Write when each stage worked on the last 1,000 frames into this file, for ui.perfetto.dev
+    /// Write when each stage worked on the last 1,000 frames into this file, for ui.perfetto.dev; - for standard output
     #[arg(long, value_name = "FILE.json")]
     pub(crate) trace: Option<PathBuf>,
     /// Record what the chain sees and says into this file

@@ -21,7 +21,7 @@ pub(crate) struct Recording {
     pub(crate) ring: Option<Duration>,
     /// The most memory that this may take.
     pub(crate) ring_bytes: usize,
-    /// Whether a recording that is there already makes room.
+    /// Whether a recording, report or timeline that is there already makes room.
     pub(crate) replace: bool,
 }
 

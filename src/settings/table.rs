@@ -637,7 +637,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "record",
         name: "replace",
-        about: "Let a recording that is there already make room for the new one.",
+        about: "Let a recording, report or timeline that is there already make room for the new one.",
         example: "",
         set: |s, v| meaning::yes_or_no(v).map(|yes| s.record.replace = yes),
         get: |s| Some(Value::Boolean(s.record.replace)),

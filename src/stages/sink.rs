@@ -1,13 +1,16 @@
 //! Sink as a process: reads what the chain made, counts it, and says how it went.
 
-use std::io::{IsTerminal, Read, Write};
+use std::fmt;
+use std::io::{self, ErrorKind, IsTerminal, Read, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
-use lariat_sink::{FinalCounts, Machine, Sink};
+use anyhow::Context;
+use lariat_sink::{FinalCounts, Machine, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
 use super::{Seat, Station};
+use crate::run_files::RunFiles;
 use crate::settings::Settings;
 
 /// How often the live line is renewed in place on a terminal.
@@ -19,26 +22,34 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
+    let files = RunFiles::open(settings)?;
     let mut station = Station::open(settings, "sink", seat)?;
     let supervised = station.status.is_supervised();
     let mut sink = Sink::new(settings.sink_options(supervised));
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
-    let mut line = LiveLine::new(settings.sink.live);
+    let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
     loop {
-        let last_look = station.stop.asked();
+        // That nobody reads it any more is the wish that it end: the chain ends in order.
+        let last_look = station.stop.asked() || (line.unread && !supervised);
         if channels.drain(&mut sink)? {
             line.has_news();
         }
         if last_look {
             break;
         }
+        let was_read = !line.unread;
         line.show_if_due(&mut sink);
+        if was_read && line.unread {
+            station.status.unread();
+        }
         rest.if_due(now_ns());
         rest.while_waiting(|| channels.sleep(line.due(), &station))?;
     }
-    line.end();
+    if line.wanted && line.in_place {
+        line.say(format_args!("\n"));
+    }
     // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
     station.status.ending();
     let word = if supervised {
@@ -52,16 +63,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     };
     sink.finish(counts);
     let report = sink.report_on(machine);
-    let mut out = std::io::stdout().lock();
-    // A reader that has gone away, as in `lariat | head`, is no fault.
-    let _ = writeln!(out, "{report}").and_then(|()| out.flush());
-    if let Some(dir) = &settings.run.out {
-        report.write_to(dir)?;
-    }
-    if let Some(file) = &settings.run.trace {
-        report.write_timeline_to(file)?;
-    }
-    Ok(())
+    let said = line.end(&report);
+    files.write(&report)?;
+    said
 }
 
 /// The three channels that a sink reads.
@@ -153,23 +157,36 @@ pub(crate) fn last_word() -> Option<FinalCounts> {
     Some(counts)
 }
 
-/// The line that says how it goes: in place on a terminal, a line a second elsewhere.
+/// What is said while it runs and at its end: a line of figures, in place on a terminal, a line a second elsewhere; the report.
 struct LiveLine {
     wanted: bool,
     in_place: bool,
+    /// Standard output is one of the files.
+    on_stderr: bool,
     due: Instant,
     /// How often it was shown since a message came.
     stale: u32,
+    /// Nobody reads it any more.
+    unread: bool,
+    /// Why something could not be written. A full disk under its log does not stop a robot's chain.
+    fault: Option<io::Error>,
 }
 
 impl LiveLine {
-    fn new(wanted: bool) -> Self {
-        let in_place = std::io::stdout().is_terminal();
+    fn new(wanted: bool, on_stderr: bool) -> Self {
+        let in_place = if on_stderr {
+            io::stderr().is_terminal()
+        } else {
+            io::stdout().is_terminal()
+        };
         Self {
             wanted,
             in_place,
+            on_stderr,
             due: Instant::now() + ELSEWHERE,
             stale: 0,
+            unread: false,
+            fault: None,
         }
     }
 
@@ -180,14 +197,17 @@ impl LiveLine {
 
     /// When it is to be renewed. Without frames it soon says so, and then there is nothing to say until one comes.
     fn due(&self) -> Option<Instant> {
-        let interval = if self.in_place {
+        // Its figures are of the last second: two seconds on, they are of no frame.
+        let is_stale = self.interval() * self.stale > 2 * ELSEWHERE;
+        (self.wanted && !is_stale && !self.unread).then_some(self.due)
+    }
+
+    fn interval(&self) -> Duration {
+        if self.in_place {
             ON_TERMINAL
         } else {
             ELSEWHERE
-        };
-        // Its figures are of the last second: two seconds on, they are of no frame.
-        let is_stale = interval * self.stale > 2 * ELSEWHERE;
-        (self.wanted && !is_stale).then_some(self.due)
+        }
     }
 
     fn show_if_due(&mut self, sink: &mut Sink) {
@@ -196,26 +216,40 @@ impl LiveLine {
             return;
         }
         self.stale = self.stale.saturating_add(1);
-        self.due = now
-            + if self.in_place {
-                ON_TERMINAL
-            } else {
-                ELSEWHERE
-            };
+        self.due = now + self.interval();
         let line = sink.live_line(now_ns());
-        let mut out = std::io::stdout().lock();
-        // Nobody reading it is no fault.
-        let _ = if self.in_place {
-            write!(out, "\r{line}\x1b[K")
+        if self.in_place {
+            self.say(format_args!("\r{line}\x1b[K"));
         } else {
-            writeln!(out, "{line}")
-        };
-        let _ = out.flush();
+            self.say(format_args!("{line}\n"));
+        }
     }
 
-    fn end(&self) {
-        if self.wanted && self.in_place {
-            let _ = writeln!(std::io::stdout());
+    fn say(&mut self, text: fmt::Arguments) {
+        if self.on_stderr {
+            // There is nowhere to say that it cannot be said.
+            let _ = io::stderr().write_fmt(text);
+            return;
+        }
+        let mut out = io::stdout().lock();
+        match out.write_fmt(text).and_then(|()| out.flush()) {
+            Ok(()) => {}
+            Err(cause) if cause.kind() == ErrorKind::BrokenPipe => self.unread = true,
+            Err(cause) => {
+                self.fault.get_or_insert(cause);
+            }
+        }
+    }
+
+    /// Says the last word.
+    ///
+    /// # Errors
+    /// Something could not be written, now or before.
+    fn end(mut self, report: &Report) -> anyhow::Result<()> {
+        self.say(format_args!("{report}\n"));
+        match self.fault {
+            Some(cause) => Err(cause).context("cannot write the report to standard output"),
+            None => Ok(()),
         }
     }
 }

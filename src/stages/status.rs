@@ -2,7 +2,7 @@
 //!
 //! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `lacks WORD…` if the stage may not have all that was wanted
 //! of the machine, `ready` once, `done` if the source has ended,
-//! `ending` if a signal came, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it waited for masks); its own end says that the process is gone, however it went.
+//! `ending` if a signal came, `unread` if nobody reads any more what it prints, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it waited for masks); its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
@@ -81,6 +81,11 @@ impl Status {
     /// A signal has ended the stage's work, and its last word is to come.
     pub(crate) fn ending(&mut self) {
         self.say("ending\n");
+    }
+
+    /// Nobody reads any more what the stage prints.
+    pub(crate) fn unread(&mut self) {
+        self.say("unread\n");
     }
 
     /// So many frames were skipped, as their masks came too late.

@@ -6,7 +6,8 @@ use anyhow::{Result, bail};
 use lariat_wire::{ChannelState, Domain, Member, Rig, members};
 use serde::Serialize;
 
-use super::watch::print;
+use crate::output::print;
+
 use super::{ListArgs, nothing_runs};
 
 #[derive(Serialize)]

@@ -1,6 +1,6 @@
 //! Following a channel: as long as it is wanted, over restarts of the chain, to the end of a pipe.
 
-use std::io::{self, ErrorKind, Write};
+use std::io;
 use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -11,6 +11,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::probe::{Any, Probe, sleep_for};
 use super::{CommonArgs, Place};
+use crate::output::print;
 use crate::stop::Stop;
 
 /// How often it is looked whether the writer is still there, and whether anyone still reads what is printed.
@@ -54,17 +55,13 @@ pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Re
                     break;
                 }
             }
-            if !print(&text)? {
-                return Ok(ExitCode::SUCCESS);
-            }
+            print(&text)?;
         }
         if let (Some(at), Some(period)) = (due, period)
             && Instant::now() >= at
         {
             due = Some((at + period).max(Instant::now()));
-            if !print(&meter.report(&place.rig, args.json)?)? {
-                return Ok(ExitCode::SUCCESS);
-            }
+            print(&meter.report(&place.rig, args.json)?)?;
         }
         if link.is_check_due() && !is_read() {
             return Ok(ExitCode::SUCCESS);
@@ -158,19 +155,6 @@ impl<'p> Link<'p> {
             }
         }
         Ok(())
-    }
-}
-
-/// Prints; `false` if nobody reads it any more, as after `| head`, which is no fault.
-pub(super) fn print(text: &str) -> Result<bool> {
-    if text.is_empty() {
-        return Ok(true);
-    }
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => Ok(true),
-        Err(cause) if cause.kind() == ErrorKind::BrokenPipe => Ok(false),
-        Err(cause) => Err(cause.into()),
     }
 }
 

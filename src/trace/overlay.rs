@@ -2,11 +2,11 @@
 //! picture.
 
 use crate::descriptor_json::Descriptor;
+use crate::output::{Existing, Output, OutputFolder};
 use crate::picture::Picture;
 use crate::trace::canvas::{Canvas, Ink};
 use crate::trace::report::{CurveReport, Report};
-use crate::whole_file::{self, Existing};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use image::{ImageFormat, RgbImage};
 use lariat_camera::Mapping;
 use std::collections::HashSet;
@@ -29,27 +29,27 @@ const LIGHT: [u8; 3] = [255, 255, 255];
 
 /// The folder that overlays go to.
 pub(super) struct Overlays {
-    folder: PathBuf,
-    taken: HashSet<PathBuf>,
+    folder: OutputFolder,
+    existing: Existing,
+    taken: HashSet<String>,
     /// The pictures themselves, which no overlay may replace.
-    inputs: HashSet<PathBuf>,
+    inputs: Vec<PathBuf>,
 }
 
 impl Overlays {
     /// Makes the folder.
     ///
     /// # Errors
-    /// It cannot be made.
-    pub(super) fn new(folder: &Path, inputs: &[PathBuf]) -> Result<Self> {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the folder {} for overlays", folder.display()))?;
+    /// It cannot be made or written to, or there is an overlay already, and it is to be kept.
+    pub(super) fn new(folder: &Path, inputs: &[PathBuf], existing: Existing) -> Result<Self> {
+        let mut taken = HashSet::new();
+        let names: Vec<String> = inputs.iter().map(|path| name(path, &mut taken)).collect();
+        let names = names.iter().map(String::as_str);
         Ok(Self {
-            folder: folder.to_owned(),
+            folder: OutputFolder::new(folder, existing, names)?,
+            existing,
             taken: HashSet::new(),
-            inputs: inputs
-                .iter()
-                .filter_map(|path| path.canonicalize().ok())
-                .collect(),
+            inputs: inputs.to_vec(),
         })
     }
 
@@ -64,35 +64,30 @@ impl Overlays {
         report: &Report,
         mapping: Option<&Mapping>,
     ) -> Result<()> {
-        let target = self.name(path);
-        if target
-            .canonicalize()
-            .is_ok_and(|target| self.inputs.contains(&target))
-        {
-            bail!(
-                "the overlay of {} would replace the picture {}: give --overlay another folder",
-                path.display(),
-                target.display()
-            );
-        }
+        let target = self.folder.path().join(name(path, &mut self.taken));
+        let output = Output::new(
+            &target,
+            self.existing,
+            self.inputs.iter().map(PathBuf::as_path),
+        )?;
         let mut png = Vec::new();
         draw(picture.into_rgb(), report, mapping)
             .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
             .with_context(|| format!("cannot encode {}", target.display()))?;
-        whole_file::write(&target, &png, Existing::Replace)
+        output.write(&png)
     }
+}
 
-    /// The picture's name with `.png`, and a number where two pictures have the same.
-    fn name(&mut self, path: &Path) -> PathBuf {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let mut target = self.folder.join(format!("{stem}.png"));
-        let mut number = 2;
-        while !self.taken.insert(target.clone()) {
-            target = self.folder.join(format!("{stem}-{number}.png"));
-            number += 1;
-        }
-        target
+/// The picture's name with `.png`, and a number where two pictures have the same.
+fn name(path: &Path, taken: &mut HashSet<String>) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = format!("{stem}.png");
+    let mut number = 2;
+    while !taken.insert(name.clone()) {
+        name = format!("{stem}-{number}.png");
+        number += 1;
     }
+    name
 }
 
 fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbImage {

@@ -7,6 +7,7 @@ mod deaths;
 mod frames;
 mod fused;
 mod masks;
+mod outputs;
 mod rig;
 mod simulated;
 mod sources;

@@ -178,8 +178,7 @@ fn a_recording_that_is_there_is_kept_and_the_chain_not_begun() {
     let refused = run(&[]);
     let said = String::from_utf8_lossy(&refused.stderr);
     assert_eq!(refused.status.code(), Some(1));
-    assert!(said.contains("replace it with --force"), "{said}");
-    assert!(said.contains("the chain was stopped"), "{said}");
+    assert!(said.contains("overwrite it with --force"), "{said}");
     assert!(!said.contains('→'), "{said}");
     assert_eq!(std::fs::read(bench.path("a.mcap")).unwrap(), before);
     assert!(run(&["--force"]).status.success());

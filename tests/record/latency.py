@@ -19,7 +19,7 @@ import tempfile
 def latencies(lariat, folder, flags):
     """p50 and p99 of one run, and what it said."""
     report = os.path.join(folder, "report")
-    command = [lariat, "run", "--out", report, *flags]
+    command = [lariat, "run", "--force", "--out", report, *flags]
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=folder)
     if done.returncode:
         sys.exit(done.stderr)

@@ -46,7 +46,7 @@ faulted() {
 picture() {
     name=$1
     shift
-    timeout -s KILL 60 lariat snapshot --after "${after:-200ms}" "$name.png" "$@" 2>&1
+    timeout -s KILL 60 lariat snapshot --force --after "${after:-200ms}" "$name.png" "$@" 2>&1
     echo "@@status $?"
     echo "@@picture $name $(md5sum <"$name.png")"
 }

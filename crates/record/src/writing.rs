@@ -3,6 +3,7 @@
 mod clock;
 mod error;
 mod pictures;
+mod place;
 mod queue;
 mod recorder;
 mod ring;
@@ -15,8 +16,9 @@ mod writer;
 pub use clock::Clock;
 pub use error::WriteError;
 pub use pictures::Images;
+pub use place::Existing;
 pub use recorder::{Drops, Ended, Ending, Options, Recorder, RingOptions};
 pub use ring::Flushed;
 pub use space::NoRoom;
 pub use topic::Topic;
-pub use writer::{Compression, Existing, Head, Writer, Written};
+pub use writer::{Compression, Head, Writer, Written};

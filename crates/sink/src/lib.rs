@@ -43,7 +43,7 @@ pub use figure::Figure;
 pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
 pub use options::{FinalCounts, Options};
-pub use report::{Report, ReportError};
+pub use report::Report;
 pub use sink::Sink;
 pub use step::Step;
 pub use summary::{Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary};

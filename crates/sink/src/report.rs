@@ -5,9 +5,7 @@ use crate::latency::{Latency, Row};
 use crate::timeline::Timeline;
 use crate::{FinalCounts, Restarts, Summary, hgrm, table};
 use std::fmt;
-use std::fs::{File, create_dir_all, remove_file, rename};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
 
 /// Everything that a run has shown. `Display` is the final table.
 #[derive(Debug, Clone)]
@@ -37,27 +35,6 @@ pub(crate) struct Facts {
     pub(crate) finished: Option<FinalCounts>,
 }
 
-/// Why a report could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// The folder could not be made.
-    #[error("The report's folder {} cannot be made ({source}): name one that can be written to.", dir.display())]
-    Folder {
-        /// The folder.
-        dir: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A file could not be written.
-    #[error("The report's file {} cannot be written ({source}): make room for it, or name another folder.", file.display())]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-}
-
 impl Report {
     /// The figures of `summary.json`.
     pub fn summary(&self) -> &Summary {
@@ -69,36 +46,31 @@ impl Report {
         self.facts.restarts
     }
 
-    /// Writes `report.txt`, `summary.json` and an `.hgrm` file for each row into `dir`, which is made if it is missing.
+    /// The files of a report, names and contents: an `.hgrm` for each row, `report.txt`, `summary.json`. The summary comes last:
+    /// where it is, the others are.
     ///
-    /// Each file is written beside its place and then put there, so that no reader ever finds half of one. The summary
-    /// comes last: where it is, the others are.
-    pub fn write_to(&self, dir: &Path) -> Result<(), ReportError> {
-        create_dir_all(dir).map_err(|source| ReportError::Folder {
-            dir: dir.to_owned(),
-            source,
-        })?;
+    /// # Errors
+    /// None but those of writing to memory.
+    pub fn files(&self) -> io::Result<Vec<(String, Vec<u8>)>> {
+        let mut files = Vec::new();
         for row in Row::ALL {
-            let name = format!("{}.hgrm", row.name());
-            put(dir, &name, |out| hgrm::write(self.latency.row(row), out))?;
+            let mut text = Vec::new();
+            hgrm::write(self.latency.row(row), &mut text)?;
+            files.push((format!("{}.hgrm", row.name()), text));
         }
-        put(dir, "report.txt", |out| write!(out, "{self}"))?;
-        put(dir, "summary.json", |out| {
-            serde_json::to_writer_pretty(&mut *out, &self.summary)?;
-            writeln!(out)
-        })
+        files.push(("report.txt".to_owned(), self.to_string().into_bytes()));
+        let mut json = serde_json::to_vec_pretty(&self.summary)?;
+        json.push(b'\n');
+        files.push(("summary.json".to_owned(), json));
+        Ok(files)
     }
-}
 
-impl Report {
     /// Writes when each stage worked on each of the last 1,000 frames, as a trace that Perfetto and Chrome show.
     ///
     /// # Errors
-    /// The file cannot be written; one that was there is then as it was.
-    pub fn write_timeline_to(&self, file: &Path) -> Result<(), ReportError> {
-        let dir = file.parent().unwrap_or(Path::new(""));
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        put(dir, &name, |out| self.timeline.write(out))
+    /// It cannot be written.
+    pub fn write_timeline(&self, out: &mut impl Write) -> io::Result<()> {
+        self.timeline.write(out)
     }
 }
 
@@ -106,27 +78,4 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         table::write(self, f)
     }
-}
-
-/// Puts a file into the folder, whole or not at all.
-fn put(
-    dir: &Path,
-    name: &str,
-    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), ReportError> {
-    let file = dir.join(name);
-    // The process's number keeps two writers into one folder apart.
-    let unfinished = dir.join(format!(".{name}.{}", std::process::id()));
-    let written = File::create(&unfinished).and_then(|created| {
-        let mut out = BufWriter::new(created);
-        content(&mut out)?;
-        // Its flush can fail, and says so; a drop would not.
-        out.into_inner()?;
-        rename(&unfinished, &file)
-    });
-    written.map_err(|source| {
-        // If it was not even made, there is nothing to remove.
-        let _ = remove_file(&unfinished);
-        ReportError::File { file, source }
-    })
 }

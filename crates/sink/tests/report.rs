@@ -6,7 +6,6 @@ mod chain;
 use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
 use lariat_sink::{FinalCounts, Machine, Options, Report, Sink};
 use lariat_wire::Status;
-use std::fs;
 
 fn machine() -> Machine {
     Machine {
@@ -208,17 +207,11 @@ fn the_message_that_waited_for_a_late_joiner_is_received_but_not_timed() {
 
 #[test]
 fn the_files_hold_the_table_the_summary_and_every_histogram() {
-    let place = tempfile::tempdir().unwrap();
-    let dir = place.path().join("a/new/folder");
     let report = report();
-    report.write_to(&dir).unwrap();
-    // Again: a report replaces the one before.
-    report.write_to(&dir).unwrap();
-    let mut names: Vec<_> = fs::read_dir(&dir)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
+    let files = report.files().unwrap();
+    let mut names: Vec<_> = files.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names.last(), Some(&"summary.json"));
+    names.sort_unstable();
     assert_eq!(
         names,
         [
@@ -237,28 +230,26 @@ fn the_files_hold_the_table_the_summary_and_every_histogram() {
             "wait_sink.hgrm",
         ]
     );
-    let text = fs::read_to_string(dir.join("report.txt")).unwrap();
-    assert_eq!(text, report.to_string());
-    let json = fs::read_to_string(dir.join("summary.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let text_of = |wanted: &str| {
+        let (_, bytes) = files.iter().find(|(name, _)| name == wanted).unwrap();
+        String::from_utf8(bytes.clone()).unwrap()
+    };
+    assert_eq!(text_of("report.txt"), report.to_string());
+    let json: serde_json::Value = serde_json::from_str(&text_of("summary.json")).unwrap();
     assert_eq!(json, serde_json::to_value(report.summary()).unwrap());
-    insta::assert_snapshot!(fs::read_to_string(dir.join("total.hgrm")).unwrap());
+    insta::assert_snapshot!(text_of("total.hgrm"));
 }
 
 #[test]
 fn the_timeline_has_every_frame_that_was_timed() {
-    let dir = tempfile::tempdir().unwrap();
-    let file = dir.path().join("timeline.json");
-    report().write_timeline_to(&file).unwrap();
-    let json: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let mut text = Vec::new();
+    report().write_timeline(&mut text).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let events = json["traceEvents"].as_array().unwrap();
     let received = events
         .iter()
         .filter(|event| event["ph"] == "X" && event["tid"] == 3);
     assert_eq!(received.count(), 235);
-    let nowhere = dir.path().join("missing").join("timeline.json");
-    let error = report().write_timeline_to(&nowhere).unwrap_err();
-    assert!(error.to_string().contains("missing"), "{error}");
 }
 
 #[test]
@@ -272,34 +263,4 @@ fn a_stage_slower_than_the_source_is_named_as_what_limits_it() {
     let table = sink.report_on(machine()).to_string();
     assert!(table.contains("what limits it: extract takes"), "{table}");
     assert!(table.contains("one comes every 100 µs"), "{table}");
-}
-
-#[test]
-fn a_folder_that_cannot_be_made_is_said_in_a_sentence() {
-    let place = tempfile::tempdir().unwrap();
-    let file = place.path().join("file");
-    fs::write(&file, "in the way").unwrap();
-    let error = report().write_to(&file.join("report")).unwrap_err();
-    let text = error.to_string();
-    assert!(text.starts_with("The report's folder "), "{text}");
-    assert!(text.ends_with("name one that can be written to."), "{text}");
-    assert_eq!(fs::read_to_string(&file).unwrap(), "in the way");
-}
-
-#[test]
-fn a_file_that_cannot_be_put_leaves_nothing_half_written() {
-    let place = tempfile::tempdir().unwrap();
-    // A folder stands where the table should be.
-    fs::create_dir_all(place.path().join("report.txt/inside")).unwrap();
-    let error = report().write_to(place.path()).unwrap_err();
-    assert!(error.to_string().contains("report.txt cannot be written"));
-    let unfinished = fs::read_dir(place.path())
-        .unwrap()
-        .filter(|entry| {
-            let name = entry.as_ref().unwrap().file_name();
-            name.to_string_lossy().starts_with('.')
-        })
-        .count();
-    assert_eq!(unfinished, 0);
-    assert!(!place.path().join("summary.json").exists());
 }

@@ -8,6 +8,8 @@ use lariat_extract::Extractor;
 use lariat_sink::{FinalCounts, Sink};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace, now_ns};
 
+use crate::output::{Existing, OutputFolder};
+use crate::run_files::write_report;
 use crate::settings::{Fps, Settings};
 use crate::stages::arrangement::precise_timer;
 use crate::stages::extract::Warned;
@@ -201,6 +203,7 @@ impl Counter {
     pub(super) fn report(mut self, settings: &Settings, counts: FinalCounts) -> Result<()> {
         self.sink.finish(counts);
         let out = settings.run.out.as_ref().context("a rival has a folder")?;
-        Ok(self.sink.report().write_to(out)?)
+        let folder = OutputFolder::new(out, Existing::Keep, [])?;
+        write_report(&folder, &self.sink.report())
     }
 }

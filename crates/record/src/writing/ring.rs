@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use super::error::WriteError;
 use super::pictures::Images;
+use super::place::Existing;
 use super::queue::{Item, Order, Outlet, Parcel};
 use super::recorder::{Ending, RingOptions};
 use super::thread::{self, Developer};
-use super::writer::{Existing, Head, Writer, Written};
+use super::writer::{Head, Writer, Written};
 
 /// A recording was made of what the ring held, or was not.
 #[derive(Debug)]

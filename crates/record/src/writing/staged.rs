@@ -31,6 +31,8 @@ const PLAIN_END: [u8; 50] = {
 #[derive(Debug)]
 pub(crate) struct Staged {
     file: File,
+    /// Whether it has no places to write at.
+    is_stream: bool,
     /// So much of the file is committed.
     committed: Arc<AtomicU64>,
     /// What comes behind it.
@@ -42,10 +44,11 @@ pub(crate) struct Staged {
 }
 
 impl Staged {
-    /// Of an empty file.
-    pub(crate) fn new(file: File) -> Self {
+    /// Of an empty file, or a pipe or device.
+    pub(crate) fn new(file: File, is_stream: bool) -> Self {
         Self {
             file,
+            is_stream,
             committed: Arc::default(),
             bytes: Vec::new(),
             at: 0,
@@ -72,8 +75,15 @@ impl Staged {
             return Err(io::Error::other("an earlier write has failed"));
         }
         let base = self.base();
-        if let Err(cause) = self.file.write_all_at(&self.bytes, base) {
+        let written = match self.is_stream {
+            true => self.file.write_all(&self.bytes),
+            false => self.file.write_all_at(&self.bytes, base),
+        };
+        if let Err(cause) = written {
             self.failed = true;
+            if self.is_stream {
+                return Err(cause);
+            }
             // Back to the last whole chunk, and an end behind it if there is room. If not, readers find the end
             // by themselves.
             let _ = self.file.set_len(base);
@@ -138,7 +148,7 @@ mod tests {
     #[test]
     fn nothing_is_in_the_file_before_it_is_committed() {
         let mut file = tempfile::tempfile().unwrap();
-        let mut staged = Staged::new(file.try_clone().unwrap());
+        let mut staged = Staged::new(file.try_clone().unwrap(), false);
         staged.write_all(b"......chunk").unwrap();
         staged.seek(SeekFrom::Start(0)).unwrap();
         staged.write_all(b"header").unwrap();
@@ -156,7 +166,7 @@ mod tests {
     #[test]
     fn writing_may_go_over_what_stands_there_and_on() {
         let file = tempfile::tempfile().unwrap();
-        let mut staged = Staged::new(file);
+        let mut staged = Staged::new(file, false);
         staged.write_all(b"abcdef").unwrap();
         staged.seek(SeekFrom::Current(-2)).unwrap();
         staged.write_all(b"EFGH").unwrap();
@@ -168,7 +178,7 @@ mod tests {
     fn after_a_write_that_failed_there_is_no_other() {
         // A handle that may not write stands for a disk that is broken.
         let path = tempfile::NamedTempFile::new().unwrap();
-        let mut staged = Staged::new(File::open(path.path()).unwrap());
+        let mut staged = Staged::new(File::open(path.path()).unwrap(), false);
         staged.write_all(b"chunk").unwrap();
         assert!(staged.flush().is_err());
         assert!(staged.flush().is_err());

@@ -5,22 +5,20 @@
 //! and never a part of the file.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use mcap::records::{MessageHeader, Metadata};
-use mcap::{Attachment, WriteOptions};
-use rustix::fs::{FlockOperation, flock};
-
 use super::error::WriteError;
+use super::place::{Existing, Old, Opened, open};
 use super::space::Space;
 use super::staged::Staged;
 use super::topic::Topic;
 use crate::schema::{ENCODING, SCHEMA_ENCODING};
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, WriteOptions};
 
 /// A chunk that has so many bytes is closed: one image of 640×480 in colour, which stays in a core's cache while it is read,
 /// checked and shown; and enough that its head and its index do not count.
@@ -60,15 +58,6 @@ impl Compression {
     }
 }
 
-/// What to do where there is a recording already.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Existing {
-    /// It makes room. What is no recording is kept all the same.
-    Replace,
-    /// It is kept.
-    Keep,
-}
-
 /// What a recording says of itself.
 #[derive(Debug, Clone)]
 pub struct Head {
@@ -85,6 +74,15 @@ pub struct Written {
     pub messages: [u64; Topic::ALL.len()],
     /// Length of the file.
     pub bytes: u64,
+    /// Whether an old recording that was to make room is still there, as [nothing](Self::is_empty) came in its stead.
+    pub kept_old: bool,
+}
+
+impl Written {
+    /// Whether nothing of a rig is in it: what was lost is written also where nothing came.
+    pub fn is_empty(&self) -> bool {
+        !has_content(&self.messages)
+    }
 }
 
 /// A recording being written. Dropped without [`finish`](Self::finish), it is closed, but nobody learns of a fault.
@@ -93,6 +91,9 @@ pub struct Writer {
     committed: Arc<AtomicU64>,
     space: Space,
     path: PathBuf,
+    /// The recording that makes room, until it has.
+    old: Option<Old>,
+    is_stream: bool,
     rig: String,
     compression: Compression,
     /// The number that each topic has in the file, once it has one.
@@ -129,9 +130,13 @@ impl Writer {
             path: path.to_owned(),
             cause,
         };
-        let file = open(path, existing)?;
+        let Opened {
+            file,
+            is_stream,
+            old,
+        } = open(path, existing)?;
         let space = Space::of(file.try_clone().map_err(begin)?);
-        let staged = Staged::new(file);
+        let staged = Staged::new(file, is_stream);
         let committed = staged.committed();
         let options = WriteOptions::new()
             .library(concat!("lariat ", env!("CARGO_PKG_VERSION")))
@@ -152,6 +157,8 @@ impl Writer {
             committed,
             space,
             path: path.to_owned(),
+            old,
+            is_stream,
             rig: head.rig.clone(),
             compression,
             channels: Default::default(),
@@ -265,6 +272,8 @@ impl Writer {
             mut mcap,
             mut space,
             path,
+            old,
+            is_stream,
             messages,
             ..
         } = self;
@@ -272,9 +281,23 @@ impl Writer {
             .map_err(|fault| WriteError::broken(&path, fault))?;
         let staged = mcap.into_inner();
         let bytes = staged.committed().load(Ordering::Relaxed);
-        let closed = space.give_back().and_then(|()| staged.sync());
-        closed.map_err(|cause| WriteError::Broken { path, cause })?;
-        Ok(Written { messages, bytes })
+        let kept_old = old.is_some() && !has_content(&messages);
+        let close = || -> io::Result<()> {
+            if let Some(old) = old.filter(|_| !kept_old) {
+                old.make_room()?;
+            }
+            if is_stream {
+                return Ok(());
+            }
+            space.give_back()?;
+            staged.sync()
+        };
+        close().map_err(|cause| WriteError::Broken { path, cause })?;
+        Ok(Written {
+            messages,
+            bytes,
+            kept_old,
+        })
     }
 
     /// The file.
@@ -322,48 +345,21 @@ impl Writer {
         self.staged_bytes = 0;
         self.summary_bytes += CHUNK_HEAD_BYTES;
         let outcome = self.mcap.flush();
-        outcome.map_err(|fault| WriteError::broken(&self.path, fault))
+        outcome.map_err(|fault| WriteError::broken(&self.path, fault))?;
+        match self.old.take_if(|_| has_content(&self.messages)) {
+            None => Ok(()),
+            Some(old) => old.make_room().map_err(|cause| WriteError::Broken {
+                path: self.path.clone(),
+                cause,
+            }),
+        }
     }
 }
 
-/// Opens a new file, or an old recording that may be replaced.
-fn open(path: &Path, existing: Existing) -> Result<File, WriteError> {
-    let begin = |cause| WriteError::Begin {
-        path: path.to_owned(),
-        cause,
-    };
-    let mut options = File::options();
-    let options = options.read(true).write(true);
-    let (mut file, is_new) = match options.create_new(true).open(path) {
-        Ok(file) => (file, true),
-        Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {
-            let regular = path.metadata().is_ok_and(|found| found.is_file());
-            if !regular {
-                return Err(WriteError::NoRecording(path.to_owned()));
-            }
-            (options.create_new(false).open(path).map_err(begin)?, false)
-        }
-        Err(cause) => return Err(begin(cause)),
-    };
-    if flock(&file, FlockOperation::NonBlockingLockExclusive)
-        .is_err_and(|cause| cause == rustix::io::Errno::WOULDBLOCK)
-    {
-        return Err(WriteError::InUse(path.to_owned()));
-    }
-    if is_new {
-        return Ok(file);
-    }
-    let mut magic = [0; 8];
-    let is_recording = file.read_exact(&mut magic).is_ok() && magic == *mcap::MAGIC;
-    let is_empty = file.metadata().map_err(begin)?.len() == 0;
-    match existing {
-        _ if !is_recording && !is_empty => Err(WriteError::NoRecording(path.to_owned())),
-        Existing::Keep => Err(WriteError::Exists(path.to_owned())),
-        Existing::Replace => {
-            file.set_len(0).map_err(begin)?;
-            Ok(file)
-        }
-    }
+/// Whether anything of a rig is among the messages.
+fn has_content(messages: &[u64; Topic::ALL.len()]) -> bool {
+    let of_losses = messages[Topic::Losses as usize];
+    messages.iter().sum::<u64>() > of_losses
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 use super::*;
-use crate::writing::writer::{Compression, Existing};
+use crate::writing::place::Existing;
+use crate::writing::writer::Compression;
 use crate::{ImageRecord, writing::queue::Outlet};
 use lariat_wire::{PixelFormat, Trace};
 

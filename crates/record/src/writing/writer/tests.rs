@@ -162,7 +162,7 @@ fn a_recording_is_replaced_only_if_that_was_said_and_nothing_else_ever() {
     first.finish().unwrap();
     assert!(matches!(create(Existing::Keep), Err(WriteError::Exists(_))));
     let mut second = create(Existing::Replace).unwrap();
-    second.write(Topic::Losses, 0, 1, &cdr(0, 50)).unwrap();
+    second.write(Topic::Frames, 0, 1, &cdr(0, 50)).unwrap();
     second.finish().unwrap();
     assert_eq!(read(&path).len(), 1);
     std::fs::write(&path, "a letter").unwrap();
@@ -173,6 +173,63 @@ fn a_recording_is_replaced_only_if_that_was_said_and_nothing_else_ever() {
     let nowhere = folder.path().join("no/such/folder.mcap");
     let outcome = Writer::create(&nowhere, Existing::Keep, &head(), Compression::None);
     assert!(matches!(outcome, Err(WriteError::Begin { .. })));
+}
+
+#[test]
+fn an_old_recording_is_there_until_the_new_one_has_something_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let create = |existing| Writer::create(&path, existing, &head(), Compression::None).unwrap();
+    let mut first = create(Existing::Keep);
+    first.write(Topic::Frames, 0, 1, &cdr(0, 50)).unwrap();
+    first.finish().unwrap();
+    let old = std::fs::read(&path).unwrap();
+
+    // What was lost is said also where nothing came.
+    let mut empty = create(Existing::Replace);
+    empty.write(Topic::Losses, 0, 1, &cdr(0, 50)).unwrap();
+    assert!(empty.finish().unwrap().kept_old);
+    drop(create(Existing::Replace));
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+
+    let mut full = create(Existing::Replace);
+    full.write(Topic::Frames, 0, 2, &cdr(1, 50)).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+    full.about(&BTreeMap::new()).unwrap();
+    // From here on a kill leaves the new one.
+    assert_ne!(std::fs::read(&path).unwrap(), old);
+    assert!(!full.finish().unwrap().kept_old);
+    assert_eq!(read(&path).len(), 1);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn what_is_no_file_is_written_into() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pipe");
+    let permissions = rustix::fs::Mode::from_bits_truncate(0o600);
+    rustix::fs::mknodat(
+        rustix::fs::CWD,
+        &path,
+        rustix::fs::FileType::Fifo,
+        permissions,
+        0,
+    )
+    .unwrap();
+    let reader = {
+        let path = path.clone();
+        std::thread::spawn(move || std::fs::read(path).unwrap())
+    };
+    let mut writer = Writer::create(&path, Existing::Keep, &head(), Compression::Lz4).unwrap();
+    for number in 0..3 {
+        let message = cdr(number as usize, 5_000);
+        writer.write(Topic::Frames, number, 1, &message).unwrap();
+        writer.about(&BTreeMap::new()).unwrap();
+    }
+    writer.finish().unwrap();
+    let bytes = reader.join().unwrap();
+    std::fs::write(folder.path().join("a.mcap"), bytes).unwrap();
+    assert_eq!(read(&folder.path().join("a.mcap")).len(), 3);
 }
 
 #[test]
