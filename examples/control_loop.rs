@@ -37,6 +37,7 @@ pub(crate) fn follow(
             Seen::Fresh(rope) => steer(&rope, 1.0, robot)?,
             // What is bridged may be wrong: slowly, and only where the rope is seen for the most part.
             Seen::Partial(rope) if rope.hidden() < 0.3 => steer(&rope, 0.2, robot)?,
+            // A curve that misses the rope, a rope that may be none, and all that is not seen now: it says which.
             seen => writeln!(robot, "hold: {seen}")?,
         }
     }

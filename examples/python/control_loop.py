@@ -16,6 +16,6 @@ with lariat.Reader(timeout=0.1) as reader:
             case lariat.Fresh(rope):
                 x, y = rope.shape.point_at(0.5)
                 move(GAIN * (GOAL[0] - x), GAIN * (GOAL[1] - y))
-            case seen:  # Partial, Lost, Stale, Absent: not to be steered by, or not so fast.
+            case seen:  # Partial, Unsure, Lost, Stale, Absent: not to be steered by, or not so fast.
                 move(0.0, 0.0)
                 print(f"hold: {seen}")

@@ -39,7 +39,7 @@ with lariat.Reader(options.rig, timeout=0.5) as reader:
             scene.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
         for seen in frame.ropes(max_age=0.5):
             match seen:
-                case lariat.Fresh(rope) | lariat.Partial(rope):
+                case lariat.Fresh(rope) | lariat.Partial(rope) | lariat.Unsure(rope):
                     style = "-"
                 case lariat.Lost() | lariat.Stale():
                     rope, style = seen.as_it_was, ":"

@@ -23,6 +23,7 @@ from lariat._functions import fit, trace
 from lariat._layout import MESSAGE
 from lariat._names import (
     BasisName,
+    FitName,
     HsvRange,
     KnotsName,
     MaskImage,
@@ -37,6 +38,7 @@ from lariat._names import (
 )
 from lariat._native import (
     Absent,
+    Centerline,
     Crossing,
     Curve,
     Fit,
@@ -53,6 +55,7 @@ from lariat._native import (
     Trace,
     Tracer,
     Track,
+    Unsure,
     pick,
 )
 from lariat._reader import Reader
@@ -61,9 +64,11 @@ from lariat._seen import NotSeen, Seen
 __all__ = [
     "Absent",
     "BasisName",
+    "Centerline",
     "Crossing",
     "Curve",
     "Fit",
+    "FitName",
     "Fitter",
     "Frame",
     "Fresh",
@@ -92,6 +97,7 @@ __all__ = [
     "Tracer",
     "Track",
     "UnitName",
+    "Unsure",
     "fit",
     "pick",
     "trace",

@@ -19,7 +19,7 @@ class Reader(_native.Reader):
                 match frame.only_rope(max_age=0.05):
                     case lariat.Fresh(rope):
                         robot.steer(rope.shape.point_at(0.5))
-                    case seen:
+                    case seen:  # Partial, Unsure, Lost, Stale, Absent
                         robot.hold(why=str(seen))
 
     It may be opened before the chain runs, and goes on when the chain is started anew: until an image comes, what it has
@@ -34,6 +34,8 @@ class Reader(_native.Reader):
     Args:
         rig: Which camera chain: what it was started with (``--rig NAME``).
         timeout: How long to wait for the next image, s.
+        accept_coarse: A curve that does not lie on the rope is ``Fresh`` all the same: for who compares descriptors, and needs no
+            point of the curve to be on the rope. Otherwise such a rope is ``Unsure``.
 
     Raises:
         ValueError: no such name.

@@ -5,6 +5,7 @@
 //! copied to be looked at. Whatever takes longer than a look lets other Python threads run.
 
 mod along;
+mod centerline;
 mod errors;
 mod fit;
 mod fitting;
@@ -23,6 +24,8 @@ mod way;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
+    use crate::centerline::Centerline;
+    #[pymodule_export]
     use crate::fit::Fit;
     #[pymodule_export]
     use crate::fitting::Fitter;
@@ -35,7 +38,7 @@ mod _native {
     #[pymodule_export]
     use crate::scene::{Crossing, Curve, Notice, Scene};
     #[pymodule_export]
-    use crate::seen::{Absent, Fresh, Lost, Partial, Stale};
+    use crate::seen::{Absent, Fresh, Lost, Partial, Stale, Unsure};
     #[pymodule_export]
     use crate::shape::Shape;
     #[pymodule_export]

@@ -28,12 +28,14 @@ pub(crate) struct Reader {
 #[pymethods]
 impl Reader {
     #[new]
-    #[pyo3(signature = (rig="default", *, timeout=0.1))]
-    fn new(py: Python<'_>, rig: &str, timeout: f64) -> PyResult<Self> {
+    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false))]
+    fn new(py: Python<'_>, rig: &str, timeout: f64, accept_coarse: bool) -> PyResult<Self> {
         let timeout = seconds("timeout", timeout)?;
         let opened = py.detach(|| lariat_wire::Reader::open_in(Domain::open()?, &rig.parse()?));
+        let mut reader = opened.map_err(wire_error)?;
+        reader.accept_coarse(accept_coarse);
         Ok(Self {
-            reader: Mutex::new(Some(opened.map_err(wire_error)?)),
+            reader: Mutex::new(Some(reader)),
             rig: rig.to_owned(),
             timeout,
         })

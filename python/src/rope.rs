@@ -1,10 +1,11 @@
 //! One rope of a frame, and all that its message says of it.
 
+use crate::centerline::Centerline;
 use crate::errors::value_error;
 use crate::frame::Frame;
 use crate::shape::Shape;
 use crate::views;
-use lariat_wire::{Absent, Basis, Descriptor, Seen};
+use lariat_wire::{Absent, Basis, CenterlinePoints, Descriptor, FitQuality, Seen};
 use numpy::PyArray;
 use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
@@ -58,7 +59,7 @@ impl Rope {
 
     pub(crate) fn rope(&self) -> PyResult<lariat_wire::Rope<'_>> {
         match self.seen(Duration::MAX) {
-            Some(Seen::Fresh(rope) | Seen::Partial(rope)) => Ok(rope),
+            Some(Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _)) => Ok(rope),
             Some(Seen::Lost(last) | Seen::Stale(last)) => Ok(last.as_it_was()),
             Some(seen @ Seen::Absent(_)) => Err(value_error(seen)),
             None => Err(value_error(Absent::NoRope)),
@@ -70,6 +71,14 @@ impl Rope {
         let message = self.frame.get().frame().message();
         message
             .and_then(|message| message.curves().get(self.index))
+            .unwrap_or(NONE)
+    }
+
+    pub(crate) fn points(&self) -> &CenterlinePoints {
+        const NONE: &CenterlinePoints = &CenterlinePoints::EMPTY;
+        let message = self.frame.get().frame().message();
+        message
+            .and_then(|message| message.centerlines().get(self.index))
             .unwrap_or(NONE)
     }
 
@@ -103,6 +112,19 @@ impl Rope {
     #[getter]
     fn unit(&self) -> Option<&'static str> {
         self.frame.get().unit()
+    }
+
+    /// The points that its curve was fitted to, with their widths: where the rope was seen, whether the curve lies on them
+    /// or not. `None` if who sent it gives none; `lariat run` always does.
+    #[getter]
+    fn centerline(this: &Bound<'_, Self>) -> Option<Centerline> {
+        Centerline::of_rope(this)
+    }
+
+    /// Whether the curve lies on those points: `"good"`, `"coarse"`, or `"not judged"` by who sent it.
+    #[getter]
+    fn fit(&self) -> Option<&'static str> {
+        self.descriptor().fit().map(FitQuality::name)
     }
 
     /// Its curve: any point of it, its direction, its covariance.

@@ -2,7 +2,7 @@
 
 use crate::frame::Frame;
 use crate::rope::Rope;
-use lariat_wire::Seen;
+use lariat_wire::{Doubt, Seen};
 use pyo3::prelude::*;
 use std::time::Duration;
 
@@ -20,6 +20,10 @@ pub(crate) fn of<'py>(
     Ok(match seen {
         Seen::Fresh(rope) => Bound::new(py, Fresh(sight(&rope)?))?.into_any(),
         Seen::Partial(rope) => Bound::new(py, Partial(sight(&rope)?))?.into_any(),
+        Seen::Unsure(rope, why) => {
+            let sight = sight(&rope)?;
+            Bound::new(py, Unsure { sight, why })?.into_any()
+        }
         Seen::Lost(last) => Bound::new(py, Lost(sight(&last.as_it_was())?))?.into_any(),
         Seen::Stale(last) => Bound::new(py, Stale(sight(&last.as_it_was())?))?.into_any(),
         Seen::Absent(why) => Bound::new(py, Absent(why))?.into_any(),
@@ -115,6 +119,53 @@ impl Partial {
 
     fn __repr__(&self) -> String {
         format!("<lariat.Partial: {}>", self.0.sentence())
+    }
+}
+
+/// A rope, or what looks like one, and why it is not to be steered by as it is.
+#[pyclass(frozen, module = "lariat")]
+pub(crate) struct Unsure {
+    sight: Sight,
+    why: Doubt,
+}
+
+#[pymethods]
+impl Unsure {
+    #[classattr]
+    fn __match_args__() -> (&'static str, &'static str) {
+        ("rope", "why")
+    }
+
+    /// The rope.
+    #[getter]
+    fn rope(&self, py: Python<'_>) -> Py<Rope> {
+        self.sight.rope(py)
+    }
+
+    /// `"coarse"`: the curve does not lie on the rope, but its `centerline` does. `"no-rope"`: it may be a shadow, a pen or
+    /// an edge.
+    #[getter]
+    fn why(&self) -> &'static str {
+        match self.why {
+            Doubt::Coarse => "coarse",
+            // The only other one that this release has.
+            _ => "no-rope",
+        }
+    }
+
+    /// Raises `NotSeen`.
+    #[pyo3(signature = (*, partial=false))]
+    fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
+        let _ = partial;
+        raise(this)
+    }
+
+    fn __str__(&self) -> String {
+        self.sight.sentence()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<lariat.Unsure: {}>", self.sight.sentence())
     }
 }
 

@@ -1,6 +1,7 @@
 //! A rope's curve as a control law asks for it: seen, or predicted.
 
 use crate::along::{NOWHERE, Rho};
+use crate::centerline::{Found, found};
 use crate::errors::value_error;
 use crate::rope::Rope;
 use crate::views;
@@ -83,6 +84,11 @@ impl Shape {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let shape = self.shape()?;
         Ok(rho.vectors(py, |rho| shape.point_at(rho)))
+    }
+
+    /// The point of the curve that is nearest to `point`: its rho, the point, and how far it is away.
+    fn nearest<'py>(&self, py: Python<'py>, point: [f64; 2]) -> PyResult<Found<'py>> {
+        Ok(found(py, self.shape()?.nearest(point)))
     }
 
     /// The velocity by rho: f′(rho).

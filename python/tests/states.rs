@@ -7,8 +7,8 @@ use std::io::BufRead;
 
 use lariat_fit::{Fitter, Options};
 use lariat_wire::{
-    Basis, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Status, Unit, Writer,
-    now_ns,
+    Basis, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, FitQuality, Rig, Status, Unit,
+    Writer, now_ns,
 };
 
 /// From one image to the next.
@@ -55,11 +55,23 @@ fn fill(message: &mut Descriptors, what: &str) -> Result<(), Box<dyn std::error:
     (message.width, message.height, message.unit) = (640, 480, Unit::Pixel as u32);
     message.count = 1;
     message.curves[0] = rope(7)?;
+    // The parabola of its control points, as extraction sees it; its middle is covered.
+    for (k, line) in message.centerlines[..2].iter_mut().enumerate() {
+        line.count = 51;
+        line.set_hidden((0..51).map(|i| i == 25));
+        for i in 0..51 {
+            let x = 2.0 * i as f32;
+            line.points[i] = [x, x * (2.0 - 0.02 * x) + 100.0 * k as f32];
+            line.widths[i] = 9.0 + 0.01 * i as f32;
+        }
+    }
     let rope_0 = &mut message.curves[0];
     match what {
         "whole" => {}
         "partial" => (rope_0.status, rope_0.hidden) = (Status::Partial as u32, 30),
         "lost" => (rope_0.status, rope_0.age_ns) = (Status::Lost as u32, 250_000_000),
+        "coarse" => (rope_0.fit, rope_0.max) = (FitQuality::Coarse as u32, 15.8),
+        "doubtful" => rope_0.status = Status::Doubtful as u32,
         "unfiltered" => rope_0.filtered = 0,
         "points" => rope_0.basis = Basis::FeaturePoints as u32,
         "nonsense" => rope_0.count = 77,

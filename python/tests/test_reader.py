@@ -93,6 +93,63 @@ def test_every_other_case_is_a_type_of_its_own(states: States, reader: lariat.Re
     assert isinstance(stale_empty, lariat.Absent) and stale_empty.why == "unreadable"
 
 
+def test_a_coarse_curve_and_a_doubtful_rope_are_not_fresh(states: States, reader: lariat.Reader) -> None:
+    states.send("coarse")
+    frame = wait_new(reader)
+    match frame.only_rope(ANY_AGE):
+        case lariat.Unsure(rope, "coarse") as seen:
+            pass
+        case seen:
+            pytest.fail(str(seen))
+    assert "misses it by up to 15.8" in str(seen) and "its centerline is right" in str(seen)
+    assert rope.fit == "coarse" and rope.centerline is not None and len(rope.centerline) == 51
+    with pytest.raises(lariat.NotSeen, match="rope 7 misses it"):
+        seen.or_raise(partial=True)
+    assert isinstance(frame.only_rope(0.0), lariat.Stale)
+    with lariat.Reader(accept_coarse=True) as accepts:
+        states.send("coarse")
+        assert wait_new(accepts).only_rope(ANY_AGE).or_raise().fit == "coarse"
+    states.send("doubtful")
+    match wait_new(reader).only_rope(ANY_AGE):
+        case lariat.Unsure(rope, why):
+            assert why == "no-rope" and rope.fit == "not judged"
+        case other:
+            pytest.fail(str(other))
+
+
+def test_the_points_come_with_the_curve_and_are_not_copied(states: States, reader: lariat.Reader) -> None:
+    states.send("two")
+    ropes = [seen.or_raise() for seen in wait_new(reader).ropes(ANY_AGE)]
+    lines = [rope.centerline for rope in ropes]
+    assert lines[0] is not None and lines[1] is not None
+    line = lines[0]
+    x = 2.0 * np.arange(51, dtype=np.float32)
+    parabola = np.stack([x, x * (2.0 - 0.02 * x)], axis=-1)
+    assert line.points.dtype == np.float32 and line.points == pytest.approx(parabola, abs=1e-4)
+    assert lines[1].points[0] == pytest.approx([0.0, 100.0])
+    assert line.widths == pytest.approx(9.0 + 0.01 * np.arange(51))
+    assert not line.closed and np.flatnonzero(line.hidden).tolist() == [25]
+    assert isinstance(line.points.base, lariat.Centerline) and not line.points.flags.writeable
+    assert line.point_at(0.5) == pytest.approx([50.0, 50.0], abs=1e-4)
+    assert line.point_at([0.0, 1.0]) == pytest.approx(line.points[[0, -1]])
+
+
+def test_the_nearest_point_is_the_nearest_of_all(states: States, reader: lariat.Reader) -> None:
+    states.send("whole")
+    rope = wait_new(reader).only_rope(ANY_AGE).or_raise()
+    assert rope.centerline is not None
+    many = np.linspace(0.0, 1.0, 100_001)
+    for point in [(50.0, 80.0), (-3.0, 10.0), (70.0, 20.0)]:
+        for line in (rope.shape, rope.centerline):
+            rho, nearest, distance = line.nearest(point)
+            assert nearest == pytest.approx(line.point_at(rho))
+            assert distance == pytest.approx(np.hypot(*(nearest - point)))
+            assert distance <= np.hypot(*(line.point_at(many) - point).T).min() + 1e-6
+    assert rope.shape.nearest((50.0, 80.0))[2] == pytest.approx(30.0)
+    with pytest.raises((TypeError, ValueError)):
+        rope.shape.nearest((1.0, 2.0, 3.0))  # type: ignore[arg-type]
+
+
 def test_who_does_not_look_gets_an_exception_that_says_what_is_seen(states: States, reader: lariat.Reader) -> None:
     states.send("whole")
     frame = wait_new(reader)

@@ -68,7 +68,7 @@ impl Camera {
         drop(frame);
         let frame = self.reader.latest()?;
         let (seen, control_points) = match frame.only_rope(MAX_AGE) {
-            Seen::Fresh(rope) | Seen::Partial(rope) if wanted => {
+            Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) if wanted => {
                 let shape = rope.shape().ok();
                 let points = shape.map(|shape| shape.points::<DRAWN_POINTS>());
                 (points, rope.control_points())

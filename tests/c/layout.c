@@ -68,7 +68,7 @@ static void read_rope(const lariat_descriptor *rope, uint64_t at) {
 static void read_points(const lariat_centerline *line, uint64_t at) {
     U64(line->count, at);
     U64(line->closed, at + 4);
-    for (uint64_t word = 0; word < LARIAT_MAX_POINTS / 32; word++) U64(line->hidden[word], at + 8 + 4 * word);
+    for (uint64_t word = 0; word < LARIAT_HIDDEN_WORDS; word++) U64(line->hidden[word], at + 8 + 4 * word);
     for (uint64_t i = 0; i < LARIAT_MAX_POINTS; i++) {
         for (uint64_t axis = 0; axis < 2; axis++) DOUBLE(line->points[i][axis], at + 40 + 8 * i + 4 * axis);
         DOUBLE(line->widths[i], at + 2088 + 4 * i);
@@ -96,6 +96,10 @@ int main(void) {
         || lariat_rope_at(reader, 8, UINT64_MAX, &rope) != LARIAT_NO_ROPE
         || lariat_point_at(&message->ropes[0], 0.5, at) != LARIAT_ERROR_UNREADABLE || at[0] == at[0]) {
         printf("what is no rope was taken for one\n");
+        wrong++;
+    }
+    if (lariat_centerline_of(reader, &message->ropes[3]) != &message->centerlines[3]) {
+        printf("a rope's centerline is another's\n");
         wrong++;
     }
     lariat_close(reader);

@@ -35,7 +35,7 @@ static void ask_nothing(void) {
     HOLDS(lariat_point_at(rope.fresh, 0.5, numbers) == LARIAT_ERROR_NULL && isnan(numbers[0]) && isnan(numbers[1]));
     HOLDS(lariat_point_at(NULL, 0.5, NULL) == LARIAT_ERROR_NULL);
     HOLDS(lariat_message(NULL) == NULL && lariat_age_ns(NULL) == UINT64_MAX && lariat_run(NULL) == 0);
-    HOLDS(strlen(lariat_seen_text(LARIAT_STALE)) > 0 && strlen(lariat_seen_text(99)) > 0);
+    HOLDS(strstr(lariat_seen_text(LARIAT_UNSURE), "centerline") != NULL && strlen(lariat_seen_text(99)) > 0);
     lariat_close(NULL);
 }
 
@@ -48,10 +48,12 @@ static void ask_before_the_chain_runs(void) {
     HOLDS(lariat_open("quiet", &reader) == 0);
     HOLDS(lariat_latest(reader) == 0 && lariat_wait(reader, LARIAT_MS) == 0);
     HOLDS(lariat_only_rope(reader, UINT64_MAX, &rope) == LARIAT_NOTHING_YET && rope.seen == LARIAT_NOTHING_YET);
-    HOLDS(rope.fresh == NULL && rope.partial == NULL && rope.last_known == NULL && rope.age_ns == UINT64_MAX);
+    HOLDS(rope.fresh == NULL && rope.partial == NULL && rope.unsure == NULL && rope.last_known == NULL && rope.age_ns == UINT64_MAX);
     HOLDS(lariat_message(reader) == NULL && lariat_run(reader) == 0);
     HOLDS(lariat_fd(reader) >= 0);
     HOLDS(lariat_before_poll(reader, &timeout_ms) == 0 && timeout_ms >= -1 && timeout_ms <= 100);
+    HOLDS(lariat_centerline_of(reader, rope.fresh) == NULL);
+    HOLDS(lariat_accept_coarse(reader, 1) == 0 && lariat_accept_coarse(NULL, 1) == LARIAT_ERROR_NULL);
     HOLDS(lariat_look_for(reader, 0) == 0 && lariat_expect_motion(reader, 500, 0.1) == 0);
     lariat_close(reader);
 }
@@ -59,7 +61,7 @@ static void ask_before_the_chain_runs(void) {
 static void ask_a_curve(void) {
     // The parabola (100 ρ, 100 ρ (1 − ρ)): three Bezier points, each of variance 1, as far as the message says.
     static lariat_descriptor rope;
-    double a[2], matrix[36], shares[3], points[2 * 5], covariance[3];
+    double a[2], matrix[36], shares[3], points[2 * 5], covariance[3], nearest[4];
     rope.basis = LARIAT_BASIS_BEZIER;
     rope.order = 2;
     rope.count = 3;
@@ -75,6 +77,9 @@ static void ask_a_curve(void) {
     HOLDS(lariat_curvature_at(&rope, 0.5, a) == 0 && NEAR(a[0], -0.02));
     HOLDS(lariat_jacobian_at(&rope, 0.5, shares) == 0 && NEAR(shares[0], 0.25) && NEAR(shares[1], 0.5));
     HOLDS(lariat_points(&rope, 5, points) == 0 && NEAR(points[2], 25) && NEAR(points[8], 100) && NEAR(points[9], 0));
+    HOLDS(lariat_nearest(&rope, 50, 35, nearest) == 0 && NEAR(nearest[0], 0.5) && NEAR(nearest[3], 10));
+    HOLDS(NEAR(nearest[1], 50) && NEAR(nearest[2], 25));
+    HOLDS(lariat_nearest(NULL, 50, 35, nearest) == LARIAT_ERROR_NULL && isnan(nearest[3]));
     HOLDS(lariat_covariance_at(&rope, 0, covariance) == 0 && NEAR(covariance[0], 1) && NEAR(covariance[1], 0));
     // The fit's outer control points are surer than the one between them: these are not its own.
     HOLDS(lariat_covariance(&rope, matrix) == 0 && NEAR(matrix[0], 1) && NEAR(matrix[35], 1) && NEAR(matrix[1], 0));
@@ -84,6 +89,23 @@ static void ask_a_curve(void) {
     HOLDS(lariat_point_at(&rope, 0.5, a) == LARIAT_ERROR_NO_CURVE && isnan(a[0]));
 }
 
+static void ask_a_centerline(void) {
+    // Right, then down: three points, 50 apart.
+    static lariat_centerline line;
+    double a[4];
+    line.count = 3;
+    line.points[1][0] = line.points[2][0] = line.points[2][1] = 50;
+    HOLDS(lariat_centerline_point_at(&line, 0.75, a) == 0 && NEAR(a[0], 50) && NEAR(a[1], 25));
+    HOLDS(lariat_centerline_nearest(&line, 60, 25, a) == 0 && NEAR(a[0], 0.75) && NEAR(a[3], 10));
+    HOLDS(NEAR(a[1], 50) && NEAR(a[2], 25));
+    line.closed = 1;
+    HOLDS(lariat_centerline_point_at(&line, 5.0 / 6, a) == 0 && NEAR(a[0], 25) && NEAR(a[1], 25));
+    line.count = 0;
+    HOLDS(lariat_centerline_nearest(&line, 0, 0, a) == LARIAT_ERROR_UNREADABLE && isnan(a[0]) && isnan(a[3]));
+    HOLDS(lariat_centerline_point_at(NULL, 0, a) == LARIAT_ERROR_NULL && isnan(a[0]));
+    HOLDS(lariat_centerline_of(NULL, NULL) == NULL);
+}
+
 int main(void) {
     HOLDS(lariat_abi() == LARIAT_ABI);
     HOLDS(strlen(lariat_version()) >= 5);
@@ -91,6 +113,7 @@ int main(void) {
     ask_nothing();
     ask_before_the_chain_runs();
     ask_a_curve();
+    ask_a_centerline();
     printf("%d wrong\n", wrong);
     return wrong != 0;
 }

@@ -9,7 +9,7 @@
 //             lariat_point_at(rope.fresh, 0.5, at);
 //             steer(at);
 //         } else {
-//             hold(lariat_seen_text(rope.seen)); // covered, lost, stale, absent: it says which
+//             hold(lariat_seen_text(rope.seen)); // covered, unsure, lost, stale, absent: it says which
 //         }
 //     }
 //
@@ -17,9 +17,10 @@
 // anew. Coordinates are pixels of the image (x right, y down), or the message's unit. Times are nanoseconds of
 // CLOCK_MONOTONIC. The curve is f(rho), rho from 0 at the rope's first end to 1 at its last.
 //
-// **Wrong shapes.** A rope's shape is behind one of three pointers: `fresh` is the rope as it is, `partial` has a covered
-// part that was bridged, `last_known` is where it was when it was seen last. The other two are NULL. What is asked of NULL is
-// an error and NaN, never a number to steer by.
+// **Wrong shapes.** A rope's shape is behind one of four pointers: `fresh` is the rope as it is, `partial` has a covered
+// part that was bridged, `unsure` has a curve that misses it or may be no rope, `last_known` is where it was when it was seen
+// last. The others are NULL. What is asked of NULL is an error and NaN, never a number to steer by. The points where a rope was
+// seen are its centerline, which is right where the curve is not: lariat_centerline_of.
 //
 // **Memory.** What these pointers show lies in shared memory, and stays until the next lariat_latest, lariat_wait or
 // lariat_close of that reader. Copy what you want to keep: all structs are plain. Nothing is to be freed but readers, by
@@ -103,6 +104,9 @@
 // Most points of one rope's centerline.
 #define LARIAT_MAX_POINTS 256
 
+// Words of 32 bits that have a bit for each of them.
+#define LARIAT_HIDDEN_WORDS 8
+
 // The rope is seen whole (lariat_descriptor.status).
 #define LARIAT_STATUS_OK 1
 
@@ -177,37 +181,36 @@ typedef enum lariat_seen {
   LARIAT_OTHER_RUN = 10,
   // Its numbers make no rope. A chain of this release sends none such.
   LARIAT_UNREADABLE = 11,
+  // A rope, or what looks like one, but its curve does not lie on it, or it may be no rope: `doubt` says which.
+  LARIAT_UNSURE = 12,
 } lariat_seen;
 
-// The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
-typedef struct lariat_centerline lariat_centerline;
+// Why a rope is LARIAT_UNSURE.
+typedef enum lariat_doubt {
+  // It is not.
+  LARIAT_DOUBT_NONE = 0,
+  // The curve does not lie on the rope. The centerline does: lariat_centerline_of.
+  LARIAT_DOUBT_COARSE = 1,
+  // It is seen whole, but what is seen may be no rope: a shadow, a pen, an edge.
+  LARIAT_DOUBT_NO_ROPE = 2,
+} lariat_doubt;
 
 // A control loop's end of a rig.
 typedef struct lariat_reader lariat_reader;
 
-// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
-typedef struct lariat_trace {
-  // The source's own frame number, from 1.
-  uint64_t sequence;
-  // How many frames capture has sent, this one included.
-  uint64_t captured;
-  // How many extract has sent.
-  uint64_t extracted;
-  // How many fit has sent.
-  uint64_t fitted;
-  // When the image was taken.
-  uint64_t exposed_ns;
-  // When capture had the frame ready to send.
-  uint64_t captured_ns;
-  // When extract began.
-  uint64_t extract_started_ns;
-  // When extract had its result ready to send.
-  uint64_t extracted_ns;
-  // When fit began.
-  uint64_t fit_started_ns;
-  // When fit had its result ready to send.
-  uint64_t fitted_ns;
-} lariat_trace;
+// The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
+typedef struct lariat_centerline {
+  // How many points are meant; 0 if the writer has none to give.
+  uint32_t count;
+  // 1 if the rope is closed: the last point is followed by the first.
+  uint32_t closed;
+  // Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+  uint32_t hidden[LARIAT_HIDDEN_WORDS];
+  // x, y of each.
+  float points[LARIAT_MAX_POINTS][2];
+  // The rope's width at each.
+  float widths[LARIAT_MAX_POINTS];
+} lariat_centerline;
 
 // One rope's shape as a few control points, in the message's unit.
 typedef struct lariat_descriptor {
@@ -261,6 +264,30 @@ typedef struct lariat_descriptor {
   double knots[LARIAT_MAX_CONTROL_POINTS];
 } lariat_descriptor;
 
+// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
+typedef struct lariat_trace {
+  // The source's own frame number, from 1.
+  uint64_t sequence;
+  // How many frames capture has sent, this one included.
+  uint64_t captured;
+  // How many extract has sent.
+  uint64_t extracted;
+  // How many fit has sent.
+  uint64_t fitted;
+  // When the image was taken.
+  uint64_t exposed_ns;
+  // When capture had the frame ready to send.
+  uint64_t captured_ns;
+  // When extract began.
+  uint64_t extract_started_ns;
+  // When extract had its result ready to send.
+  uint64_t extracted_ns;
+  // When fit began.
+  uint64_t fit_started_ns;
+  // When fit had its result ready to send.
+  uint64_t fitted_ns;
+} lariat_trace;
+
 // What the chain says of one frame.
 typedef struct lariat_descriptors {
   // The frame's whole way.
@@ -291,14 +318,16 @@ typedef struct lariat_track {
 
 // A rope, and what is known of it.
 typedef struct lariat_rope {
-  // What is known of it: which of the three pointers there is.
+  // What is known of it: which of the four pointers there is.
   enum lariat_seen seen;
-  // 0.
-  uint32_t reserved;
+  // LARIAT_UNSURE: why.
+  enum lariat_doubt doubt;
   // LARIAT_FRESH: the rope as it is. Else NULL.
   const struct lariat_descriptor *fresh;
   // LARIAT_PARTIAL: the rope with a covered part. Else NULL.
   const struct lariat_descriptor *partial;
+  // LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none. Else NULL.
+  const struct lariat_descriptor *unsure;
   // LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
   const struct lariat_descriptor *last_known;
   // Which rope it is: give it to lariat_rope_of_track to have the same one again.
@@ -312,6 +341,28 @@ typedef struct lariat_rope {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+// The centerline of a rope of the frame that was looked at last: `rope` is `fresh`, `partial`, `unsure` or `last_known`, one of
+// the message's own, or NULL. It stays as long as the rope does.
+//
+// Returns NULL if the rope is NULL or of no such frame, and if the writer gives no points (lariat run always does).
+LARIAT_MUST_USE
+const struct lariat_centerline *lariat_centerline_of(const struct lariat_reader *reader,
+                                                     const struct lariat_descriptor *rope);
+
+// The point of the centerline at `rho`, on the straight line between its two neighbours: `xy` is two numbers.
+//
+// This and the next return 0, or an error; the answer is NaN then.
+int lariat_centerline_point_at(const struct lariat_centerline *line,
+                               double rho,
+                               double *xy);
+
+// The point of the centerline that is nearest to (x, y): `nearest` is four numbers, its rho, its x and y, and how far it is
+// away.
+int lariat_centerline_nearest(const struct lariat_centerline *line,
+                              double x,
+                              double y,
+                              double *nearest);
 
 // What went wrong last in this thread, as a sentence that says what to do; empty if nothing did. It stays until the next
 // error in this thread.
@@ -376,6 +427,13 @@ int lariat_before_poll(struct lariat_reader *reader,
 // Returns 0, or an error.
 int lariat_look_for(struct lariat_reader *reader,
                     uint64_t time_ns);
+
+// Whether a coarse curve is LARIAT_FRESH, or LARIAT_PARTIAL, like another (1), for a loop that compares descriptors and needs no
+// point of the curve to lie on the rope; or LARIAT_UNSURE (0), as from the start.
+//
+// Returns 0, or an error.
+int lariat_accept_coarse(struct lariat_reader *reader,
+                         int accept);
 
 // How ropes are taken to move, for lariat_predict: the standard deviation of a point's acceleration along each axis, in
 // units/s² (`acceleration_px_s2` in the chain's settings), and how long one lasts, in s. From the start 1000 and 0.1, the
@@ -444,6 +502,12 @@ int lariat_predict(const struct lariat_reader *reader,
 //
 // This and all that follow return 0, or an error; the answer is NaN then.
 int lariat_point_at(const struct lariat_descriptor *rope, double rho, double *xy);
+
+// The point of the curve that is nearest to (x, y): `nearest` is four numbers, its rho, its x and y, and how far it is away.
+int lariat_nearest(const struct lariat_descriptor *rope,
+                   double x,
+                   double y,
+                   double *nearest);
 
 // `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xy` is
 // `2 * count` numbers.

@@ -10,12 +10,14 @@
     reason = "what C has to vouch for is the same for all functions, and stands at the head of lariat.h"
 )]
 
+mod centerline;
 mod error;
 mod message;
 mod reader;
 mod rope;
 mod shape;
 
+pub use centerline::*;
 pub use error::*;
 pub use message::*;
 pub use reader::*;

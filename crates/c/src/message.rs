@@ -10,6 +10,8 @@ pub const LARIAT_MAX_ROPES: usize = 8;
 pub const LARIAT_MAX_CONTROL_POINTS: usize = 32;
 /// Most points of one rope's centerline.
 pub const LARIAT_MAX_POINTS: usize = 256;
+/// Words of 32 bits that have a bit for each of them.
+pub const LARIAT_HIDDEN_WORDS: usize = 8;
 
 /// The rope is seen whole (lariat_descriptor.status).
 pub const LARIAT_STATUS_OK: u32 = 1;
@@ -136,7 +138,7 @@ pub struct lariat_centerline {
     /// 1 if the rope is closed: the last point is followed by the first.
     pub closed: u32,
     /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
-    pub hidden: [u32; LARIAT_MAX_POINTS / 32],
+    pub hidden: [u32; LARIAT_HIDDEN_WORDS],
     /// x, y of each.
     pub points: [[f32; 2]; LARIAT_MAX_POINTS],
     /// The rope's width at each.

@@ -150,6 +150,18 @@ pub unsafe extern "C" fn lariat_look_for(reader: *mut lariat_reader, time_ns: u6
     })
 }
 
+/// Whether a coarse curve is LARIAT_FRESH, or LARIAT_PARTIAL, like another (1), for a loop that compares descriptors and needs no
+/// point of the curve to lie on the rope; or LARIAT_UNSURE (0), as from the start.
+///
+/// Returns 0, or an error.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lariat_accept_coarse(reader: *mut lariat_reader, accept: c_int) -> c_int {
+    answer(|| {
+        given(reader)?.reader.accept_coarse(accept != 0);
+        Ok(0)
+    })
+}
+
 /// How ropes are taken to move, for lariat_predict: the standard deviation of a point's acceleration along each axis, in
 /// units/s² (`acceleration_px_s2` in the chain's settings), and how long one lasts, in s. From the start 1000 and 0.1, the
 /// chain's own in pixels.

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 use std::time::Duration;
 
-use lariat_wire::{Absent, Descriptor, Frame, Rope, Seen, Track};
+use lariat_wire::{Absent, Descriptor, Doubt, Frame, Rope, Seen, Track};
 
 use crate::error::{Failure, LARIAT_ERROR_NO_ROPE, answer};
 use crate::message::lariat_descriptor;
@@ -40,8 +40,23 @@ pub enum lariat_seen {
     LARIAT_OTHER_RUN = 10,
     /// Its numbers make no rope. A chain of this release sends none such.
     LARIAT_UNREADABLE = 11,
+    /// A rope, or what looks like one, but its curve does not lie on it, or it may be no rope: `doubt` says which.
+    LARIAT_UNSURE = 12,
 }
 
+/// Why a rope is LARIAT_UNSURE.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum lariat_doubt {
+    /// It is not.
+    LARIAT_DOUBT_NONE = 0,
+    /// The curve does not lie on the rope. The centerline does: lariat_centerline_of.
+    LARIAT_DOUBT_COARSE = 1,
+    /// It is seen whole, but what is seen may be no rope: a shadow, a pen, an edge.
+    LARIAT_DOUBT_NO_ROPE = 2,
+}
+
+use lariat_doubt::*;
 use lariat_seen::*;
 
 /// Which rope: its number, and the run of the chain that gave it. A chain that is started anew numbers its ropes anew.
@@ -60,14 +75,16 @@ pub struct lariat_track {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_rope {
-    /// What is known of it: which of the three pointers there is.
+    /// What is known of it: which of the four pointers there is.
     pub seen: lariat_seen,
-    /// 0.
-    pub reserved: u32,
+    /// LARIAT_UNSURE: why.
+    pub doubt: lariat_doubt,
     /// LARIAT_FRESH: the rope as it is. Else NULL.
     pub fresh: *const lariat_descriptor,
     /// LARIAT_PARTIAL: the rope with a covered part. Else NULL.
     pub partial: *const lariat_descriptor,
+    /// LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none. Else NULL.
+    pub unsure: *const lariat_descriptor,
     /// LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
     pub last_known: *const lariat_descriptor,
     /// Which rope it is: give it to lariat_rope_of_track to have the same one again.
@@ -82,9 +99,10 @@ impl lariat_rope {
     fn without(seen: lariat_seen) -> Self {
         Self {
             seen,
-            reserved: 0,
+            doubt: LARIAT_DOUBT_NONE,
             fresh: ptr::null(),
             partial: ptr::null(),
+            unsure: ptr::null(),
             last_known: ptr::null(),
             track: lariat_track {
                 run: 0,
@@ -97,9 +115,15 @@ impl lariat_rope {
     }
 
     fn of(seen: Seen) -> Self {
+        let doubt = match seen {
+            Seen::Unsure(_, Doubt::Coarse) => LARIAT_DOUBT_COARSE,
+            Seen::Unsure(..) => LARIAT_DOUBT_NO_ROPE,
+            _ => LARIAT_DOUBT_NONE,
+        };
         let (seen, rope) = match seen {
             Seen::Fresh(rope) => (LARIAT_FRESH, rope),
             Seen::Partial(rope) => (LARIAT_PARTIAL, rope),
+            Seen::Unsure(rope, _) => (LARIAT_UNSURE, rope),
             Seen::Lost(last) => (LARIAT_LOST, last.as_it_was()),
             Seen::Stale(last) => (LARIAT_STALE, last.as_it_was()),
             Seen::Absent(why) => return Self::without(absent(why)),
@@ -109,9 +133,10 @@ impl lariat_rope {
         let only = |case: bool| if case { descriptor } else { ptr::null() };
         Self {
             seen,
-            reserved: 0,
+            doubt,
             fresh: only(seen == LARIAT_FRESH),
             partial: only(seen == LARIAT_PARTIAL),
+            unsure: only(seen == LARIAT_UNSURE),
             last_known: only(matches!(seen, LARIAT_LOST | LARIAT_STALE)),
             track: lariat_track {
                 run: rope.track().run(),
@@ -209,7 +234,7 @@ pub unsafe extern "C" fn lariat_rope_at(
 #[must_use]
 pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
     // A number, as C's enumerations hold any.
-    const ALL: [lariat_seen; 12] = [
+    const ALL: [lariat_seen; 13] = [
         LARIAT_NO_READER,
         LARIAT_FRESH,
         LARIAT_PARTIAL,
@@ -222,6 +247,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         LARIAT_SEVERAL,
         LARIAT_OTHER_RUN,
         LARIAT_UNREADABLE,
+        LARIAT_UNSURE,
     ];
     let known = ALL.into_iter().find(|known| *known as c_int == seen);
     let Some(known) = known else {
@@ -231,6 +257,9 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         LARIAT_NO_READER => c"the reader or the place for the rope is NULL",
         LARIAT_FRESH => c"the rope is seen whole",
         LARIAT_PARTIAL => c"a part of the rope is covered",
+        LARIAT_UNSURE => {
+            c"the curve does not lie on the rope, but its centerline does; or it may be no rope"
+        }
         LARIAT_LOST => c"the rope is out of sight",
         LARIAT_STALE => c"the last image of the rope is too old",
         LARIAT_NOTHING_YET => c"nothing came yet: the chain does not run, or has just been joined",
@@ -269,7 +298,7 @@ pub unsafe extern "C" fn lariat_predict(
         let track = Track::new(track.run, track.number);
         let seen = shown(reader)?.reader.frame().rope(track, Duration::MAX);
         let rope: Rope = match seen {
-            Seen::Fresh(rope) | Seen::Partial(rope) => rope,
+            Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) => rope,
             Seen::Lost(last) | Seen::Stale(last) => last.as_it_was(),
             Seen::Absent(why) => return Err(Failure::new(LARIAT_ERROR_NO_ROPE, why.to_string())),
         };

@@ -4,7 +4,7 @@
 use std::ffi::c_int;
 use std::slice;
 
-use lariat_wire::{Descriptor, Shape};
+use lariat_wire::{Descriptor, Nearest, Shape};
 
 use crate::error::{Failure, LARIAT_ERROR_NO_DIRECTION, answer};
 use crate::message::lariat_descriptor;
@@ -19,7 +19,7 @@ fn curve<'a>(rope: *const lariat_descriptor) -> Result<Shape<'a>, Failure> {
 }
 
 /// The place for an answer, filled with NaN until there is one.
-fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64], Failure> {
+pub(crate) fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64], Failure> {
     if numbers.is_null() {
         return Err(Failure::null("the place for the answer"));
     }
@@ -48,6 +48,12 @@ fn evaluate<const N: usize>(
     })
 }
 
+/// A nearest point as C has it.
+pub(crate) fn numbers(nearest: Nearest) -> [f64; 4] {
+    let [x, y] = nearest.point;
+    [nearest.rho, x, y, nearest.distance]
+}
+
 /// The point of the curve at `rho`: `xy` is two numbers.
 ///
 /// This and all that follow return 0, or an error; the answer is NaN then.
@@ -58,6 +64,17 @@ pub unsafe extern "C" fn lariat_point_at(
     xy: *mut f64,
 ) -> c_int {
     evaluate(rope, xy, |curve| Some(curve.point_at(rho)))
+}
+
+/// The point of the curve that is nearest to (x, y): `nearest` is four numbers, its rho, its x and y, and how far it is away.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lariat_nearest(
+    rope: *const lariat_descriptor,
+    x: f64,
+    y: f64,
+    nearest: *mut f64,
+) -> c_int {
+    evaluate(rope, nearest, |curve| Some(numbers(curve.nearest([x, y]))))
 }
 
 /// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xy` is

@@ -10,7 +10,7 @@
 //!         let frame = reader.wait(Instant::now() + Duration::from_millis(50))?;
 //!         match frame.only_rope(Duration::from_millis(100)) {
 //!             Seen::Fresh(rope) => steer(rope.shape()?.point_at(0.5)),
-//!             seen => hold(&seen), // covered, lost, stale, absent: it says which
+//!             seen => hold(&seen), // covered, unsure, lost, stale, absent: it says which
 //!         }
 //!     }
 //! }
@@ -24,18 +24,19 @@
 //! message, where it lies in shared memory, and how old its image is *now*.
 //!
 //! Of a frame a loop asks [the only rope](Frame::only_rope), or [the rope of a track](Frame::rope), and says how old the
-//! image may be. The answer is a [`Seen`], and only its first case is the rope as it is. A covered, a lost or an old shape
-//! has to be taken by its name, and a rope of a chain that was started anew is never taken for one of before.
+//! image may be. The answer is a [`Seen`], and only its first case is the rope as it is. A covered, a doubtful, a lost or an old
+//! shape has to be taken by its name, and a rope of a chain that was started anew is never taken for one of before.
 //!
-//! A [`Rope`] has its [control points](Rope::control_points), its [age](Rope::age), a [prediction](Rope::predict) of where
+//! A [`Rope`] has its [centerline](Rope::centerline), the points where it was seen, with widths; its [control
+//! points](Rope::control_points), its [age](Rope::age), a [prediction](Rope::predict) of where
 //! it will be when the robot moves, and its [`Shape`]: the curve `f(ρ)` with points, directions, bends,
 //! [`Jacobian`](Shape::jacobian_at) and [`Covariance`]. Coordinates are pixels of the image, x to the right and y down, or
 //! the [`Unit`] that the chain was asked for.
 //!
 //! | a control loop has | |
 //! |---|---|
-//! | [`Reader`], [`Frame`], [`Seen`], [`LastKnown`], [`Absent`] | what is known now, and how sure it is that this is the rope |
-//! | [`Rope`], [`Track`], [`Shape`], [`Covariance`], [`Prediction`], [`Motion`] | what a control law asks of it |
+//! | [`Reader`], [`Frame`], [`Seen`], [`Doubt`], [`LastKnown`], [`Absent`] | what is known now, and how sure it is that this is the rope |
+//! | [`Rope`], [`Track`], [`Centerline`], [`Shape`], [`Covariance`], [`Prediction`], [`Motion`] | what a control law asks of it |
 //! | [`Descriptors`], [`Descriptor`], [`Trace`] | the message itself, as it lies in shared memory |
 //! | [`WireError`], [`NoShape`], [`NoPrediction`] | what can go wrong, in sentences that say what to do |
 //!
@@ -49,6 +50,7 @@
 //! opens a [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the [`Channel`]s of a [`Rig`]. This crate is the only one
 //! that knows the transport (iceoryx2).
 
+mod centerline;
 mod channel;
 mod clock;
 mod codes;
@@ -75,6 +77,7 @@ mod shape;
 mod survey;
 mod writer;
 
+pub use centerline::Centerline;
 pub use channel::{
     CENTERLINES, COMMANDS, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH,
 };
@@ -94,7 +97,7 @@ pub use receiver::{Message, Receiver, Woken, sleep_for_any};
 pub use relay::{RelayMessage, RelayReceiver, RelaySender};
 pub use rope::{FARTHEST, Motion, NoPrediction, Prediction, Rope, Track};
 pub use roster::{Announcement, Member, members};
-pub use seen::{Absent, LastKnown, Seen};
-pub use shape::{Covariance, Jacobian, NoShape, Shape};
+pub use seen::{Absent, Doubt, LastKnown, Seen};
+pub use shape::{Covariance, Jacobian, Nearest, NoShape, Shape};
 pub use survey::{ChannelEnds, ChannelState, ChannelWriter};
 pub use writer::{Slot, Writer};

@@ -27,6 +27,7 @@ pub struct Reader {
     _domain: Domain,
     runs: Runs,
     motion: Motion,
+    coarse: bool,
 }
 
 // SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
@@ -68,6 +69,7 @@ impl Reader {
             _domain: domain,
             runs: Runs::default(),
             motion: Motion::default(),
+            coarse: false,
         })
     }
 
@@ -149,6 +151,13 @@ impl Reader {
         self.motion = motion;
     }
 
+    /// Whether a coarse curve is [`Fresh`](crate::Seen::Fresh), or `Partial`, like another: for a loop that compares descriptors
+    /// of one kind, as with few control points on purpose, and needs none of them to lie on the rope. From the start not: it is
+    /// [`Unsure`](crate::Seen::Unsure) then.
+    pub fn accept_coarse(&mut self, accept: bool) {
+        self.coarse = accept;
+    }
+
     /// Takes up the newest message; `false` if nothing came.
     fn take(&mut self) -> Result<bool, WireError> {
         let mut is_new = false;
@@ -174,6 +183,7 @@ impl Reader {
             unit: message.and_then(Descriptors::unit),
             period_s: self.runs.period_s(),
             motion: self.motion,
+            coarse: self.coarse,
         };
         Frame::new(message, moment, is_new)
     }

@@ -6,7 +6,9 @@ use std::time::Duration;
 use thiserror::Error;
 
 use crate::shape::Growth;
-use crate::{Descriptor, MAX_CONTROL_POINTS, NoShape, Shape, Unit};
+use crate::{
+    Centerline, CenterlinePoints, Descriptor, FitQuality, MAX_CONTROL_POINTS, NoShape, Shape, Unit,
+};
 
 /// Which rope: its number, which it keeps from frame to frame, and the run of the chain that gave it.
 ///
@@ -72,6 +74,8 @@ pub(crate) struct Moment {
     /// From image to image, s; `None` before the second.
     pub(crate) period_s: Option<f64>,
     pub(crate) motion: Motion,
+    /// Whether a coarse curve is as good as another.
+    pub(crate) coarse: bool,
 }
 
 /// A rope, as it was when its image was taken. It borrows the message in shared memory from the reader: copy what is to
@@ -79,12 +83,21 @@ pub(crate) struct Moment {
 #[derive(Debug, Clone, Copy)]
 pub struct Rope<'a> {
     descriptor: &'a Descriptor,
+    points: &'a CenterlinePoints,
     moment: Moment,
 }
 
 impl<'a> Rope<'a> {
-    pub(crate) fn new(descriptor: &'a Descriptor, moment: Moment) -> Self {
-        Self { descriptor, moment }
+    pub(crate) fn new(
+        descriptor: &'a Descriptor,
+        points: &'a CenterlinePoints,
+        moment: Moment,
+    ) -> Self {
+        Self {
+            descriptor,
+            points,
+            moment,
+        }
     }
 
     /// Which rope it is: give it to [`Frame::rope`](crate::Frame::rope) to have the same one again.
@@ -111,6 +124,17 @@ impl<'a> Rope<'a> {
     /// What it is measured in; `None` for a unit that this version does not know.
     pub fn unit(&self) -> Option<Unit> {
         self.moment.unit
+    }
+
+    /// The points that its curve was fitted to: where it was seen, whether the curve lies on them or not, and of points and
+    /// center too. `None` if who describes it sends none; lariat's own chain always does.
+    pub fn centerline(&self) -> Option<Centerline<'a>> {
+        Centerline::of(self.points)
+    }
+
+    /// Whether the curve lies on those points; `None` for a number that this version does not know.
+    pub fn fit(&self) -> Option<FitQuality> {
+        self.descriptor.fit()
     }
 
     /// Its curve.

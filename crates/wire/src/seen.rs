@@ -7,11 +7,11 @@ use thiserror::Error;
 
 use crate::Rope;
 use crate::rope::Moment;
-use crate::{Descriptor, NoShape, Shape, Status};
+use crate::{CenterlinePoints, Descriptor, FitQuality, NoShape, Shape, Status};
 
 /// What is known of a rope.
 ///
-/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, and in an image no older than was asked for. Each other case
+/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, in an image no older than was asked for, and under its curve. Each other case
 /// has to be taken by its name before there is a shape, so that no wrong one is taken for right:
 ///
 /// ```
@@ -21,7 +21,7 @@ use crate::{Descriptor, NoShape, Shape, Status};
 /// match seen {
 ///     Seen::Fresh(rope) => steer(rope.shape()?.point_at(0.5)),
 ///     Seen::Partial(rope) => creep(rope.shape()?.point_at(0.5)),
-///     Seen::Lost(_) | Seen::Stale(_) | Seen::Absent(_) => hold(&seen),
+///     Seen::Unsure(..) | Seen::Lost(_) | Seen::Stale(_) | Seen::Absent(_) => hold(&seen),
 /// }
 /// # Ok(())
 /// # }
@@ -34,6 +34,8 @@ pub enum Seen<'a> {
     /// The rope, but a part of it is covered by something: that part is bridged by what was seen on its two sides, and
     /// where it was before.
     Partial(Rope<'a>),
+    /// A rope, or what looks like one, and why it is not to be steered by as it is.
+    Unsure(Rope<'a>, Doubt),
     /// The image is fresh, and the rope is not in it; or the camera gives no image. This is where it was.
     Lost(LastKnown<'a>),
     /// The image is older than was asked for: the chain stands still, or is too slow, or has ended. This is where it was.
@@ -44,20 +46,30 @@ pub enum Seen<'a> {
 
 impl<'a> Seen<'a> {
     /// What a message says of a rope.
-    pub(crate) fn of(descriptor: &'a Descriptor, moment: Moment, max_age: Duration) -> Self {
+    pub(crate) fn of(
+        (descriptor, points): (&'a Descriptor, &'a CenterlinePoints),
+        moment: Moment,
+        max_age: Duration,
+    ) -> Self {
         // Every number in shared memory is somebody else's.
         if Shape::of(descriptor).is_err_and(|cause| cause == NoShape::Unreadable) {
             return Self::Absent(Absent::Unreadable);
         }
-        let rope = Rope::new(descriptor, moment);
+        let (Some(status), Some(fit)) = (descriptor.status(), descriptor.fit()) else {
+            return Self::Absent(Absent::Unreadable);
+        };
+        let rope = Rope::new(descriptor, points, moment);
         let image_age = moment.now_ns.saturating_sub(moment.exposed_ns);
         let is_stale = u128::from(image_age) > max_age.as_nanos();
-        match descriptor.status() {
-            None => Self::Absent(Absent::Unreadable),
-            Some(_) if is_stale => Self::Stale(LastKnown(rope)),
-            Some(Status::Ok) => Self::Fresh(rope),
-            Some(Status::Partial | Status::Doubtful) => Self::Partial(rope),
-            Some(Status::Lost) => Self::Lost(LastKnown(rope)),
+        let is_coarse = fit == FitQuality::Coarse && !moment.coarse;
+        match status {
+            _ if is_stale => Self::Stale(LastKnown(rope)),
+            Status::Lost => Self::Lost(LastKnown(rope)),
+            Status::Doubtful => Self::Unsure(rope, Doubt::NoRope),
+            // What is bridged is not seen, what a coarse curve misses is: so that comes first.
+            Status::Ok | Status::Partial if is_coarse => Self::Unsure(rope, Doubt::Coarse),
+            Status::Ok => Self::Fresh(rope),
+            Status::Partial => Self::Partial(rope),
         }
     }
 }
@@ -71,6 +83,16 @@ impl fmt::Display for Seen<'_> {
                 let hidden = 100.0 * rope.hidden();
                 write!(f, "{hidden:.0} % of rope {} is covered", rope.track())
             }
+            Self::Unsure(rope, Doubt::Coarse) => {
+                let Descriptor { max, width, .. } = rope.descriptor();
+                write!(
+                    f,
+                    "the curve of rope {} misses it by up to {max:.1}, where it is {width:.1} wide: its centerline is right, and \
+                     `lariat run --basis auto` finds a curve that lies on it",
+                    rope.track()
+                )
+            }
+            Self::Unsure(rope, why) => write!(f, "rope {} is doubtful: {why}", rope.track()),
             Self::Lost(last) => write!(
                 f,
                 "rope {} is out of sight since {} ms",
@@ -86,6 +108,20 @@ impl fmt::Display for Seen<'_> {
             Self::Absent(why) => why.fmt(f),
         }
     }
+}
+
+/// Why a rope that is seen is not to be steered by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// The curve does not lie on the rope, as one with too few control points for its bends. The
+    /// [centerline](Rope::centerline) does. A loop that wants such a curve all the same says so:
+    /// [`Reader::accept_coarse`](crate::Reader::accept_coarse).
+    #[error("the curve does not lie on the rope, but its centerline does")]
+    Coarse,
+    /// It is seen whole, but what is seen may be no rope.
+    #[error("it may be no rope, but a shadow, a pen or an edge")]
+    NoRope,
 }
 
 /// A shape that a rope had, and may have no more.

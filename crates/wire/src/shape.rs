@@ -5,11 +5,13 @@ mod covariance;
 mod form;
 mod growth;
 mod inverse;
+mod nearest;
 mod rows;
 
 pub use covariance::Covariance;
 pub use form::NoShape;
 pub(crate) use growth::Growth;
+pub use nearest::Nearest;
 
 use std::ops::Deref;
 
@@ -83,6 +85,11 @@ impl<'a> Shape<'a> {
     pub fn point_at(&self, rho: f64) -> [f64; 2] {
         let [point] = self.jet(rho);
         point
+    }
+
+    /// The point of the curve that is nearest to `point`: of ρ from 0 to 1.
+    pub fn nearest(&self, point: [f64; 2]) -> Nearest {
+        nearest::nearest(self, point)
     }
 
     /// `N` points of the curve at even steps of ρ: from its first end to its last, or once around a closed one.

@@ -41,7 +41,11 @@ fn control(reader: &mut Reader, deadline: Option<Instant>) -> f64 {
     let shape = rope.shape().expect("a curve");
     let ahead = rope.predict(rope.exposed_ns() + 10_000_000);
     let ahead = ahead.map_or(0.0, |ahead| ahead.shape().covariance_at(0.5)[0]);
+    let line = rope.centerline().expect("it has points");
     shape.point_at(0.5)[0]
+        + shape.nearest([3.0, 4.0]).distance
+        + line.point_at(0.5)[0]
+        + line.nearest([3.0, 4.0]).rho
         + shape.tangent_at(0.5).map_or(0.0, |t| t[0])
         + shape.curvature_at(0.5).unwrap_or(0.0)
         + shape.jacobian_at(0.5)[0]
@@ -76,6 +80,8 @@ fn an_open_reader_allocates_nothing() {
             rope.velocities[j] = [1.0, 2.0];
             rope.covariances[j] = [0.1, 0.0, 0.1];
         }
+        let line = &mut slot.centerlines[0];
+        (line.count, line.points[1]) = (2, [3.0, 4.0]);
         slot.send().expect("sent");
         // The transport's own box of a message that is sent does not count.
         COUNT.with(|count| before = count.get());

@@ -79,6 +79,9 @@ impl Chain {
         slot.unit = Unit::Pixel as u32;
         slot.count = ropes.len() as u32;
         slot.curves[..ropes.len()].copy_from_slice(ropes);
+        for (points, rope) in slot.centerlines.iter_mut().zip(ropes) {
+            *points = points_of(rope);
+        }
         slot.send().expect("sent");
     }
 }
@@ -90,6 +93,18 @@ fn rope(track: u32, status: Status, x: f64) -> Descriptor {
     (rope.order, rope.count, rope.samples) = (1, 2, 120);
     rope.control_points[..2].copy_from_slice(&[[x, 0.0], [x, 100.0]]);
     rope
+}
+
+/// Its three points, of which the last is covered.
+fn points_of(rope: &Descriptor) -> CenterlinePoints {
+    let mut points = CenterlinePoints::EMPTY;
+    points.count = 3;
+    for i in 0..3 {
+        points.points[i] = [rope.control_points[0][0] as f32, 50.0 * i as f32];
+        points.widths[i] = 10.0 + i as f32;
+    }
+    points.set_hidden([false, false, true]);
+    points
 }
 
 fn x_of(rope: &Rope) -> f64 {
@@ -200,6 +215,106 @@ fn a_covered_and_a_lost_rope_are_other_things_than_a_rope() {
         Seen::Lost(last) => assert!(last.age() >= Duration::from_secs(2)),
         other => panic!("{other}"),
     }
+}
+
+/// What a reader says of a rope with this status and fit.
+fn seen_as(place: &Place, accept: bool, status: Status, fit: u32) -> String {
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    reader.accept_coarse(accept);
+    let mut sent = rope(1, status, 5.0);
+    (sent.fit, sent.max, sent.width) = (fit, 15.84, 18.0);
+    chain.send(&[sent]);
+    match reader.latest().unwrap().only_rope(ANY_AGE) {
+        Seen::Fresh(_) => "fresh".to_owned(),
+        Seen::Partial(_) => "partial".to_owned(),
+        Seen::Unsure(_, why) => format!("{why:?}"),
+        other => other.to_string(),
+    }
+}
+
+#[test]
+fn a_coarse_curve_is_not_fresh_and_a_loop_that_accepts_it_gets_it() {
+    let place = Place::new("coarse");
+    let [unjudged, good, coarse] =
+        [FitQuality::NotJudged, FitQuality::Good, FitQuality::Coarse].map(|fit| fit as u32);
+    for (accept, status, fit, expected) in [
+        // A writer that does not judge is trusted.
+        (false, Status::Ok, unjudged, "fresh"),
+        (false, Status::Ok, good, "fresh"),
+        (false, Status::Partial, good, "partial"),
+        (false, Status::Ok, coarse, "Coarse"),
+        (false, Status::Partial, coarse, "Coarse"),
+        (true, Status::Ok, coarse, "fresh"),
+        (true, Status::Partial, coarse, "partial"),
+        // Whether it is a rope is another question than whether its curve lies on it.
+        (false, Status::Doubtful, good, "NoRope"),
+        (false, Status::Doubtful, coarse, "NoRope"),
+        (true, Status::Doubtful, good, "NoRope"),
+        (false, Status::Ok, 3, &Absent::Unreadable.to_string()),
+    ] {
+        let said = seen_as(&place, accept, status, fit);
+        assert_eq!(said, expected, "{accept} {status:?} {fit}");
+    }
+}
+
+#[test]
+fn an_unsure_rope_says_why_and_its_centerline_is_there() {
+    let place = Place::new("unsure");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    let mut coarse = rope(3, Status::Ok, 5.0);
+    (coarse.fit, coarse.max, coarse.width) = (FitQuality::Coarse as u32, 15.84, 18.0);
+    let doubtful = rope(4, Status::Doubtful, 9.0);
+    chain.send(&[coarse, doubtful]);
+    let frame = reader.latest().unwrap();
+    let said: Vec<String> = frame.ropes(ANY_AGE).map(|seen| seen.to_string()).collect();
+    assert_eq!(
+        said,
+        [
+            "the curve of rope 3 misses it by up to 15.8, where it is 18.0 wide: its centerline is right, and \
+             `lariat run --basis auto` finds a curve that lies on it",
+            "rope 4 is doubtful: it may be no rope, but a shadow, a pen or an edge",
+        ]
+    );
+    let lines = frame.ropes(ANY_AGE).map(|seen| match seen {
+        Seen::Unsure(rope, _) => rope.centerline().unwrap(),
+        other => panic!("{other}"),
+    });
+    let lines: Vec<Centerline> = lines.collect();
+    let line = lines[0];
+    assert_eq!(line.points(), [[5.0, 0.0], [5.0, 50.0], [5.0, 100.0]]);
+    assert_eq!(line.widths(), [10.0, 11.0, 12.0]);
+    assert!(!line.is_hidden(1) && line.is_hidden(2) && !line.is_closed());
+    assert_eq!(lines[1].points()[0], [9.0, 0.0]);
+    // Stale and lost ones have theirs as well; who sends none has none.
+    chain.send_as(now_ns() - 2_000_000_000, [640, 480], &[coarse]);
+    let frame = reader.latest().unwrap();
+    let Seen::Stale(last) = frame.only_rope(Duration::from_secs(1)) else {
+        panic!("it is two seconds old");
+    };
+    assert!(last.as_it_was().centerline().is_some());
+    assert!(Centerline::of(&CenterlinePoints::EMPTY).is_none());
+}
+
+#[test]
+fn a_frame_that_is_kept_says_the_same_and_nothing_stale() {
+    let place = Place::new("kept");
+    let (mut reader, mut chain) = (place.reader(), place.chain());
+    // The slots of the channel have held other ropes.
+    for _ in 0..20 {
+        chain.send(&[rope(8, Status::Ok, 8.0), rope(9, Status::Ok, 9.0)]);
+        reader.latest().unwrap();
+    }
+    let mut coarse = rope(3, Status::Ok, 5.0);
+    coarse.fit = FitQuality::Coarse as u32;
+    chain.send(&[coarse]);
+    let frame = reader.latest().unwrap();
+    let kept = frame.keep();
+    let (was, now) = (frame.message().unwrap(), kept.frame().message().unwrap());
+    assert!((now.trace, now.count, now.unit) == (was.trace, 1, was.unit));
+    assert!(now.curves() == was.curves() && now.centerlines() == was.centerlines());
+    assert!(now.curves[1].track == 0 && now.centerlines[1].count == 0);
+    let seen = frame.only_rope(ANY_AGE).to_string();
+    assert_eq!(kept.frame().only_rope(ANY_AGE).to_string(), seen);
 }
 
 #[test]

@@ -168,7 +168,9 @@ impl Eye {
                 }
                 Ok(Some(match frame.only_rope(self.max_age) {
                     // Ends in a gripper's jaws are covered, always; what counts is whether anything else is.
-                    Seen::Fresh(rope) | Seen::Partial(rope) => {
+                    // And what is in the jaws is a rope, whatever it looks like; a law that compares descriptors needs no curve
+                    // that lies on it, and is studied with few control points on purpose.
+                    Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) => {
                         let is_whole = self.whole.is_it(rope.length());
                         by_descriptor(&rope, rope.hidden() > 0.0 || !is_whole)
                     }
