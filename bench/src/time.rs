@@ -126,7 +126,8 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
         track: curve.track,
         status: match curve.status {
             Status::Ok => SeenStatus::Ok,
-            Status::Partial => SeenStatus::Partial,
+            // A rope that is doubted counts as seen wrongly.
+            Status::Partial | Status::Doubtful => SeenStatus::Partial,
             Status::Lost => SeenStatus::Lost,
         },
         points: &curve.points,

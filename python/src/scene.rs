@@ -154,13 +154,14 @@ impl Curve {
         self.seen().track
     }
 
-    /// How much of the rope is seen: `"ok"`, `"partial"` or `"lost"`.
+    /// How much of the rope is seen: `"ok"`, `"partial"` or `"lost"`; `"doubtful"`: it may be no rope.
     #[getter]
     fn status(&self) -> &'static str {
         match self.seen().status {
             Status::Ok => "ok",
             Status::Partial => "partial",
             Status::Lost => "lost",
+            Status::Doubtful => "doubtful",
         }
     }
 

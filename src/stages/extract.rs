@@ -257,6 +257,7 @@ pub(crate) fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2])
             Status::Ok => lariat_wire::Status::Ok,
             Status::Partial => lariat_wire::Status::Partial,
             Status::Lost => lariat_wire::Status::Lost,
+            Status::Doubtful => lariat_wire::Status::Doubtful,
         } as u32;
         to.closed = from.closed.into();
         to.border = u32::from(from.border[0]) | u32::from(from.border[1]) << 1;

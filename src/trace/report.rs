@@ -114,6 +114,7 @@ pub(super) fn status_name(status: Status) -> &'static str {
         Status::Ok => "ok",
         Status::Partial => "partial",
         Status::Lost => "lost",
+        Status::Doubtful => "doubtful",
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
-use lariat_extract::{Extractor, Image, Method, Options, PixelFormat, Scene};
+use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat, Scene, Status};
 
 /// Which pictures are drawn.
 #[derive(clap::Args)]
@@ -48,6 +48,8 @@ struct Measured {
     /// Median true width.
     width_px: f64,
     score: Score,
+    /// Curves that may be no ropes, as extraction says itself: they are no part of the score.
+    doubtful: usize,
 }
 
 /// Draws, extracts, scores, and prints the table.
@@ -92,6 +94,7 @@ pub(crate) fn run(
                 seed,
                 width_px: still.truth.ropes[0].width_px,
                 score: held_against(&still, &scene),
+                doubtful: scene.curves.iter().filter(|curve| !is_sure(curve)).count(),
             });
         }
         println!("{}", table::row(class, &measured[first..]));
@@ -101,6 +104,10 @@ pub(crate) fn run(
         super::whole_file::write(path, table::csv(&measured).as_bytes())?;
     }
     Ok(())
+}
+
+fn is_sure(curve: &Curve) -> bool {
+    curve.status != Status::Doubtful
 }
 
 fn image(still: &Still) -> Result<Image<'_>> {
@@ -116,9 +123,13 @@ fn image(still: &Still) -> Result<Image<'_>> {
 }
 
 fn held_against(still: &Still, scene: &Scene) -> Score {
-    let curves: Vec<SeenCurve> = scene
-        .curves
+    let sure: Vec<usize> = (0..scene.curves.len())
+        .filter(|&k| is_sure(&scene.curves[k]))
+        .collect();
+    let number = |k: usize| sure.iter().position(|&other| other == k);
+    let curves: Vec<SeenCurve> = sure
         .iter()
+        .map(|&k| &scene.curves[k])
         .map(|curve| SeenCurve {
             points: &curve.points,
             width_px: curve.width_px,
@@ -128,10 +139,12 @@ fn held_against(still: &Still, scene: &Scene) -> Score {
     let crossings: Vec<SeenCrossing> = scene
         .crossings
         .iter()
-        .map(|crossing| SeenCrossing {
-            at: crossing.at,
-            over: (crossing.over, crossing.over_rho),
-            under: (crossing.under, crossing.under_rho),
+        .filter_map(|crossing| {
+            Some(SeenCrossing {
+                at: crossing.at,
+                over: (number(crossing.over)?, crossing.over_rho),
+                under: (number(crossing.under)?, crossing.under_rho),
+            })
         })
         .collect();
     score(&still.truth, &curves, &crossings)

@@ -14,6 +14,7 @@ mod paint;
 mod rules;
 mod score;
 mod shape;
+mod thing;
 
 use thiserror::Error;
 
@@ -142,7 +143,11 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     let look = look::Look::of(class, seed, ropes, layout.width_px, &mut stream(1));
     let painted = paint::paint(&layout, &look, width, height);
     let size = [width, height];
-    let rgb = camera::expose(&painted, &look, layout.width_px, size, &mut stream(2));
+    let thing = (class == Class::Things).then(|| {
+        let size_px = size.map(|side| side as f64);
+        thing::Thing::of(seed, size_px, &look, &mut stream(3))
+    });
+    let rgb = camera::expose(&painted, &look, thing.as_ref(), size, &mut stream(2));
     Ok(Still {
         width,
         height,

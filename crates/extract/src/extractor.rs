@@ -1,5 +1,6 @@
 //! The steps in their order, and the memory they share from frame to frame.
 
+mod doubts;
 mod lines;
 
 use crate::bits::BitPlane;
@@ -24,7 +25,7 @@ use crate::strips::Strips;
 use crate::thin::Thinner;
 use crate::track::{Look, Tracker};
 use crate::zones::Zones;
-use crate::{Crossing, Curve, Image, Mask, Method, Options, OptionsError, Scene};
+use crate::{Crossing, Curve, Image, Mask, Method, Notice, Options, OptionsError, Scene};
 
 /// The most pieces that are looked at.
 pub(crate) const MOST_PIECES: usize = 80;
@@ -93,6 +94,11 @@ pub struct Extractor {
     crosser: Crosser,
     crossings: Vec<Crossing>,
     pursuer: Pursuer,
+    /// What each curve may be instead of a rope, and what to say of it.
+    doubts: Vec<Option<Notice>>,
+    doubt: Option<Notice>,
+    /// Whether there were more ropes than are reported.
+    is_crowded: bool,
     /// Frames in a row in which all ropes were seen, and nothing else.
     plain_frames: u32,
 }
@@ -133,6 +139,9 @@ impl Extractor {
             crosser: Crosser::default(),
             crossings: Vec::new(),
             pursuer: Pursuer::default(),
+            doubts: Vec::new(),
+            doubt: None,
+            is_crowded: false,
             plain_frames: 0,
         })
     }
@@ -295,6 +304,7 @@ impl Extractor {
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, seen, looks, &self.options);
+        self.doubt(image, seen);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
         if self.options.method == Method::Skeleton {
@@ -309,7 +319,7 @@ impl Extractor {
         Scene {
             curves: &self.curves[..self.count],
             crossings: &self.crossings,
-            notice: self.masker.notice,
+            notice: self.masker.notice.or(self.doubt),
             followed,
         }
     }
@@ -357,9 +367,11 @@ impl Extractor {
         self.graph.reserve();
         self.overlaps.reserve();
         self.colors.reserve(MOST_PIECES);
+        self.doubts.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
         self.cover.reserve(width, height);
+        self.masker.shadows.reserve(width, height);
         self.tracker.reserve(self.options.points);
         self.tracker.remember(&mut self.zones.past);
         let scene = follow::Scene {

@@ -2,6 +2,7 @@
 
 use crate::background::Background;
 use crate::bits::BitPlane;
+use crate::cast::{Cast, Shadows};
 use crate::difference::Differencer;
 use crate::doubt::{Doubter, Evidence};
 use crate::hsv::Selector;
@@ -51,6 +52,8 @@ pub(crate) struct Masker {
     mender: Mender,
     smoothed: Strips,
     doubter: Doubter,
+    /// The ropes' own shadow: taken out of the mask where it is surely that.
+    pub(crate) shadows: Shadows,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: Plane,
@@ -99,7 +102,25 @@ impl Masker {
         }
         self.clean_or_empty();
         self.cut = chosen.map(|cut: Cut| cut.rope);
+        self.shadows.cast = Cast::None;
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
+        if chosen.is_some() && self.notice.is_none() {
+            self.take_shadows_out(image);
+        }
+    }
+
+    /// Takes the ropes' own shadow out of an automatic mask.
+    fn take_shadows_out(&mut self, image: &Image) {
+        match self.shadows.find(image, &self.background, &self.mask) {
+            Cast::None => {}
+            Cast::Maybe => self.notice = Some(Notice::MaybeShadow),
+            Cast::Sure => {
+                let plane = std::mem::take(&mut self.shadows.plane);
+                self.take_out(&plane);
+                self.shadows.plane = plane;
+                self.notice = Some(Notice::OwnShadow);
+            }
+        }
     }
 
     /// Makes beforehand what images of this many pixels need.
@@ -152,6 +173,7 @@ impl Masker {
         self.strips.take(&self.mask);
         self.clean_or_empty();
         self.cut = None;
+        self.shadows.cast = Cast::None;
         self.notice = None;
         Ok(())
     }

@@ -17,6 +17,21 @@ pub enum Notice {
     LikeTheTable,
     /// What differs from the table is a large part of the image: hardly ropes alone.
     Covered,
+    /// A shadow that ropes cast beside them was left out.
+    OwnShadow,
+    /// What looks like the shadow of a rope may be a rope that lies parallel to it: it is [`Status::Doubtful`](crate::Status).
+    MaybeShadow,
+    /// Something straight and short, unlike the rope beside it, may be a pen. It is reported as a curve whose status is
+    /// [`Doubtful`](crate::Status::Doubtful), as what the next ones tell of.
+    LikeAPen,
+    /// Something small, unlike the rope beside it, may be print or a mark.
+    LikeAMark,
+    /// Something straight with another surface on each side, or a strip at the picture's border, may be an edge.
+    LikeAnEdge,
+    /// Something round may be a rim.
+    LikeARim,
+    /// More curves were found than are ever reported: the shortest were left out.
+    TooMany,
     /// The whole image is black.
     Black,
     /// The whole image is white.
@@ -31,15 +46,41 @@ impl Notice {
             Notice::UnevenTable => "uneven-table",
             Notice::LikeTheTable => "like-the-table",
             Notice::Covered => "covered",
+            Notice::OwnShadow => "own-shadow",
+            Notice::MaybeShadow => "maybe-shadow",
+            Notice::LikeAPen => "like-a-pen",
+            Notice::LikeAMark => "like-a-mark",
+            Notice::LikeAnEdge => "like-an-edge",
+            Notice::LikeARim => "like-a-rim",
+            Notice::TooMany => "too-many",
             Notice::Black => "black",
             Notice::White => "white",
         }
     }
 }
 
+/// What to do about a thing that may be no rope.
+const NO_ROPE: &str = "take it out of the picture or out of the region that is read (roi), ask for as many ropes as there \
+                       are (ropes), or give the rope's own colour as the mask";
+
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
+            Notice::LikeAPen => {
+                let seen = "something straight and short is unlike the rope beside it, as a pen is";
+                return write!(f, "{seen}: {NO_ROPE}");
+            }
+            Notice::LikeAMark => {
+                let seen = "something small is unlike the rope beside it, as letters and marks are";
+                return write!(f, "{seen}: {NO_ROPE}");
+            }
+            Notice::LikeAnEdge => {
+                let seen = "something parts two surfaces or fills a strip at the picture's border, as the edge of a board or a sheet does";
+                return write!(f, "{seen}: {NO_ROPE}");
+            }
+            Notice::LikeARim => {
+                return write!(f, "something is as round as the rim of a cup: {NO_ROPE}");
+            }
             Notice::CheckeredTable => {
                 "the table is checkered, striped or grained, and the automatic mask cannot tell a rope from its \
                  pattern for sure: cover it with a plain cloth, or give the rope's own colour as the mask"
@@ -56,6 +97,18 @@ impl fmt::Display for Notice {
             Notice::Covered => {
                 "what differs from the table covers a large part of the image, more than ropes do: take what is no \
                  rope out of the picture, show more of the table, or give the rope's own colour as the mask"
+            }
+            Notice::OwnShadow => {
+                "ropes cast a shadow on the table, of their own shape, which was left out: if a rope is missing, light \
+                 the table from more sides, or give the rope's own colour as the mask"
+            }
+            Notice::MaybeShadow => {
+                "something has the shape of a rope beside it and the table's colour in less light, as its shadow would: \
+                 light the table from more sides, or give the rope's own colour as the mask"
+            }
+            Notice::TooMany => {
+                "there are more ropes, or things like them, than can be reported, and the shortest were left out: show \
+                 fewer, read a region only (roi), or give the ropes' own colour as the mask"
             }
             Notice::Black => {
                 "the whole image is black: uncover the lens, put the light on, or expose longer"

@@ -15,6 +15,8 @@ pub enum Status {
     Partial,
     /// Not seen in this image: the points are its last known shape, [`Curve::age_ns`] old.
     Lost,
+    /// Seen, but it may be no rope: [`Scene::notice`] says what it looks like. Of the automatic mask only.
+    Doubtful,
 }
 
 /// The centerline of one rope.
@@ -89,7 +91,8 @@ pub struct Scene<'a> {
     pub curves: &'a [Curve],
     /// Where they cross, at most 32.
     pub crossings: &'a [Crossing],
-    /// What the automatic mask is unsure of in this image, if anything; nothing with any other mask.
+    /// What the automatic mask is unsure of in this image, or else what a curve looks like that may be no rope, if anything;
+    /// nothing with any other mask.
     pub notice: Option<Notice>,
     /// Whether the ropes were followed from the last image, by reading this one only around them; otherwise it was
     /// looked at whole.

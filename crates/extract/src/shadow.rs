@@ -242,6 +242,13 @@ impl Gathered {
 /// Whether `pixel` is `table` in less light.
 #[inline(always)]
 fn is_shade<const YUV: bool>(pixel: [f32; 3], table: [f32; 3], tolerance: f32) -> bool {
+    let (own, all, off) = light::<YUV>(pixel, table);
+    (own < all) & (own >= DARKEST * all) & (off <= tolerance)
+}
+
+/// The light of a pixel and of the table there, and how far the pixel lies from the table in just so much light, in levels.
+#[inline(always)]
+fn light<const YUV: bool>(pixel: [f32; 3], table: [f32; 3]) -> (f32, f32, f32) {
     let light = |[a, b, c]: [f32; 3]| if YUV { a } else { a + b + c };
     let larger = |a: f32, b: f32| if a > b { a } else { b };
     let (own, all) = (light(pixel), larger(light(table), 1.0));
@@ -250,7 +257,22 @@ fn is_shade<const YUV: bool>(pixel: [f32; 3], table: [f32; 3], tolerance: f32) -
     let (zero, weight) = if YUV { (128.0, 2.0) } else { (0.0, 1.0) };
     let off = |c: usize, zero: f32| (pixel[c] - (zero + share * (table[c] - zero))).abs();
     let far = larger(off(0, 0.0), weight * larger(off(1, zero), off(2, zero)));
-    (own < all) & (own >= DARKEST * all) & (far <= tolerance)
+    (own, all, far)
+}
+
+/// What is left of the table's light in pixel (x, y), where that has the table's color; nothing where it has another.
+pub(crate) fn light_left(
+    image: &Image,
+    background: &Background,
+    [x, y]: [usize; 2],
+) -> Option<f32> {
+    let pixel = color::native(image, x, y).map(f32::from);
+    let table = background.at(x, y);
+    let (own, all, off) = match color::is_yuv(image.format()) {
+        true => light::<true>(pixel, table),
+        false => light::<false>(pixel, table),
+    };
+    (off <= (NOISES * background.noise).max(LEVELS)).then_some(own / all)
 }
 
 #[cfg(test)]

@@ -26,6 +26,9 @@ const JUMP_SHARE: f32 = 0.015;
 const SETTLED: u32 = 3;
 /// Frames after which a rope is as well known as can be.
 const LONG: u32 = 100;
+/// Frames that a rope was taken for one, to outweigh a doubt; and after a doubt, to be taken for one again.
+const KNOWN: i32 = 10;
+const REGAINED: i32 = 3;
 /// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
 const SAME_WIDTHS: f32 = 1.0;
 
@@ -67,6 +70,8 @@ struct Track {
     color: Option<[f32; 3]>,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
+    /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
+    sure: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -196,6 +201,24 @@ impl Tracker {
         self.report_lost(curves, count, options.ropes)
     }
 
+    /// Whether the rope of this number was taken for one for a while.
+    pub(crate) fn is_known(&self, number: u32) -> bool {
+        (self.tracks.iter()).any(|track| track.number == number && track.sure >= KNOWN)
+    }
+
+    /// Weighs what a curve looks like with what its track was taken for: returns whether it may be no rope.
+    pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
+        let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
+            return is_doubted;
+        };
+        track.sure = match is_doubted {
+            false => (track.sure + 1).min(LONG as i32),
+            true if track.sure >= KNOWN => track.sure - 1,
+            true => -REGAINED,
+        };
+        track.sure < 0
+    }
+
     /// Takes the ropes of the last image, which were followed into this one and are all that is known.
     pub(crate) fn go_on(&mut self, curves: &[Curve]) {
         for track in &mut self.tracks {
@@ -203,6 +226,9 @@ impl Tracker {
                 track.seen_ns = self.now_ns;
                 track.age = 0;
                 track.frames = track.frames.saturating_add(1);
+                if track.sure >= 0 {
+                    track.sure = (track.sure + 1).min(LONG as i32);
+                }
                 track.note_length(curve, false, true);
                 track.points.clear();
                 track.points.extend_from_slice(&curve.points);
@@ -286,7 +312,7 @@ impl Tracker {
         track.points.clear();
         track.color = None;
         track.whole_px = 0.0;
-        (track.frames, track.age) = (0, 0);
+        (track.frames, track.age, track.sure) = (0, 0, 0);
         self.tracks.push(track);
     }
 

@@ -21,6 +21,8 @@ fn watch(story: Story, seed: u64, frames: usize) -> Verdict {
                 track: curve.track,
                 status: match curve.status {
                     Status::Ok => SeenStatus::Ok,
+                    // Counted as wrong: there are ropes only.
+                    Status::Doubtful => SeenStatus::Partial,
                     Status::Partial => SeenStatus::Partial,
                     Status::Lost => SeenStatus::Lost,
                 },

@@ -161,6 +161,20 @@ pub(super) fn foot(measured: &[Measured]) -> String {
             score.mean_px(),
         );
     }
+    let mut doubted: Vec<String> = Vec::new();
+    for of in measured.chunk_by(|a, b| a.class == b.class) {
+        let curves: usize = of.iter().map(|m| m.doubtful).sum();
+        if curves > 0 {
+            doubted.push(format!("{curves} in {}", of[0].class));
+        }
+    }
+    if !doubted.is_empty() {
+        let _ = writeln!(
+            text,
+            "Curves that may be no ropes, and are not counted: {}.",
+            doubted.join(", ")
+        );
+    }
     text
 }
 

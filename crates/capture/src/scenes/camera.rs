@@ -2,6 +2,7 @@
 
 use super::look::Look;
 use super::paint::Painted;
+use super::thing::Thing;
 use crate::rendered::mottling::Mottling;
 use crate::rendered::portable::SplitMix64;
 
@@ -12,17 +13,17 @@ const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];
 pub(super) fn expose(
     painted: &Painted,
     look: &Look,
-    width_px: f64,
+    thing: Option<&Thing>,
     [width, height]: [usize; 2],
     random: &mut SplitMix64,
 ) -> Vec<u8> {
     let mut shadow = Vec::new();
     if look.shadow > 0.0 {
-        // Away from the lamp, and as soft as the rope is high.
-        let shift = 0.3 * width_px as f32;
         shadow = painted.cover.iter().map(|&cover| [cover; 3]).collect();
-        shadow = moved(&shadow, [width, height], [shift, 1.3 * shift]);
-        blur(&mut shadow, [width, height], 0.3 * width_px as f32);
+        shadow = moved(&shadow, [width, height], look.shadow_px);
+        if look.shadow_blur_px > 0.0 {
+            blur(&mut shadow, [width, height], look.shadow_blur_px);
+        }
     }
     let pattern = Mottling::<32>::new(random);
     let mut picture = Vec::with_capacity(width * height);
@@ -39,7 +40,10 @@ pub(super) fn expose(
         let shade = shadow.get(i).map_or(1.0, |s| 1.0 - look.shadow * s[0]);
         let table =
             shade * (1.0 + look.mottling * pattern.at([x, y].map(|c| c as f64), OCTAVES) as f32);
-        picture.push([0, 1, 2].map(|k| lamp * (light[k] + (1.0 - cover) * look.table[k] * table)));
+        let ground = thing.map_or(look.table, |thing| {
+            thing.on(look.table, [x, y].map(|c| c as f64))
+        });
+        picture.push([0, 1, 2].map(|k| lamp * (light[k] + (1.0 - cover) * ground[k] * table)));
     }
     blur(&mut picture, [width, height], look.blur_px);
     if look.motion_px != [0.0; 2] {

@@ -60,11 +60,18 @@ pub enum Class {
     SeveralColors,
     /// Seeds 2k and 2k + 1 show the same, the second in half the light.
     LightChange,
+    /// The rope's own shadow on a light table, sharp, half a width to four widths beside it: of seeds 4k to 4k + 3 it takes
+    /// 15, 30, 45 and 60 % of the light.
+    HardShadow,
+    /// The same shadow, as soft as a wide lamp makes it.
+    SoftShadow,
+    /// Something beside the rope that is none: of seeds 5k to 5k + 4 a pen, a marker, a board's edge, a cup's rim, letters.
+    Things,
 }
 
 impl Class {
     /// Every class, in the order of the table.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 29] = [
         Self::Thin,
         Self::Medium,
         Self::Thick,
@@ -91,6 +98,9 @@ impl Class {
         Self::LightOnDark,
         Self::SeveralColors,
         Self::LightChange,
+        Self::HardShadow,
+        Self::SoftShadow,
+        Self::Things,
     ];
 
     /// Its name on the command line.
@@ -122,6 +132,9 @@ impl Class {
             Self::LightOnDark => "light-on-dark",
             Self::SeveralColors => "several-colors",
             Self::LightChange => "light-change",
+            Self::HardShadow => "hard-shadow",
+            Self::SoftShadow => "soft-shadow",
+            Self::Things => "things",
         }
     }
 }

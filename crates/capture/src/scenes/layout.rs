@@ -6,6 +6,7 @@ use super::leaving::leaving;
 use super::line::{Found, Line, Meeting, Vec2, meetings};
 use super::rules::{Rules, bends_enough, crossed, crossings_as_asked};
 use super::shape::{self, Beside, Room};
+use super::thing;
 use crate::rendered::portable::SplitMix64;
 
 /// Steps of a drawn line: of 2000 px, one a pixel.
@@ -61,6 +62,11 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
             Class::Touch => touching(random, size_px, width_px),
             Class::EndsNear | Class::EndsTouching => ending(class, random, size_px, width_px),
             Class::Border => leaving(&rules, random, size_px, width_px),
+            // The thing lies in the rest.
+            Class::Things => {
+                let left_px = [thing::FROM * size_px[0], size_px[1]];
+                free(class, &rules, random, left_px, width_px)
+            }
             _ => free(class, &rules, random, size_px, width_px),
         };
         if laid.is_some() {

@@ -27,8 +27,10 @@ pub(super) struct Look {
     pub(super) table: Rgb,
     /// How much the table's light varies with its pattern.
     pub(super) mottling: f32,
-    /// How much light the rope's shadow takes.
+    /// How much light the rope's shadow takes, where it falls, and how soft it is.
     pub(super) shadow: f32,
+    pub(super) shadow_px: [f32; 2],
+    pub(super) shadow_blur_px: f32,
     /// The light's fall over the picture, as a vector: 1 + fall · (x, y) / size from the centre.
     pub(super) fall: [f32; 2],
     /// A spot of more light: its place as shares of the image, and how much.
@@ -54,6 +56,8 @@ impl Look {
             table: [0.0; 3],
             mottling: 0.01,
             shadow: 0.0,
+            shadow_px: [0.0; 2],
+            shadow_blur_px: 0.0,
             fall: [draw(-0.15, 0.15), draw(-0.15, 0.15)],
             spot: [0.0; 2],
             spot_light: 0.0,
@@ -81,7 +85,21 @@ impl Look {
                 look.exposure = 1.1 / (1.0 + fall as f32 + look.spot_light);
             }
             Class::Texture => look.mottling = draw(0.04, 0.09),
-            Class::Shadow => look.shadow = draw(0.15, 0.35),
+            Class::Shadow => {
+                look.shadow = draw(0.15, 0.35);
+                // Away from the lamp, and as soft as the rope is high.
+                let shift = 0.3 * width;
+                (look.shadow_px, look.shadow_blur_px) = ([shift, 1.3 * shift], shift);
+            }
+            Class::HardShadow | Class::SoftShadow => {
+                look.shadow = [0.15, 0.3, 0.45, 0.6][seed as usize % 4];
+                let (turns, widths) = (random.uniform(0.0, 1.0), random.uniform(0.5, 4.0));
+                let away = [cos_turns(turns), sin_turns(turns)];
+                look.shadow_px = away.map(|c| width * (widths * c) as f32);
+                if class == Class::SoftShadow {
+                    look.shadow_blur_px = random.uniform(0.2, 0.6) as f32 * width;
+                }
+            }
             Class::LightChange if seed % 2 == 1 => look.exposure = 0.5,
             _ => {}
         }
@@ -92,7 +110,7 @@ impl Look {
     /// Draws colours until every rope differs from the table, and from the other ropes.
     fn paint(&mut self, class: Class, ropes: usize, random: &mut SplitMix64) {
         let is_dark_rope = match class {
-            Class::DarkOnLight | Class::Shine => true,
+            Class::DarkOnLight | Class::Shine | Class::HardShadow | Class::SoftShadow => true,
             Class::LightOnDark => false,
             _ => random.uniform(0.0, 1.0) < 0.6,
         };
@@ -160,7 +178,7 @@ impl Look {
 }
 
 /// A colour from hue (turns), saturation (0 to 1) and value (levels).
-fn from_hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
+pub(super) fn from_hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
     [5.0, 3.0, 1.0].map(|shift| {
         let k = (shift + 6.0 * hue) % 6.0;
         let dip = k.min(4.0 - k).clamp(0.0, 1.0);

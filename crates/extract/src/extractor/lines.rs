@@ -15,6 +15,8 @@ use crate::{Curve, Image, Method, color, tips};
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
+/// And one that is left out is missed from this many times on.
+const LONG: f32 = 8.0;
 /// Half-widths of skeleton that a piece of a rope has, or there is nothing to tell it by.
 const PIECE: f32 = 4.0;
 /// About how many samples all lines together are laid with. Eight ropes from side to side of 640×480 pixels, or one that
@@ -143,8 +145,15 @@ impl Extractor {
     pub(super) fn points(&mut self, count: usize) {
         self.count = 0;
         self.looks.clear();
+        self.is_crowded = false;
         for l in 0..count {
             if self.count == self.options.ropes {
+                let line = &self.lines[l];
+                let width_px = line
+                    .samples
+                    .get(line.samples.len() / 2)
+                    .map_or(0.0, |s| s.width_px);
+                self.is_crowded = line.length_px() > LONG * width_px;
                 break;
             }
             self.fill_curve(l);

@@ -29,7 +29,9 @@ impl Rope {
     pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
         let n = curve.points.len();
         let spacing_px = curve.length_px / (n.max(2) - 1) as f32;
-        let plain = curve.status == Status::Ok && !curve.closed && curve.border == [false; 2];
+        let plain = matches!(curve.status, Status::Ok | Status::Doubtful)
+            && !curve.closed
+            && curve.border == [false; 2];
         let fits = n >= LEAST_POINTS
             && WIDTHS_PX.contains(&curve.width_px)
             && spacing_px <= APART_WIDTHS * curve.width_px;

@@ -1,0 +1,33 @@
+//! Which of the curves may be no ropes.
+
+use super::Extractor;
+use crate::plausible::Surroundings;
+use crate::{Image, Notice, Options, Status};
+
+impl Extractor {
+    /// Says of the first `seen` curves which may be no ropes. A mask that the user gave knows its ropes.
+    pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
+        // Who asks for fewer ropes than that wants the longest.
+        let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
+        self.doubt = is_crowded.then_some(Notice::TooMany);
+        if self.masker.cut.is_none() {
+            self.doubt = None;
+            return;
+        }
+        let surroundings = Surroundings {
+            image,
+            background: &self.masker.background,
+            mask: &self.masker.mask,
+            shadows: &self.masker.shadows,
+        };
+        let of = (&self.curves[..seen], &self.looks[..]);
+        let is_known = |curve: &crate::Curve| self.tracker.is_known(curve.track);
+        surroundings.doubt(of, is_known, &mut self.doubts);
+        for (curve, doubt) in self.curves.iter_mut().zip(&self.doubts) {
+            if self.tracker.weigh(curve.track, doubt.is_some()) {
+                curve.status = Status::Doubtful;
+                self.doubt = self.doubt.or(*doubt);
+            }
+        }
+    }
+}
