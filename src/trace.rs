@@ -97,7 +97,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             eprintln!("lariat: {}: {}", image.display(), notice.text);
         }
         // Each picture's result is out before the next is begun.
-        if is_closed(printed.and_then(|()| output.flush()))? {
+        let is_unread = is_closed(printed.and_then(|()| output.flush()))?;
+        // Overlays are drawn also where nobody reads this.
+        if is_unread && overlays.is_none() {
             break;
         }
         if let Some(overlays) = &mut overlays

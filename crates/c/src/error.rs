@@ -93,7 +93,9 @@ impl From<WireError> for Failure {
             WireError::NoSharedMemory(_) | WireError::TooLittleSpace { .. } => LARIAT_ERROR_MEMORY,
             WireError::Version { .. } => LARIAT_ERROR_VERSION,
             WireError::TooManyReaders { .. } => LARIAT_ERROR_TOO_MANY,
-            WireError::Permission { .. } => LARIAT_ERROR_PERMISSION,
+            WireError::Permission { .. }
+            | WireError::Owner { .. }
+            | WireError::DomainOfUser { .. } => LARIAT_ERROR_PERMISSION,
             _ => LARIAT_ERROR_TRANSPORT,
         };
         Self::new(code, cause.to_string())
