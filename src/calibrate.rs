@@ -4,6 +4,8 @@ mod page;
 mod points;
 
 use crate::calibrated::read_camera;
+use crate::exit::wrong_use;
+use crate::layout::{self, Column, Table, hanging};
 use crate::output::{Existing, Output, print};
 use crate::picture::Picture;
 use crate::plane_file;
@@ -88,7 +90,7 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
                 .with_context(|| format!("cannot read the points {}", path.display()))?;
             points::of_file(&text).with_context(|| path.display().to_string())?
         }
-        (None, None) => bail!(
+        (None, None) => wrong_use!(
             "name four points or more: --points \"x,y=X,Y x,y=X,Y …\" (pixels=millimetres), --points-file FILE, or --html \
              FILE.html IMAGE to click them"
         ),
@@ -120,8 +122,10 @@ fn size(args: &PlaneArgs, camera: Option<&Camera>) -> Result<[u32; 2]> {
         None => None,
     };
     if let Some(text) = &args.size {
-        let said =
-            settings::image_size(text).map_err(|why| anyhow::anyhow!("--size {text}: {why}"))?;
+        let said = match settings::image_size(text) {
+            Ok(size) => size,
+            Err(why) => wrong_use!("--size {text}: {why}"),
+        };
         if let Some([width, height]) = of_picture.filter(|picture| *picture != said) {
             bail!("--size {text}: the picture has {width}×{height} pixels: leave --size out");
         }
@@ -155,8 +159,8 @@ fn plane(pairs: &[Pair], camera: Option<&Camera>, size: [u32; 2]) -> Result<(Pla
 
 /// How well the points agree, and how large a pixel is.
 fn judged(pairs: &[Pair], mapping: &Mapping) -> String {
-    let mut text =
-        String::from("point        x        y px        X        Y mm   off mm   off px\n");
+    let headings = ["point", "x px", "y px", "X mm", "Y mm", "off mm", "off px"];
+    let mut rows = Vec::new();
     let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let (mut squares, mut most) = (0.0, 0.0f64);
     for (index, Pair { pixel, plane_mm }) in pairs.iter().enumerate() {
@@ -169,13 +173,13 @@ fn judged(pairs: &[Pair], mapping: &Mapping) -> String {
         squares += off_mm * off_mm;
         most = most.max(off_mm);
         let ([x, y], [u, v]) = (pixel, plane_mm);
-        text.push_str(&format!(
-            "{:>5} {x:>8.1} {y:>8.1}    {u:>8.1} {v:>8.1}    {off_mm:>6.2}   {off_px:>6.2}\n",
-            index + 1
-        ));
+        let places = [x, y, u, v].map(|place| format!("{place:.1}"));
+        let off = [off_mm, off_px].map(|off| format!("{off:.2}"));
+        rows.push([&[(index + 1).to_string()], &places[..], &off].concat());
     }
+    let mut text = Table::text(headings.map(Column::figures).into(), &rows, layout::width());
     text.push_str(&match pairs.len() {
-        4 => "four points determine the plane and leave nothing to tell their errors by: a fifth would\n".to_owned(),
+        4 => "four points determine the plane and leave nothing to tell their errors by:\na fifth would\n".to_owned(),
         count => {
             let rms = (squares / count as f64).sqrt();
             format!("off by {rms:.2} mm (root of the mean square), at most {most:.2} mm\n")
@@ -193,7 +197,8 @@ fn judged(pairs: &[Pair], mapping: &Mapping) -> String {
         Ok(mm) => format!("{mm:.3} {name}"),
         Err(_) => format!("no table {name}"),
     });
-    text.push_str(&format!("mm per pixel: {}\n", scales.join(", ")));
+    let scales = format!("mm per pixel: {}", scales.join(", "));
+    text.push_str(&format!("{}\n", hanging(&scales, 2, layout::width())));
     text
 }
 
@@ -209,7 +214,7 @@ mod tests {
         // In images half as large as the calibration's.
         let (plane, mapping) = plane(&pairs, Some(&camera), [640, 480]).unwrap();
         let text = judged(&pairs, &mapping);
-        assert!(text.contains("    0.00     0.00\n"), "{text}");
+        assert!(text.contains("    0.00    0.00\n"), "{text}");
         assert!(text.contains("mm per pixel: 0."), "{text}");
         // The very points, also at the calibration's own size.
         let large = Mapping::new(Some(&camera), Some(&plane), [1280, 960]).unwrap();

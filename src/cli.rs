@@ -1,10 +1,16 @@
 //! The command line: what can be asked of lariat, and who answers.
 
-use std::ffi::OsString;
+mod help;
+
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
+use lariat_capture::names_a_camera;
+use tracing::Level;
 
 use crate::bench::{self, BenchArgs, PartArgs};
 use crate::calibrate::{self, CalibrateArgs};
@@ -20,41 +26,59 @@ use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
 use crate::servo::{self, ControllerArgs, ServoArgs};
-use crate::settings::{ChainArgs, Settings};
+use crate::settings::{Flags, Settings, nearest};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::stages::Seat;
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
-use crate::{chain, stages};
+use crate::{chain, exit, layout, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
-/// Without a command: shows the whole chain live on a rendered rope, for 10 seconds.
+/// Without a command: shows the whole chain live on a rendered rope, for 10 seconds. `lariat SOURCE` is `lariat run SOURCE`.
 #[derive(Parser)]
-#[command(name = "lariat", version)]
+#[command(name = "lariat", version, after_help = exit::CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    #[command(flatten)]
+    verbosity: Verbosity,
 }
+
+/// How much is said on standard error beside errors, by the command and all that it starts.
+#[derive(clap::Args)]
+struct Verbosity {
+    /// Say more of what is done; -vv all
+    #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
+    verbose: u8,
+    /// Say warnings, errors and results only
+    #[arg(short, long, global = true)]
+    quiet: bool,
+}
+
+const RUN_EXAMPLES: &str = "Examples:
+  lariat run rope.png --loop --duration 10s    one picture, again and again
+  lariat run /dev/video0 --record run.mcap     a camera, recorded";
 
 #[derive(Subcommand)]
 enum Command {
     /// The whole chain: capture, extract, fit and sink, each in a process of its own
-    Run(ChainArgs),
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(Flags),
     /// The first stage alone: sends a source's frames
-    Capture(ChainArgs),
+    Capture(Flags),
     /// The second stage alone: frames in, centerlines out
-    Extract(ChainArgs),
+    Extract(Flags),
     /// The third stage alone; or descriptors of centerlines, line by line
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
-    Sink(ChainArgs),
+    Sink(Flags),
     /// Records what a chain sees and says, from outside, as an MCAP file
     Record(RecordArgs),
     /// The recorder that `run --record` starts
     #[command(hide = true)]
-    Recorder(ChainArgs),
+    Recorder(Flags),
     /// Computes a recording again: to check that the same comes out, or what other settings change
     Replay(Box<ReplayArgs>),
     /// What was recorded, as a table, JSON lines, a video or pictures
@@ -100,27 +124,38 @@ const SHOW: [&str; 1] = ["--duration=10s"];
 
 /// Does what the command line asks.
 pub(crate) fn run() -> Result<ExitCode> {
-    let cli = Cli::parse();
-    log_to_stderr();
-    match cli.command {
+    let words = with_a_command(std::env::args_os().collect());
+    let command = help::fitted(Cli::command(), layout::width());
+    let matches = command.try_get_matches_from(&words);
+    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
+    let Cli { command, verbosity } = cli.unwrap_or_else(|error| refuse(&error, &words));
+    log_to_stderr(verbosity.level());
+    match command {
         None => {
-            let settings = Settings::resolve(&ChainArgs::default())?;
+            let settings = Settings::resolve(&Flags::default())?;
             settings.check_frames()?;
-            chain::run(&SHOW.map(OsString::from), settings)
+            chain::run(
+                &[&SHOW.map(OsString::from)[..], &verbosity.words()].concat(),
+                settings,
+            )
         }
-        Some(Command::Run(args)) => {
+        Some(Command::Run(flags)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
-            let settings = Settings::resolve(&args)?;
+            let settings = Settings::resolve(&flags)?;
             settings.check_frames()?;
-            chain::run(&after_the_command(), settings)
+            chain::run(&[flags.words(), verbosity.words()].concat(), settings)
         }
-        Some(Command::Capture(args)) => stage(&args, stages::capture::run),
-        Some(Command::Extract(args)) => stage(&args, stages::extract::run),
+        Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
+        Some(Command::Extract(flags)) => stage(&flags, stages::extract::run),
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
-        Some(Command::Fit(args)) => stage(&args.chain, stages::fit::run),
-        Some(Command::Sink(args)) => stage(&args, stages::sink::run),
+        Some(Command::Fit(args)) => stage(&args.flags, stages::fit::run),
+        Some(Command::Sink(flags)) => {
+            let mut settings = Settings::resolve(&flags)?;
+            settings.sink.live &= !verbosity.quiet;
+            stages::sink::run(&settings, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
+        }
         Some(Command::Record(args)) => record::run(args),
-        Some(Command::Recorder(args)) => record::run_for_chain(&args),
+        Some(Command::Recorder(flags)) => record::run_for_chain(&flags),
         Some(Command::Replay(args)) => replay::run(*args),
         Some(Command::Export(args)) => export::run(args),
         Some(Command::Info(args)) => info::run(args),
@@ -142,22 +177,199 @@ pub(crate) fn run() -> Result<ExitCode> {
     }
 }
 
-fn stage(args: &ChainArgs, run: fn(&Settings, Seat) -> Result<()>) -> Result<ExitCode> {
-    run(&Settings::resolve(args)?, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
+fn stage(flags: &Flags, run: fn(&Settings, Seat) -> Result<()>) -> Result<ExitCode> {
+    run(&Settings::resolve(flags)?, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
 }
 
-/// The stages understand the flags of `lariat run`, and are given them as they were typed.
-fn after_the_command() -> Vec<OsString> {
-    std::env::args_os().skip(2).collect()
+/// The words of the command line, with `run` before a source that stands where a command would.
+fn with_a_command(mut words: Vec<OsString>) -> Vec<OsString> {
+    if let Some(place) = place_of_command(&words)
+        && is_a_source(&words[place])
+    {
+        words.insert(place, "run".into());
+    }
+    words
 }
 
-fn log_to_stderr() {
+fn place_of_command(words: &[OsString]) -> Option<usize> {
+    let is_flag = |word: &OsString| word.as_encoded_bytes().starts_with(b"-") && word != "-";
+    (1..words.len()).find(|&place| !is_flag(&words[place]))
+}
+
+/// Whether this is no command, but what frames come from.
+fn is_a_source(word: &OsStr) -> bool {
+    let path = Path::new(word);
+    let is_command = word == "help" || Cli::command().find_subcommand(word).is_some();
+    let is_named = ["rendered", "simulated", "-"]
+        .iter()
+        .any(|name| word == *name);
+    !is_command && (is_named || names_a_camera(path) || path.exists())
+}
+
+/// Says what is wrong with the command line, and ends the process. Help is asked for, and no error.
+fn refuse(error: &clap::Error, words: &[OsString]) -> ! {
+    let place = place_of_command(words).filter(|_| error.kind() == ErrorKind::InvalidSubcommand);
+    let word = place.map(|place| words[place].to_string_lossy());
+    let Some(word) = word.filter(|word| word != "help") else {
+        error.exit()
+    };
+    eprintln!("lariat: {word} is no command, and there is no such file");
+    let cli = Cli::command();
+    let commands = cli
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set());
+    if let Some(command) = nearest(&word, commands.map(clap::Command::get_name)) {
+        eprintln!("  a command like it: lariat {command}");
+    }
+    if let Some(file) = file_like(Path::new(&*word)) {
+        eprintln!("  a file like it:    lariat run {file}");
+    }
+    eprintln!("  all commands:      lariat --help");
+    std::process::exit(2)
+}
+
+/// The file in the same folder whose name is most like it.
+fn file_like(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|folder| *folder != Path::new(""));
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
+    let names: Vec<String> = entries
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    let like = nearest(
+        path.file_name()?.to_str()?,
+        names.iter().map(String::as_str),
+    )?;
+    Some(path.with_file_name(like).display().to_string())
+}
+
+impl Verbosity {
+    /// As words of a command line, for the processes of a chain.
+    fn words(&self) -> Vec<OsString> {
+        let verbose = (0..self.verbose).map(|_| "--verbose");
+        let quiet = self.quiet.then_some("--quiet");
+        verbose.chain(quiet).map(OsString::from).collect()
+    }
+
+    /// What is logged: as the flags say, else `RUST_LOG` (a level, or `lariat=LEVEL` among others), else from "info" on.
+    fn level(&self) -> Option<Level> {
+        match (self.quiet, self.verbose) {
+            (true, _) => return Some(Level::WARN),
+            (_, 0) => {}
+            (_, 1) => return Some(Level::DEBUG),
+            _ => return Some(Level::TRACE),
+        }
+        let said = std::env::var("RUST_LOG").unwrap_or_default();
+        let mut ours = said
+            .split(',')
+            .filter_map(|part| match part.split_once('=') {
+                None => Some(part),
+                Some(("lariat", level)) => Some(level),
+                Some(_) => None,
+            });
+        match ours.next_back().unwrap_or_default() {
+            "off" => None,
+            level => Some(level.parse().unwrap_or(Level::INFO)),
+        }
+    }
+}
+
+fn log_to_stderr(level: Option<Level>) {
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
         .without_time()
         .with_target(false)
         // It would be said where nothing can be said.
         .log_internal_errors(false)
-        .with_max_level(tracing::Level::INFO)
+        .with_ansi(layout::has_colours())
+        .with_max_level(level.map_or(tracing::level_filters::LevelFilter::OFF, Into::into))
         .init();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DOCUMENTS: [&str; 7] = [
+        include_str!("../README.md"),
+        include_str!("../CHANGELOG.md"),
+        include_str!("../CONTRIBUTING.md"),
+        include_str!("../ARCHITECTURE.md"),
+        include_str!("../docs/control.md"),
+        include_str!("../docs/paper.md"),
+        RUN_EXAMPLES,
+    ];
+
+    /// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on.
+    fn commands(text: &str) -> impl Iterator<Item = String> {
+        let quoted = text.split('`').skip(1).step_by(2);
+        let lines = text
+            .lines()
+            .map(|line| line.trim_start().trim_start_matches("$ "));
+        let all = quoted
+            .chain(lines)
+            .filter(|text| text.starts_with("lariat "));
+        all.map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "))
+    }
+
+    /// The words of a command up to a comment or a pipe; `None` where something was left out.
+    fn words(command: &str) -> Option<Vec<String>> {
+        let mut words = Vec::new();
+        for (place, part) in command.split('"').enumerate() {
+            match place % 2 {
+                0 => words.extend(
+                    part.split(' ')
+                        .filter(|word| !word.is_empty())
+                        .map(str::to_owned),
+                ),
+                _ => words.push(part.to_owned()),
+            }
+        }
+        let is_end = |word: &String| ["#", "|", ">", "&"].iter().any(|end| word.starts_with(end));
+        let end = words.iter().position(is_end).unwrap_or(words.len());
+        words.truncate(end);
+        words
+            .iter()
+            .all(|word| !word.contains(['…', '[', '(', '{', '<']))
+            .then_some(words)
+    }
+
+    #[test]
+    fn every_command_in_the_documents_is_understood() {
+        let mut count = 0;
+        let all = DOCUMENTS.into_iter().flat_map(commands);
+        for (command, words) in all.filter_map(|command| {
+            Some((words(&command)?, command)).map(|(words, command)| (command, words))
+        }) {
+            let mut words = words;
+            // A source may stand in the place of a command.
+            if words.get(1).is_some_and(|word| word.contains('.')) {
+                words.insert(1, "run".to_owned());
+            }
+            let parsed = Cli::command().try_get_matches_from(words);
+            // A command may be spoken of without what it takes.
+            let is_understood = |error: &clap::Error| {
+                use ErrorKind::{
+                    DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion,
+                    MissingRequiredArgument,
+                };
+                [
+                    DisplayHelp,
+                    DisplayVersion,
+                    DisplayHelpOnMissingArgumentOrSubcommand,
+                    MissingRequiredArgument,
+                ]
+                .contains(&error.kind())
+            };
+            if let Some(error) = parsed.err().filter(|error| !is_understood(error)) {
+                panic!("{command}: {error}");
+            }
+            count += 1;
+        }
+        assert!(count > 50, "the documents have {count} commands only");
+    }
+
+    #[test]
+    fn no_flag_is_defined_twice_nor_has_a_setting_that_is_none() {
+        Cli::command().debug_assert();
+    }
 }

@@ -15,9 +15,9 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use lariat_bench::Table;
 use lariat_sink::Figure as Digits;
 
+use crate::layout::{self, Column, Table, hanging, wrapped};
 use crate::output::print;
 use read::{Kind, Measured};
 use verdict::{Verdict, verdict};
@@ -49,10 +49,11 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode> {
         );
     }
     if before.machine != now.machine {
-        print(&format!(
-            "! The machines differ: {} and {}.\n",
+        let note = format!(
+            "! The machines differ: {} and {}.",
             before.machine, now.machine
-        ))?;
+        );
+        print(&(hanging(&note, 2, layout::width()) + "\n"))?;
     }
     let changes = changes(&before.measured, &now.measured);
     print(&table(&changes, now.kind))?;
@@ -91,9 +92,16 @@ fn changes<'a>(before: &[Measured], now: &'a [Measured]) -> Vec<Change<'a>> {
 }
 
 fn table(changes: &[Change], kind: Kind) -> String {
-    let mut table = Table::new(&["what", "before", "now", "change", ""]);
+    let columns = vec![
+        Column::words("what"),
+        Column::figures("before"),
+        Column::figures("now"),
+        Column::figures("change"),
+        Column::words(""),
+    ];
+    let mut rows = Vec::new();
     let mut push = |change: &Change, word: &str| {
-        table.push([
+        rows.push(vec![
             format!("{}: {}", change.now.id, change.now.figure),
             Digits(Some(change.before)).to_string(),
             Digits(Some(change.now.value)).to_string(),
@@ -124,12 +132,13 @@ fn table(changes: &[Change], kind: Kind) -> String {
     let figures = if changes.iter().all(|change| change.verdict == Verdict::Same) {
         String::new()
     } else {
-        format!("{table}\n")
+        Table::text(columns, &rows, layout::width()) + "\n"
     };
-    format!(
-        "{figures}{worse} worse, {better} better, {same} within the noise ({})\n",
+    let counts = format!(
+        "{worse} worse, {better} better, {same} within the noise ({})",
         kind.noise()
-    )
+    );
+    format!("{figures}{}\n", wrapped(&counts, layout::width()))
 }
 
 impl Change<'_> {

@@ -1,7 +1,7 @@
 //! `lariat config`: write a settings file, read one critically, show what holds.
 
 use crate::output::{Existing, Output, print};
-use crate::settings::{ChainArgs, FILE_NAME, Resolved, Settings, template};
+use crate::settings::{FILE_NAME, Flags, Resolved, Settings, template};
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ enum ConfigCommand {
     /// Print the settings that hold here, and where each came from
     Show {
         #[command(flatten)]
-        chain: Box<ChainArgs>,
+        flags: Flags,
     },
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn run(args: ConfigArgs) -> Result<ExitCode> {
             Settings::of_file(&file)?;
             print(&format!("{} is good\n", file.display()))?;
         }
-        ConfigCommand::Show { chain } => print(&Resolved::new(&chain)?.show())?,
+        ConfigCommand::Show { flags } => print(&Resolved::new(&flags)?.show())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -6,10 +6,11 @@ mod pictures;
 mod shapes;
 mod y4m;
 
+use crate::exit::wrong_use;
 use crate::output::{Existing, Output, print};
 use crate::recording::{Gather, RecordingArgs, shown, span};
 use crate::settings::range::position_of_flag;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use lariat_capture::Position;
 use lariat_record::{Messages, Recording};
@@ -41,7 +42,7 @@ pub(crate) struct ExportArgs {
     /// Last frame, likewise; of a time the last before it
     #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
     to: Option<Position>,
-    /// Of these frames each how-manieth
+    /// Every Nth of these frames only
     #[arg(long, value_name = "N", default_value = "1")]
     every: NonZeroU64,
 }
@@ -107,7 +108,9 @@ pub(crate) fn run(args: ExportArgs) -> Result<ExitCode> {
     if let (Some(Position::Frame(from)), Some(Position::Frame(to))) = (args.from, args.to)
         && to < from
     {
-        bail!("there is no frame from {from} to {to}: --to is the last frame, and at least --from");
+        wrong_use!(
+            "there is no frame from {from} to {to}: --to is the last frame, and at least --from"
+        );
     }
     let part = Part {
         recording: &recording,

@@ -1,8 +1,9 @@
 //! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
 
 use crate::descriptor_json::Descriptor;
-use crate::settings::{ChainArgs, Family, Settings};
-use anyhow::{Context, Result, bail};
+use crate::exit::wrong_use;
+use crate::settings::{Family, Flags, Settings};
+use anyhow::{Context, Result};
 use clap::Args;
 use lariat_fit::{Fitter, MAX_POINTS, Weights};
 use serde::Deserialize;
@@ -23,7 +24,7 @@ pub(crate) struct FitArgs {
     /// File of JSON lines, each `{"points":[[x,y],…]}`; `-` is standard input
     file: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) chain: ChainArgs,
+    pub(crate) flags: Flags,
 }
 
 /// Whether `lariat fit` is the filter of JSON lines: a file is named, or standard input is a pipe or a file.
@@ -52,13 +53,13 @@ struct Centerline {
 /// Input that cannot be read, output that cannot be written, settings that make no sense. A line that makes no
 /// sense is reported and the next one read; the exit code tells of it.
 pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
-    let shape = &args.chain.shape;
-    if shape.calibration.is_some() || shape.plane.is_some() || shape.unit.is_some() {
-        bail!(
+    let of_the_chain = ["--calibration", "--plane", "--unit"];
+    if of_the_chain.iter().any(|flag| args.flags.has(flag)) {
+        wrong_use!(
             "lines of points are fitted as they are: --calibration, --plane and --unit are for the chain and for `lariat trace`"
         );
     }
-    let settings = Settings::resolve(&args.chain)?;
+    let settings = Settings::resolve(&args.flags)?;
     let (name, input) = open(args.file.as_deref())?;
     let mut input = BufReader::new(input);
     let mut output = io::BufWriter::new(io::stdout().lock());

@@ -1,5 +1,6 @@
 //! `lariat info`: what a recording holds, told from its index.
 
+use crate::layout::{self, Column, Table, hanging};
 use crate::output::print;
 use crate::recording::{CALIBRATION, PLANE, RecordedSettings, RecordingArgs, shown};
 use anyhow::{Context, Result};
@@ -156,18 +157,19 @@ impl Info {
         let mut text = String::new();
         let about = |key: &str| self.about.get(key).map_or("unknown", |value| value);
         let ended = if self.closed { "" } else { ", not closed" };
+        let width = layout::width();
         let _ = writeln!(text, "{}: {}{ended}", self.file, size(self.bytes));
         if self.about.is_empty() {
             let _ = writeln!(text, "not made by lariat");
         } else {
-            let _ = writeln!(
-                text,
+            let sentence = format!(
                 "rig {}, recorded by lariat {} on {} ({})",
                 about("rig"),
                 about("version"),
                 about("cpu"),
                 about("arch")
             );
+            let _ = writeln!(text, "{}", hanging(&sentence, 2, width));
         }
         let pace = self.frames_per_s;
         let pace = pace.map_or(String::new(), |fps| format!(" at {fps:.2} a second"));
@@ -196,34 +198,36 @@ impl Info {
                 false => text.push_str("\nsettings other than the defaults\n"),
             }
             for (key, value) in settings {
-                let _ = writeln!(text, "  {key} = {}", shortened(value));
+                let line = format!("{key} = {}", shortened(value));
+                let _ = writeln!(text, "  {}", hanging(&line, 4, width));
             }
         }
         if !self.attachments.is_empty() {
-            let _ = writeln!(text, "\nin it: {}", self.attachments.join(", "));
+            let list = format!("in it: {}", self.attachments.join(", "));
+            let _ = writeln!(text, "\n{}", hanging(&list, 2, width));
         }
         text
     }
 
     fn write_topics(&self, text: &mut String) {
-        let longest = self.topics.iter().map(|topic| topic.name.len()).max();
-        let width = longest.unwrap_or(0);
-        let _ = writeln!(
-            text,
-            "\n{:<width$}{:>10}{:>10}{:>12}  of",
-            "topic", "messages", "a second", "size"
-        );
-        for topic in &self.topics {
-            let _ = writeln!(
-                text,
-                "{:<width$}{:>10}{:>10.2}{:>12}  {}",
-                topic.name,
-                topic.messages,
-                topic.per_s,
+        let columns = vec![
+            Column::words("topic"),
+            Column::figures("messages"),
+            Column::figures("a second"),
+            Column::figures("size"),
+            Column::words("of"),
+        ];
+        let row = |topic: &Topic| {
+            vec![
+                topic.name.clone(),
+                topic.messages.to_string(),
+                format!("{:.2}", topic.per_s),
                 size(topic.bytes),
-                topic.schema
-            );
-        }
+                topic.schema.clone(),
+            ]
+        };
+        let rows: Vec<_> = self.topics.iter().map(row).collect();
+        let _ = write!(text, "\n{}", Table::text(columns, &rows, layout::width()));
     }
 }
 

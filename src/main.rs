@@ -25,10 +25,12 @@ mod descriptor_json;
 mod devices;
 mod doctor;
 mod doubts;
+mod exit;
 mod export;
 mod fit_lines;
 mod info;
 mod inputs;
+mod layout;
 mod output;
 mod paper;
 mod pick;
@@ -55,6 +57,6 @@ fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
         eprintln!("lariat: {error:#}");
-        ExitCode::FAILURE
+        exit::code(&error)
     })
 }

@@ -10,6 +10,7 @@ mod stdout;
 pub(crate) use folder::OutputFolder;
 pub(crate) use stdout::{Unread, print};
 
+use crate::exit::wrong_use;
 use anyhow::{Context, Result, bail};
 use rustix::fs::{Access, access};
 use std::fmt;
@@ -90,7 +91,7 @@ impl Output {
         let has_it =
             (self.path.extension()).is_some_and(|found| found.eq_ignore_ascii_case(ending));
         if matches!(self.place, Place::File(_)) && !has_it {
-            bail!(
+            wrong_use!(
                 "the file is a {}: give it a name that ends in .{ending}, not {self}",
                 ending.to_uppercase()
             );

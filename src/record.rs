@@ -8,14 +8,14 @@ mod report;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use lariat_wire::members;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::settings::{ChainArgs, RecordingArgs, Settings, ShapeArgs, duration};
+use crate::exit::wrong_use;
+use crate::settings::{Flags, Settings};
 use crate::stages::Seat;
 
 /// What it is called among those that run on a rig.
@@ -35,58 +35,27 @@ pub(crate) struct RecordArgs {
     /// Have the recorder of the rig that was started with --ring write what it holds
     #[arg(long)]
     flush: bool,
-    /// Name of the camera chain
-    #[arg(long, value_name = "NAME")]
-    rig: Option<String>,
-    /// Stop so long after the first message, for instance 10s, 500ms or 2m
-    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
-    duration: Option<Duration>,
-    /// Stop after this many frames
-    #[arg(long, value_name = "COUNT")]
-    frames: Option<u64>,
-    /// Have the chain wait for the recording, as it was itself started with --lossless
-    #[arg(long)]
-    lossless: bool,
     #[command(flatten)]
-    recording: RecordingArgs,
-    /// Settings file (default: lariat.toml in this folder, if there is one)
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
+    flags: Flags,
 }
 
 /// Records a rig that runs already, or will.
 pub(crate) fn run(args: RecordArgs) -> Result<ExitCode> {
     let flush = args.flush;
-    let file = args.out.clone();
-    let settings = Settings::resolve(&chain_args(args))?;
-    let Some(file) = file.filter(|_| !flush) else {
+    let settings = Settings::resolve(&args.flags)?;
+    let Some(file) = args.out.filter(|_| !flush) else {
         return ask_to_flush(&settings.run.rig);
     };
     reel::run(&settings, &file, Seat::of_this_process()?)
 }
 
 /// Records for the chain that started this process.
-pub(crate) fn run_for_chain(args: &ChainArgs) -> Result<ExitCode> {
-    let settings = Settings::resolve(args)?;
+pub(crate) fn run_for_chain(flags: &Flags) -> Result<ExitCode> {
+    let settings = Settings::resolve(flags)?;
     let Some(file) = settings.run.record.clone() else {
-        bail!("there is nothing to record into: say --record FILE.mcap");
+        wrong_use!("there is nothing to record into: say --record FILE.mcap");
     };
     reel::run(&settings, &file, Seat::of_this_process()?)
-}
-
-fn chain_args(args: RecordArgs) -> ChainArgs {
-    ChainArgs {
-        rig: args.rig,
-        duration: args.duration,
-        frames: args.frames,
-        lossless: args.lossless,
-        recording: args.recording,
-        shape: ShapeArgs {
-            config: args.config,
-            ..ShapeArgs::default()
-        },
-        ..ChainArgs::default()
-    }
 }
 
 /// Tells the recorders of a rig that keep the last seconds to write them.

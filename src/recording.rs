@@ -6,7 +6,7 @@ mod pixels;
 pub(crate) use gather::{Gather, Gathered};
 pub(crate) use pixels::{Decoder, Pixels};
 
-use crate::settings::{Settings, ShapeArgs};
+use crate::settings::{Flags, Settings};
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_capture::Position;
@@ -112,15 +112,10 @@ impl RecordedSettings {
 
     /// The settings that flags and, if one is named, a settings file ask for: in the stead of the file that may lie in this
     /// folder, the recording's own.
-    pub(crate) fn changed(&self, shape: &ShapeArgs, filter: bool) -> Result<Settings> {
-        let config = shape.config.clone().unwrap_or_else(|| self.file());
-        let mut args: crate::settings::ChainArgs = ShapeArgs {
-            config: Some(config),
-            ..shape.clone()
-        }
-        .into();
-        args.filter = filter;
-        Settings::resolve(&args)
+    pub(crate) fn changed(&self, flags: &Flags) -> Result<Settings> {
+        let mut flags = flags.clone();
+        flags.config.get_or_insert_with(|| self.file());
+        Settings::resolve(&flags)
     }
 }
 

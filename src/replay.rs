@@ -7,9 +7,10 @@ mod distance;
 mod stages;
 mod table;
 
+use crate::exit::wrong_use;
 use crate::recording::RecordingArgs;
-use crate::settings::ShapeArgs;
-use anyhow::{Result, bail};
+use crate::settings::Flags;
+use anyhow::Result;
 use clap::Args;
 use std::process::ExitCode;
 
@@ -32,14 +33,11 @@ pub(crate) struct ReplayArgs {
     /// Run with other settings (--config, or any of the flags below) and show what changes
     #[arg(long)]
     compare: bool,
-    /// Filter the control points in time
-    #[arg(long)]
-    filter: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    shape: ShapeArgs,
+    flags: Flags,
 }
 
 fn pixels(text: &str) -> Result<f64, String> {
@@ -59,7 +57,7 @@ pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode> {
     match (args.check, args.compare) {
         (true, _) => check::run(&args),
         (_, true) => compare::run(&args),
-        _ => bail!(
+        _ => wrong_use!(
             "say what to do with the recording: --check computes everything again and compares it with what was recorded, \
              --compare shows what other settings change (--config FILE, or flags such as --order 6). To see it run, \
              `lariat run --source {0}`; for its figures, `lariat info {0}`",

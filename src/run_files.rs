@@ -1,6 +1,7 @@
 //! What a run writes: the report, the timeline and the recording. Whether they can be written is asked before the first frame.
 
-use anyhow::{Context, Result, bail};
+use crate::exit::wrong_use;
+use anyhow::{Context, Result};
 use lariat_sink::Report;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,7 @@ impl RunFiles {
             record_takes_stdout: settings.run.record.as_deref() == Some(Path::new("-")),
         };
         if files.record_takes_stdout && files.trace.as_ref().is_some_and(Output::is_stdout) {
-            bail!(
+            wrong_use!(
                 "the recording and the timeline cannot both go to standard output: give one of them a file"
             );
         }
@@ -89,7 +90,7 @@ pub(crate) fn check_recording(settings: &Settings, file: &Path) -> Result<()> {
     match settings.record.ring {
         None => output(settings, file).map(|_| ()),
         Some(_) if file == Path::new("-") => {
-            bail!("--ring writes a file each time that it is told to: name one, not -")
+            wrong_use!("--ring writes a file each time that it is told to: name one, not -")
         }
         Some(_) => Ok(()),
     }

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
         for seed in args.first_seed..args.first_seed + args.seeds {
             let filmed = is_filmed && film.is_none();
             let Some(driven) = case.drive(seed, &target, args.time, filmed, &stop)? else {
-                return Ok(ExitCode::from(130));
+                return Ok(ExitCode::FAILURE);
             };
             eprintln!("lariat: {}", case.said(&driven.outcome));
             outcomes.push(driven.outcome);

@@ -4,12 +4,12 @@
 //! Every setting is one entry of the table in `table`: its section, name and comment, how it is read and how it
 //! is written. The file's check, `config init`, `config show` and the flags all go by that table.
 
-mod args;
 mod arrangement;
 mod camera;
 mod curve;
 pub(crate) mod duration;
 mod file;
+mod flags;
 mod keys;
 mod meaning;
 mod problem;
@@ -19,12 +19,12 @@ mod simulation;
 mod table;
 mod view;
 
-pub(crate) use args::{ChainArgs, RecordingArgs, ShapeArgs};
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
-pub(crate) use camera::{CameraSettings, name_and_value};
+pub(crate) use camera::CameraSettings;
 pub(crate) use curve::{Family, Fit};
+pub(crate) use flags::Flags;
 pub(crate) use keys::template;
-pub(crate) use meaning::{image_size, mask_text, number_text};
+pub(crate) use meaning::{image_size, mask_text, nearest, number_text};
 pub(crate) use problem::Problems;
 pub(crate) use recording::{COMPRESSIONS, IMAGES, Recording};
 pub(crate) use simulation::Simulation;
@@ -326,8 +326,8 @@ impl Settings {
     ///
     /// # Errors
     /// All that is wrong with the file and the flags, a sentence each.
-    pub(crate) fn resolve(args: &ChainArgs) -> Result<Self> {
-        Ok(Resolved::new(args)?.settings)
+    pub(crate) fn resolve(flags: &Flags) -> Result<Self> {
+        Ok(Resolved::new(flags)?.settings)
     }
 
     /// The source that frames come from.
@@ -375,11 +375,7 @@ impl Settings {
     /// # Errors
     /// All that is wrong with it, a sentence each.
     pub(crate) fn of_file(path: &Path) -> Result<Self> {
-        let shape = ShapeArgs {
-            config: Some(path.to_owned()),
-            ..ShapeArgs::default()
-        };
-        Self::resolve(&shape.into())
+        Self::resolve(&Flags::of_file(path.to_owned()))
     }
 }
 
@@ -391,21 +387,19 @@ pub(crate) struct Resolved {
 }
 
 impl Resolved {
-    pub(crate) fn new(args: &ChainArgs) -> Result<Self> {
+    pub(crate) fn new(flags: &Flags) -> Result<Self> {
         let mut resolved = Self {
             settings: Settings::default(),
             origins: vec![Origin::Default; KEYS.len()],
         };
         let mut problems = Problems::default();
-        if let Some(path) = file::path(args.shape.config.as_deref()) {
+        if let Some(path) = file::path(flags.config.as_deref()) {
             for entry in file::read(&path, &mut problems)? {
                 resolved.set(entry.key, entry.value, entry.origin, &mut problems);
             }
         }
-        for (flag, section, name, value) in args.given() {
-            if let Some(key) = keys::position(section, name) {
-                resolved.set(key, value, Origin::Flag(flag), &mut problems);
-            }
+        for (flag, key, value) in flags.given() {
+            resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);
         }
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {

@@ -16,7 +16,7 @@ use lariat_extract::{Image, PixelFormat};
 use lariat_wire::now_ns;
 
 use crate::output::{Existing, Output};
-use crate::settings::{ChainArgs, Settings, ShapeArgs, USUAL_FPS, duration, name_and_value};
+use crate::settings::{Flags, Settings, USUAL_FPS, duration};
 use crate::stages;
 use crate::stop::Stop;
 
@@ -32,36 +32,14 @@ pub(crate) struct SnapshotArgs {
     /// Where to write it; - for standard output
     #[arg(value_name = "FILE.png")]
     file: PathBuf,
-    /// Where the frame comes from: a camera (/dev/video0), `rendered`, a picture, a folder, or a Y4M video
-    #[arg(long, value_name = "PATH", num_args = 1..)]
-    source: Vec<PathBuf>,
-    /// Size of a camera's picture or the rendered one, for instance 640x480
-    #[arg(long, value_name = "WxH")]
-    size: Option<String>,
-    /// Frames per second of a camera, which bounds how long it exposes
-    #[arg(long, value_name = "NUMBER")]
-    fps: Option<String>,
-    /// Pixel format of a camera, for instance yuyv or mjpg
-    #[arg(long, value_name = "CODE")]
-    pixel_format: Option<String>,
-    /// Set a camera's control, for instance exposure_auto=1 (may be repeated)
-    #[arg(long, value_name = "NAME=VALUE", value_parser = name_and_value)]
-    control: Vec<(String, String)>,
-    /// How frames come from a camera's driver: auto, userptr or mmap
-    #[arg(long, value_name = "HOW")]
-    io: Option<String>,
-    /// Which of all rendered ropes
-    #[arg(long, value_name = "NUMBER")]
-    seed: Option<u64>,
     /// How long to look before the picture is taken (default: 1s for a camera, so that its exposure settles; else 0s)
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     after: Option<Duration>,
-    /// Settings file (default: lariat.toml in this folder, if there is one)
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
     /// Overwrite a file that is there already
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    flags: Flags,
 }
 
 /// Runs `lariat snapshot`.
@@ -71,7 +49,7 @@ pub(crate) struct SnapshotArgs {
 pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     let (file, existing) = (args.file.clone(), Existing::forced(args.force));
     let after = args.after;
-    let settings = Settings::resolve(&chain_args(args))?;
+    let settings = Settings::resolve(&args.flags)?;
     let after = after.unwrap_or(match settings.capture.is_camera() {
         true => SETTLING,
         false => Duration::ZERO,
@@ -92,23 +70,6 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     let (width, height) = (frame.width, frame.height);
     eprintln!("lariat: wrote {output}, {width}x{height}");
     Ok(ExitCode::SUCCESS)
-}
-
-fn chain_args(args: SnapshotArgs) -> ChainArgs {
-    ChainArgs {
-        source: args.source,
-        size: args.size,
-        fps: args.fps,
-        pixel_format: args.pixel_format,
-        control: args.control,
-        io: args.io,
-        seed: args.seed,
-        shape: ShapeArgs {
-            config: args.config,
-            ..ShapeArgs::default()
-        },
-        ..ChainArgs::default()
-    }
 }
 
 /// The first frame that is at least so much later than the first of all; `None` if a signal came.

@@ -29,7 +29,7 @@ use screen::{Key, Screen};
 pub(crate) struct TopArgs {
     /// Camera chain to begin with (default: `default`, or the first there is); r or Tab goes to the next
     #[arg(long, value_name = "NAME")]
-    rig: Option<String>,
+    rig: Option<Rig>,
 }
 
 /// From one picture to the next.
@@ -40,7 +40,6 @@ const TICK: Duration = Duration::from_millis(100);
 /// # Errors
 /// There is no terminal, or it cannot be used.
 pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
-    let rig: Option<Rig> = args.rig.as_deref().map(str::parse).transpose()?;
     if !std::io::stdout().is_terminal() {
         bail!(
             "lariat top draws on a terminal, and standard output is none: for scripts and logs there are `lariat topic hz`, \
@@ -49,7 +48,7 @@ pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
     }
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
-    let mut gatherer = Gatherer::new(&domain, rig);
+    let mut gatherer = Gatherer::new(&domain, args.rig.clone());
     let mut screen = Screen::enter()?;
     let mut is_paused = false;
     let mut view = gatherer.view(now_ns());

@@ -23,6 +23,8 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand, ValueEnum};
 use lariat_wire::{ChannelState, Domain, Rig};
 
+use crate::exit::wrong_use;
+use crate::layout::{self, Column, Table};
 use crate::settings::duration;
 
 /// Look at what passes on the channels of a running chain
@@ -50,7 +52,7 @@ enum TopicCommand {
 struct ListArgs {
     /// Only this camera chain
     #[arg(long, value_name = "NAME")]
-    rig: Option<String>,
+    rig: Option<Rig>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -70,7 +72,7 @@ struct MeterArgs {
 struct CommonArgs {
     /// Camera chain (default: `default`, or the only one there is)
     #[arg(long, value_name = "NAME")]
-    rig: Option<String>,
+    rig: Option<Rig>,
     /// Print JSON objects, one a line
     #[arg(long)]
     json: bool,
@@ -174,10 +176,9 @@ struct Place {
 impl Place {
     /// The channel on the rig that was asked for; an error if there is no such rig.
     fn find(args: &CommonArgs, channel: ChannelName) -> Result<Self> {
-        let wanted: Option<Rig> = args.rig.as_deref().map(str::parse).transpose()?;
         let domain = Domain::open()?;
         let states = domain.channels()?;
-        let rig = choose_rig(wanted, &states)?;
+        let rig = choose_rig(args.rig.clone(), &states)?;
         let on_rig = states.iter().filter(|state| state.rig == rig);
         let names: Vec<&str> = on_rig.map(|state| state.channel).collect();
         if !names.contains(&channel.as_str()) {
@@ -220,8 +221,34 @@ fn choose_rig(wanted: Option<Rig>, states: &[ChannelState]) -> Result<Rig> {
         None if rigs.contains(&&Rig::default()) => Ok(Rig::default()),
         None => match rigs.as_slice() {
             [only] => Ok((*only).clone()),
-            _ => bail!("say which rig with --rig NAME: there is {}", names()),
+            _ => wrong_use!("say which rig with --rig NAME: there is {}", names()),
         },
+    }
+}
+
+/// A table of figures that grows by a line a second.
+struct Titled {
+    table: Table,
+    is_titled: bool,
+}
+
+impl Titled {
+    fn new<const N: usize>(headings: [&str; N]) -> Self {
+        // As wide as a figure is.
+        let columns = headings.map(|heading| Column::figures(heading).wide(5));
+        Self {
+            table: Table::new(columns.into(), layout::width()),
+            is_titled: false,
+        }
+    }
+
+    /// A line, and before the first one the headings.
+    fn lines(&mut self, cells: impl IntoIterator<Item = String>) -> String {
+        let row = self.table.row(cells);
+        match std::mem::replace(&mut self.is_titled, true) {
+            true => row,
+            false => self.table.head() + &row,
+        }
     }
 }
 

@@ -9,18 +9,19 @@ mod report;
 use crate::calibrated::Calibrated;
 use crate::descriptor_json::{Descriptor, Measure, thousandths, unit_name};
 use crate::doubts;
+use crate::exit::wrong_use;
 use crate::fit_lines::is_closed;
 use crate::inputs;
 use crate::output::Existing;
 use crate::picture::Picture;
-use crate::settings::{Settings, ShapeArgs};
+use crate::settings::{Flags, Settings};
 use crate::stages::extract::{part, part_of_mask};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
-    CrossingReport, CurveReport, Format, NoticeReport, Report, StrandReport, Table, Timing,
+    CrossingReport, CurveReport, NoticeReport, Report, StrandReport, Table, Timing,
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use lariat_camera::Mapping;
 use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Region, Scene, Step};
@@ -37,9 +38,9 @@ pub(crate) struct TraceArgs {
     /// PNG or JPEG pictures, or folders of them
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
-    /// What to print: a table for people, or a JSON object a line
-    #[arg(long, value_enum, default_value_t = Format::Table)]
-    format: Format,
+    /// Print a JSON object for each picture, one a line
+    #[arg(long)]
+    json: bool,
     /// Write a PNG of each picture with curve, points and control polygon drawn over it into this folder
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
@@ -51,9 +52,9 @@ pub(crate) struct TraceArgs {
     video: bool,
     /// Take each picture's mask from this folder: a PNG of the picture's name and size, white for rope
     #[arg(long, value_name = "DIR")]
-    mask: Option<PathBuf>,
+    masks: Option<PathBuf>,
     #[command(flatten)]
-    shape: ShapeArgs,
+    flags: Flags,
 }
 
 /// Runs `lariat trace`.
@@ -62,7 +63,7 @@ pub(crate) struct TraceArgs {
 /// Settings that make no sense, output that cannot be written. A picture that cannot be read is reported and the
 /// next one taken; the exit code tells of it.
 pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
-    let settings = Settings::resolve(&args.shape.clone().into())?;
+    let settings = Settings::resolve(&args.flags)?;
     let mut tracer = Tracer::new(&settings, &args)?;
     let mut exit = ExitCode::SUCCESS;
     let mut complain = |why: anyhow::Error| {
@@ -89,9 +90,9 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
                 continue;
             }
         };
-        let printed = match args.format {
-            Format::Jsonl => report.write_json(&mut output),
-            Format::Table => table.write(&report, &mut output),
+        let printed = match args.json {
+            true => report.write_json(&mut output),
+            false => table.write(&report, &mut output),
         };
         for notice in &report.notices {
             eprintln!("lariat: {}: {}", image.display(), notice.text);
@@ -128,15 +129,17 @@ struct Tracer {
 
 impl Tracer {
     fn new(settings: &Settings, args: &TraceArgs) -> Result<Self> {
-        if settings.extract.mask == Mask::External && args.mask.is_none() {
-            bail!("the settings say mask = \"external\": name the masks' folder with --mask DIR");
+        if settings.extract.mask == Mask::External && args.masks.is_none() {
+            wrong_use!(
+                "the settings say mask = \"external\": name the masks' folder with --masks DIR"
+            );
         }
         Ok(Self {
             extractor: Extractor::new(settings.extract.options())?,
             open: Fitter::new(settings.fit.options(settings.extract.points, false))?,
             closed: Fitter::new(settings.fit.options(settings.extract.points, true))?,
             is_video: args.video,
-            masks: args.mask.as_deref().map(Masks::new).transpose()?,
+            masks: args.masks.as_deref().map(Masks::new).transpose()?,
             region: settings.extract.roi,
             calibrated: Calibrated::load(&settings.camera)?,
             mapping: None,

@@ -55,7 +55,7 @@ fn four_points_make_a_plane_and_a_trace_in_millimetres() {
 
     let traced = |arguments: &[&str]| -> Value {
         let output = lariat(folder.path())
-            .args(["trace", "--format", "jsonl", image])
+            .args(["trace", "--json", image])
             .args(arguments)
             .output()
             .unwrap();
@@ -90,13 +90,13 @@ fn four_points_make_a_plane_and_a_trace_in_millimetres() {
 fn a_region_of_a_picture_has_its_points_in_the_whole() {
     let folder = tempfile::tempdir().unwrap();
     let output = lariat(folder.path())
-        .args(["trace", "--format", "jsonl", "--roi", "20,10,440,340"])
+        .args(["trace", "--json", "--roi", "20,10,440,340"])
         .arg(picture())
         .output()
         .unwrap();
     let part: Value = serde_json::from_slice(&output.stdout).unwrap();
     let output = lariat(folder.path())
-        .args(["trace", "--format", "jsonl"])
+        .args(["trace", "--json"])
         .arg(picture())
         .output()
         .unwrap();

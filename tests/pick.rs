@@ -48,7 +48,7 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
     std::fs::write(folder.path().join("lariat.toml"), &output.stdout).unwrap();
     let shown = lariat(&folder, &["config", "check"]);
     assert!(shown.status.success(), "{shown:?}");
-    let traced = lariat(&folder, &["trace", "bars.png", "--format", "jsonl"]);
+    let traced = lariat(&folder, &["trace", "bars.png", "--json"]);
     let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
     assert_eq!(report["curves"].as_array().unwrap().len(), 2);
 
@@ -58,7 +58,7 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
     std::fs::rename(at("bars-mask.png"), at("masks/bars.png")).unwrap();
     let traced = lariat(
         &folder,
-        &["trace", "bars.png", "--mask", "masks", "--format", "jsonl"],
+        &["trace", "bars.png", "--masks", "masks", "--json"],
     );
     let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
     assert_eq!(report["curves"].as_array().unwrap().len(), 2);

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::BenchArgs;
 use super::plan::{FPS, SIZE};
-use crate::settings::ChainArgs;
+use crate::settings::Flags;
 
 /// Frames a second; `None`: as fast as it goes.
 pub(crate) type Rate = Option<f64>;
@@ -66,7 +66,7 @@ pub(super) fn setups(args: &BenchArgs) -> Vec<([u32; 2], Rate)> {
 
 /// Whether `lariat run` has this flag.
 pub(super) fn knows(flag: &str) -> bool {
-    let command = ChainArgs::augment_args(clap::Command::new("run"));
+    let command = Flags::augment_args(clap::Command::new("run"));
     command
         .get_arguments()
         .any(|known| known.get_long() == Some(flag))

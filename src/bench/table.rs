@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use lariat_bench::Table;
 use lariat_sink::Figure as Digits;
+
+use crate::layout::{self, Column, Table, hanging};
 
 use super::figures::{Figure, Group, Item};
 use super::plan::Plan;
@@ -31,25 +32,26 @@ pub(super) fn table(plan: &Plan, summary: &Summary) -> String {
 }
 
 /// All that was timed: the whole way, its noise, and what the chain itself costs.
-fn whole(plan: &Plan) -> Table {
-    let mut table = Table::new(&[
-        "exposed → received, µs",
-        "p50",
-        "±",
-        "p99",
-        "p99.9",
-        "max",
-        "overhead p50",
-        "p99",
-        "× floor p50",
-        "p99",
-    ]);
+fn whole(plan: &Plan) -> String {
+    let columns = vec![
+        Column::words("exposed → received, µs"),
+        Column::figures("p50"),
+        Column::figures("±"),
+        Column::figures("p99"),
+        Column::figures("p99.9").rank(1),
+        Column::figures("max").rank(2),
+        Column::figures("overhead\np50"),
+        Column::figures("p99"),
+        Column::figures("× floor\np50"),
+        Column::figures("p99"),
+    ];
+    let mut rows = Vec::new();
     for (group, title) in [
         (Group::Chain, "lariat"),
         (Group::Floor, "floors"),
         (Group::Rival, "others"),
     ] {
-        table.push([title.to_owned()]);
+        rows.push(vec![title.to_owned()]);
         let timed = |item: &&Item| item.group == group && item.times.is_some();
         for item in plan.items.iter().filter(timed) {
             let cell = |name| Digits(item.median(name)).to_string();
@@ -65,10 +67,10 @@ fn whole(plan: &Plan) -> Table {
             if group == Group::Chain {
                 row.extend(["overhead_to_floor_p50", "overhead_to_floor_p99"].map(cell));
             }
-            table.push(row);
+            rows.push(row);
         }
     }
-    table
+    Table::text(columns, &rows, layout::width())
 }
 
 /// Half of the way from the least to the greatest median of a round.
@@ -84,21 +86,22 @@ fn half_spread(item: &Item) -> String {
 }
 
 /// Where the time of the chain goes, by medians, and what it loses and uses.
-fn pieces(plan: &Plan) -> Table {
-    let mut table = Table::new(&[
-        "of it, µs (p50)",
-        "late",
-        "wait",
-        "extract",
-        "wait",
-        "fit",
-        "wait",
-        "jitter p99",
-        "lost",
-        "of",
-        "frames/s",
-        "CPU %",
-    ]);
+fn pieces(plan: &Plan) -> String {
+    let columns = vec![
+        Column::words("of it, µs (p50)"),
+        Column::figures("late"),
+        Column::figures("wait"),
+        Column::figures("extract"),
+        Column::figures("wait"),
+        Column::figures("fit"),
+        Column::figures("wait"),
+        Column::figures("jitter\np99").rank(1),
+        Column::figures("lost"),
+        Column::figures("of").rank(3),
+        Column::figures("frames\n/s"),
+        Column::figures("CPU\n%").rank(2),
+    ];
+    let mut rows = Vec::new();
     let has_stages = |item: &&Item| item.figure("extract_p50_us").is_some();
     for item in plan.items.iter().filter(has_stages) {
         let cell = |name| Digits(item.median(name)).to_string();
@@ -127,31 +130,34 @@ fn pieces(plan: &Plan) -> Table {
             cell("rate_per_s"),
             cell("cpu_percent"),
         ]);
-        table.push(row);
+        rows.push(row);
     }
-    table
+    Table::text(columns, &rows, layout::width())
 }
 
 /// What is reached, what is missing, and how to read it.
 fn footing(plan: &Plan, summary: &Summary) -> String {
-    let mut table = Table::new(&["to reach"]);
+    let width = layout::width();
+    let mut text = String::from("to reach\n");
+    let say = |text: &mut String, sentence: &str| {
+        let _ = writeln!(text, "{}", hanging(sentence, 2, width));
+    };
     for target in &summary.targets {
         let verdict = if target.met { "met" } else { "not met" };
-        table.push([
-            target.name.clone(),
-            target.figure.clone(),
-            verdict.to_owned(),
-        ]);
+        say(
+            &mut text,
+            &format!("  {verdict}: {}: {}", target.name, target.figure),
+        );
     }
-    let mut text = table.to_string();
     if let Some(floor) = plan.relay_floor(Some(plan.base.1), "p50_us") {
-        let _ = write!(
-            text,
-            "\noverhead: the whole way without the work of extract and fit. × floor: that, divided by four processes in the \
-             arrangement that is best in the same percentile\n(\"{}\" for p50), round by round. ±: half of what lies \
-             between the least and the greatest round. late: how long after a frame was due it was sent.\n",
+        let sentence = format!(
+            "overhead: the whole way without the work of extract and fit. × floor: that, divided by four processes in the \
+             arrangement that is best in the same percentile (\"{}\" for p50), round by round. ±: half of what lies \
+             between the least and the greatest round. late: how long after a frame was due it was sent.",
             floor.title
         );
+        text.push('\n');
+        say(&mut text, &sentence);
     }
     for item in plan
         .items
@@ -163,12 +169,18 @@ fn footing(plan: &Plan, summary: &Summary) -> String {
         } else {
             format!(" ({})", item.versions)
         };
-        let _ = writeln!(text, "{}{versions}: {}.", item.title, item.note);
+        say(
+            &mut text,
+            &format!("{}{versions}: {}.", item.title, item.note),
+        );
     }
     let mut said: Vec<&String> = Vec::new();
     for item in &plan.items {
         if let Some(why) = item.missing.as_ref().filter(|why| !said.contains(why)) {
-            let _ = writeln!(text, "Not measured: {}, as {why}.", item.title);
+            say(
+                &mut text,
+                &format!("Not measured: {}, as {why}.", item.title),
+            );
             said.push(why);
         }
     }

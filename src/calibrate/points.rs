@@ -1,5 +1,6 @@
 //! Pairs of points as text.
 
+use crate::exit::wrong_use;
 use anyhow::{Result, bail};
 use lariat_camera::Pair;
 
@@ -17,7 +18,7 @@ pub(super) fn of_flag(text: &str) -> Result<Vec<Pair>> {
             });
             match numbers {
                 Some((pixel, plane_mm)) => Ok(Pair { pixel, plane_mm }),
-                None => bail!(
+                None => wrong_use!(
                     "\"{entry}\" is no pair of points: write x,y=X,Y, pixels before and millimetres after the sign, without \
                      spaces, as in 320,240=150,100"
                 ),

@@ -41,7 +41,7 @@ const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
-/// `arguments` are handed on to every stage, which take what concerns them.
+/// `arguments` are flags of `lariat run`, for every stage, which take what concerns them.
 ///
 /// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
 pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<ExitCode> {
@@ -73,7 +73,9 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
     if lacks.any() {
         tracing::warn!("{lacks}");
     }
-    eprintln!("{}", chain.introduce());
+    if tracing::enabled!(tracing::Level::INFO) {
+        eprintln!("{}", chain.introduce());
+    }
     chain.began = true;
     chain.watch(&stop)?;
     chain.stop_in_order(false);
@@ -107,13 +109,15 @@ impl Chain {
 
     /// `false` if the chain is to end before it began.
     fn wait_until_ready(&mut self, place: usize, stop: &Stop) -> anyhow::Result<bool> {
-        let deadline = Instant::now() + START_TIMEOUT;
+        let begin = Instant::now();
+        let deadline = begin + START_TIMEOUT;
         loop {
             self.listen(Some(deadline), Some(stop))?;
             if stop.asked() || self.fallen.is_some() {
                 return Ok(false);
             }
             if self.children[place].as_ref().is_some_and(Child::is_ready) {
+                tracing::debug!("{} was ready after {:?}", CHILDREN[place], begin.elapsed());
                 return Ok(true);
             }
             if Instant::now() >= deadline {

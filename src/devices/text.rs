@@ -5,6 +5,7 @@ use lariat_capture::{
 };
 
 use super::rates;
+use crate::layout::{self, hanging};
 
 /// More sizes or rates than these on a line, or formats that lariat does not read, are only counted.
 const MOST_RATES: usize = 8;
@@ -33,7 +34,8 @@ pub(super) fn describe(camera: &ListedCamera) -> String {
             .iter()
             .map(|one| control(one, widest.unwrap_or(0)))
         {
-            text += &format!("    {line}\n");
+            // What there is to choose from may be long.
+            text += &format!("    {}\n", in_columns(&line));
         }
     }
     text
@@ -55,9 +57,19 @@ fn formats(about: &AboutCamera) -> String {
             .iter()
             .map(|format| format.code.to_string())
             .collect();
-        text += &folded("  Not read by lariat: ", &codes);
+        let list = format!("Not read by lariat: {}", codes.join(" "));
+        text += &format!("  {}\n", hanging(&list, 4, layout::width()));
     }
     text
+}
+
+/// A line, below itself where it is too wide for the terminal; what stands in columns stays as it is.
+fn in_columns(line: &str) -> String {
+    let width = layout::width();
+    match 4 + line.chars().count() <= width {
+        true => line.to_owned(),
+        false => hanging(line, 8, width),
+    }
 }
 
 fn sizes(format: &FormatOffer) -> String {
@@ -148,22 +160,6 @@ fn control(control: &Control, widest: usize) -> String {
     format!("{:<widest$}  {value:<12}  {range}{state}", control.name)
         .trim_end()
         .to_owned()
-}
-
-/// Words behind a heading, on as many lines as they take.
-fn folded(heading: &str, words: &[String]) -> String {
-    let mut text = heading.to_owned();
-    let mut column = heading.len();
-    for (index, word) in words.iter().enumerate() {
-        if column + word.len() > 100 {
-            text += "\n    ";
-            column = 4;
-        }
-        text += word;
-        column += word.len() + 1;
-        text += if index + 1 < words.len() { " " } else { "\n" };
-    }
-    text
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 pub(super) use rig::{leftover, rights, versions};
 
+use crate::layout::{self, hanging};
 use crate::stages::arrangement::core_list;
 
 /// How a thing is.
@@ -33,19 +34,22 @@ pub(super) struct Finding {
     pub(super) advice: Option<String>,
 }
 
-/// A line, and one more for what to do.
+/// How it is, and below it what to do, in lines as wide as the terminal.
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let width = layout::width();
         let verdict = match self.verdict {
             Verdict::Ok => "ok",
             Verdict::CouldBeBetter => "could be better",
             Verdict::Bad => "bad",
         };
-        writeln!(f, "{verdict:<15}  {:<18}  {}", self.name, self.found)?;
-        match &self.advice {
-            Some(advice) => writeln!(f, "{:<15}  {:<18}  → {advice}", "", ""),
-            None => Ok(()),
-        }
+        const INDENT: usize = 17;
+        let found = hanging(&format!("{}: {}", self.name, self.found), INDENT, width);
+        let advice = self.advice.as_ref().map(|advice| {
+            let lines = hanging(&format!("→ {advice}"), INDENT + 2, width);
+            format!("{:INDENT$}{lines}\n", "")
+        });
+        write!(f, "{verdict:<15}  {found}\n{}", advice.unwrap_or_default())
     }
 }
 

@@ -12,7 +12,7 @@ use lariat_record::{
     Clock, Ended, Existing, Flushed, Head, Losses, Options, Recorder, RingOptions, Writer,
 };
 use lariat_sink::Ledger;
-use lariat_wire::now_ns;
+use lariat_wire::{FRAMES, now_ns};
 use signal_hook::consts::SIGUSR1;
 
 use super::about::{self, Rig};
@@ -53,6 +53,7 @@ pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCo
     }
     let flush = flush_on_signal(settings)?;
     station.announce_ready(STAGE);
+    station.say_who_is_missing(FRAMES.name());
     let outcome = reel.turn(settings, &station, supervised, file, &flush);
     station.status.ending();
     if outcome.is_ok() {

@@ -8,6 +8,8 @@ use super::ReplayArgs;
 use super::difference::{Comparer, Difference, Rule};
 use super::distance;
 use super::stages::{Stages, prepare};
+use crate::exit::wrong_use;
+use crate::layout::{self, hanging};
 use crate::output::print;
 use crate::recording::{Decoder, Gather, Gathered, Pixels, RecordedSettings};
 use anyhow::{Context, Result, bail};
@@ -74,9 +76,8 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
 }
 
 fn settings(recording: &Recording, args: &ReplayArgs) -> Result<RecordedSettings> {
-    let shape = &args.shape;
-    if shape.is_given() || args.filter {
-        bail!("a check uses the settings of the recording: with others, use --compare");
+    if args.flags.is_given() {
+        wrong_use!("a check uses the settings of the recording: with others, use --compare");
     }
     if !recording.has_traces() {
         bail!("lariat did not make it, and nothing was computed in it");
@@ -358,5 +359,10 @@ fn text(file: &str, outcome: &Outcome, about: &About, within_px: Option<f64>) ->
         "{:.0} frames/s: extract took {:.0} µs a frame, fit {:.1} µs, the rest was reading",
         outcome.frames_per_s, outcome.extract_us, outcome.fit_us
     ));
-    lines.join("\n") + "\n"
+    let width = layout::width();
+    let folded = lines.iter().map(|line| match line.strip_prefix("  ") {
+        Some(line) => format!("  {}\n", hanging(line, 4, width)),
+        None => hanging(line, 2, width) + "\n",
+    });
+    folded.collect()
 }

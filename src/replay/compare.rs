@@ -47,7 +47,7 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
         .with_context(|| {
             format!("{file} cannot be compared: the settings that it was made with are not in it")
         })?;
-    let settings = recorded.changed(&args.shape, args.filter)?;
+    let settings = recorded.changed(&args.flags)?;
     let mut race = Race::new(&recorded.settings, &settings, &recording)?;
     race.whole(&recording).with_context(impossible)?;
     let comparison = race.finish();

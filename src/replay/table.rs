@@ -1,6 +1,7 @@
 //! A comparison as people read it.
 
 use super::compare::Comparison;
+use crate::layout::{self, Column, Table};
 use std::fmt::Write;
 
 /// How a row's numbers are written, and their change.
@@ -27,17 +28,13 @@ pub(super) fn text(comparison: &Comparison) -> String {
     if *skipped > 0 {
         let _ = write!(text, ", {skipped} more without an image or its mask");
     }
-    let _ = writeln!(
-        text,
-        "\n{:<40}{:>12}{:>12}{:>12}",
-        "", "recorded", "now", "change"
-    );
     let of = match *against {
         "truth" => "from the truth",
         _ => "from the recorded",
     };
     let columns = [recorded, now];
     let count = |n: u64| Some(n as f64);
+    let mut rows = Vec::new();
     for (name, distances) in [
         ("centerline", columns.map(|column| column.centerline_px)),
         ("curve", columns.map(|column| column.curve_px)),
@@ -48,58 +45,79 @@ pub(super) fn text(comparison: &Comparison) -> String {
             ("max", distances.map(|d| d.max)),
         ] {
             let name = format!("{name} {of}, {figure}, px");
-            row(&mut text, &name, values, Kind::Distance);
+            rows.push(row(&name, values, Kind::Distance));
         }
     }
-    row(
-        &mut text,
-        "rms of the fit, mean",
-        columns.map(|c| c.rms),
-        Kind::Distance,
-    );
-    for (name, value) in [
-        ("frames with descriptors", columns.map(|c| count(c.frames))),
+    for (name, values, kind) in [
+        (
+            "rms of the fit, mean",
+            columns.map(|c| c.rms),
+            Kind::Distance,
+        ),
+        (
+            "frames with descriptors",
+            columns.map(|c| count(c.frames)),
+            Kind::Count,
+        ),
         (
             "frames lost on the way",
             columns.map(|c| count(c.lost.total())),
+            Kind::Count,
         ),
         (
             "frames without a rope",
             columns.map(|c| count(c.frames_without_rope)),
+            Kind::Count,
         ),
         (
             "ropes told apart",
             columns.map(|c| count(c.ropes.len() as u64)),
+            Kind::Count,
         ),
         (
             "ropes seen whole, in all frames",
             columns.map(|c| count(c.ropes_ok)),
+            Kind::Count,
         ),
         (
             "ropes covered in part",
             columns.map(|c| count(c.ropes_partial)),
+            Kind::Count,
         ),
         (
             "ropes that may be none",
             columns.map(|c| count(c.ropes_doubtful)),
+            Kind::Count,
         ),
-        ("ropes lost", columns.map(|c| count(c.ropes_lost))),
+        (
+            "ropes lost",
+            columns.map(|c| count(c.ropes_lost)),
+            Kind::Count,
+        ),
+        (
+            "extract p50, µs",
+            columns.map(|c| c.extract_us.p50),
+            Kind::Time,
+        ),
+        (
+            "extract p99, µs",
+            columns.map(|c| c.extract_us.p99),
+            Kind::Time,
+        ),
+        ("fit p50, µs", columns.map(|c| c.fit_us.p50), Kind::Time),
+        ("fit p99, µs", columns.map(|c| c.fit_us.p99), Kind::Time),
     ] {
-        row(&mut text, name, value, Kind::Count);
+        rows.push(row(name, values, kind));
     }
-    for (name, value) in [
-        ("extract p50, µs", columns.map(|c| c.extract_us.p50)),
-        ("extract p99, µs", columns.map(|c| c.extract_us.p99)),
-        ("fit p50, µs", columns.map(|c| c.fit_us.p50)),
-        ("fit p99, µs", columns.map(|c| c.fit_us.p99)),
-    ] {
-        row(&mut text, name, value, Kind::Time);
-    }
-    text.push_str("(times: both settings on this machine, frame by frame in turns)\n");
-    text
+    let figures = ["recorded", "now", "change"].map(|heading| Column::figures(heading).wide(10));
+    let columns = std::iter::once(Column::words("")).chain(figures).collect();
+    format!(
+        "{text}\n{}(times: both settings on this machine, frame by frame in turns)\n",
+        Table::text(columns, &rows, layout::width())
+    )
 }
 
-fn row(text: &mut String, name: &str, [recorded, now]: [Option<f64>; 2], kind: Kind) {
+fn row(name: &str, [recorded, now]: [Option<f64>; 2], kind: Kind) -> Vec<String> {
     let shown = |value: Option<f64>| match (value, kind) {
         (None, _) => "-".to_owned(),
         (Some(value), Kind::Distance) => format!("{value:.3}"),
@@ -116,10 +134,5 @@ fn row(text: &mut String, name: &str, [recorded, now]: [Option<f64>; 2], kind: K
         }
         _ => String::new(),
     };
-    let _ = writeln!(
-        text,
-        "{name:<40}{:>12}{:>12}{change:>12}",
-        shown(recorded),
-        shown(now)
-    );
+    vec![name.to_owned(), shown(recorded), shown(now), change]
 }

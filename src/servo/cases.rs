@@ -11,6 +11,7 @@ use super::episode::{Driven, Episode};
 use super::job::{Features, Job, Learner, RAW_POINTS, Robot};
 use super::judge::Outcome;
 use super::report::{Group, Row};
+use crate::exit::wrong_use;
 use crate::stop::Stop;
 
 /// Points of a target.
@@ -49,7 +50,9 @@ impl Target {
         }
         let path = Path::new(name);
         if !path.exists() {
-            bail!("`{name}` is no target: say u, s, line, or a file with {{\"points\":[[x,y],…]}}");
+            wrong_use!(
+                "`{name}` is no target: say u, s, line, or a file with {{\"points\":[[x,y],…]}}"
+            );
         }
         let text =
             std::fs::read_to_string(path).with_context(|| format!("{name} could not be read"))?;
@@ -117,7 +120,7 @@ impl Case {
                     case.group == Group::AsItIs || case.group.title().starts_with(name)
                 });
                 if cases.len() == 1 {
-                    bail!("`{name}` is no group of a study: see `lariat servo --help`");
+                    wrong_use!("`{name}` is no group of a study: see `lariat servo --help`");
                 }
             }
         }

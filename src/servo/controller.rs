@@ -16,7 +16,7 @@ use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
 use super::job::{Job, Learner};
 use crate::output::print;
-use crate::settings::{ChainArgs, Settings};
+use crate::settings::{Flags, Settings};
 use crate::stop::Stop;
 use eye::{Eye, Sight};
 
@@ -35,7 +35,7 @@ pub(crate) struct ControllerArgs {
     job: PathBuf,
     /// The chain that it reads
     #[command(flatten)]
-    chain: ChainArgs,
+    chain: Flags,
 }
 
 /// Steers until a signal comes.

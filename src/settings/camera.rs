@@ -93,17 +93,17 @@ pub(super) fn controls_value(controls: &BTreeMap<String, String>) -> Option<Valu
     (!table.is_empty()).then_some(Value::Table(table))
 }
 
-/// A flag's `NAME=VALUE`.
-pub(crate) fn name_and_value(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((name.trim().to_owned(), value.trim().to_owned()))
+/// A flag's `NAME=VALUE`, as the file would have it.
+pub(super) fn control(text: &str) -> Result<Value, String> {
+    let named = text.split_once('=');
+    let named = named.map(|(name, value)| (name.trim(), value.trim()));
+    match named.filter(|(name, value)| !name.is_empty() && !value.is_empty()) {
+        Some((name, value)) => {
+            let value = Value::String(value.to_owned());
+            Ok(Value::Table(
+                [(name.to_owned(), value)].into_iter().collect(),
+            ))
         }
-        _ => Err("a control is set as NAME=VALUE, for instance exposure_auto=1".to_owned()),
+        None => Err("a control is set as NAME=VALUE, for instance exposure_auto=1".to_owned()),
     }
-}
-
-/// Flags as the file would have them.
-pub(super) fn controls_of_flags(flags: &[(String, String)]) -> Option<Value> {
-    controls_value(&flags.iter().cloned().collect())
 }

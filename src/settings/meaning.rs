@@ -199,9 +199,15 @@ pub(crate) fn image_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(super) fn position(value: &Value) -> Result<[f32; 2], String> {
-    match pair(value) {
+    let of_flag = |text: &str| {
+        let (x, y) = text.split_once(',')?;
+        Some([x.trim().parse().ok()?, y.trim().parse().ok()?])
+    };
+    match pair(value).or(value.as_str().and_then(of_flag)) {
         Some([x, y]) if x.abs() < 1e6 && y.abs() < 1e6 => Ok([x as f32, y as f32]),
-        _ => Err("a position is two numbers of pixels: [x, y]".to_owned()),
+        _ => {
+            Err("a position is two numbers of pixels: [x, y] in the file, X,Y as a flag".to_owned())
+        }
     }
 }
 
@@ -286,7 +292,7 @@ pub(super) fn mask(value: &Value) -> Result<Mask, String> {
         Value::Table(_) => Ok(Mask::Hsv(vec![hsv_range(value)?])),
         _ => Err(
             "write \"auto\", \"external\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
-             [0.2, 1] }]"
+             [0.2, 1] }] (a folder of masks is `lariat trace --masks DIR`)"
                 .to_owned(),
         ),
     }
@@ -379,13 +385,17 @@ pub(super) fn mask_value(mask: &Mask) -> Value {
 }
 
 /// The name that was probably meant: one that begins alike, or differs by at most two letters.
-pub(super) fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let given = given.to_lowercase();
     known
         .map(|name| {
             let begins_alike =
                 given.len() >= 3 && (name.starts_with(&given) || given.starts_with(name));
-            (if begins_alike { 0 } else { edits(&given, name) }, name)
+            let distance = match begins_alike {
+                true => 0,
+                false => edits(&given, &name.to_lowercase()),
+            };
+            (distance, name)
         })
         .filter(|(distance, name)| *distance <= 2 && *distance < name.len() - 1)
         .min()

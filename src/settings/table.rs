@@ -236,7 +236,7 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "every",
-        about: "Show each how-manieth of them: 3 is the first, the fourth, the seventh, ...",
+        about: "Show every Nth of them only: 3 is the first, the fourth, the seventh, ...",
         example: "",
         set: |s, v| range::every(v).map(|every| s.capture.range.every = every),
         get: |s| {

@@ -11,8 +11,10 @@ mod masks;
 pub(crate) mod sink;
 pub(crate) mod status;
 
+use std::cell::Cell;
 use std::os::fd::AsFd;
 
+use anyhow::Context;
 use lariat_wire::{
     Announcement, Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns,
 };
@@ -30,10 +32,12 @@ pub(crate) struct Station {
     pub(crate) stop: Stop,
     pub(crate) status: Status,
     arrangement: Arrangement,
-    /// Which of [`STAGES`] it is.
-    place: usize,
+    /// Which of [`STAGES`] it is, if it is one.
+    place: Option<usize>,
     /// What it says of itself to others on the machine.
     settings: String,
+    /// The channel that it was made a reader of.
+    reads: Cell<Option<&'static str>>,
     announcement: Option<Announcement>,
 }
 
@@ -54,9 +58,12 @@ impl Seat {
 }
 
 impl Station {
-    /// `stage`: one of [`STAGES`].
+    /// `stage`: one of [`STAGES`], or what stands beside them.
     pub(crate) fn open(settings: &Settings, stage: &str, seat: Seat) -> anyhow::Result<Self> {
         let Seat { stop, status } = seat;
+        for (name, value) in settings.changed() {
+            tracing::debug!("{stage}: {name} = {value}");
+        }
         let delivery = if settings.run.lossless {
             Delivery::Lossless { stop: stop.flag() }
         } else {
@@ -69,19 +76,26 @@ impl Station {
             stop,
             status,
             arrangement: settings.run.arrangement.clone(),
-            place: STAGES.iter().position(|name| *name == stage).unwrap_or(0),
+            place: STAGES.iter().position(|name| *name == stage),
             settings: settings.text(),
+            reads: Cell::new(None),
             announcement: None,
         })
     }
 
     /// The stage can receive, and all its threads are there: it takes its place on the machine, and says so.
     pub(crate) fn ready(&mut self) -> anyhow::Result<()> {
-        let lacks = arrangement::apply(&self.arrangement, self.place)?;
+        let place = self
+            .place
+            .context("what is no stage has no place on the machine")?;
+        let lacks = arrangement::apply(&self.arrangement, place)?;
         if lacks.any() {
             self.status.lacks(lacks);
         }
-        self.announce_ready(STAGES[self.place]);
+        self.announce_ready(STAGES[place]);
+        if let Some(channel) = self.reads.get() {
+            self.say_who_is_missing(channel);
+        }
         Ok(())
     }
 
@@ -108,7 +122,20 @@ impl Station {
     ) -> Result<Receiver<P>, WireError> {
         let mut reader = Receiver::create(&self.domain, &self.rig, channel, Some(&self.delivery))?;
         reader.look_for(self.arrangement.spin());
+        self.reads.set(Some(channel.name()));
         Ok(reader)
+    }
+
+    /// Started by hand, whoever waits says for what.
+    pub(crate) fn say_who_is_missing(&self, channel: &str) {
+        let state = self.domain.channel(&self.rig, channel);
+        let ends = state.and_then(|state| state.ends);
+        if !self.status.is_supervised() && ends.is_none_or(|ends| ends.writer.is_none()) {
+            eprintln!(
+                "lariat: waiting for {channel} of rig {} (`lariat run` starts a chain)",
+                self.rig
+            );
+        }
     }
 }
 
@@ -133,6 +160,7 @@ impl Backlog {
 /// Where a stage's messages come in.
 pub(crate) struct Inbox<P: Payload + ?Sized> {
     reader: Receiver<P>,
+    channel: &'static str,
     backlog: Backlog,
     rest: Rest,
     /// The counter of the stage before, in a message.
@@ -147,6 +175,7 @@ impl<P: Payload + ?Sized> Inbox<P> {
     ) -> Result<Self, WireError> {
         Ok(Self {
             reader: station.reader(channel)?,
+            channel: channel.name(),
             backlog: Backlog::default(),
             rest: station.rest(),
             count,
@@ -166,6 +195,7 @@ impl<P: Payload + ?Sized> Inbox<P> {
                     self.backlog.last = Some((self.count)(&message));
                 }
                 let now_ns = now_ns();
+                tracing::trace!("{} {} in hand", self.channel, (self.count)(&message));
                 self.rest.if_due(now_ns);
                 return Ok(Some((message, now_ns)));
             }

@@ -10,6 +10,7 @@ use lariat_sink::{FinalCounts, Machine, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
 use super::{Seat, Station};
+use crate::layout;
 use crate::run_files::RunFiles;
 use crate::settings::Settings;
 
@@ -30,13 +31,22 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     station.ready()?;
     let mut rest = station.rest();
     let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
+    // A chain ends its sink itself, when all before it has ended.
+    let run = Some(&settings.run).filter(|_| !supervised);
+    let end = run.and_then(|run| Some(Instant::now() + run.duration?));
+    let most = run.and_then(|run| run.frames).unwrap_or(u64::MAX);
+    let mut frames = 0;
     loop {
         // That nobody reads it any more is the wish that it end: the chain ends in order.
-        let last_look = station.stop.asked() || (line.unread && !supervised);
-        if channels.drain(&mut sink)? {
+        let last_look = station.stop.asked()
+            || (line.unread && !supervised)
+            || end.is_some_and(|end| Instant::now() >= end);
+        let came = channels.drain(&mut sink, most - frames)?;
+        if came > 0 {
             line.has_news();
         }
-        if last_look {
+        frames += came;
+        if last_look || frames >= most {
             break;
         }
         let was_read = !line.unread;
@@ -45,7 +55,8 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
             station.status.unread();
         }
         rest.if_due(now_ns());
-        rest.while_waiting(|| channels.sleep(line.due(), &station))?;
+        let due = [line.due(), end].into_iter().flatten().min();
+        rest.while_waiting(|| channels.sleep(due, &station))?;
     }
     if line.wanted && line.in_place {
         line.say(format_args!("\n"));
@@ -102,12 +113,14 @@ impl Channels {
         })
     }
 
-    /// Takes in all that waits; `false` if there is no descriptor among it.
-    fn drain(&self, sink: &mut Sink) -> anyhow::Result<bool> {
-        let mut came = false;
-        while let Some(message) = self.descriptors.next()? {
+    /// Takes in all that waits, of descriptors at most so many; returns how many of them there were.
+    fn drain(&self, sink: &mut Sink, most: u64) -> anyhow::Result<u64> {
+        let mut came = 0;
+        while came < most
+            && let Some(message) = self.descriptors.next()?
+        {
             sink.descriptors(&message, now_ns());
-            came = true;
+            came += 1;
         }
         while let Some(message) = self.centerlines.next()? {
             sink.centerlines(&message);
@@ -219,7 +232,10 @@ impl LiveLine {
         self.due = now + self.interval();
         let line = sink.live_line(now_ns());
         if self.in_place {
-            self.say(format_args!("\r{line}\x1b[K"));
+            // A line that is wider than the terminal could not be written over.
+            let columns = layout::width().saturating_sub(1);
+            let shown: String = line.chars().take(columns).collect();
+            self.say(format_args!("\r{shown}\x1b[K"));
         } else {
             self.say(format_args!("{line}\n"));
         }

@@ -8,6 +8,7 @@ use lariat_wire::Rig;
 use serde::Serialize;
 
 use super::ChannelName;
+use super::Titled;
 use super::probe::Any;
 use super::rate::Pace;
 use super::watch::Meter;
@@ -16,7 +17,7 @@ use super::watch::Meter;
 pub(super) struct Bandwidth {
     channel: ChannelName,
     pace: Pace,
-    is_titled: bool,
+    table: Titled,
     messages: u64,
     bytes: u64,
     least: Option<usize>,
@@ -31,7 +32,7 @@ impl Bandwidth {
         Self {
             channel,
             pace: Pace::default(),
-            is_titled: false,
+            table: Titled::new(["MB/s", "messages/s", "mean kB", "min kB", "max kB"]),
             messages: 0,
             bytes: 0,
             least: None,
@@ -105,23 +106,21 @@ impl Meter for Bandwidth {
             };
             serde_json::to_string(&figures)? + "\n"
         } else {
-            let title = match std::mem::replace(&mut self.is_titled, true) {
-                true => "",
-                false => "    MB/s  messages/s  mean kB  min kB  max kB\n",
-            };
-            let kb = |bytes: Option<usize>| Figure(bytes.map(|bytes| bytes as f64 / 1e3));
-            format!(
-                "{title}{:>8} {:>11} {:>8} {:>7} {:>7}\n",
-                Figure(Some(mb_per_s.unwrap_or(0.0))),
-                Figure(Some(hz.unwrap_or(0.0))),
-                Figure(mean.map(|mean| mean / 1e3)),
+            let kb = |bytes: Option<usize>| bytes.map(|bytes| bytes as f64 / 1e3);
+            let figures = [
+                Some(mb_per_s.unwrap_or(0.0)),
+                Some(hz.unwrap_or(0.0)),
+                mean.map(|mean| mean / 1e3),
                 kb(self.least),
                 kb(self.most),
-            )
+            ];
+            self.table
+                .lines(figures.map(|figure| Figure(figure).to_string()))
         };
+        let table = std::mem::replace(&mut self.table, Titled::new([]));
         *self = Self {
             pace: std::mem::take(&mut self.pace),
-            is_titled: self.is_titled,
+            table,
             ..Self::new(self.channel)
         };
         Ok(text)

@@ -3,12 +3,13 @@
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use lariat_wire::{ChannelState, Domain, Member, Rig, members};
+use lariat_wire::{ChannelState, Domain, Member, members};
 use serde::Serialize;
 
 use crate::output::print;
 
 use super::{ListArgs, nothing_runs};
+use crate::layout::{self, Column, Table, hanging};
 
 #[derive(Serialize)]
 struct List<'a> {
@@ -53,11 +54,10 @@ struct Process<'a> {
 
 /// Runs `lariat topic list`.
 pub(super) fn run(args: &ListArgs) -> Result<ExitCode> {
-    let wanted: Option<Rig> = args.rig.as_deref().map(str::parse).transpose()?;
     let domain = Domain::open()?;
     let all = domain.channels()?;
     let members = members()?;
-    if let Some(rig) = &wanted
+    if let Some(rig) = &args.rig
         && !all.is_empty()
         && all.iter().all(|state| state.rig != *rig)
         && !args.json
@@ -68,7 +68,7 @@ pub(super) fn run(args: &ListArgs) -> Result<ExitCode> {
     }
     let shown: Vec<ChannelState> = all
         .into_iter()
-        .filter(|state| wanted.as_ref().is_none_or(|rig| state.rig == *rig))
+        .filter(|state| args.rig.as_ref().is_none_or(|rig| state.rig == *rig))
         .collect();
     let text = if args.json {
         serde_json::to_string_pretty(&List {
@@ -161,56 +161,76 @@ fn name_and_version(types: &str) -> (&str, Option<u32>) {
 }
 
 fn as_table(rigs: &[RigEntry]) -> String {
+    let width = layout::width();
     let mut text = String::new();
     for rig in rigs {
         let delivery = if rig.lossless { " (lossless)" } else { "" };
-        text += &format!(
-            "rig {}{delivery}\n  {:<12} {:<16} {:>8}  {:<24} {:>5} {:>9}\n",
-            rig.rig, "channel", "writer", "readers", "message", "slots", "MB shared"
-        );
-        for entry in &rig.channels {
-            text += &line(entry);
+        text += &format!("rig {}{delivery}\n", rig.rig);
+        let columns = vec![
+            Column::words("  channel"),
+            Column::words("writer"),
+            Column::figures("readers"),
+            Column::words("message").rank(2),
+            Column::figures("slots").rank(1),
+            Column::figures("MB shared"),
+        ];
+        let rows: Vec<_> = rig.channels.iter().map(row).collect();
+        let table = Table::text(columns, &rows, width);
+        let mut lines = table.split_inclusive('\n');
+        text.extend(lines.next());
+        for (line, entry) in lines.zip(&rig.channels) {
+            text += line;
+            text += &below(entry, width);
         }
     }
     text
 }
 
-fn line(entry: &Entry) -> String {
-    let name = |process: &Process| match process.stage {
+fn name(process: &Process) -> String {
+    match process.stage {
         Some(stage) => format!("{stage} {}", process.pid),
         None => format!("process {}", process.pid),
-    };
+    }
+}
+
+fn row(entry: &Entry) -> Vec<String> {
     let writer = match (&entry.readers, &entry.writer) {
         (None, _) => "?".to_owned(),
         (_, None) => "none".to_owned(),
         (_, Some(writer)) => name(writer),
     };
-    let readers = entry
-        .readers
-        .as_ref()
-        .map_or("?".to_owned(), |readers| readers.len().to_string());
+    let readers = entry.readers.as_ref();
+    let readers = readers.map_or("?".to_owned(), |readers| readers.len().to_string());
     let version = entry
         .version
         .map_or(String::new(), |version| format!(" v{version}"));
-    let slots = entry
-        .slots
-        .map_or("–".to_owned(), |slots| slots.to_string());
-    let shared = entry
-        .shared_bytes
-        .map(|bytes| format!("{:.1}", bytes as f64 / 1e6));
-    let mut text = format!(
-        "  {:<12} {writer:<16} {readers:>3} of {:<2}  {:<24} {slots:>5} {:>9}\n",
-        entry.channel,
-        entry.most_readers,
+    let or_dash = |text: Option<String>| text.unwrap_or("–".to_owned());
+    vec![
+        format!("  {}", entry.channel),
+        writer,
+        format!("{readers} of {:<2}", entry.most_readers),
         format!("{}{version}", entry.message),
-        shared.as_deref().unwrap_or("–"),
-    );
+        or_dash(entry.slots.map(|slots| slots.to_string())),
+        or_dash(
+            entry
+                .shared_bytes
+                .map(|bytes| format!("{:.1}", bytes as f64 / 1e6)),
+        ),
+    ]
+}
+
+/// What there is to say of a channel below its row.
+fn below(entry: &Entry, width: usize) -> String {
+    let mut text = String::new();
+    let mut add = |sentence: &str| text += &format!("    {}\n", hanging(sentence, 4, width));
     if !entry.readable {
-        text += "    of another release: use the same lariat for every process on a rig (`lariat doctor` names them)\n";
+        add(
+            "of another release: use the same lariat for every process on a rig (`lariat doctor` names them)",
+        );
     }
     if let Some(readers) = entry.readers.as_ref().filter(|readers| !readers.is_empty()) {
         let names: Vec<String> = readers.iter().map(name).collect();
-        text += &format!("    read by {}\n", names.join(", "));
+        add(&format!("read by {}", names.join(", ")));
     }
     text
 }

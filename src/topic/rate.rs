@@ -11,6 +11,7 @@ use lariat_wire::{Rig, Trace};
 use serde::Serialize;
 
 use super::ChannelName;
+use super::Titled;
 use super::probe::Any;
 use super::watch::Meter;
 
@@ -83,7 +84,7 @@ pub(super) struct Rate {
     /// Frames lost up to the last report.
     lost_before: Lost,
     pace: Pace,
-    is_titled: bool,
+    table: Titled,
     interval: Intervals,
 }
 
@@ -108,7 +109,17 @@ impl Rate {
             ledger: Ledger::new(false),
             lost_before: Lost::default(),
             pace: Pace::default(),
-            is_titled: false,
+            table: Titled::new([
+                "messages\n/s",
+                "mean\nms",
+                "min\nms",
+                "max\nms",
+                "jitter\nms",
+                "lost:\nsource",
+                "\ncapture",
+                "\nextract",
+                "\nhere",
+            ]),
             interval: Intervals::default(),
         }
     }
@@ -213,12 +224,6 @@ impl Meter for Rate {
         let text = if json {
             serde_json::to_string(&figures)? + "\n"
         } else {
-            let title = match std::mem::replace(&mut self.is_titled, true) {
-                true => "",
-                false => {
-                    "messages/s   mean ms    min ms    max ms    jitter    lost: source  capture  extract  here\n"
-                }
-            };
             let Spread {
                 mean,
                 min,
@@ -231,14 +236,10 @@ impl Meter for Rate {
                 extract,
                 here,
             } = figures.lost;
-            format!(
-                "{title}{:>10} {:>9} {:>9} {:>9} {:>9} {source:>15} {capture:>8} {extract:>8} {here:>5}\n",
-                Figure(Some(figures.hz.unwrap_or(0.0))),
-                Figure(mean),
-                Figure(min),
-                Figure(max),
-                Figure(jitter),
-            )
+            let hz = Some(figures.hz.unwrap_or(0.0));
+            let spread = [hz, mean, min, max, jitter].map(|figure| Figure(figure).to_string());
+            let lost = [source, capture, extract, here].map(|count| count.to_string());
+            self.table.lines(spread.into_iter().chain(lost))
         };
         self.lost_before = self.ledger.lost();
         self.interval = Intervals::default();

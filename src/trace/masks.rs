@@ -13,7 +13,7 @@ impl Masks {
     pub(super) fn new(folder: &Path) -> Result<Self> {
         if !folder.is_dir() {
             bail!(
-                "there is no folder {}: --mask takes a folder of PNG pictures, white for rope",
+                "there is no folder {}: --masks takes a folder of PNG pictures, white for rope",
                 folder.display()
             );
         }

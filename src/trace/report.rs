@@ -1,20 +1,11 @@
 //! What is printed about a picture: a JSON object a line for programs, a table for people.
 
 use crate::descriptor_json::{Descriptor, thousandths};
-use clap::ValueEnum;
+use crate::layout::{self, Column, hanging};
 use lariat_extract::Status;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
-
-/// What `lariat trace` prints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Format {
-    /// Aligned columns for people
-    Table,
-    /// A JSON object a line, one for each picture
-    Jsonl,
-}
 
 /// All that is known about one picture. The keys are part of what users build on.
 #[derive(Debug, Serialize)]
@@ -133,112 +124,86 @@ impl Report {
     }
 }
 
-/// A table that grows by a row a rope, with as wide a first column as all the names need.
+/// A table that grows by a row a rope.
 pub(super) struct Table {
-    name_width: usize,
+    table: layout::Table,
     has_heading: bool,
-    /// Of the last two columns of figures.
-    unit: &'static str,
+    width: usize,
 }
 
 impl Table {
-    /// Longer names are shown by their end.
-    const LONGEST_NAME: usize = 48;
-
+    /// `unit`: of the fit's errors.
     pub(super) fn new(images: &[PathBuf], unit: &'static str) -> Self {
-        let longest = images
+        let names = images
             .iter()
-            .map(|path| path.to_string_lossy().chars().count())
-            .max();
+            .map(|path| path.to_string_lossy().chars().count());
+        let width = layout::width();
+        let columns = vec![
+            Column::words("image").wide(names.max().unwrap_or(0)),
+            Column::figures("size")
+                .wide("4096×3072".chars().count())
+                .rank(3),
+            Column::figures("rope"),
+            Column::words("status").wide("doubtful".len()),
+            Column::figures("long px").wide("1234.5".len()),
+            Column::figures("wide px"),
+            Column::figures("crossings").rank(1),
+            Column::figures("order"),
+            Column::figures(format!("rms {unit}")),
+            Column::figures(format!("max {unit}")),
+            Column::figures("ms").wide("1234.5".len()).rank(2),
+        ];
         Self {
-            name_width: longest
-                .unwrap_or(0)
-                .clamp("image".len(), Self::LONGEST_NAME),
+            table: layout::Table::new(columns, width),
             has_heading: false,
-            unit,
+            width,
         }
     }
 
     pub(super) fn write(&mut self, report: &Report, output: &mut impl Write) -> io::Result<()> {
-        let width = self.name_width;
-        self.head(output)?;
-        let name = self.shortened(&report.image);
-        let size = format!("{}×{}", report.width, report.height);
-        let time_ms = report.timing_us.total / 1e3;
-        if report.curves.is_empty() {
-            let no_rope = "no rope";
-            return writeln!(
-                output,
-                "{name:<width$}  {size:>9}  {:>4}  {no_rope:<7}  {:>63}{time_ms:>8.1}",
-                "-", ""
-            );
+        if !std::mem::replace(&mut self.has_heading, true) {
+            output.write_all(self.table.head().as_bytes())?;
         }
-        for (index, curve) in report.curves.iter().enumerate() {
-            let is_first = index == 0;
-            let (name, size) = if is_first {
-                (&name[..], &size[..])
-            } else {
-                ("", "")
-            };
-            let time = if is_first {
-                format!("{time_ms:.1}")
-            } else {
-                String::new()
-            };
-            writeln!(
-                output,
-                "{name:<width$}  {size:>9}  {:>4}  {:<7}  {:>9.1}  {:>8.1}  {:>9}  {:>5}  {:>7.2}  {:>7.2}  {time:>8}",
-                curve.track,
-                curve.status,
-                curve.length_px,
-                curve.width_px,
-                report.crossings_of(curve.track),
-                curve.descriptor.order,
-                curve.descriptor.rms,
-                curve.descriptor.max,
-            )?;
+        let mut first = [
+            report.image.clone(),
+            format!("{}×{}", report.width, report.height),
+            format!("{:.1}", report.timing_us.total / 1e3),
+        ];
+        if report.curves.is_empty() {
+            let [name, size, time] = first;
+            let none = String::new();
+            let row = [
+                &name, &size, "-", "no rope", &none, &none, &none, &none, &none, &none, &time,
+            ];
+            return output.write_all(self.table.row(row).as_bytes());
+        }
+        for curve in &report.curves {
+            // A picture is named once.
+            let [name, size, time] = std::mem::take(&mut first);
+            let row = self.table.row([
+                name,
+                size,
+                curve.track.to_string(),
+                curve.status.to_owned(),
+                format!("{:.1}", curve.length_px),
+                format!("{:.1}", curve.width_px),
+                report.crossings_of(curve.track).to_string(),
+                curve.descriptor.order.to_string(),
+                format!("{:.2}", curve.descriptor.rms),
+                format!("{:.2}", curve.descriptor.max),
+                time,
+            ]);
+            output.write_all(row.as_bytes())?;
             if !curve.crossing_sequence.is_empty() {
                 let pulls = match curve.pulls_straight {
                     Some(true) => "pulls straight",
                     Some(false) => "knotted",
                     None => "pulls straight or not: undecided",
                 };
-                let sequence = &curve.crossing_sequence;
-                writeln!(output, "{:<width$}  {:>9}  {sequence}: {pulls}", "", "")?;
+                let text = format!("  {}: {pulls}", curve.crossing_sequence);
+                writeln!(output, "  {}", hanging(&text, 4, self.width))?;
             }
         }
         Ok(())
-    }
-
-    /// The heading, before the first row.
-    fn head(&mut self, output: &mut impl Write) -> io::Result<()> {
-        let width = self.name_width;
-        if std::mem::replace(&mut self.has_heading, true) {
-            return Ok(());
-        }
-        writeln!(
-            output,
-            "{:<width$}  {:>9}  {:>4}  {:<7}  {:>9}  {:>8}  {:>9}  {:>5}  {:>7}  {:>7}  {:>8}",
-            "image",
-            "size",
-            "rope",
-            "status",
-            "length px",
-            "width px",
-            "crossings",
-            "order",
-            format!("rms {}", self.unit),
-            format!("max {}", self.unit),
-            "time ms"
-        )
-    }
-
-    fn shortened(&self, name: &str) -> String {
-        let excess = name.chars().count().saturating_sub(self.name_width);
-        if excess == 0 {
-            return name.to_owned();
-        }
-        let end: String = name.chars().skip(excess + 1).collect();
-        format!("…{end}")
     }
 }

@@ -331,7 +331,7 @@ fn a_recording_and_a_timeline_go_to_standard_output_and_what_else_is_said_beside
     assert!(json["traceEvents"].is_array());
     assert!(said(&traced).contains("received"), "{}", said(&traced));
     let both = bench.run(&[&run[..], &["--trace", "-", "--record", "-"]].concat());
-    assert_eq!(both.status.code(), Some(1));
+    assert_eq!(both.status.code(), Some(2));
 }
 
 /// Commands that print, each with what it needs.

@@ -17,9 +17,7 @@ fn looped(t: f64) -> [f64; 2] {
 fn a_crossing_has_its_two_strands_and_a_loop_pulls_straight() {
     let folder = TempDir::new().unwrap();
     save(&folder, "loop.png", &rope_picture(320, 240, looped));
-    let output = trace(&folder, &["loop.png", "--format", "jsonl"])
-        .output()
-        .unwrap();
+    let output = trace(&folder, &["loop.png", "--json"]).output().unwrap();
     let report = &lines(&output.stdout)[0];
     let curve = &report["curves"][0];
     assert_eq!(curve["widths_px"].as_array().unwrap().len(), 120);

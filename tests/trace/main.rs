@@ -92,9 +92,7 @@ fn distance_to_wave(p: [f64; 2]) -> f64 {
 fn the_waves_line() -> Value {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
-    let output = trace(&folder, &["wave.png", "--format", "jsonl"])
-        .output()
-        .unwrap();
+    let output = trace(&folder, &["wave.png", "--json"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     assert!(output.stderr.is_empty(), "{output:?}");
     let [report] = &lines(&output.stdout)[..] else {
@@ -165,7 +163,7 @@ fn the_descriptor_is_what_lariat_fit_makes_of_the_points() {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
     let args = [
-        "wave.png", "--format", "jsonl", "--order", "5", "--points", "60", "--solver", "qr",
+        "wave.png", "--json", "--order", "5", "--points", "60", "--solver", "qr",
     ];
     let output = trace(&folder, &args).output().unwrap();
     let report = &lines(&output.stdout)[0];
@@ -192,14 +190,7 @@ fn a_picture_without_a_rope_has_no_curves() {
     let folder = TempDir::new().unwrap();
     save(&folder, "table.png", &RgbImage::from_pixel(64, 48, TABLE));
     save(&folder, "dot.png", &RgbImage::from_pixel(1, 1, ROPE));
-    let args = [
-        "table.png",
-        "dot.png",
-        "--format",
-        "jsonl",
-        "--overlay",
-        "over",
-    ];
+    let args = ["table.png", "dot.png", "--json", "--overlay", "over"];
     let output = trace(&folder, &args).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let reports = lines(&output.stdout);
@@ -231,9 +222,7 @@ fn a_picture_taken_sideways_is_traced_upright() {
     note.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0]);
     let lying = std::fs::read(&path).unwrap();
     std::fs::write(&path, [&lying[..2], &note, &lying[2..]].concat()).unwrap();
-    let output = trace(&folder, &["wave.jpg", "--format", "jsonl"])
-        .output()
-        .unwrap();
+    let output = trace(&folder, &["wave.jpg", "--json"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let report = &lines(&output.stdout)[0];
     assert_eq!([&report["width"], &report["height"]], [320, 240]);
@@ -252,9 +241,7 @@ fn a_large_picture_is_no_trouble() {
         }
     }
     picture.save(folder.path().join("large.png")).unwrap();
-    let output = trace(&folder, &["large.png", "--format", "jsonl"])
-        .output()
-        .unwrap();
+    let output = trace(&folder, &["large.png", "--json"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let report = &lines(&output.stdout)[0];
     assert_eq!([&report["width"], &report["height"]], [8000, 6000]);
@@ -282,8 +269,7 @@ fn what_is_no_picture_is_said_and_the_others_are_traced() {
         "nothing",
         "above",
         "wave.png",
-        "--format",
-        "jsonl",
+        "--json",
         "--overlay",
         "over",
     ];
@@ -328,9 +314,7 @@ fn a_folder_is_taken_in_natural_order() {
         save(&folder, &format!("frames/{name}"), &table);
     }
     std::fs::write(folder.path().join("frames/notes.txt"), "not a picture").unwrap();
-    let output = trace(&folder, &["frames", "--format", "jsonl"])
-        .output()
-        .unwrap();
+    let output = trace(&folder, &["frames", "--json"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let names: Vec<_> = lines(&output.stdout)
         .iter()
@@ -409,12 +393,9 @@ fn a_video_keeps_the_direction_of_a_rope_that_turns_and_single_pictures_do_not()
     }
     let last_first_point = |flags: &[&str]| -> [f64; 2] {
         let images: Vec<&str> = names.iter().map(String::as_str).collect();
-        let output = trace(
-            &folder,
-            &[&images[..], &["--format", "jsonl"], flags].concat(),
-        )
-        .output()
-        .unwrap();
+        let output = trace(&folder, &[&images[..], &["--json"], flags].concat())
+            .output()
+            .unwrap();
         assert!(output.status.success(), "{output:?}");
         points(&lines(&output.stdout)[12]["curves"][0]["points"])[0]
     };
@@ -438,9 +419,7 @@ fn colours_and_limits_come_from_the_settings_file() {
     let settings = |hue: &str| {
         let text = format!("[extract]\nmask = [{{ hue_deg = {hue}, saturation = [0.4, 1] }}]\n");
         std::fs::write(folder.path().join("lariat.toml"), text).unwrap();
-        let output = trace(&folder, &["wave.png", "--format", "jsonl"])
-            .output()
-            .unwrap();
+        let output = trace(&folder, &["wave.png", "--json"]).output().unwrap();
         assert!(output.status.success(), "{output:?}");
         lines(&output.stdout)[0]["curves"].as_array().unwrap().len()
     };
@@ -454,7 +433,7 @@ fn an_order_that_cannot_be_is_refused_before_the_first_picture() {
     let output = trace(&folder, &["missing.png", "--order", "40"])
         .output()
         .unwrap();
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     assert_eq!(
         String::from_utf8(output.stderr).unwrap(),
         "lariat: --order: 40: choose a whole number from 1 to 31\n"

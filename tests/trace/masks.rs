@@ -15,7 +15,7 @@ fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
     let white = |pixel: &Rgb<u8>| if pixel.0[0] < 130 { 255 } else { 0 };
     let mask = GrayImage::from_fn(320, 240, |x, y| image::Luma([white(mask.get_pixel(x, y))]));
     mask.save(folder.path().join("masks/table.png")).unwrap();
-    let args = ["table.jpg", "--mask", "masks", "--format", "jsonl"];
+    let args = ["table.jpg", "--masks", "masks", "--json"];
     let output = trace(&folder, &args).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let report = &lines(&output.stdout)[0];
@@ -29,23 +29,24 @@ fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
 fn a_mask_that_is_missing_or_of_another_size_is_named() {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
-    let said = |args: &[&str]| {
+    let complaint = |args: &[&str], code| {
         let output = trace(&folder, args).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        assert_eq!(output.status.code(), Some(code), "{output:?}");
         String::from_utf8(output.stderr).unwrap()
     };
+    let said = |args: &[&str]| complaint(args, 1);
     assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
-        "lariat: there is no folder masks: --mask takes a folder of PNG pictures, white for rope\n"
+        said(&["wave.png", "--masks", "masks"]),
+        "lariat: there is no folder masks: --masks takes a folder of PNG pictures, white for rope\n"
     );
     std::fs::create_dir(folder.path().join("masks")).unwrap();
     assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
+        said(&["wave.png", "--masks", "masks"]),
         "lariat: there is no mask of wave.png: it would be masks/wave.png\n"
     );
     save(&folder, "masks/wave.png", &RgbImage::new(20, 10));
     assert_eq!(
-        said(&["wave.png", "--mask", "masks"]),
+        said(&["wave.png", "--masks", "masks"]),
         "lariat: masks/wave.png: the mask is 20×10 pixels and its image 320×240: give each image a mask of its own \
          size\n"
     );
@@ -55,7 +56,7 @@ fn a_mask_that_is_missing_or_of_another_size_is_named() {
     )
     .unwrap();
     assert_eq!(
-        said(&["wave.png"]),
-        "lariat: the settings say mask = \"external\": name the masks' folder with --mask DIR\n"
+        complaint(&["wave.png"], 2),
+        "lariat: the settings say mask = \"external\": name the masks' folder with --masks DIR\n"
     );
 }

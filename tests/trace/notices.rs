@@ -21,7 +21,7 @@ fn a_checkered_table_is_named_with_what_to_do() {
     let folder = TempDir::new().unwrap();
     save(&folder, "cloth.png", &checkered());
     save(&folder, "wave.png", &wave_picture());
-    let args = ["cloth.png", "wave.png", "--format", "jsonl"];
+    let args = ["cloth.png", "wave.png", "--json"];
     let output = trace(&folder, &args).output().unwrap();
     // It is a warning: the exit code is that of success.
     assert!(output.status.success(), "{output:?}");

@@ -101,7 +101,7 @@ impl Live {
         // Writing to a string does not fail.
         let _ = write!(
             self.line,
-            "{:>5} frames/s   p50 {:>5} µs   p99 {:>5} µs   {} received, {} lost   {} {}",
+            "{:>5}/s  p50 {:>5}  p99 {:>5} µs  {} received, {} lost  {} {}",
             Figure(figures.frames_per_s),
             Figure(figures.p50_us),
             Figure(figures.p99_us),
@@ -111,7 +111,7 @@ impl Live {
             if self.curves == 1 { "curve" } else { "curves" },
         );
         if figures.error_px.is_some() {
-            let _ = write!(self.line, "   error {} px", Figure(figures.error_px));
+            let _ = write!(self.line, "  {} px off", Figure(figures.error_px));
         }
     }
 }
@@ -138,7 +138,7 @@ mod tests {
         let error = Comparison::new();
         assert_eq!(
             live.line(7, &ledger, &error),
-            "    – frames/s   p50     – µs   p99     – µs   0 received, 0 lost   0 curves"
+            "    –/s  p50     –  p99     – µs  0 received, 0 lost  0 curves"
         );
         for number in 1..=100 {
             receive(&mut live, &mut ledger, number, number * 10_000_000);
@@ -146,12 +146,12 @@ mod tests {
         let line = live.line(1_000_000_007, &ledger, &error).to_owned();
         assert_eq!(
             line,
-            "  100 frames/s   p50   500 µs   p99   500 µs   100 received, 0 lost   1 curve"
+            "  100/s  p50   500  p99   500 µs  100 received, 0 lost  1 curve"
         );
         // In the middle of the next second the figures stand, and the counts go on.
         receive(&mut live, &mut ledger, 102, 1_020_000_000);
         let line = live.line(1_100_000_000, &ledger, &error);
-        assert!(line.starts_with("  100 frames/s"), "{line}");
+        assert!(line.starts_with("  100/s"), "{line}");
         assert!(line.contains("101 received, 1 lost"), "{line}");
     }
 
@@ -162,6 +162,6 @@ mod tests {
         receive(&mut live, &mut ledger, 1, 10);
         live.line(1_000_000_000, &ledger, &error);
         let line = live.line(2_000_000_000, &ledger, &error);
-        assert!(line.starts_with("    0 frames/s   p50     – µs"), "{line}");
+        assert!(line.starts_with("    0/s  p50     –  "), "{line}");
     }
 }

@@ -117,7 +117,7 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     let (most, name) = most.unwrap_or(pieces[0]);
     writeln!(
         f,
-        "what limits it: {name}, {} of {} µs; {stage} could do {} frames/s",
+        "what limits it: {name}, {} of {} µs;\n{stage} could do {} frames/s",
         Figure(Some(most)),
         Figure(Some(whole)),
         Figure(Some(1e6 / slowest.max(0.001)))
@@ -244,23 +244,19 @@ fn distances(distances: Distances, label: &str, f: &mut Formatter<'_>) -> Result
 fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
     let machine = &report.summary.machine;
     let unknown = "unknown processor";
-    write!(
-        f,
-        "{:<20} {}",
-        "machine",
-        machine.cpu.as_deref().unwrap_or(unknown)
-    )?;
+    let mut hardware = machine.cpu.as_deref().unwrap_or(unknown).to_owned();
     if let Some(cores) = machine.cores {
-        write!(f, ", {}", plural(cores as u64, "core"))?;
+        hardware += &format!(", {}", plural(cores as u64, "core"));
     }
     if let Some(memory_mb) = machine.memory_mb {
-        write!(f, ", {memory_mb} MB")?;
+        hardware += &format!(", {memory_mb} MB");
     }
-    write!(f, "\n{:<20} {}", "", machine.kernel)?;
+    let mut kernel = machine.kernel.clone();
     if let Some(governor) = &machine.governor {
-        write!(f, ", governor {governor}")?;
+        kernel += &format!(", governor {governor}");
     }
-    writeln!(f)
+    paragraph("machine", &hardware, 21, f)?;
+    paragraph("", &kernel, 21, f)
 }
 
 /// What a reader of the figures must know to read them rightly: only what applies.
@@ -325,7 +321,23 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     if !notes.is_empty() {
         writeln!(f)?;
     }
-    notes.iter().try_for_each(|note| writeln!(f, "! {note}"))
+    notes.iter().try_for_each(|note| paragraph("!", note, 2, f))
+}
+
+/// Text behind a label, in lines of at most 80 columns.
+fn paragraph(label: &str, text: &str, indent: usize, f: &mut Formatter<'_>) -> Result {
+    write!(f, "{label:<0$}", indent - 1)?;
+    let mut column = indent - 1;
+    for word in text.split_whitespace() {
+        let length = word.chars().count();
+        if column >= indent && column + 1 + length > 80 {
+            write!(f, "\n{:1$}", "", indent - 1)?;
+            column = indent - 1;
+        }
+        write!(f, " {word}")?;
+        column += 1 + length;
+    }
+    writeln!(f)
 }
 
 fn error_notes(comparison: &Comparison, kind: &str) -> impl Iterator<Item = String> {

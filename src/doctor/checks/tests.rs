@@ -113,8 +113,8 @@ fn what_the_dead_left_can_be_removed_as_it_is_typed() {
     let left = std::slice::from_ref(&left);
     assert_eq!(
         leftover(left, None, &[]).to_string(),
-        "could be better  leftovers           left: 13 files of 4.7 MB in /dev/shm, of killed processes in the domain arm\n                                     \
-         → `lariat doctor --clean`\n"
+        "could be better  leftovers: left: 13 files of 4.7 MB in /dev/shm, of killed\n                 \
+         processes in the domain arm\n                 → `lariat doctor --clean`\n"
     );
     let removed = leftover(left, Some(&[]), &[]);
     assert_eq!(removed.verdict, Verdict::Ok);

@@ -4,12 +4,12 @@ use super::Making;
 use crate::recording::RecordedSettings;
 use crate::replay::compare::{Comparison, Race};
 use crate::replay::table;
-use crate::settings::ShapeArgs;
+use crate::settings::Flags;
 
-fn compare(made: &Making, shape: ShapeArgs) -> Comparison {
+fn compare(made: &Making, flags: &[&str]) -> Comparison {
     let recording = made.make().open();
     let recorded = RecordedSettings::of(&recording).unwrap().unwrap();
-    let settings = recorded.changed(&shape, false).unwrap();
+    let settings = recorded.changed(&Flags::of_words(flags)).unwrap();
     let mut race = Race::new(&recorded.settings, &settings, &recording).unwrap();
     race.whole(&recording).unwrap();
     race.finish()
@@ -17,11 +17,7 @@ fn compare(made: &Making, shape: ShapeArgs) -> Comparison {
 
 #[test]
 fn the_same_settings_give_the_same_figures() {
-    let same = ShapeArgs {
-        order: Some("8".to_owned()),
-        ..ShapeArgs::default()
-    };
-    let comparison = compare(&Making::default(), same);
+    let comparison = compare(&Making::default(), &["--order=8"]);
     let Comparison {
         against,
         frames,
@@ -40,15 +36,11 @@ fn the_same_settings_give_the_same_figures() {
 
 #[test]
 fn a_lower_order_fits_worse_and_what_was_lost_is_not() {
-    let lower = ShapeArgs {
-        order: Some("2".to_owned()),
-        ..ShapeArgs::default()
-    };
     let lossy = Making {
         seen: |number| number % 3 != 0,
         ..Making::default()
     };
-    let comparison = compare(&lossy, lower);
+    let comparison = compare(&lossy, &["--order=2"]);
     let Comparison { recorded, now, .. } = &comparison;
     assert!(now.rms > recorded.rms);
     assert!(now.curve_px.mean > recorded.curve_px.mean);
@@ -69,11 +61,7 @@ fn without_a_truth_curves_are_held_against_the_recorded_ones() {
         change: &|shot| shot.truth = None,
         ..Making::default()
     };
-    let other = ShapeArgs {
-        points: Some(60),
-        ..ShapeArgs::default()
-    };
-    let comparison = compare(&untrue, other);
+    let comparison = compare(&untrue, &["--points=60"]);
     assert_eq!(comparison.against, "recorded");
     assert_eq!(comparison.recorded.centerline_px.max, Some(0.0));
     assert!(comparison.now.centerline_px.mean.unwrap() < 0.2);

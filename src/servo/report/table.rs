@@ -1,11 +1,8 @@
 //! The table: how often, how fast and how well ropes came to the target.
 
-use std::fmt::Write;
-
-use lariat_bench::Table;
-
 use super::summary::Summary;
 use super::{Group, Study};
+use crate::layout::{self, Column, Table, wrapped};
 use crate::servo::judge::REACHED_PX;
 
 /// What stands above each number, in the table's order.
@@ -22,21 +19,26 @@ pub(super) const HEAD: [&str; 7] = [
 /// The table as text, with what its columns mean.
 pub(crate) fn table(study: &Study) -> String {
     let title = format!("to the target {}", study.target);
-    let head: Vec<&str> = std::iter::once(title.as_str()).chain(HEAD).collect();
-    let mut table = Table::new(&head);
+    let figures = HEAD.map(|heading| Column::figures(wrapped(heading, 9)));
+    let columns = std::iter::once(Column::words(title)).chain(figures);
+    let mut lines = Vec::new();
     for (group, rows) in study.groups() {
         if group != Group::AsItIs {
-            table.push([group.title().to_owned()]);
+            lines.push(vec![group.title().to_owned()]);
         }
         for row in rows {
             let indent = if group == Group::AsItIs { "" } else { "  " };
             let name = format!("{indent}{}", row.name);
-            table.push(std::iter::once(name).chain(cells(&Summary::of(row))));
+            lines.push(
+                std::iter::once(name)
+                    .chain(cells(&Summary::of(row)))
+                    .collect(),
+            );
         }
     }
-    let mut text = table.to_string();
-    let _ = writeln!(text, "\n{}", meaning());
-    text
+    let width = layout::width();
+    let table = Table::text(columns.collect(), &lines, width);
+    format!("{table}\n{}\n", wrapped(&meaning(), width))
 }
 
 /// What the columns mean.

@@ -135,10 +135,10 @@ fn a_centerline_is_told_with_what_is_hidden_of_it_and_where_it_crosses() {
 fn as_text_a_rope_says_how_it_is_and_a_frame_without_one_that_it_has_none() {
     let mut message = shape();
     let text = text::paragraph("descriptors", Any::Descriptors(&message));
-    let expected = "descriptors: frame 12, exposed 5.000000 s; sent: captured 11, extracted 10, fitted 9\n  \
-         µs: capture 100, wait for extract 50.0, extract 200, wait for fit 30.0, fit 10.0\n  \
-         rope 3  lost for 1.50 s, its last end leaves the image  bspline of order 1, coarse, 321.0 mm long, 0.0 wide\n    \
-         rms 0.250, max 0.300 mm of 120 points (0 hidden), condition 0, control points known to 0.300 mm\n    \
+    let expected = "descriptors: frame 12, exposed 5.000000 s; sent: captured 11, extracted 10,\n  fitted 9\n  \
+         µs: capture 100, wait for extract 50.0, extract 200, wait for fit 30.0, fit\n    10.0\n  \
+         rope 3: lost for 1.50 s, its last end leaves the image; bspline of order 1,\n    coarse, 321.0 mm long, 0.0 wide\n    \
+         rms 0.250, max 0.300 mm of 120 points (0 hidden), condition 0, control\n      points known to 0.300 mm\n    \
          (1.0, 2.0) (3.0, 4.5) (5.0, 6.0)\n\n";
     assert_eq!(text, expected);
     message.count = 0;
@@ -147,7 +147,7 @@ fn as_text_a_rope_says_how_it_is_and_a_frame_without_one_that_it_has_none() {
     (message.width, message.count) = (0, 1);
     let text = text::paragraph("descriptors", Any::Descriptors(&message));
     assert!(
-        text.contains("no image") && text.contains("rope 3  lost"),
+        text.contains("no image") && text.contains("rope 3: lost"),
         "{text}"
     );
 }

@@ -1,11 +1,10 @@
 //! A message as a few lines to read.
 
-use std::fmt::Write;
-
 use lariat_sink::{Figure, Step};
 use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, FitQuality, Trace};
 
 use super::{basis, fit, pixel_format, source, status, unit};
+use crate::layout::{self, flowed, hanging};
 use crate::topic::probe::Any;
 
 /// The message as a paragraph, with an empty line behind it.
@@ -14,8 +13,8 @@ pub(super) fn paragraph(channel: &str, message: Any) -> String {
     match message {
         _ if message.is_blank() => text += "  no image: the source has none to give\n",
         Any::Image(header, pixels) => {
-            text += &format!(
-                "  {}×{} {} from {}, {} bytes a row, {} bytes\n",
+            let sentence = format!(
+                "{}×{} {} from {}, {} bytes a row, {} bytes",
                 header.width,
                 header.height,
                 pixel_format(header.pixel_format),
@@ -23,6 +22,7 @@ pub(super) fn paragraph(channel: &str, message: Any) -> String {
                 header.stride,
                 pixels.len()
             );
+            add(&sentence, 2, &mut text);
         }
         Any::Centerlines(message) => centerlines(message, &mut text),
         Any::Descriptors(message) => descriptors(message, &mut text),
@@ -54,7 +54,19 @@ fn heading(channel: &str, trace: &Trace) -> String {
             Some(format!("{} {}", step.label(), Figure(Some(us))))
         })
         .collect();
-    text + "\n  µs: " + &steps.join(", ") + "\n"
+    let steps = format!("µs: {}", steps.join(", "));
+    let width = layout::width();
+    format!(
+        "{}\n  {}\n",
+        hanging(&text, 2, width),
+        hanging(&steps, 4, width)
+    )
+}
+
+/// A sentence, indented.
+fn add(sentence: &str, indent: usize, text: &mut String) {
+    let lines = hanging(sentence, indent + 2, layout::width());
+    *text += &format!("{:indent$}{lines}\n", "");
 }
 
 fn centerlines(message: &Centerlines, text: &mut String) {
@@ -66,22 +78,23 @@ fn centerlines(message: &Centerlines, text: &mut String) {
     }
     for crossing in message.crossings() {
         let [x, y] = crossing.at;
-        *text += &format!(
-            "  crossing at ({x:.1}, {y:.1}): curve {} at ρ {:.3} over curve {} at ρ {:.3}, confidence {:.2}\n",
+        let sentence = format!(
+            "crossing at ({x:.1}, {y:.1}): curve {} at ρ {:.3} over curve {} at ρ {:.3}, confidence {:.2}",
             crossing.over,
             crossing.over_rho,
             crossing.under,
             crossing.under_rho,
             crossing.confidence
         );
+        add(&sentence, 2, text);
     }
 }
 
 fn one_curve(curve: &Curve, text: &mut String) {
     let points = curve.points();
     let hidden = (0..points.len()).filter(|&i| curve.is_hidden(i)).count();
-    *text += &format!(
-        "  rope {}  {}{}  {:.1} px long, {:.1} wide, {} points{}\n",
+    let sentence = format!(
+        "rope {}: {}{}; {:.1} px long, {:.1} wide, {} points{}",
         curve.track,
         status(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
@@ -93,6 +106,7 @@ fn one_curve(curve: &Curve, text: &mut String) {
             hidden => format!(", {hidden} hidden"),
         }
     );
+    add(&sentence, 2, text);
     let as_f64 = points.iter().map(|point| point.map(f64::from));
     in_lines(as_f64, text);
 }
@@ -113,8 +127,8 @@ fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
         Some(FitQuality::NotJudged) => String::new(),
         _ => format!(", {}", fit(curve.fit)),
     };
-    *text += &format!(
-        "  rope {}  {}{}  {name} of order {}{judged}, {:.1} {unit} long, {:.1} wide\n",
+    let sentence = format!(
+        "rope {}: {}{}; {name} of order {}{judged}, {:.1} {unit} long, {:.1} wide",
         curve.track,
         status(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
@@ -122,11 +136,12 @@ fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
         curve.length,
         curve.width,
     );
+    add(&sentence, 2, text);
     let sigma = |[xx, _, yy]: [f64; 3]| (xx.max(yy)).max(0.0).sqrt();
     let count = curve.control_points().len();
     let least_certain = curve.covariances[..count].iter().copied().map(sigma);
-    *text += &format!(
-        "    rms {}, max {} {unit} of {} points ({} hidden), condition {}, control points known to {} {unit}{}\n",
+    let sentence = format!(
+        "rms {}, max {} {unit} of {} points ({} hidden), condition {}, control points known to {} {unit}{}",
         Figure(Some(curve.rms)),
         Figure(Some(curve.max)),
         curve.samples,
@@ -139,6 +154,7 @@ fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
             ", filtered"
         },
     );
+    add(&sentence, 4, text);
     in_lines(curve.control_points().iter().copied(), text);
 }
 
@@ -160,18 +176,9 @@ fn more(closed: u32, border: u32, age_ns: u64) -> String {
     text
 }
 
-/// Points, six a line.
+/// Points, as many a line as fit.
 fn in_lines(points: impl Iterator<Item = [f64; 2]>, text: &mut String) {
-    for (i, [x, y]) in points.enumerate() {
-        *text += if i % 6 > 0 {
-            " "
-        } else if i > 0 {
-            "\n    "
-        } else {
-            "    "
-        };
-        // Writing to a string does not fail.
-        let _ = write!(text, "({x:.1}, {y:.1})");
-    }
-    text.push('\n');
+    let points = points.map(|[x, y]| format!("({x:.1}, {y:.1})"));
+    let lines = flowed(points, layout::width().saturating_sub(4));
+    *text += &format!("    {}\n", lines.replace('\n', "\n    "));
 }
