@@ -24,11 +24,34 @@ pub(crate) struct Descriptor {
     /// The least certain control point's standard deviation, by σ.
     pub(crate) noise_gain: f64,
     pub(crate) condition: f64,
+    /// How well it lies on its points.
+    #[serde(flatten)]
+    pub(crate) quality: Option<Quality>,
     /// What it is measured in, and how long the centerline is there: of points that lariat found itself.
     #[serde(flatten)]
     pub(crate) measure: Option<Measure>,
     #[serde(skip)]
     family: Basis,
+}
+
+/// How well a curve lies on its points, in widths of its rope.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Quality {
+    /// `good` or `coarse`.
+    pub(crate) fit: &'static str,
+    pub(crate) rms_widths: f64,
+    pub(crate) worst_widths: f64,
+}
+
+impl Quality {
+    /// `width` is in the points' unit.
+    pub(crate) fn of(fit: &Fit, is_good: bool, width: f64) -> Self {
+        Self {
+            fit: if is_good { "good" } else { "coarse" },
+            rms_widths: fit.rms_px / width,
+            worst_widths: fit.max_px / width,
+        }
+    }
 }
 
 /// A unit, and a length in it.
@@ -61,6 +84,7 @@ impl Descriptor {
             residual_variance: fit.residual_variance,
             noise_gain: fit.noise_gain(),
             condition: fit.condition,
+            quality: None,
             measure: None,
             family: fit.basis,
         }
@@ -92,6 +116,10 @@ impl Descriptor {
             &mut self.condition,
         ] {
             *number = thousandths(*number);
+        }
+        if let Some(quality) = &mut self.quality {
+            quality.rms_widths = thousandths(quality.rms_widths);
+            quality.worst_widths = thousandths(quality.worst_widths);
         }
         if let Some(measure) = &mut self.measure {
             measure.length = thousandths(measure.length);

@@ -1,11 +1,11 @@
 //! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
 
-use crate::descriptor_json::Descriptor;
+use crate::descriptor_json::{Descriptor, Quality};
 use crate::exit::wrong_use;
 use crate::settings::{Family, Flags, Settings};
 use anyhow::{Context, Result};
 use clap::Args;
-use lariat_fit::{Fitter, MAX_POINTS, Weights};
+use lariat_fit::{Fitter, Line, MAX_POINTS, Weights};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs::{File, FileType};
@@ -17,7 +17,8 @@ use std::process::ExitCode;
 /// Descriptors of centerlines: the stage of the chain, or a filter of JSON lines
 ///
 /// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines `{"points":[[x,y],…]}` and
-/// writes one descriptor object a line. A line may say `"closed":true`, and give its points `"weights":[…]`.
+/// writes one descriptor object a line. A line may say `"closed":true`, give its points `"weights":[…]`, and say how
+/// wide the rope is (`"width":12`), which a curve is held against.
 /// Otherwise it is the chain's third stage.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
@@ -45,6 +46,7 @@ struct Centerline {
     points: Vec<[f64; 2]>,
     closed: Option<bool>,
     weights: Option<Vec<f64>>,
+    width: Option<f64>,
 }
 
 /// Runs the filter of JSON lines.
@@ -174,11 +176,22 @@ impl Fitters {
                 entry.insert(Fitter::new(options).map_err(|error| error.to_string())?)
             }
         };
-        let fit = match &line.weights {
-            Some(weights) => fitter.fit_weighted(&line.points, weights),
-            None => fitter.fit(&line.points),
+        // A width that is not given is none: it leaves the limit in pixels.
+        let width = line.width.unwrap_or(f64::NAN);
+        let tolerance = self.settings.fit.tolerance(width, 1.0);
+        let points = Line {
+            weights: line.weights.as_deref(),
+            ..Line::of(&line.points)
         };
-        fit.map(Descriptor::of).map_err(|error| error.to_string())
+        let fitted = fitter
+            .least_size(&points, tolerance)
+            .and_then(|(size, _)| fitter.fit_at(size, &points).map(Descriptor::of));
+        let mut descriptor = fitted.map_err(|error| error.to_string())?;
+        if line.width.is_some() {
+            let is_good = fitter.lies_on(&points, tolerance);
+            descriptor.quality = Some(Quality::of(fitter.last(), is_good, width));
+        }
+        Ok(descriptor)
     }
 }
 

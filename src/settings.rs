@@ -21,7 +21,7 @@ mod view;
 
 pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
 pub(crate) use camera::CameraSettings;
-pub(crate) use curve::{Family, Fit};
+pub(crate) use curve::{Family, Fit, Order};
 pub(crate) use flags::Flags;
 pub(crate) use keys::template;
 pub(crate) use meaning::{image_size, mask_text, nearest, number_text};
@@ -401,6 +401,7 @@ impl Resolved {
         for (flag, key, value) in flags.given() {
             resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);
         }
+        resolved.settle_fit(&mut problems);
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {
             resolved.check_fit(&mut problems);
@@ -416,6 +417,35 @@ impl Resolved {
         match (KEYS[key].set)(&mut self.settings, &value) {
             Ok(()) => self.origins[key] = origin,
             Err(why) => problems.add(&origin, format!("{}: {why}", origin.quote(key, &value))),
+        }
+    }
+
+    /// Which of basis and order holds, where one of them leaves no room for the other: what was said later. A flag is later
+    /// than the file.
+    fn settle_fit(&mut self, problems: &mut Problems) {
+        let keys = ["basis", "order"].map(|name| keys::position("fit", name));
+        let [Some(basis_key), Some(order_key)] = keys else {
+            return;
+        };
+        let [basis, order] = [basis_key, order_key].map(|key| self.origins[key].clone());
+        let rank = |origin: &Origin| match origin {
+            Origin::Default => 0,
+            Origin::File { .. } => 1,
+            Origin::Flag(_) => 2,
+        };
+        let fit = &mut self.settings.fit;
+        match (fit.basis, fit.order) {
+            (Family::Auto, Some(_)) if rank(&basis) < rank(&order) => {
+                fit.basis = Family::Bezier;
+                self.origins[basis_key] = order;
+            }
+            (Family::Auto, Some(_)) if rank(&basis) > rank(&order) => fit.order = None,
+            (Family::Auto, Some(_)) => problems.add(
+                &order,
+                "the basis \"auto\" chooses the order itself: leave the order out, or name another basis".to_owned(),
+            ),
+            (Family::Auto, None) | (_, Some(_)) => {}
+            (_, None) => fit.order = Some(Order::Named(curve::DEFAULT_ORDER)),
         }
     }
 

@@ -7,15 +7,16 @@ mod overlay;
 mod report;
 
 use crate::calibrated::Calibrated;
-use crate::descriptor_json::{Descriptor, Measure, thousandths, unit_name};
+use crate::descriptor_json::{Descriptor, Measure, Quality, thousandths, unit_name};
 use crate::doubts;
 use crate::exit::wrong_use;
 use crate::fit_lines::is_closed;
 use crate::inputs;
 use crate::output::Existing;
 use crate::picture::Picture;
-use crate::settings::{Flags, Settings};
+use crate::settings::{self, Flags, Settings};
 use crate::stages::extract::{part, part_of_mask};
+use crate::stages::fit::{Rope, RopeFitter};
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
@@ -25,7 +26,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use lariat_camera::Mapping;
 use lariat_extract::{Crossing, CrossingSequence, Extractor, Mask, Region, Scene, Step};
-use lariat_fit::{Fitter, Resampler};
+use lariat_fit::{Line, Resampler};
 use lariat_wire::Unit;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -56,6 +57,9 @@ pub(crate) struct TraceArgs {
     #[command(flatten)]
     flags: Flags,
 }
+
+/// From picture to picture of a video, which has no times here, ns.
+const FRAME_NS: u64 = 1_000_000_000 / 30;
 
 /// Runs `lariat trace`.
 ///
@@ -115,9 +119,11 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
 /// The pipeline, made once.
 struct Tracer {
     extractor: Extractor,
-    open: Fitter,
-    closed: Fitter,
+    fitter: RopeFitter,
+    settings: settings::Fit,
     is_video: bool,
+    /// How many pictures there were before.
+    count: u64,
     masks: Option<Masks>,
     region: Option<Region>,
     calibrated: Option<Calibrated>,
@@ -136,8 +142,9 @@ impl Tracer {
         }
         Ok(Self {
             extractor: Extractor::new(settings.extract.options())?,
-            open: Fitter::new(settings.fit.options(settings.extract.points, false))?,
-            closed: Fitter::new(settings.fit.options(settings.extract.points, true))?,
+            fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
+            settings: settings.fit.clone(),
+            count: 0,
             is_video: args.video,
             masks: args.masks.as_deref().map(Masks::new).transpose()?,
             region: settings.extract.roi,
@@ -177,7 +184,10 @@ impl Tracer {
 
         if !self.is_video {
             self.extractor.reset();
+            self.fitter.forget();
         }
+        let seen_ns = self.count * FRAME_NS;
+        self.count += 1;
         let mut last = Instant::now();
         let mut watch = |step| {
             let spent = match step {
@@ -209,6 +219,7 @@ impl Tracer {
             .map_or(Unit::Pixel, Calibrated::unit);
         let unit = unit_name(unit);
         let mut descriptors = Vec::with_capacity(scene.curves.len());
+        let mut coarse = Vec::new();
         for curve in scene.curves {
             self.points.clear();
             for p in &curve.points {
@@ -220,26 +231,54 @@ impl Tracer {
                 });
             }
             let mut length = f64::from(curve.length_px);
+            let mut unit_per_px = 1.0;
             if self.mapping.is_some() {
                 let even = self
                     .line
                     .resample(&self.points, curve.closed)
                     .with_context(about)?;
                 self.points.copy_from_slice(even);
+                unit_per_px = self.line.length() / length;
                 length = self.line.length();
             }
-            let fitter = if curve.closed {
-                &mut self.closed
-            } else {
-                &mut self.open
+            let width = f64::from(curve.width_px) * unit_per_px;
+            let rope = Rope {
+                track: curve.track,
+                closed: curve.closed,
+                width,
+                unit_per_px,
+                seen_ns: seen_ns.saturating_sub(curve.age_ns),
             };
-            let mut descriptor = Descriptor::of(fitter.fit(&self.points)?);
+            let line = Line {
+                points: &self.points,
+                weights: None,
+                hidden: &curve.hidden,
+            };
+            let judged = self.fitter.fit(rope, &line)?;
+            let fit = self.fitter.fitter(curve.closed).last();
+            let mut descriptor = Descriptor::of(fit);
+            descriptor.quality = Some(Quality::of(fit, judged.is_good, width));
+            if !judged.is_good {
+                let quality = Quality::of(fit, false, width);
+                coarse.push(NoticeReport {
+                    kind: "coarse-curve",
+                    text: format!(
+                        "rope {}: {}",
+                        curve.track,
+                        self.settings.coarse(
+                            quality.rms_widths,
+                            quality.worst_widths,
+                            fit.control_points.len()
+                        )
+                    ),
+                });
+            }
             descriptor.measure = Some(Measure { unit, length });
             descriptors.push(descriptor.rounded());
         }
         timing.fit = since(last);
         timing.total = since(begin);
-        let report = report(
+        let mut report = report(
             path,
             &picture,
             &scene,
@@ -247,6 +286,7 @@ impl Tracer {
             descriptors,
             timing.rounded(),
         );
+        report.notices.extend(coarse);
         Ok((picture, report))
     }
 }

@@ -43,7 +43,10 @@ fn values(shown: &str) -> toml::Table {
 fn a_new_file_holds_the_defaults() {
     let folder = TempDir::new().unwrap();
     let defaults = outcome(&folder, &["config", "show"]).unwrap();
-    assert!(defaults.contains("order = 8  # default"), "{defaults}");
+    assert!(
+        defaults.contains("basis = \"auto\"  # default"),
+        "{defaults}"
+    );
 
     outcome(&folder, &["config", "init"]).unwrap();
     assert_eq!(
@@ -102,7 +105,7 @@ fn a_file_that_is_there_is_kept_unless_force_is_said() {
     assert!(
         outcome(&folder, &["config", "show"])
             .unwrap()
-            .contains("order = 8")
+            .contains("basis = \"auto\"")
     );
     let names: Vec<_> = std::fs::read_dir(&folder).unwrap().collect();
     assert_eq!(names.len(), 1, "no temporary files: {names:?}");
@@ -193,7 +196,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[fit]\npoints = 7\n"),
         "lariat: lariat.toml, line 2: [fit] has no key \"points\". It belongs in [extract]. Its keys are \
-         order, max_order, basis, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
+         basis, order, max_order, tolerance, tolerance_px, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
     );
     assert_eq!(
         complaint("\n[captur]\nfps = 7\n"),
@@ -336,8 +339,8 @@ fn values_that_cannot_be_are_refused() {
 #[test]
 fn settings_that_do_not_go_together_are_refused() {
     assert_eq!(
-        complaint("[extract]\npoints = 5\n"),
-        "lariat: lariat.toml, line 2: 5 points cannot fix the 9 control points of a Bezier curve of order 8: \
+        complaint("[extract]\npoints = 5\n[fit]\norder = 8\n"),
+        "lariat: lariat.toml, line 4: 5 points cannot fix the 9 control points of a Bezier curve of order 8: \
          give at least 9 points, or choose a Bezier curve of order 4\n"
     );
     let folder = TempDir::new().unwrap();
@@ -348,6 +351,45 @@ fn settings_that_do_not_go_together_are_refused() {
         complaint.starts_with("lariat: --solver: for a Bezier curve of order 24"),
         "{complaint}"
     );
+}
+
+#[test]
+fn basis_and_order_are_what_was_said_last() {
+    let folder = TempDir::new().unwrap();
+    let shown = |flags: &[&str]| {
+        let shown = outcome(&folder, &[&["config", "show"], flags].concat()).unwrap();
+        let fit = values(&shown)["fit"].clone();
+        let order = fit
+            .get("order")
+            .map_or("none".to_owned(), |order| order.to_string());
+        format!("{} {order}", fit["basis"].as_str().unwrap())
+    };
+    assert_eq!(shown(&[]), "auto none");
+    assert_eq!(shown(&["--order", "12"]), "bezier 12");
+    assert_eq!(shown(&["--basis", "bspline"]), "bspline 8");
+    assert_eq!(
+        shown(&["--basis", "bspline", "--order", "12"]),
+        "bspline 12"
+    );
+    write(&folder, "[fit]\nbasis = \"auto\"\n");
+    assert_eq!(shown(&["--order", "12"]), "bezier 12");
+    write(&folder, "[fit]\norder = 6\n");
+    assert_eq!(shown(&[]), "bezier 6");
+    assert_eq!(shown(&["--basis", "auto"]), "auto none");
+    write(&folder, "");
+    for said in [
+        outcome(
+            &folder,
+            &["config", "show", "--basis", "auto", "--order", "8"],
+        )
+        .unwrap_err(),
+        complaint("[fit]\nbasis = \"auto\"\norder = 8\n"),
+    ] {
+        assert!(
+            said.contains("the basis \"auto\" chooses the order itself"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

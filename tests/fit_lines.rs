@@ -44,7 +44,10 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
     let folder = TempDir::new().unwrap();
     let sizes = [120, 9, 256, 120, 33];
     let input: String = sizes.iter().map(|&count| line(&rope(count))).collect();
-    let output = fit(&folder, &[]).write_stdin(input).output().unwrap();
+    let output = fit(&folder, &["--basis", "bezier"])
+        .write_stdin(input)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{output:?}");
     let answers = answers(&output.stdout);
     assert_eq!(answers.len(), sizes.len());
@@ -64,6 +67,28 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
         let condition = answer["condition"].as_f64().unwrap();
         assert_eq!(condition, fitter.last().condition);
     }
+}
+
+#[test]
+fn a_line_that_says_how_wide_its_rope_is_hears_whether_the_curve_lies_on_it() {
+    let folder = TempDir::new().unwrap();
+    let winding: Vec<[f64; 2]> = (0..120)
+        .map(|i| [3.0 * f64::from(i), 40.0 * (0.15 * f64::from(i)).sin()])
+        .collect();
+    let mut said = line(&winding).trim_end().trim_end_matches('}').to_owned();
+    said.push_str(",\"width\":8}\n");
+    let one = |flags: &[&str]| {
+        let output = fit(&folder, flags)
+            .write_stdin(said.clone())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        answers(&output.stdout).remove(0)
+    };
+    let (chosen, named) = (one(&[]), one(&["--order", "4"]));
+    assert_eq!([&chosen["fit"], &named["fit"]], ["good", "coarse"]);
+    assert!(chosen["rms_widths"].as_f64().unwrap() < 0.125);
+    assert!(named["worst_widths"].as_f64().unwrap() > 0.5);
 }
 
 #[test]
@@ -128,7 +153,10 @@ fn a_bad_line_is_named_and_the_others_are_answered() {
     ];
     for (text, why) in bad {
         let input = format!("{good}{}\n{good}", text.trim_end());
-        let output = fit(&folder, &[]).write_stdin(input).output().unwrap();
+        let output = fit(&folder, &["--order", "8"])
+            .write_stdin(input)
+            .output()
+            .unwrap();
         assert_eq!(output.status.code(), Some(1), "{text}");
         assert_eq!(answers(&output.stdout).len(), 2, "{text}");
         let complaint = String::from_utf8(output.stderr).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
 //! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
-//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`, `crossings`), and told
+//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`, `crossings`), held against the curve through them (`curve`), and told
 //! (`report`, `csv`, `overlay`).
 
 mod assignment;
@@ -10,6 +10,7 @@ mod causes;
 mod coverage;
 mod crossings;
 mod csv;
+mod curve;
 mod dataset;
 mod drawing;
 mod labels;
@@ -29,11 +30,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use lariat_extract::Method;
 
+use curve::Curves;
 use measure::Bench;
 
 /// What to measure, and what to write beside the table.
 #[derive(clap::Args)]
-#[command(group = clap::ArgGroup::new("pictures").required(true).args(["dataset", "rendered"]))]
+#[command(group = clap::ArgGroup::new("pictures").required(true).args(["dataset", "rendered", "film"]))]
 pub(crate) struct Args {
     /// Photographs with ground-truth labels: a folder of sets, each with `images/` (PNG, JPEG) and `labels/` (8-bit grey
     /// PNG of the same name: 0 is the table, 1… the ropes)
@@ -41,6 +43,12 @@ pub(crate) struct Args {
     dataset: Option<PathBuf>,
     #[command(flatten)]
     rendered: rendered::Args,
+    /// A film without labels, as a folder of pictures in the order of their names: how far its curves are from their points
+    #[arg(long, value_name = "DIR")]
+    film: Option<PathBuf>,
+    /// The order of the Bezier curve that the points are held against [default: what the chain chooses]
+    #[arg(long, value_name = "N")]
+    order: Option<usize>,
     /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
     #[arg(long, value_name = "NAME", default_value_t)]
     method: Method,
@@ -63,11 +71,12 @@ pub(crate) struct Args {
 /// # Errors
 /// The data cannot be read or the results cannot be written: a sentence that names the file.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    match &args.dataset {
-        Some(folder) => run_on_photographs(folder, args),
-        None => {
+    match (&args.dataset, &args.film) {
+        (Some(folder), _) => run_on_photographs(folder, args),
+        (None, Some(folder)) => curve::run_on_film(folder, args.method, args.order),
+        (None, None) => {
             let files = (args.csv.as_deref(), args.overlay.as_deref());
-            rendered::run(&args.rendered, args.method, files)
+            rendered::run(&args.rendered, args.method, args.order, files)
         }
     }
 }
@@ -96,5 +105,13 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
     }
     print!("{}", report::table(&measured));
     print!("{}", crossings::table(&measured, &seen.unwrap_or_default()));
+    let mut curves = Curves::new(args.order)?;
+    let mut fitted = Vec::new();
+    for (name, images) in &measured {
+        let found = images.iter().flat_map(|image| &image.curves);
+        let fits: Result<_> = found.map(|curve| curves.fit(curve)).collect();
+        fitted.push((*name, fits?));
+    }
+    print!("\n{}", curve::table(fitted));
     Ok(())
 }

@@ -20,7 +20,9 @@ pub(crate) struct Args {
 }
 
 /// The flags of each run.
-const RUNS: [&[&str]; 20] = [
+const RUNS: [&[&str]; 22] = [
+    &["--basis", "auto"],
+    &["--basis", "auto", "--filter"],
     &["--order", "2"],
     &["--order", "4"],
     &["--order", "6"],

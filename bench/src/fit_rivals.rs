@@ -164,7 +164,7 @@ fn ways() -> Vec<(&'static str, Options)> {
             },
         ),
         (
-            "order by BIC, up to 16",
+            "order by tolerance, up to 16",
             Options {
                 choose_size: true,
                 ..Options::bezier(16)

@@ -25,6 +25,8 @@ const GAIN: f64 = 3.0;
 /// The rope by its colour: a hand and grippers have others, and are not taken for parts of it.
 const EXTRACT: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
+/// A target is so many numbers, and the rope as many from image to image: the paper's curve, unless a case names another.
+const FIT: &str = "[fit]\norder = 8\n";
 /// When a hand comes, in seconds: on the way to the target, which most reach after three.
 const HAND_AT_S: f64 = 2.5;
 
@@ -241,7 +243,7 @@ impl Case {
         let settings = folder.path().join("lariat.toml");
         std::fs::write(
             &settings,
-            format!("{EXTRACT}[simulation]\n{}", self.simulation),
+            format!("{EXTRACT}{FIT}[simulation]\n{}", self.simulation),
         )
         .context("no room for a rope's settings")?;
         let own = [

@@ -1,11 +1,16 @@
 //! `[fit]`: the curve.
 
-use lariat_fit::{Basis, Knots, Options, Rho, Solver, Weights};
+use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
 use std::fmt;
+
+/// Of a basis that is named without its order: the best of the paper's four.
+pub(super) const DEFAULT_ORDER: usize = 8;
 
 /// The family of an open rope's curve. A closed rope is always a Fourier series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Family {
+    /// The fewest control points that keep the curve on the rope: a cubic Bezier curve or a cubic B-spline.
+    Auto,
     Bezier,
     BSpline,
     Rational,
@@ -16,7 +21,8 @@ pub(crate) enum Family {
 }
 
 impl Family {
-    pub(super) const ALL: [(&'static str, Self); 6] = [
+    pub(super) const ALL: [(&'static str, Self); 7] = [
+        ("auto", Self::Auto),
         ("bezier", Self::Bezier),
         ("bspline", Self::BSpline),
         ("rational", Self::Rational),
@@ -37,7 +43,7 @@ impl fmt::Display for Family {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Order {
     Named(usize),
-    /// Chosen anew for every curve.
+    /// As few as keep the curve on the rope.
     Auto,
 }
 
@@ -45,7 +51,12 @@ pub(crate) enum Order {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fit {
     pub(crate) basis: Family,
-    pub(crate) order: Order,
+    /// If it was named; 8 otherwise, but with the basis "auto", which has none. Named with that basis it is a Bezier
+    /// curve's.
+    pub(crate) order: Option<Order>,
+    /// How near the curve has to be to the points, in widths of the rope, and at most in pixels.
+    pub(crate) tolerance: f64,
+    pub(crate) tolerance_px: f64,
     /// The highest that `order = "auto"` chooses.
     pub(crate) max_order: usize,
     /// Of a B-spline's pieces.
@@ -64,8 +75,10 @@ pub(crate) struct Fit {
 impl Default for Fit {
     fn default() -> Self {
         Self {
-            basis: Family::Bezier,
-            order: Order::Named(8),
+            basis: Family::Auto,
+            order: None,
+            tolerance: Tolerance::WIDTHS,
+            tolerance_px: Tolerance::LIMIT_PX,
             max_order: 16,
             degree: 3,
             knots: Knots::Uniform,
@@ -83,11 +96,8 @@ impl Default for Fit {
 impl Fit {
     /// Why curves of these settings cannot be filtered in time, if they cannot.
     pub(super) fn unfilterable(&self) -> Option<&'static str> {
-        match (self.filter, self.order, self.basis) {
-            (true, Order::Auto, _) => Some(
-                "a filter needs the same control points in every frame: name the order, or leave the filter out",
-            ),
-            (true, _, Family::Rational) => Some(
+        match (self.filter, self.basis) {
+            (true, Family::Rational) => Some(
                 "rational curves cannot be filtered, as their weights change from frame to frame: choose another \
                  basis, or leave the filter out",
             ),
@@ -95,13 +105,44 @@ impl Fit {
         }
     }
 
+    /// How near a curve has to be to the points of a rope of this width, in whatever unit both are.
+    pub(crate) fn tolerance(&self, width: f64, unit_per_px: f64) -> Tolerance {
+        Tolerance::of_width(width, self.tolerance, self.tolerance_px * unit_per_px)
+    }
+
+    /// What is said of a rope whose points are so far off the curve that these settings gave it, in widths.
+    pub(crate) fn coarse(&self, rms: f64, worst: f64, control_points: usize) -> String {
+        let remedy = match self.family() {
+            Family::Auto => "no curve here follows it better; steer by its centerline",
+            _ => {
+                "leave order and basis to lariat (basis = \"auto\"), and it takes a curve that fits"
+            }
+        };
+        format!(
+            "the curve of {control_points} control points is up to {worst:.1} widths of the rope beside its points \
+             (rms {rms:.2}): {remedy}"
+        )
+    }
+
+    /// The family, where an order alone names the paper's.
+    pub(super) fn family(&self) -> Family {
+        match (self.basis, self.order) {
+            (Family::Auto, Some(_)) => Family::Bezier,
+            (basis, _) => basis,
+        }
+    }
+
     /// The fitter's own options for centerlines of `points` points.
     pub(crate) fn options(&self, points: usize, closed: bool) -> Options {
         let order = match self.order {
-            Order::Named(order) => order,
-            Order::Auto => self.max_order,
+            Some(Order::Named(order)) => order,
+            Some(Order::Auto) => self.max_order,
+            None => DEFAULT_ORDER,
         };
-        let basis = match self.basis {
+        let auto = Options::auto(points, closed);
+        let family = self.family();
+        let basis = match family {
+            Family::Auto => auto.basis,
             // As many coefficients as an open curve of this order has control points, or one fewer.
             _ if closed => Basis::Fourier {
                 harmonics: (order / 2).max(1),
@@ -118,7 +159,10 @@ impl Fit {
         };
         Options {
             basis,
-            choose_size: self.order == Order::Auto,
+            choose_size: match family {
+                Family::Auto => auto.choose_size,
+                _ => self.order == Some(Order::Auto),
+            },
             points,
             solver: self.solver,
             ridge: self.ridge,

@@ -461,13 +461,24 @@ pub(super) const KEYS: &[Key] = &[
     },
     Key {
         section: "fit",
-        name: "order",
-        about: "Order of the curve, 1 to 31, or \"auto\": chosen for every curve by the Bayesian information criterion.\n\
-                A curve has one control point more, of whatever basis (a closed one at most as many numbers).",
+        name: "basis",
+        about: "The family of curves: \"auto\" (the fewest control points that keep the curve on the rope), \"bezier\" (the paper's),\n\
+                \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center). Closed ropes are always truncated\n\
+                Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
         example: "",
-        set: |s, v| meaning::order(v).map(|order| s.fit.order = order),
+        set: |s, v| meaning::named("bases", &Family::ALL, v).map(|basis| s.fit.basis = basis),
+        get: |s| Some(Value::String(s.fit.basis.to_string())),
+    },
+    Key {
+        section: "fit",
+        name: "order",
+        about: "Order of the curve, 1 to 31 (8 if only its basis is named; without a basis it is a Bezier curve's), or \"auto\": the\n\
+                least that keeps the curve on the rope. A curve has one control point more, of whatever basis (a closed one at\n\
+                most as many numbers).",
+        example: "8",
+        set: |s, v| meaning::order(v).map(|order| s.fit.order = Some(order)),
         get: |s| {
-            Some(match s.fit.order {
+            Some(match s.fit.order? {
                 Order::Named(order) => Value::Integer(order as i64),
                 Order::Auto => Value::String("auto".to_owned()),
             })
@@ -476,19 +487,27 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "fit",
         name: "max_order",
-        about: "The highest order that \"auto\" chooses. A fit then costs as much as one of each order up to it.",
+        about: "The highest order that order = \"auto\" chooses.",
         example: "",
         set: |s, v| set_count(v, 1, MAX_ORDER, &mut s.fit.max_order),
         get: |s| Some(Value::Integer(s.fit.max_order as i64)),
     },
     Key {
         section: "fit",
-        name: "basis",
-        about: "The family of curves: \"bezier\", \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center).\n\
-                Closed ropes are always truncated Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
+        name: "tolerance",
+        about: "How far from the curve, in widths of the rope, 95 % of its points may be, and all within half a width. A curve that\n\
+                is farther off is \"coarse\", which its descriptor says.",
         example: "",
-        set: |s, v| meaning::named("bases", &Family::ALL, v).map(|basis| s.fit.basis = basis),
-        get: |s| Some(Value::String(s.fit.basis.to_string())),
+        set: |s, v| meaning::above_zero(v).map(|widths| s.fit.tolerance = widths),
+        get: |s| Some(meaning::number_value(s.fit.tolerance)),
+    },
+    Key {
+        section: "fit",
+        name: "tolerance_px",
+        about: "And at most so many pixels of the image, which counts for wide ropes.",
+        example: "",
+        set: |s, v| meaning::above_zero(v).map(|px| s.fit.tolerance_px = px),
+        get: |s| Some(meaning::number_value(s.fit.tolerance_px)),
     },
     Key {
         section: "fit",

@@ -2,8 +2,10 @@
 
 mod filters;
 mod place;
+mod ropes;
+mod steady;
 
-use lariat_fit::{Fit, Fitter};
+use lariat_fit::{Fit, Judged, Line};
 use lariat_wire::{
     Basis, CENTERLINES, CenterlinePoints, Centerlines, Curve, DESCRIPTORS, Descriptor, Descriptors,
     FitQuality, MAX_CONTROL_POINTS, MAX_POINTS, Status, Unit, Writer, now_ns,
@@ -16,6 +18,7 @@ use crate::calibrated::Calibrated;
 use crate::settings::{self, Settings};
 use filters::Filters;
 use place::Placer;
+pub(crate) use steady::{Rope, RopeFitter};
 
 /// Fits until a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
@@ -83,31 +86,26 @@ pub(crate) fn fill(
 pub(crate) struct CurveFitter {
     settings: settings::Fit,
     placer: Option<Placer>,
-    /// How many points the fitters are for.
-    count: usize,
-    open: Fitter,
-    closed: Fitter,
-    /// The rope that the last open curve was of.
-    last_track: Option<u32>,
+    fitter: RopeFitter,
     filters: Option<Filters>,
     points: Box<[[f64; 2]; MAX_POINTS]>,
+    hidden: Box<[bool; MAX_POINTS]>,
     weights: Box<[f64; MAX_POINTS]>,
+    coarse: Warned,
 }
 
 impl CurveFitter {
     /// Precomputes for the settings' number of points, and reads the calibration they name.
     pub(crate) fn new(settings: &Settings) -> anyhow::Result<Self> {
-        let count = settings.extract.points;
         let mut fitter = Self {
             placer: Calibrated::load(&settings.camera)?.map(Placer::new),
-            count,
-            open: Fitter::new(settings.fit.options(count, false))?,
-            closed: Fitter::new(settings.fit.options(count, true))?,
+            fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
             settings: settings.fit.clone(),
-            last_track: None,
             filters: None,
             points: Box::new([[0.0; 2]; MAX_POINTS]),
+            hidden: Box::new([false; MAX_POINTS]),
             weights: Box::new([1.0; MAX_POINTS]),
+            coarse: Warned::default(),
         };
         fitter.make_filters()?;
         // Most likely the size that is coming; another is told of with its first frame.
@@ -136,7 +134,7 @@ impl CurveFitter {
     fn make_filters(&mut self) -> anyhow::Result<()> {
         if self.settings.filter {
             let unit_per_px = self.placer.as_ref().and_then(Placer::unit_per_px);
-            let fitters = [&self.open, &self.closed];
+            let fitters = [&self.fitter.open, &self.fitter.closed];
             self.filters = Some(Filters::new(
                 &self.settings,
                 fitters,
@@ -148,10 +146,7 @@ impl CurveFitter {
 
     /// Extract was started with another number of points: its word counts, and the algebra is done anew, once.
     fn count_anew(&mut self, count: usize) -> anyhow::Result<()> {
-        self.open = Fitter::new(self.settings.options(count, false))?;
-        self.closed = Fitter::new(self.settings.options(count, true))?;
-        self.count = count;
-        self.last_track = None;
+        self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()
     }
 
@@ -163,7 +158,7 @@ impl CurveFitter {
         descriptor: &mut Descriptor,
     ) -> anyhow::Result<()> {
         let count = curve.points().len();
-        if count != self.count {
+        if count != self.fitter.points() {
             self.count_anew(count)?;
         }
         match &mut self.placer {
@@ -174,19 +169,21 @@ impl CurveFitter {
                 }
             }
         }
-        self.fit(curve)?;
-        let fitter = match curve.closed {
-            0 => &mut self.open,
-            _ => &mut self.closed,
-        };
+        let judged = self.fit(curve, exposed_ns)?;
+        let fitter = self.fitter.fitter(curve.closed != 0);
         write_curve(fitter.last(), descriptor);
         write_rope(curve, descriptor);
         if let Some(placer) = &mut self.placer {
             placer.describe(fitter, descriptor);
         }
-        let fit = fitter.last();
+        descriptor.fit = match judged.is_good {
+            true => FitQuality::Good,
+            false => FitQuality::Coarse,
+        } as u32;
+        self.tell(judged, descriptor);
         if let Some(filters) = &mut self.filters {
-            filters.apply(exposed_ns, fit, descriptor);
+            let fitter = self.fitter.fitter(curve.closed != 0);
+            filters.apply(exposed_ns, fitter, descriptor);
         }
         Ok(())
     }
@@ -208,32 +205,54 @@ impl CurveFitter {
         }
     }
 
-    fn fit(&mut self, curve: &Curve) -> anyhow::Result<()> {
-        let points = &self.points[..self.count];
-        let fitter = if curve.closed != 0 {
-            &mut self.closed
-        } else {
-            if self.last_track.replace(curve.track) != Some(curve.track) {
-                self.open.forget();
-            }
-            &mut self.open
-        };
-        if curve.status() == Some(Status::Partial) && self.settings.robust {
-            let weights = &mut self.weights[..self.count];
-            for (i, weight) in weights.iter_mut().enumerate() {
-                let is_hidden = match &self.placer {
-                    Some(placer) => placer.is_hidden(curve, i),
-                    None => curve.is_hidden(i),
-                };
-                *weight = f64::from(!is_hidden);
-            }
-            // Where what is seen does not determine the curve, what extraction bridged must do.
-            if fitter.fit_weighted(points, weights).is_ok() {
-                return Ok(());
-            }
+    /// Says what the user or a control loop should know of: each change of a size, and once that a curve does not fit.
+    fn tell(&mut self, judged: Judged, descriptor: &Descriptor) {
+        let Descriptor {
+            track, count, max, ..
+        } = *descriptor;
+        if judged.is_resized {
+            tracing::warn!(
+                "rope {track}: its curve has not fitted for a second, and has {count} control points from now on"
+            );
         }
-        fitter.fit(points)?;
-        Ok(())
+        if judged.is_hopeless {
+            let (rms, worst) = (descriptor.rms / descriptor.width, max / descriptor.width);
+            let sentence = self.settings.coarse(rms, worst, count as usize);
+            self.coarse
+                .once(&anyhow::anyhow!("rope {track}: {sentence}"));
+        }
+    }
+
+    fn fit(&mut self, curve: &Curve, exposed_ns: u64) -> anyhow::Result<Judged> {
+        let count = self.fitter.points();
+        let is_partial = curve.status() == Some(Status::Partial);
+        let has_hidden = curve.hidden.iter().any(|&word| word != 0);
+        let seen = if is_partial || has_hidden { count } else { 0 };
+        for (i, hidden) in self.hidden[..seen].iter_mut().enumerate() {
+            *hidden = match &self.placer {
+                Some(placer) => placer.is_hidden(curve, i),
+                None => curve.is_hidden(i),
+            };
+            self.weights[i] = f64::from(!*hidden);
+        }
+        let (width, unit_per_px) = match &self.placer {
+            Some(placer) => (placer.width, placer.unit_per_px_along(curve)),
+            None => (curve.width_px.into(), 1.0),
+        };
+        let rope = Rope {
+            track: curve.track,
+            closed: curve.closed != 0,
+            width,
+            unit_per_px,
+            // A lost rope is where it was then.
+            seen_ns: exposed_ns.saturating_sub(curve.age_ns),
+        };
+        let line = Line {
+            points: &self.points[..count],
+            weights: (is_partial && self.settings.robust).then_some(&self.weights[..count]),
+            hidden: &self.hidden[..seen],
+        };
+        Ok(self.fitter.fit(rope, &line)?)
     }
 }
 
@@ -246,7 +265,7 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
         lariat_fit::Basis::Fourier { .. } => Basis::Fourier,
         lariat_fit::Basis::FeaturePoints { .. } => Basis::FeaturePoints,
         lariat_fit::Basis::CenterOfMass => Basis::CenterOfMass,
-        _ => Basis::Bezier,
+        lariat_fit::Basis::Bezier { .. } => Basis::Bezier,
     } as u32;
     descriptor.order = fit.basis.order() as u32;
     descriptor.count = count as u32;
@@ -255,7 +274,6 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
     descriptor.residual_variance = fit.residual_variance;
     descriptor.condition = fit.condition;
     descriptor.filtered = 0;
-    descriptor.fit = FitQuality::NotJudged as u32;
     descriptor.control_points[..count].copy_from_slice(&fit.control_points[..count]);
     match fit.weights.get(..count) {
         Some(weights) => descriptor.weights[..count].copy_from_slice(weights),

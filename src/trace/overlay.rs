@@ -1,7 +1,7 @@
 //! Pictures to judge a trace by eye: the curve, the points it was fitted to and its control polygon, drawn over the
 //! picture.
 
-use crate::descriptor_json::Descriptor;
+use crate::descriptor_json::{Descriptor, Quality};
 use crate::output::{Existing, Output, OutputFolder};
 use crate::picture::Picture;
 use crate::trace::canvas::{Canvas, Ink};
@@ -23,6 +23,9 @@ const COLOURS: [[u8; 3]; 7] = [
     [213, 94, 0],
     [0, 114, 178],
 ];
+
+/// Of a curve that does not lie on its points.
+const COARSE: [u8; 3] = [225, 0, 40];
 
 const DARK: [u8; 3] = [20, 20, 20];
 const LIGHT: [u8; 3] = [255, 255, 255];
@@ -95,7 +98,10 @@ fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbIma
     let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
     let mut canvas = Canvas { picture };
     for (index, curve) in report.curves.iter().enumerate() {
-        let rgb = COLOURS[index % COLOURS.len()];
+        let rgb = match curve.descriptor.quality {
+            Some(Quality { fit: "coarse", .. }) => COARSE,
+            _ => COLOURS[index % COLOURS.len()],
+        };
         draw_curve(&mut canvas, curve, rgb, line_px, mapping);
     }
     canvas.picture

@@ -148,7 +148,8 @@ impl Table {
             Column::figures("long px").wide("1234.5".len()),
             Column::figures("wide px"),
             Column::figures("crossings").rank(1),
-            Column::figures("order"),
+            Column::figures("points"),
+            Column::words("fit").wide("coarse".len()),
             Column::figures(format!("rms {unit}")),
             Column::figures(format!("max {unit}")),
             Column::figures("ms").wide("1234.5".len()).rank(2),
@@ -173,7 +174,8 @@ impl Table {
             let [name, size, time] = first;
             let none = String::new();
             let row = [
-                &name, &size, "-", "no rope", &none, &none, &none, &none, &none, &none, &time,
+                &name, &size, "-", "no rope", &none, &none, &none, &none, &none, &none, &none,
+                &time,
             ];
             return output.write_all(self.table.row(row).as_bytes());
         }
@@ -188,7 +190,12 @@ impl Table {
                 format!("{:.1}", curve.length_px),
                 format!("{:.1}", curve.width_px),
                 report.crossings_of(curve.track).to_string(),
-                curve.descriptor.order.to_string(),
+                curve.descriptor.control_points.len().to_string(),
+                curve
+                    .descriptor
+                    .quality
+                    .map_or("", |quality| quality.fit)
+                    .to_owned(),
                 format!("{:.2}", curve.descriptor.rms),
                 format!("{:.2}", curve.descriptor.max),
                 time,

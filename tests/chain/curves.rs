@@ -5,9 +5,11 @@ use crate::rig::Bench;
 #[test]
 fn every_basis_and_option_describes_the_rope() {
     const FRAMES: u64 = 40;
-    let requests: [(&[&str], f64); 10] = [
+    let requests: [(&[&str], f64); 12] = [
+        (&[], 0.5),
+        (&["--filter"], 0.5),
         (&["--order", "8"], 1.0),
-        (&["--order", "auto"], 0.3),
+        (&["--order", "auto"], 1.0),
         (&["--order", "12", "--solver", "qr", "--pin-ends"], 0.5),
         (&["--order", "12", "--robust"], 0.5),
         (&["--order", "12", "--rho", "measured"], 0.5),
@@ -51,7 +53,10 @@ fn a_curve_that_cannot_be_is_refused_before_anything_starts() {
             &["--order", "31", "--points", "32"][..],
             "choose a Bezier curve of order 27",
         ),
-        (&["--filter", "--order", "auto"], "name the order"),
+        (
+            &["--basis", "auto", "--order", "8"],
+            "\"auto\" chooses the order itself",
+        ),
         (&["--filter", "--basis", "rational"], "their weights change"),
         (
             &["--basis", "mass", "--robust"],

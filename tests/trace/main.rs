@@ -121,7 +121,8 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             &curve["descriptor"],
-            "basis condition control_points length max noise_gain order residual_variance rms unit",
+            "basis condition control_points fit knots length max noise_gain order residual_variance rms rms_widths unit \
+             worst_widths",
         ),
     ];
     for (object, promised) in expected {
@@ -148,12 +149,22 @@ fn a_rope_is_traced_and_described() {
     assert!((width_px - 9.0).abs() < 1.5, "{width_px}");
 
     let descriptor = &curve["descriptor"];
-    assert_eq!(descriptor["basis"], "bezier");
-    assert_eq!(descriptor["order"], 8);
+    assert_eq!(
+        [&descriptor["basis"], &descriptor["fit"]],
+        ["bspline", "good"]
+    );
+    assert_eq!(descriptor["order"], 3);
     let control_points = points(&descriptor["control_points"]);
-    assert_eq!(control_points.len(), 9);
+    let knots = descriptor["knots"].as_array().unwrap();
+    let knots: Vec<f64> = knots.iter().map(|knot| knot.as_f64().unwrap()).collect();
+    let basis = lariat_fit::Basis::BSpline {
+        degree: 3,
+        control_points: control_points.len(),
+        knots: lariat_fit::Knots::Uniform,
+    };
+    let drawn = lariat_fit::Curve::new(basis, &control_points, &[], &knots).unwrap();
     for i in 0..=100 {
-        let p = lariat_fit::point_at(&control_points, f64::from(i) / 100.0);
+        let p = drawn.point(f64::from(i) / 100.0);
         assert!(distance_to_wave(p) < 2.0, "{p:?}");
     }
 }

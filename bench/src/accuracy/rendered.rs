@@ -8,6 +8,7 @@ mod table;
 
 use std::path::Path;
 
+use super::curve::{self, Curves};
 use anyhow::{Context, Result, bail};
 use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
 use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat, Scene, Status};
@@ -59,6 +60,7 @@ struct Measured {
 pub(crate) fn run(
     args: &Args,
     method: Method,
+    order: Option<usize>,
     (csv, overlay): (Option<&Path>, Option<&Path>),
 ) -> Result<()> {
     if args.seeds == 0 {
@@ -77,15 +79,20 @@ pub(crate) fn run(
         method,
         ..Options::default()
     })?;
-    let mut measured = Vec::new();
+    let mut curves = Curves::new(order)?;
+    let (mut measured, mut fitted) = (Vec::new(), Vec::new());
     println!("{}", table::head());
     for class in classes {
         let first = measured.len();
+        let mut fits = Vec::new();
         for seed in args.seed..args.seed.saturating_add(args.seeds) {
             let still = scenes::draw(class, seed, args.size[0], args.size[1])?;
             extractor.reset();
             let image = image(&still)?;
             let scene = extractor.extract(&image);
+            for curve in scene.curves {
+                fits.push(curves.fit(curve)?);
+            }
             if let Some(folder) = overlay {
                 overlay::write(&folder.join(format!("{class}-{seed}.png")), &still, &scene)?;
             }
@@ -98,8 +105,11 @@ pub(crate) fn run(
             });
         }
         println!("{}", table::row(class, &measured[first..]));
+        fitted.push((class.to_string(), fits));
     }
     print!("{}", table::foot(&measured));
+    let fitted = fitted.iter().map(|(name, fits)| (&name[..], fits.clone()));
+    print!("\n{}", curve::table(fitted));
     if let Some(path) = csv {
         super::whole_file::write(path, table::csv(&measured).as_bytes())?;
     }

@@ -117,6 +117,12 @@ impl<const D: usize> Adaptive<D> {
         Ok(())
     }
 
+    /// The functions where the `i`-th point lies.
+    pub(crate) fn row(&self, i: usize) -> &[f64] {
+        let count = self.basis.control_points();
+        &self.b[i * count..][..count]
+    }
+
     /// The clamped knots of the last fit's B-spline, or none.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots[..self.knot_count]

@@ -11,14 +11,18 @@ pub const MAX_CONTROL_POINTS: usize = 32;
 pub enum Knots {
     /// Evenly.
     Uniform,
+    /// Where a rope bends, which the curve itself says: those of a size that a [`SteadySize`](crate::SteadySize) had made
+    /// for its rope. A fitter that is asked for them begins with even ones.
+    Placed,
     /// Where the points are, as many between any two knots (Piegl and Tiller, *The NURBS Book*, equations 9.68
     /// and 9.69).
     Averaged,
 }
 
 /// The family of curves that a descriptor's control points belong to, and its size.
+///
+/// Whoever sends a curve has to name its family, so a new one is to be met by all of them: the list is exhaustive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Basis {
     /// Bernstein polynomials: a Bezier curve of `order`, 1 to 31, with `order + 1` control points. The paper's.
     Bezier {
@@ -118,6 +122,18 @@ impl Basis {
             },
             Self::CenterOfMass => return None,
         })
+    }
+
+    /// A spline of one piece by its own name: a Bezier curve.
+    pub(crate) fn named(self) -> Self {
+        match self {
+            Self::BSpline {
+                degree,
+                control_points,
+                knots: Knots::Uniform,
+            } if control_points == degree + 1 => Self::Bezier { order: degree },
+            other => other,
+        }
     }
 
     /// The family's name, as settings and JSON have it.

@@ -3,6 +3,7 @@
 use crate::adaptive::Adaptive;
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 use crate::checked;
+use crate::choice::Line;
 use crate::condition;
 use crate::error::{FitError, FitterError};
 use crate::filter::{CurveSpace, CurveSpaceError};
@@ -12,13 +13,11 @@ use crate::noise::{EvenFit, Propagation};
 use crate::options::{Options, Rho, Weights};
 use crate::rational::RationalFitter;
 use crate::resample::Resampler;
+use crate::tolerance::Tolerance;
 
 /// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
 /// exact enough to mean something below it.
 pub const MAX_COORDINATE_PX: f64 = 1e9;
-
-/// Residuals below this say nothing about the size of a curve: they are rounding's.
-const EXACT_PX: f64 = 1e-6;
 
 /// A curve fitted to a centerline, and how well it fits.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,21 +57,28 @@ impl<const D: usize> Fit<D> {
 
 /// Fits curves of one family to centerlines of one number of points in `D` dimensions.
 pub struct Fitter<const D: usize = 2> {
-    options: Options,
+    pub(crate) options: Options,
     arch: lariat_portable::Arch,
-    /// One, or one of each size to choose from, the smallest first.
-    sizes: Vec<Size<D>>,
+    /// One, or one of each size to choose from, the smallest first; behind these, those that ropes have for themselves.
+    pub(crate) sizes: Vec<Size<D>>,
+    /// How many there are to choose from.
+    pub(crate) choosable: usize,
     /// Whose knots, condition and covariance `fit` holds.
-    shown: usize,
-    points: Points<D>,
-    fit: Fit<D>,
+    pub(crate) shown: usize,
+    /// Room for points, for bases that read the same backwards and for others.
+    points: [Points<D>; 2],
+    pub(crate) fit: Fit<D>,
+    /// Room for the squared distance of each point from a curve.
+    pub(crate) squared: Vec<f64>,
     propagation: Propagation,
 }
 
 /// A basis of one size and how it is fitted.
-struct Size<const D: usize> {
+pub(crate) struct Size<const D: usize> {
     linear: Linear<D>,
     way: Way<D>,
+    /// Once it has been asked for.
+    space: Option<CurveSpace>,
 }
 
 enum Way<const D: usize> {
@@ -85,9 +91,23 @@ enum Way<const D: usize> {
 }
 
 impl<const D: usize> Size<D> {
-    fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
+    pub(crate) fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
         let linear = Linear::new(basis, options)?;
-        let way = match basis {
+        Ok(Self::by(linear, options))
+    }
+
+    /// A cubic B-spline with these clamped knots.
+    pub(crate) fn on_knots(
+        basis: Basis,
+        knots: Vec<f64>,
+        options: &Options,
+    ) -> Result<Self, FitterError> {
+        let linear = Linear::on_knots(basis, knots, options)?;
+        Ok(Self::by(linear, options))
+    }
+
+    fn by(linear: Linear<D>, options: &Options) -> Self {
+        let way = match linear.basis {
             Basis::RationalBezier { order } => {
                 let fitter = RationalFitter::new(order, options.points, options.pin_ends);
                 Way::Rational(Box::new(fitter))
@@ -97,7 +117,44 @@ impl<const D: usize> Size<D> {
             }
             _ => Way::Linear,
         };
-        Ok(Self { linear, way })
+        Self {
+            linear,
+            way,
+            space: None,
+        }
+    }
+
+    fn space(&self) -> Result<CurveSpace, CurveSpaceError> {
+        let linear = &self.linear;
+        let count = linear.basis.control_points();
+        match linear.basis {
+            // Lines between points bend at them: the points themselves are what moves.
+            Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
+            _ => CurveSpace::new(&linear.b.row_by_row(), count),
+        }
+    }
+
+    /// The point on the curve of these control points where the `i`-th point's ρ is; `weights` are of rational curves that
+    /// have some.
+    pub(crate) fn point(&self, i: usize, control_points: &[[f64; D]], weights: &[f64]) -> [f64; D] {
+        let (mut sum, mut whole) = ([0.0; D], 0.0);
+        for (j, control_point) in control_points.iter().enumerate() {
+            let mut share = match &self.way {
+                Way::Adaptive(adaptive) => adaptive.row(i)[j],
+                Way::Linear | Way::Rational(_) => self.linear.b[(i, j)],
+            };
+            if let (Way::Rational(_), Some(weight)) = (&self.way, weights.get(j)) {
+                share *= weight;
+                whole += share;
+            }
+            for axis in 0..D {
+                sum[axis] += share * control_point[axis];
+            }
+        }
+        match whole {
+            0.0 => sum,
+            _ => sum.map(|c| c / whole),
+        }
     }
 }
 
@@ -185,7 +242,7 @@ impl<const D: usize> Fitter<D> {
         if options.choose_size {
             let smaller = std::iter::successors(options.basis.smaller(), |basis| basis.smaller());
             for basis in smaller {
-                sizes.push(Size::new(basis, &options)?);
+                sizes.push(Size::new(basis.named(), &options)?);
             }
             sizes.reverse();
         }
@@ -207,9 +264,11 @@ impl<const D: usize> Fitter<D> {
             options,
             arch: lariat_portable::Arch::new(),
             shown: largest,
-            points: Points::new(options.points, condition::is_mirrored(options.basis)),
+            points: [true, false].map(|folded| Points::new(options.points, folded)),
+            choosable: sizes.len(),
             sizes,
             fit,
+            squared: vec![0.0; options.points],
             propagation: Propagation::new(),
         })
     }
@@ -223,7 +282,7 @@ impl<const D: usize> Fitter<D> {
     /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
     /// measured arc lengths also points that do not determine the curve.
     pub fn fit(&mut self, points: &[[f64; D]]) -> Result<&Fit<D>, FitError> {
-        self.fit_with(points, None)
+        self.fit_chosen(&Line::of(points))
     }
 
     /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
@@ -237,7 +296,8 @@ impl<const D: usize> Fitter<D> {
             && matches!(size.way, Way::Linear)
             && points.len() == self.options.points
         {
-            let (lanes, fit) = (&mut self.points, &mut self.fit);
+            let lanes = &mut self.points[usize::from(!condition::is_mirrored(size.linear.basis))];
+            let fit = &mut self.fit;
             let described =
                 (size.linear).describe(self.arch, points, lanes, &mut fit.control_points);
             if described.is_some() {
@@ -258,79 +318,52 @@ impl<const D: usize> Fitter<D> {
         points: &[[f64; D]],
         weights: &[f64],
     ) -> Result<&Fit<D>, FitError> {
-        if self.options.weights == Weights::Even {
-            return Err(FitError::NoWeights);
-        }
-        if weights.len() != points.len() {
-            return Err(FitError::WeightCount {
-                given: weights.len(),
-                expected: points.len(),
-            });
-        }
-        self.fit_with(points, Some(weights))
+        self.fit_chosen(&Line {
+            weights: Some(weights),
+            ..Line::of(points)
+        })
     }
 
-    fn fit_with(
-        &mut self,
-        points: &[[f64; D]],
-        weights: Option<&[f64]>,
-    ) -> Result<&Fit<D>, FitError> {
-        if points.len() != self.options.points {
-            return Err(FitError::Count {
-                given: points.len(),
-                expected: self.options.points,
-            });
-        }
-        let size = match self.sizes.len() {
+    /// A fit of the least size within the default tolerance, where there is a choice.
+    fn fit_chosen(&mut self, line: &Line<D>) -> Result<&Fit<D>, FitError> {
+        let size = match self.choosable {
             1 => 0,
-            _ => self.choose(points, weights)?,
+            _ => self.least_size(line, Tolerance::default())?.0,
         };
-        let residuals = self.fit_size(size, points, weights)?;
-        self.show(size);
-        self.fit.rms_px = (residuals.weighted_sum / residuals.weights).sqrt();
-        self.fit.max_px = residuals.max_px;
-        self.fit.residual_variance = residuals.variance;
-        Ok(&self.fit)
+        self.fit_at(size, line)
     }
 
-    /// The size of the least Bayesian information criterion.
-    fn choose(&mut self, points: &[[f64; D]], weights: Option<&[f64]>) -> Result<usize, FitError> {
-        let (mut best, mut least, mut failed) = (None, f64::INFINITY, None);
-        for size in 0..self.sizes.len() {
-            match self.fit_size(size, points, weights) {
-                Ok(residuals) => {
-                    let parameters = D * self.fit.control_points.len();
-                    let criterion = information(&residuals, D, parameters);
-                    if criterion < least {
-                        (best, least) = (Some(size), criterion);
-                    }
-                }
-                // Points that do not determine a curve of this size may determine a smaller one.
-                Err(error) => failed = failed.or(Some(error)),
-            }
+    /// Whether there are as many points, and weights, as the fitter was made for.
+    pub(crate) fn check(&self, line: &Line<D>) -> Result<(), FitError> {
+        let expected = self.options.points;
+        let given = line.points.len();
+        if given != expected {
+            return Err(FitError::Count { given, expected });
         }
-        match (best, failed) {
-            (Some(best), _) => Ok(best),
-            (None, Some(error)) => Err(error),
-            // A criterion is a number below infinity, since the residuals of points in a picture are.
-            (None, None) => Ok(0),
+        match line.weights {
+            Some(_) if self.options.weights == Weights::Even => Err(FitError::NoWeights),
+            Some(weights) if weights.len() != expected => Err(FitError::WeightCount {
+                given: weights.len(),
+                expected,
+            }),
+            _ => Ok(()),
         }
     }
 
     /// Fits a curve of this size into `fit.control_points`.
-    fn fit_size(
+    pub(crate) fn fit_size(
         &mut self,
         size: usize,
         points: &[[f64; D]],
         weights: Option<&[f64]>,
     ) -> Result<Residuals, FitError> {
-        let Size { linear, way } = &mut self.sizes[size];
+        let Size { linear, way, .. } = &mut self.sizes[size];
         let control_points = &mut self.fit.control_points;
         control_points.resize(linear.basis.control_points(), [0.0; D]);
         Ok(match way {
             Way::Linear => {
-                let Some(squared) = linear.fit(self.arch, points, &mut self.points, control_points)
-                else {
+                let lanes = &mut self.points[usize::from(!condition::is_mirrored(linear.basis))];
+                let Some(squared) = linear.fit(self.arch, points, lanes, control_points) else {
                     return Err(misplaced(points));
                 };
                 let freedom = D as f64 * linear.freedom;
@@ -356,10 +389,11 @@ impl<const D: usize> Fitter<D> {
     }
 
     /// Makes what `fit` says beside the curve and its residuals that of this size.
-    fn show(&mut self, size: usize) {
-        let Size { linear, way } = &mut self.sizes[size];
+    pub(crate) fn show(&mut self, size: usize) {
+        let Size { linear, way, .. } = &mut self.sizes[size];
         let fit = &mut self.fit;
-        let known = self.shown == size;
+        // What ropes have for themselves may be another than it was.
+        let known = self.shown == size && size < self.choosable;
         self.shown = size;
         match way {
             Way::Linear if known => {}
@@ -417,13 +451,22 @@ impl<const D: usize> Fitter<D> {
     /// # Errors
     /// None where the fitter's own limits were kept; the type says what else could be wrong.
     pub fn curve_space(&self) -> Result<CurveSpace, CurveSpaceError> {
-        let linear = &self.sizes[self.sizes.len() - 1].linear;
-        let count = linear.basis.control_points();
-        match linear.basis {
-            // Lines between points bend at them: the points themselves are what moves.
-            Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
-            _ => CurveSpace::new(&linear.b.row_by_row(), count),
+        self.sizes[self.choosable - 1].space()
+    }
+
+    /// That of the last fit's curve: the same object, or a clone of it, for as long as the curves are the same. Made when
+    /// it is first asked for.
+    ///
+    /// # Errors
+    /// As [`Fitter::curve_space`].
+    pub fn last_space(&mut self) -> Result<CurveSpace, CurveSpaceError> {
+        let size = &mut self.sizes[self.shown];
+        if let Some(space) = &size.space {
+            return Ok(space.clone());
         }
+        let space = size.space()?;
+        size.space = Some(space.clone());
+        Ok(space)
     }
 
     /// The rows of `P`, `N` numbers each, such that row `j` times the points is control point `j`, the same for
@@ -432,14 +475,6 @@ impl<const D: usize> Fitter<D> {
     pub fn matrix(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.sizes[self.shown].linear.matrix.columns()
     }
-}
-
-/// The Bayesian information criterion of Gaussian residuals of unknown variance (Schwarz 1978), but for a
-/// constant: `n ln(RSS/n) + k ln n`, with `n` the coordinates seen.
-fn information(residuals: &Residuals, dimensions: usize, parameters: usize) -> f64 {
-    let n = dimensions as f64 * residuals.weights;
-    let variance = (residuals.weighted_sum / n).max(EXACT_PX * EXACT_PX);
-    n * libm::log(variance) + parameters as f64 * libm::log(n)
 }
 
 /// Whether every coordinate is one of a place in a picture.

@@ -30,7 +30,7 @@ pub(crate) fn knots(basis: Basis, rho: &[f64], knots: &mut [f64; MAX_KNOTS]) -> 
         } else {
             let interior = place - degree;
             match placed {
-                Knots::Uniform => interior as f64 / spans as f64,
+                Knots::Uniform | Knots::Placed => interior as f64 / spans as f64,
                 Knots::Averaged => averaged(rho, interior as f64 * rho.len() as f64 / spans as f64),
             }
         };

@@ -30,7 +30,7 @@
 //! | for | see |
 //! |---|---|
 //! | the families of curves | [`Basis`]: Bezier, B-spline, rational Bezier, Fourier, feature points, center of mass |
-//! | ridge, pinned ends, measured arc length, weights, the robust option, a size chosen by BIC | [`Options`] |
+//! | ridge, pinned ends, measured arc length, weights, the robust option, the least size within a tolerance | [`Options`], [`Tolerance`], [`SteadySize`] |
 //! | the curve itself: points, tangents, curvature, length, what is nearest, `∂f/∂s` | [`Curve`] |
 //! | `∂s/∂c̄`, the covariance of `s` | [`Fitter::matrix`], [`Fit::covariance_factor`] |
 //! | points at equal steps again, after a map; what pixel noise does to the control points then | [`Resampler`], [`Fitter::propagate`] |
@@ -69,6 +69,7 @@ mod arc_length;
 mod basis;
 mod bezier;
 mod checked;
+mod choice;
 mod condition;
 mod convert;
 mod curve;
@@ -83,16 +84,19 @@ mod linear;
 mod matrix;
 mod noise;
 mod options;
+mod placed;
 mod rational;
 mod resample;
 mod robust;
 mod solve;
 mod system;
+mod tolerance;
 mod weighted;
 
 pub use arc_length::ArcLengthError;
 pub use basis::{Basis, Knots, MAX_CONTROL_POINTS};
 pub use bezier::{bernstein, point_at};
+pub use choice::{Judged, Line, SteadySize};
 pub use convert::{
     BezierPiece, OwnedCurve, Reduced, bezier_pieces, elevate_degree, from_monomial, insert_knot,
     reduce_degree, reverse, split_at, to_monomial,
@@ -108,4 +112,5 @@ pub use functions::MAX_KNOTS;
 pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, Weights};
 pub use rational::{MAX_WEIGHT, RationalFit, RationalFitter};
 pub use resample::{ResampleError, Resampler};
+pub use tolerance::Tolerance;
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};

@@ -43,8 +43,17 @@ impl<const D: usize> Linear<D> {
     /// # Errors
     /// A condition number that would drown the control points in rounding errors.
     pub(crate) fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
+        let knots = condition::even_knots(basis, options.points);
+        Self::on_knots(basis, knots, options)
+    }
+
+    /// As [`Linear::new`], with the clamped knots of a B-spline.
+    pub(crate) fn on_knots(
+        basis: Basis,
+        knots: Vec<f64>,
+        options: &Options,
+    ) -> Result<Self, FitterError> {
         let Options { points, solver, .. } = *options;
-        let knots = condition::even_knots(basis, points);
         let mirrored = condition::is_mirrored(basis);
         let (p, b, condition, solve, exact) = match system::selection(basis, points) {
             Some(p) => {

@@ -1,10 +1,13 @@
 //! What a [`Fitter`](crate::Fitter) is asked for.
 
-use crate::basis::Basis;
+use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
 use std::fmt;
 
 /// The highest order: 32 control points.
 pub const MAX_ORDER: usize = 31;
+
+/// The degree of the curves of [`Options::auto`].
+const CUBIC: usize = 3;
 
 /// The most points of a centerline.
 pub const MAX_POINTS: usize = 256;
@@ -59,9 +62,9 @@ pub enum Weights {
 pub struct Options {
     /// The family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's four.
     pub basis: Basis,
-    /// Whether each fit chooses how many control points it takes: as many as `basis` has or fewer, those of
-    /// the least Bayesian information criterion (Schwarz 1978). A fit then costs as much as one of each size.
-    /// Default: no.
+    /// Whether the number of control points is chosen: as many as `basis` has or fewer, the fewest that keep the curve
+    /// within a [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit`](crate::Fitter::fit) chooses anew each
+    /// time and takes the default tolerance; [`SteadySize`](crate::SteadySize) keeps a moving rope's. Default: no.
     pub choose_size: bool,
     /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than control points.
     /// Default: 120, as in the paper.
@@ -101,6 +104,34 @@ impl Options {
     pub fn bezier(order: usize) -> Self {
         Self {
             basis: Basis::Bezier { order },
+            ..Self::default()
+        }
+    }
+
+    /// The fewest control points that keep the curve within a tolerance of its `points` points, up to as many as there
+    /// may be: of a cubic Bezier curve or a uniform cubic B-spline, or, of a closed curve, of a Fourier series. Of these
+    /// the noise gain hardly grows with their number.
+    pub fn auto(points: usize, closed: bool) -> Self {
+        let most = MAX_CONTROL_POINTS.min(points);
+        let basis = if closed {
+            Basis::Fourier {
+                harmonics: (most.saturating_sub(1) / 2).max(1),
+            }
+        } else if most > CUBIC + 1 {
+            Basis::BSpline {
+                degree: CUBIC,
+                control_points: most,
+                knots: Knots::Uniform,
+            }
+        } else {
+            Basis::Bezier {
+                order: most.saturating_sub(1).max(1),
+            }
+        };
+        Self {
+            basis,
+            points,
+            choose_size: closed || most > CUBIC + 1,
             ..Self::default()
         }
     }

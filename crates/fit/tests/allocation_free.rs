@@ -2,8 +2,8 @@
 #![allow(unsafe_code)] // A global allocator cannot be written without; it only counts and hands on.
 
 use lariat_fit::{
-    Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, MAX_CONTROL_POINTS, Noise,
-    Options, RationalFitter, Resampler, Rho, Solver, Weights,
+    Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Line, MAX_CONTROL_POINTS,
+    Noise, Options, RationalFitter, Resampler, Rho, Solver, SteadySize, Tolerance, Weights,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -206,6 +206,27 @@ fn no_basis_and_no_option_allocates() {
         }
         assert_eq!(allocations(), before, "{options:?}");
     }
+}
+
+#[test]
+fn a_steady_size_allocates_nothing_even_when_it_changes() {
+    let bent = |bend: f64| -> Vec<[f64; 2]> {
+        let point = |i| [3.0 * i as f64, 100.0 * (bend * i as f64).sin()];
+        (0..120).map(point).collect()
+    };
+    let ropes = [bent(0.02), bent(0.2)];
+    let mut fitter = Fitter::new(Options::auto(120, false)).unwrap();
+    let mut size = SteadySize::default();
+    let before = allocations();
+    let mut resized = 0;
+    for second in 0..4 {
+        let line = Line::of(&ropes[usize::from(second > 1)]);
+        let now_ns = second * 1_000_000_000;
+        let judged = size.fit(&mut fitter, &line, Tolerance::default(), now_ns);
+        resized += usize::from(judged.unwrap().is_resized);
+    }
+    assert_eq!(allocations(), before);
+    assert_eq!(resized, 1);
 }
 
 #[test]

@@ -17,7 +17,11 @@ fn compare(made: &Making, flags: &[&str]) -> Comparison {
 
 #[test]
 fn the_same_settings_give_the_same_figures() {
-    let comparison = compare(&Making::default(), &["--order=8"]);
+    let made = Making {
+        settings: "[fit]\norder = 8\n",
+        ..Making::default()
+    };
+    let comparison = compare(&made, &["--order=8"]);
     let Comparison {
         against,
         frames,

@@ -19,7 +19,7 @@ pub(super) struct Placer {
     widths: Box<[f64; MAX_POINTS]>,
     by_size: Box<[f64; MAX_POINTS]>,
     /// The last curve's: median width, in the unit.
-    width: f64,
+    pub(super) width: f64,
     covariances: Box<[[f64; 3]; MAX_CONTROL_POINTS]>,
 }
 
@@ -67,6 +67,16 @@ impl Placer {
         places
             .into_iter()
             .find_map(|at| mapping.unit_per_px(at).ok())
+    }
+
+    /// How long a pixel is along the last curve, in the mean.
+    pub(super) fn unit_per_px_along(&self, curve: &Curve) -> f64 {
+        let mean = self.line.length() / f64::from(curve.length_px);
+        if mean.is_finite() {
+            mean
+        } else {
+            self.unit_per_px().unwrap_or(1.0)
+        }
     }
 
     /// The curve's points where they lie, at equal steps.

@@ -17,6 +17,14 @@ fn rope() -> Curve {
     curve
 }
 
+/// The paper's curve of 9 control points.
+fn order_8() -> settings::Fit {
+    settings::Fit {
+        order: Some(settings::Order::Named(8)),
+        ..settings::Fit::default()
+    }
+}
+
 fn fitter(fit: &settings::Fit) -> CurveFitter {
     let settings = Settings {
         fit: fit.clone(),
@@ -45,7 +53,7 @@ fn farthest(descriptor: &Descriptor) -> f64 {
 fn what_is_known_of_the_rope_goes_along() {
     let mut curve = rope();
     (curve.border, curve.age_ns, curve.length_px, curve.width_px) = (2, 5, 238.0, 12.5);
-    let descriptor = described(&settings::Fit::default(), &curve);
+    let descriptor = described(&order_8(), &curve);
     assert_eq!(
         [descriptor.track, descriptor.order, descriptor.count],
         [7, 8, 9]
@@ -63,6 +71,133 @@ fn what_is_known_of_the_rope_goes_along() {
     assert_eq!(descriptor.velocities[..9], [[0.0; 2]; 9]);
 }
 
+/// A rope 10 px wide that goes up and down so many times, 30 px high.
+fn winding(times: f32) -> Curve {
+    let mut curve = rope();
+    for (i, point) in curve.points[..120].iter_mut().enumerate() {
+        let angle = std::f32::consts::TAU * times * i as f32 / 119.0;
+        *point = [100.0 + 3.0 * i as f32, 200.0 + 15.0 * angle.sin()];
+    }
+    (curve.width_px, curve.length_px) = (10.0, 400.0);
+    curve.widths_px[..120].fill(10.0);
+    curve
+}
+
+#[test]
+fn without_settings_a_curve_has_the_control_points_that_its_rope_needs() {
+    let mut fitter = fitter(&settings::Fit::default());
+    let mut descriptor = Descriptor::EMPTY;
+    let mut describe = |track, times| {
+        let curve = Curve {
+            track,
+            ..winding(times)
+        };
+        fitter.describe(&curve, 1, &mut descriptor).unwrap();
+        assert!(descriptor.rms < 1.25 && descriptor.max < 5.0);
+        assert_eq!(descriptor.fit(), Some(FitQuality::Good));
+        (descriptor.basis(), descriptor.count)
+    };
+    assert_eq!(describe(1, 0.0), (Some(Basis::Bezier), 4));
+    let (basis, twice) = describe(2, 2.0);
+    assert_eq!(basis, Some(Basis::BSpline));
+    let (_, four_times) = describe(3, 4.0);
+    assert!(4 < twice && twice < four_times, "{twice} {four_times}");
+    // Each rope keeps its own, whichever was last.
+    assert_eq!(describe(1, 0.0).1, 4);
+    assert_eq!(describe(3, 3.0).1, four_times);
+    assert_eq!(describe(2, 1.0).1, twice);
+}
+
+#[test]
+fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
+    let named = |basis, order| settings::Fit {
+        basis,
+        order: Some(settings::Order::Named(order)),
+        ..settings::Fit::default()
+    };
+    for (fit, quality) in [
+        (settings::Fit::default(), FitQuality::Good),
+        (named(Family::Bezier, 4), FitQuality::Coarse),
+        (named(Family::BSpline, 5), FitQuality::Coarse),
+        (named(Family::BSpline, 16), FitQuality::Good),
+        (named(Family::Rational, 4), FitQuality::Coarse),
+        (named(Family::Points, 31), FitQuality::Good),
+        (named(Family::Mass, 1), FitQuality::Coarse),
+    ] {
+        let descriptor = described(&fit, &winding(2.0));
+        assert_eq!(descriptor.fit(), Some(quality), "{fit:?}");
+    }
+    // What is bridged is no reason to doubt the rest.
+    let mut covered = winding(0.0);
+    covered.set_hidden((0..MAX_POINTS).map(|i| i == 60));
+    covered.points[60][1] += 20.0;
+    let descriptor = described(&named(Family::Bezier, 3), &covered);
+    assert_eq!(descriptor.fit(), Some(FitQuality::Good));
+}
+
+#[test]
+fn a_rope_out_of_sight_keeps_its_size() {
+    let mut fitter = fitter(&settings::Fit::default());
+    let mut descriptor = Descriptor::EMPTY;
+    fitter.describe(&winding(0.0), 1, &mut descriptor).unwrap();
+    let mut at = |times, exposed_s: u64, age_s: u64| {
+        let mut curve = winding(times);
+        if age_s > 0 {
+            (curve.status, curve.age_ns) = (Status::Lost as u32, age_s * 1_000_000_000);
+        }
+        let exposed_ns = exposed_s * 1_000_000_000;
+        fitter
+            .describe(&curve, exposed_ns, &mut descriptor)
+            .unwrap();
+        descriptor.count
+    };
+    // It was wound up, and then covered for two seconds: nobody saw it for a second.
+    assert_eq!([at(3.0, 10, 0), at(3.0, 11, 1), at(3.0, 12, 2)], [4; 3]);
+    assert!(at(3.0, 13, 0) > 4);
+}
+
+#[test]
+fn what_size_a_rope_has_does_not_depend_on_its_unit() {
+    let planes = [
+        "homography = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]",
+        "homography = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 1]]",
+    ];
+    let sizes = planes.map(|plane| {
+        let mut fitter = on_the_plane(plane, None, settings::Fit::default());
+        fitter.turn_to([640, 480]).unwrap();
+        [0.0, 1.0, 2.0, 4.0].map(|times| {
+            let mut descriptor = Descriptor::EMPTY;
+            fitter.fitter.forget();
+            fitter
+                .describe(&winding(times), 1, &mut descriptor)
+                .unwrap();
+            descriptor.count
+        })
+    });
+    assert_eq!(sizes[0], sizes[1]);
+}
+
+#[test]
+fn the_filter_goes_on_with_a_curve_of_another_size() {
+    let settings = settings::Fit {
+        filter: true,
+        ..settings::Fit::default()
+    };
+    let mut fitter = fitter(&settings);
+    let mut descriptor = Descriptor::EMPTY;
+    for frame in 0..90 {
+        let curve = winding(if frame < 30 { 0.0 } else { 3.0 });
+        let exposed_ns = 1_000_000_000 + frame * 33_333_333;
+        fitter
+            .describe(&curve, exposed_ns, &mut descriptor)
+            .unwrap();
+        assert_eq!(descriptor.filtered, 1, "frame {frame}");
+    }
+    assert!(descriptor.count > 4);
+    let speed = descriptor.velocities[0];
+    assert!(speed[0].abs() < 1.0 && speed[1].abs() < 1.0, "{speed:?}");
+}
+
 #[test]
 fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
     let mut ring = rope();
@@ -72,10 +207,7 @@ fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
         *point = [300.0 + 80.0 * cos, 200.0 + 80.0 * sin];
     }
     for basis in [Family::Bezier, Family::Rational, Family::Points] {
-        let settings = settings::Fit {
-            basis,
-            ..settings::Fit::default()
-        };
+        let settings = settings::Fit { basis, ..order_8() };
         let descriptor = described(&settings, &ring);
         assert_eq!(descriptor.basis(), Some(Basis::Fourier));
         assert_eq!([descriptor.order, descriptor.count], [4, 9]);
@@ -94,7 +226,7 @@ fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
 fn a_splines_inner_knots_go_along() {
     let settings = settings::Fit {
         basis: Family::BSpline,
-        ..settings::Fit::default()
+        ..order_8()
     };
     let descriptor = described(&settings, &rope());
     assert_eq!(descriptor.basis(), Some(Basis::BSpline));
@@ -114,7 +246,7 @@ fn with_the_robust_option_hidden_points_weigh_nothing() {
     let with = |robust| {
         let settings = settings::Fit {
             robust,
-            ..settings::Fit::default()
+            ..order_8()
         };
         described(&settings, &curve)
     };
@@ -126,7 +258,7 @@ fn with_the_robust_option_hidden_points_weigh_nothing() {
     curve.set_hidden((0..MAX_POINTS).map(|i| (5..115).contains(&i)));
     let settings = settings::Fit {
         robust: true,
-        ..settings::Fit::default()
+        ..order_8()
     };
     assert!(described(&settings, &curve).count == 9);
 }
@@ -135,7 +267,7 @@ fn with_the_robust_option_hidden_points_weigh_nothing() {
 fn the_filter_knows_how_fast_a_rope_moves() {
     let settings = settings::Fit {
         filter: true,
-        ..settings::Fit::default()
+        ..order_8()
     };
     let mut fitter = fitter(&settings);
     let mut descriptor = Descriptor::EMPTY;
@@ -205,7 +337,7 @@ fn slanting_rope() -> Curve {
 
 #[test]
 fn a_straight_line_on_a_tilted_plane_has_even_points() {
-    let mut fitter = on_the_plane(SLANT, None, settings::Fit::default());
+    let mut fitter = on_the_plane(SLANT, None, order_8());
     assert_eq!(fitter.unit(), Unit::Millimeter);
     fitter.turn_to([640, 480]).unwrap();
     let mut descriptor = Descriptor::EMPTY;
@@ -241,7 +373,7 @@ fn a_straight_line_on_a_tilted_plane_has_even_points() {
 
 #[test]
 fn sizes_and_noise_come_in_millimetres_too() {
-    let mut fitter = on_the_plane(SLANT, None, settings::Fit::default());
+    let mut fitter = on_the_plane(SLANT, None, order_8());
     fitter.turn_to([640, 480]).unwrap();
     let mut curve = slanting_rope();
     // Noise of a tenth of a pixel, the same each time.
@@ -277,7 +409,7 @@ fn the_filter_too_works_in_millimetres() {
     let half = "homography = [[0.5, 0, 0], [0, 0.5, 0], [0, 0, 1]]";
     let fit = settings::Fit {
         filter: true,
-        ..settings::Fit::default()
+        ..order_8()
     };
     let (mut in_mm, mut in_px) = (on_the_plane(half, None, fit.clone()), fitter(&fit));
     in_mm.turn_to([640, 480]).unwrap();
@@ -307,7 +439,7 @@ fn the_filter_too_works_in_millimetres() {
 fn hidden_points_stay_hidden_on_the_plane() {
     let fit = settings::Fit {
         robust: true,
-        ..settings::Fit::default()
+        ..order_8()
     };
     let mut fitter = on_the_plane(SLANT, None, fit);
     fitter.turn_to([640, 480]).unwrap();
@@ -374,7 +506,7 @@ fn on_the_plane_the_points_are_those_that_were_fitted() {
 fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
     // The horizon is at y = 400 px.
     let steep = "homography = [[1, 0, 0], [0, 1, 0], [0, -2.5e-3, 1]]";
-    let mut curves = on_the_plane(steep, None, settings::Fit::default());
+    let mut curves = on_the_plane(steep, None, order_8());
     let mut seen = Box::new(Centerlines::EMPTY);
     (seen.width, seen.height, seen.count) = (640, 480, 2);
     (seen.curves[0], seen.curves[1]) = (slanting_rope(), rope());
@@ -388,7 +520,7 @@ fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
 
 #[test]
 fn frames_of_another_shape_than_the_calibrations_have_no_curves() {
-    let mut curves = on_the_plane(SLANT, None, settings::Fit::default());
+    let mut curves = on_the_plane(SLANT, None, order_8());
     let mut seen = Box::new(Centerlines::EMPTY);
     (seen.width, seen.height, seen.count) = (640, 360, 1);
     seen.curves[0] = rope();

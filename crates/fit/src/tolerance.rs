@@ -1,0 +1,149 @@
+//! When a curve lies on its points.
+
+/// The share of the points that may lie farther from the curve than most: one in twenty.
+const STRAY: usize = 20;
+
+/// How near a curve must lie to its points, in their unit. Distances are those of points from the curve at their own ρ,
+/// which are never less than those from the nearest point of it: where they are small, so are those, and the curve is also
+/// where ρ says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// 95 of 100 points are no farther off. Default: 2 px.
+    pub most: f64,
+    /// No point is farther off. Default: 8 px, half the width of a rope of which 2 px are an eighth.
+    pub all: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self {
+            most: 2.0,
+            all: 8.0,
+        }
+    }
+}
+
+impl Tolerance {
+    /// How much of a rope's width counts as on the rope, if nothing else is said.
+    pub const WIDTHS: f64 = 0.125;
+
+    /// And how much at most, px.
+    pub const LIMIT_PX: f64 = 2.0;
+
+    /// That of a rope so wide: `share` of the width for most points, but no more than `limit`, and half of it for all.
+    /// A width that is not known leaves the limit.
+    pub fn of_width(width: f64, share: f64, limit: f64) -> Self {
+        if width > 0.0 && width.is_finite() {
+            let most = limit.min(share * width);
+            Self {
+                most,
+                all: most.max(0.5 * width),
+            }
+        } else {
+            Self {
+                most: limit,
+                all: 4.0 * limit,
+            }
+        }
+    }
+
+    /// One of `factor` times these distances.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        Self {
+            most: factor * self.most,
+            all: factor * self.all,
+        }
+    }
+
+    /// By how much these distances would have to be larger to hold such points: 1 or less if they hold them. Sorts.
+    pub(crate) fn excess(self, squared: &mut [f64], hidden: &[bool]) -> f64 {
+        let mut seen = 0;
+        for i in 0..squared.len() {
+            if hidden.get(i) != Some(&true) {
+                squared.swap(seen, i);
+                seen += 1;
+            }
+        }
+        let near = &mut squared[..seen];
+        near.sort_unstable_by(f64::total_cmp);
+        let Some(&farthest) = near.last() else {
+            return 0.0;
+        };
+        let most = near[near.len() - 1 - near.len() / STRAY];
+        (most.sqrt() / self.most).max(farthest.sqrt() / self.all)
+    }
+
+    /// Whether points whose *squared* distances are these lie near enough. What is hidden does not count: where nobody
+    /// saw the rope, the curve cannot be beside it.
+    pub(crate) fn holds(self, squared: &[f64], hidden: &[bool]) -> bool {
+        let (mut seen, mut stray) = (0, 0);
+        let (most, all) = (self.most * self.most, self.all * self.all);
+        for (i, &distance) in squared.iter().enumerate() {
+            if hidden.get(i) == Some(&true) {
+                continue;
+            }
+            // NaN is no distance.
+            if !(distance <= all) {
+                return false;
+            }
+            seen += 1;
+            stray += usize::from(distance > most);
+        }
+        STRAY * stray <= seen
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TOLERANCE: Tolerance = Tolerance {
+        most: 1.0,
+        all: 4.0,
+    };
+
+    fn holds(distances: &[(usize, f64)], hidden: &[bool]) -> bool {
+        let mut squared = [0.25; 100];
+        for &(i, distance) in distances {
+            squared[i] = distance * distance;
+        }
+        TOLERANCE.holds(&squared, hidden)
+    }
+
+    #[test]
+    fn one_point_in_twenty_may_be_farther_off_but_none_by_more_than_the_second_distance() {
+        let strays = |count: usize| (0..count).map(|i| (7 * i, 3.0)).collect::<Vec<_>>();
+        assert!(holds(&strays(5), &[]));
+        assert!(!holds(&strays(6), &[]));
+        assert!(holds(&[(50, 3.9)], &[]));
+        assert!(!holds(&[(50, 4.1)], &[]));
+        assert!(!holds(&[(50, f64::NAN)], &[]));
+    }
+
+    #[test]
+    fn what_is_hidden_does_not_count() {
+        let hidden: Vec<bool> = (0..100).map(|i| i == 50).collect();
+        assert!(holds(&[(50, 100.0)], &hidden));
+        assert!(!holds(&[(51, 100.0)], &hidden));
+        // Of 20 points seen one may stray, not two.
+        let hidden: Vec<bool> = (0..100).map(|i| i >= 20).collect();
+        assert!(holds(&[(3, 2.0)], &hidden));
+        assert!(!holds(&[(3, 2.0), (4, 2.0)], &hidden));
+    }
+
+    #[test]
+    fn a_rope_has_a_tolerance_of_its_width_up_to_a_limit() {
+        let of = |width| Tolerance::of_width(width, 0.125, 2.0);
+        assert_eq!(of(8.0), TOLERANCE);
+        assert_eq!(
+            of(40.0),
+            Tolerance {
+                most: 2.0,
+                all: 20.0
+            }
+        );
+        for unknown in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(of(unknown), Tolerance::default());
+        }
+    }
+}
