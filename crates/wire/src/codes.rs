@@ -20,17 +20,40 @@ pub enum PixelFormat {
 }
 
 impl PixelFormat {
+    /// Every format, in the order of their numbers, which begin at 1.
+    pub const ALL: [Self; 6] = [
+        Self::Gray8,
+        Self::Rgb8,
+        Self::Bgr8,
+        Self::Yuyv,
+        Self::Nv12,
+        Self::Uyvy,
+    ];
+
     /// The format a header's number stands for, if it stands for one.
     pub const fn from_code(code: u32) -> Option<Self> {
-        Some(match code {
-            1 => Self::Gray8,
-            2 => Self::Rgb8,
-            3 => Self::Bgr8,
-            4 => Self::Yuyv,
-            5 => Self::Nv12,
-            6 => Self::Uyvy,
-            _ => return None,
-        })
+        match code as usize {
+            code @ 1..=6 => Some(Self::ALL[code - 1]),
+            _ => None,
+        }
+    }
+
+    /// What it is called in flags, settings and output.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gray8 => "gray8",
+            Self::Rgb8 => "rgb8",
+            Self::Bgr8 => "bgr8",
+            Self::Yuyv => "yuyv",
+            Self::Nv12 => "nv12",
+            Self::Uyvy => "uyvy",
+        }
+    }
+
+    /// The format of this [name](Self::name), in small letters or large ones.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let is_it = |format: &Self| format.name().eq_ignore_ascii_case(name);
+        Self::ALL.into_iter().find(is_it)
     }
 
     /// Bytes of one row without padding.
