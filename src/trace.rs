@@ -102,9 +102,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             eprintln!("lariat: {}: {}", image.display(), notice.text);
         }
         // Each picture's result is out before the next is begun.
-        let is_unread = is_closed(printed.and_then(|()| output.flush()))?;
-        // Overlays are drawn also where nobody reads this.
-        if is_unread && overlays.is_none() {
+        if is_closed(printed.and_then(|()| output.flush()))? {
             break;
         }
         if let Some(overlays) = &mut overlays

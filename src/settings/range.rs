@@ -61,6 +61,7 @@ enum Kind {
     Rendered,
     Simulated,
     Camera,
+    External,
     Files,
 }
 
@@ -72,6 +73,8 @@ impl Kind {
             Self::Rendered
         } else if capture.is_simulated() {
             Self::Simulated
+        } else if capture.is_external() {
+            Self::External
         } else {
             Self::Files
         }
@@ -82,6 +85,7 @@ impl Kind {
             Self::Rendered => "the rendered rope",
             Self::Simulated => "the simulated rope",
             Self::Camera => "a camera",
+            Self::External => "a program of your own",
             Self::Files => "pictures and videos",
         }
     }

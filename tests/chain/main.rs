@@ -4,6 +4,7 @@ mod arrangement;
 mod blank;
 mod curves;
 mod deaths;
+mod external;
 mod frames;
 mod fused;
 mod masks;
