@@ -56,6 +56,8 @@ pub(crate) struct Settings {
     pub(crate) fit: Fit,
     pub(crate) sink: Sink,
     pub(crate) record: Recording,
+    /// The settings file that was read.
+    pub(crate) file: Option<PathBuf>,
 }
 
 /// `[run]`: the chain as a whole.
@@ -347,9 +349,9 @@ impl Settings {
     /// The files that are read, which no output may overwrite.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
         let sources = self.capture.source.iter();
-        let camera = [&self.camera.calibration, &self.camera.plane];
-        let named = sources.chain(camera.into_iter().flatten());
-        named.map(PathBuf::as_path).chain([Path::new(FILE_NAME)])
+        let files = [&self.camera.calibration, &self.camera.plane, &self.file];
+        let named = sources.chain(files.into_iter().flatten());
+        named.map(PathBuf::as_path)
     }
 
     /// What the sink is to count by. `from_start`: it was there before the first frame.
@@ -402,6 +404,7 @@ impl Resolved {
             for entry in file::read(&path, &mut problems)? {
                 resolved.set(entry.key, entry.value, entry.origin, &mut problems);
             }
+            resolved.settings.file = Some(path);
         }
         for (flag, key, value) in flags.given() {
             resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);

@@ -80,7 +80,11 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     let mut overlays = match &args.overlay {
         Some(folder) => {
             let existing = Existing::forced(args.force);
-            Some(Overlays::new(folder, &images, existing)?)
+            let masks = images
+                .iter()
+                .filter_map(|image| Some(tracer.masks.as_ref()?.name(image)));
+            let inputs = images.iter().cloned().chain(masks).collect();
+            Some(Overlays::new(folder, &images, inputs, existing)?)
         }
         None => None,
     };

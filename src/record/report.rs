@@ -65,7 +65,10 @@ pub(super) fn recorded(
         "recorded {} in {:.1} s into {}; {}; {}",
         contents(written),
         lasted.as_secs_f64(),
-        file.display(),
+        match file == Path::new("-") {
+            true => "standard output".to_owned(),
+            false => file.display().to_string(),
+        },
         dropped(drops),
         lost(losses)
     )

@@ -20,13 +20,18 @@ impl Masks {
         Ok(Self(folder.to_owned()))
     }
 
+    /// Where the mask of the picture at `path` would be.
+    pub(super) fn name(&self, path: &Path) -> PathBuf {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        self.0.join(format!("{stem}.png"))
+    }
+
     /// The mask of the picture at `path`, and where it is.
     ///
     /// # Errors
     /// It is not there, or is no picture.
     pub(super) fn of(&self, path: &Path) -> Result<(PathBuf, Picture)> {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let name = self.0.join(format!("{stem}.png"));
+        let name = self.name(path);
         if !name.exists() {
             bail!(
                 "there is no mask of {}: it would be {}",

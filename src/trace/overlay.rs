@@ -35,7 +35,7 @@ pub(super) struct Overlays {
     folder: OutputFolder,
     existing: Existing,
     taken: HashSet<String>,
-    /// The pictures themselves, which no overlay may replace.
+    /// What is read, and no overlay may replace.
     inputs: Vec<PathBuf>,
 }
 
@@ -44,15 +44,20 @@ impl Overlays {
     ///
     /// # Errors
     /// It cannot be made or written to, or there is an overlay already, and it is to be kept.
-    pub(super) fn new(folder: &Path, inputs: &[PathBuf], existing: Existing) -> Result<Self> {
+    pub(super) fn new(
+        folder: &Path,
+        images: &[PathBuf],
+        inputs: Vec<PathBuf>,
+        existing: Existing,
+    ) -> Result<Self> {
         let mut taken = HashSet::new();
-        let names: Vec<String> = inputs.iter().map(|path| name(path, &mut taken)).collect();
+        let names: Vec<String> = images.iter().map(|path| name(path, &mut taken)).collect();
         let names = names.iter().map(String::as_str);
         Ok(Self {
             folder: OutputFolder::new(folder, existing, names)?,
             existing,
             taken: HashSet::new(),
-            inputs: inputs.to_vec(),
+            inputs,
         })
     }
 

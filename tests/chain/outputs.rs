@@ -156,7 +156,11 @@ fn what_a_command_reads_it_never_overwrites_whatever_the_name() {
     let bench = bench();
     fs::hard_link(bench.path("a.mcap"), bench.path("b.mcap")).expect("linked");
     symlink("rope.png", bench.path("link.png")).expect("a link");
-    let overwriting: [(&str, &[&str]); 8] = [
+    fs::create_dir(bench.path("masks")).expect("made");
+    let mask = ["pick", "rope.png", "--out", "masks/rope.png"];
+    assert!(bench.run(&mask).status.success());
+    fs::write(bench.path("own.toml"), "[run]\nframes = 3\n").expect("written");
+    let overwriting: [(&str, &[&str]); 10] = [
         (
             "a.mcap",
             &["export", "a.mcap", "--format", "csv", "--out", "./a.mcap"],
@@ -179,6 +183,21 @@ fn what_a_command_reads_it_never_overwrites_whatever_the_name() {
         ),
         ("rope.png", &["pick", "rope.png", "--out", "link.png"]),
         ("rope.png", &["trace", "rope.png", "--overlay", "."]),
+        (
+            "masks/rope.png",
+            &[
+                "trace",
+                "rope.png",
+                "--masks",
+                "masks",
+                "--overlay",
+                "masks",
+            ],
+        ),
+        (
+            "own.toml",
+            &["run", "--config", "own.toml", "--trace", "own.toml"],
+        ),
         (
             "lens.yaml",
             &[
