@@ -128,12 +128,8 @@ fn png(frame: &Frame, bytes: &[u8]) -> Result<Vec<u8>> {
     )?;
     let about = || "cannot encode the picture";
     let mut png = Cursor::new(Vec::new());
-    if format == PixelFormat::Gray8 {
-        let rows = bytes.chunks(stride as usize).take(height as usize);
-        let pixels = rows
-            .flat_map(|row| &row[..width as usize])
-            .copied()
-            .collect();
+    if matches!(format, PixelFormat::Gray8 | PixelFormat::Gray16) {
+        let pixels = seen.to_rgb().into_iter().step_by(3).collect();
         let picture = GrayImage::from_raw(width, height, pixels).with_context(about)?;
         picture
             .write_to(&mut png, ImageFormat::Png)

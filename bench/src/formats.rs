@@ -13,6 +13,7 @@ pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
         PixelFormat::Nv12 => [2, 2],
         _ => [1, 1],
     };
+    let bytes = format.row_bytes(width) * format.rows(height);
     if picture.format() != PixelFormat::Rgb8 || width % shared[0] != 0 || height % shared[1] != 0 {
         return None;
     }
@@ -58,6 +59,34 @@ pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
                 to.copy_from_slice(&chroma(x, y));
             }
         }),
+        PixelFormat::Bgra8 => Picture::new(size, format, bytes, |bytes| {
+            for (to, from) in bytes.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
+                to.copy_from_slice(&[from[2], from[1], from[0], 255]);
+            }
+        }),
+        PixelFormat::Gray16 => Picture::new(size, format, bytes, |bytes| {
+            for (to, luma) in bytes.chunks_exact_mut(2).zip(luma) {
+                to.fill(luma);
+            }
+        }),
+        PixelFormat::BayerRggb8
+        | PixelFormat::BayerBggr8
+        | PixelFormat::BayerGrbg8
+        | PixelFormat::BayerGbrg8 => {
+            // Which colour the first two pixels of the first two rows let through.
+            let mosaic = match format {
+                PixelFormat::BayerRggb8 => [[0, 1], [1, 2]],
+                PixelFormat::BayerBggr8 => [[2, 1], [1, 0]],
+                PixelFormat::BayerGrbg8 => [[1, 0], [2, 1]],
+                _ => [[1, 2], [0, 1]],
+            };
+            Picture::new(size, format, bytes, |bytes| {
+                for (i, (to, from)) in bytes.iter_mut().zip(rgb.chunks_exact(3)).enumerate() {
+                    let (x, y) = (i % width, i / width);
+                    *to = from[mosaic[y % 2][x % 2]];
+                }
+            })
+        }
     }
 }
 
@@ -94,6 +123,12 @@ mod tests {
         let nv12 = [[76, 76, 255, 255], [76, 76, 255, 255], [85, 255, 128, 128]];
         assert_eq!(bytes(PixelFormat::Nv12), nv12.concat());
         assert_eq!(bytes(PixelFormat::Bgr8)[..3], [0, 0, 255]);
+        assert_eq!(bytes(PixelFormat::Bgra8)[..4], [0, 0, 255, 255]);
+        assert_eq!(bytes(PixelFormat::Gray16)[..2], [76, 76]);
+        let mosaic = [[255, 0, 255, 255], [0, 0, 255, 255]];
+        assert_eq!(bytes(PixelFormat::BayerRggb8), mosaic.concat());
+        let mosaic = [[0, 0, 255, 255], [255, 0, 255, 255]];
+        assert_eq!(bytes(PixelFormat::BayerGbrg8), mosaic.concat());
         assert_eq!(bytes(PixelFormat::Rgb8), picture().bytes());
     }
 

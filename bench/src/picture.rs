@@ -74,12 +74,7 @@ impl Picture {
     }
 
     fn checked(&self) -> Option<Image<'_>> {
-        let stride = match self.format {
-            PixelFormat::Gray8 => self.width,
-            PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * self.width,
-            PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * self.width.next_multiple_of(2),
-            PixelFormat::Nv12 => self.width.next_multiple_of(2),
-        };
+        let stride = self.format.row_bytes(self.width);
         Image::new(self.bytes(), self.width, self.height, stride, self.format).ok()
     }
 }

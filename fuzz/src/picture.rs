@@ -26,6 +26,12 @@ enum Format {
     Yuyv,
     Uyvy,
     Nv12,
+    Bgra8,
+    Gray16,
+    BayerRggb8,
+    BayerBggr8,
+    BayerGrbg8,
+    BayerGbrg8,
 }
 
 #[derive(Arbitrary, Clone, Debug)]
@@ -76,18 +82,16 @@ impl Picture {
             Format::Yuyv => PixelFormat::Yuyv,
             Format::Uyvy => PixelFormat::Uyvy,
             Format::Nv12 => PixelFormat::Nv12,
+            Format::Bgra8 => PixelFormat::Bgra8,
+            Format::Gray16 => PixelFormat::Gray16,
+            Format::BayerRggb8 => PixelFormat::BayerRggb8,
+            Format::BayerBggr8 => PixelFormat::BayerBggr8,
+            Format::BayerGrbg8 => PixelFormat::BayerGrbg8,
+            Format::BayerGbrg8 => PixelFormat::BayerGbrg8,
         };
-        let row = match format {
-            PixelFormat::Gray8 => width,
-            PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,
-            PixelFormat::Yuyv | PixelFormat::Uyvy => 4 * width.div_ceil(2),
-            PixelFormat::Nv12 => 2 * width.div_ceil(2),
-        };
+        let row = format.row_bytes(width);
         let stride = row + usize::from(self.gap);
-        let rows = match format {
-            PixelFormat::Nv12 => height + height.div_ceil(2),
-            _ => height,
-        };
+        let rows = format.rows(height);
         let mut pixels = Pixels {
             bytes: vec![0; stride * rows],
             width,
@@ -206,6 +210,16 @@ impl Pixels {
                 self.bytes[row + x] = a;
                 let pair = (self.height + y / 2) * self.stride + 2 * (x / 2);
                 self.bytes[pair..pair + 2].copy_from_slice(&[b, c]);
+            }
+            PixelFormat::Bgra8 => {
+                self.bytes[row + 4 * x..][..3].copy_from_slice(&[a, b, c]);
+            }
+            PixelFormat::Gray16 => self.bytes[row + 2 * x..][..2].fill(a),
+            PixelFormat::BayerRggb8
+            | PixelFormat::BayerBggr8
+            | PixelFormat::BayerGrbg8
+            | PixelFormat::BayerGbrg8 => {
+                self.bytes[row + x] = [[a, b], [b, c]][y % 2][x % 2];
             }
         }
     }

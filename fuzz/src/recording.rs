@@ -392,14 +392,8 @@ impl Part {
 
 impl Image {
     fn put(&self, making: &mut Making) {
-        let format = [
-            PixelFormat::Gray8,
-            PixelFormat::Rgb8,
-            PixelFormat::Bgr8,
-            PixelFormat::Yuyv,
-            PixelFormat::Nv12,
-            PixelFormat::Uyvy,
-        ][usize::from(self.format) % 6];
+        let all = PixelFormat::ALL;
+        let format = all[usize::from(self.format) % all.len()];
         let (width, height) = (u32::from(self.width) % 17, u32::from(self.height) % 17);
         let stride = format.row_bytes(width) as u32 + u32::from(self.padding % 4);
         let header = FrameHeader {

@@ -191,9 +191,13 @@ impl Session {
 impl Claim {
     /// Bytes that do not make an image of that size are refused, and no others.
     fn check(&self) {
-        use lariat_extract::PixelFormat::{Bgr8, Gray8, Nv12, Rgb8, Uyvy, Yuyv};
+        use lariat_extract::PixelFormat::{
+            BayerBggr8, BayerGbrg8, BayerGrbg8, BayerRggb8, Bgr8, Bgra8, Gray8, Gray16, Nv12, Rgb8, Uyvy, Yuyv,
+        };
         let [width, height] = self.size.map(usize::from);
-        for format in [Gray8, Rgb8, Bgr8, Yuyv, Uyvy, Nv12] {
+        for format in [
+            Gray8, Rgb8, Bgr8, Yuyv, Uyvy, Nv12, Bgra8, Gray16, BayerRggb8, BayerBggr8, BayerGrbg8, BayerGbrg8,
+        ] {
             if let Ok(image) = Image::new(&self.bytes, width, height, self.stride.into(), format) {
                 mask_of(&image, &Mask::Auto);
             }

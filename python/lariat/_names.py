@@ -7,9 +7,22 @@ from typing import Literal, TypeAlias, TypedDict, Union
 import numpy as np
 from numpy.typing import NDArray
 
-Picture: TypeAlias = NDArray[np.uint8]
+Picture: TypeAlias = Union[NDArray[np.uint8], NDArray[np.uint16]]
 MaskImage: TypeAlias = Union[NDArray[np.uint8], NDArray[np.bool_]]
-PixelFormat: TypeAlias = Literal["gray", "rgb", "bgr", "yuyv", "uyvy", "nv12"]
+PixelFormat: TypeAlias = Literal[
+    "gray",
+    "rgb",
+    "bgr",
+    "yuyv",
+    "uyvy",
+    "nv12",
+    "bgra",
+    "gray16",
+    "bayer_rggb8",
+    "bayer_bggr8",
+    "bayer_grbg8",
+    "bayer_gbrg8",
+]
 MaskName: TypeAlias = Literal["auto", "external"]
 MethodName: TypeAlias = Literal["skeleton", "kmeans", "som", "gmm", "fcm"]
 StatusName: TypeAlias = Literal["ok", "partial", "lost", "doubtful"]

@@ -4,7 +4,8 @@
 use crate::errors::value_error;
 use lariat_extract::{Image, PixelFormat};
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+    BorrowError, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -12,13 +13,19 @@ use pyo3::types::PySlice;
 
 /// The pixel formats by name, with the last axis of their arrays: how many bytes a pixel has there. None is said where there
 /// is no such axis.
-const FORMATS: [(&str, PixelFormat, Option<usize>); 6] = [
+const FORMATS: [(&str, PixelFormat, Option<usize>); 12] = [
     ("gray", PixelFormat::Gray8, None),
     ("rgb", PixelFormat::Rgb8, Some(3)),
     ("bgr", PixelFormat::Bgr8, Some(3)),
     ("yuyv", PixelFormat::Yuyv, Some(2)),
     ("uyvy", PixelFormat::Uyvy, Some(2)),
     ("nv12", PixelFormat::Nv12, None),
+    ("bgra", PixelFormat::Bgra8, Some(4)),
+    ("gray16", PixelFormat::Gray16, None),
+    ("bayer_rggb8", PixelFormat::BayerRggb8, None),
+    ("bayer_bggr8", PixelFormat::BayerBggr8, None),
+    ("bayer_grbg8", PixelFormat::BayerGrbg8, None),
+    ("bayer_gbrg8", PixelFormat::BayerGbrg8, None),
 ];
 
 /// The pixels of an array, borrowed where its rows have no gaps, else of a copy of it.
@@ -29,13 +36,21 @@ pub(crate) struct Pixels<'py> {
 
 impl<'py> Pixels<'py> {
     /// The pixels of `image`: `uint8` of shape (height, width) is gray, (height, width, 3) is `rgb` if `format` does not say
-    /// otherwise.
+    /// otherwise; `uint16` of shape (height, width) is gray of 16 bits.
     ///
     /// # Errors
     /// `TypeError` for what is no array of `uint8`, `ValueError` for a shape that makes no picture.
     pub(crate) fn of(image: &Bound<'py, PyAny>, format: Option<&str>) -> PyResult<Self> {
+        if image.cast::<PyArrayDyn<u16>>().is_ok() {
+            return Self::of_wide(image, format);
+        }
         let mut array = bytes(image)?;
         let mut format = format_of(array.shape(), format)?;
+        if format == PixelFormat::Gray16 {
+            return Err(PyTypeError::new_err(
+                "an image in 'gray16' is an array of uint16",
+            ));
+        }
         // `image[..., ::-1]` is how red and blue change places: then the bytes are those of the other format.
         if let Some((back, other)) = turned(&array, format) {
             (array, format) = (back, other);
@@ -44,11 +59,24 @@ impl<'py> Pixels<'py> {
             let numpy = image.py().import("numpy")?;
             array = bytes(&numpy.call_method1("ascontiguousarray", (array,))?)?;
         }
-        let array = array.try_readonly().map_err(|cause| {
-            value_error(format!(
-                "the image is being written to ({cause}): wait for that"
-            ))
-        })?;
+        let array = array.try_readonly().map_err(being_written)?;
+        Ok(Self { array, format })
+    }
+
+    /// The pixels of an array of `uint16`.
+    fn of_wide(image: &Bound<'py, PyAny>, format: Option<&str>) -> PyResult<Self> {
+        let numpy = image.py().import("numpy")?;
+        let whole = numpy.call_method1("ascontiguousarray", (image,))?;
+        let shape: Vec<usize> = whole.getattr("shape")?.extract()?;
+        if format_of(&shape, Some(format.unwrap_or("gray16")))? != PixelFormat::Gray16 {
+            return Err(PyTypeError::new_err(
+                "an image of uint16 is in 'gray16': scale others to 0 to 255 and say .astype(numpy.uint8)",
+            ));
+        }
+        // Its numbers as their bytes.
+        let array = bytes(&whole.call_method1("view", (numpy.getattr("uint8")?,))?)?;
+        let array = array.try_readonly().map_err(being_written)?;
+        let format = PixelFormat::Gray16;
         Ok(Self { array, format })
     }
 
@@ -94,8 +122,19 @@ impl<'py> Pixels<'py> {
             PixelFormat::Nv12 => rows * 2 / 3,
             _ => rows,
         };
-        Image::new(bytes, shape[1], height, stride, self.format).map_err(value_error)
+        let width = match self.format {
+            // Two bytes each.
+            PixelFormat::Gray16 => shape[1] / 2,
+            _ => shape[1],
+        };
+        Image::new(bytes, width, height, stride, self.format).map_err(value_error)
     }
+}
+
+fn being_written(cause: BorrowError) -> PyErr {
+    value_error(format!(
+        "the image is being written to ({cause}): wait for that"
+    ))
 }
 
 /// The array as one of bytes.
@@ -105,7 +144,7 @@ fn bytes<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<u8>>>
     }
     Err(PyTypeError::new_err(match image.cast::<PyUntypedArray>() {
         Ok(array) => format!(
-            "an image is an array of uint8, and this one is of {}: scale it to 0 to 255 and say .astype(numpy.uint8)",
+            "an image is an array of uint8 (or uint16, if gray), and this one is of {}: scale it to 0 to 255 and say .astype(numpy.uint8)",
             array.dtype()
         ),
         Err(_) => format!(
@@ -140,7 +179,9 @@ fn format_of(shape: &[usize], name: Option<&str>) -> PyResult<PixelFormat> {
             (_, Some(bytes)) => format!("(height, width, {bytes})"),
         };
         let advice = match shape {
-            [_, _, 4] => "; leave out an alpha channel: image[..., :3]",
+            [_, _, 4] => {
+                "; leave out an alpha channel: image[..., :3] (or say pixel_format='bgra', if it is)"
+            }
             _ => "",
         };
         return Err(value_error(format!(

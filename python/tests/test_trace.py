@@ -54,7 +54,12 @@ def test_an_array_of_any_strides_says_the_same(image: Image) -> None:
 
 def test_every_pixel_format_finds_the_rope(image: Image) -> None:
     gray = image.mean(axis=2).astype(np.uint8)
-    pictures: list[tuple[Image, lariat.PixelFormat]] = [
+    mosaic = image[..., 1].copy()
+    mosaic[::2, ::2], mosaic[1::2, 1::2] = image[::2, ::2, 0], image[1::2, 1::2, 2]
+    pictures: list[tuple[lariat.Picture, lariat.PixelFormat]] = [
+        (np.dstack([image[..., ::-1], gray]), "bgra"),
+        (gray.astype(np.uint16) * np.uint16(257), "gray16"),
+        (mosaic, "bayer_rggb8"),
         (gray, "gray"),
         (gray[..., None], "gray"),
         (image, "rgb"),
@@ -67,6 +72,15 @@ def test_every_pixel_format_finds_the_rope(image: Image) -> None:
         scene = lariat.trace(picture, pixel_format=pixel_format)
         assert scene.size == (320, 240), pixel_format
         assert distance_from_wave(scene.curves[0].points).max() < 0.7, pixel_format
+
+
+def test_gray_of_16_bits_needs_no_name(image: Image) -> None:
+    wide = image.mean(axis=2).astype(np.uint16) * np.uint16(257)
+    (curve,) = lariat.trace(wide[:, ::-1]).curves
+    points = np.asarray(curve.points) * [-1.0, 1.0] + [319.0, 0.0]
+    assert distance_from_wave(points).max() < 0.7
+    with pytest.raises(TypeError, match="gray16"):
+        lariat.trace(wide, pixel_format="nv12")
 
 
 def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:

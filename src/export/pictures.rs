@@ -3,6 +3,7 @@
 use super::{Part, Written};
 use crate::output::of_the_system;
 use crate::recording::{Decoder, Pixels};
+use crate::stages::extract::image;
 use anyhow::{Context, Result, bail};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -38,7 +39,7 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
     let mut frames = part.frames()?;
     let mut decoder = Decoder::default();
     let mut rgb = Vec::new();
-    let (mut place, mut count, mut jpegs) = (0, 0_u64, false);
+    let (mut place, mut count, mut jpegs, mut mosaics) = (0, 0_u64, false, false);
     while let Some(frame) = frames.next_frame()? {
         let wanted = part.is_wanted(place);
         place += 1;
@@ -52,6 +53,7 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
         } else {
             jpegs |= kind == Pixels::Jpeg;
             let (header, bytes) = decoder.decode(&frame.header, kind, bytes)?;
+            mosaics |= header.format().is_some_and(is_mosaic);
             encode(&header, bytes, &path, &mut rgb)?;
         }
         count += 1;
@@ -60,11 +62,31 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
         bail!("there are no images in this part of the recording");
     }
     place_folder(growing, folder).with_context(about)?;
-    let note = "the frames were recorded as JPEG: the pictures are exactly those, and no longer the camera's";
+    let notes = [
+        (
+            jpegs,
+            "the frames were recorded as JPEG: the pictures are exactly those, and no longer the camera's",
+        ),
+        (
+            mosaics,
+            "the frames are a mosaic of colors: in the pictures each pixel has all three, as extraction fills them in",
+        ),
+    ];
+    let notes = notes.into_iter().filter(|(holds, _)| *holds);
     Ok(Written {
         what: format!("{count} pictures"),
-        notes: jpegs.then(|| note.to_owned()).into_iter().collect(),
+        notes: notes.map(|(_, note)| note.to_owned()).collect(),
     })
+}
+
+fn is_mosaic(format: PixelFormat) -> bool {
+    matches!(
+        format,
+        PixelFormat::BayerRggb8
+            | PixelFormat::BayerBggr8
+            | PixelFormat::BayerGrbg8
+            | PixelFormat::BayerGbrg8
+    )
 }
 
 fn is_empty_folder(folder: &Path) -> bool {
@@ -100,6 +122,8 @@ fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) ->
     let about = || format!("cannot write {name}");
     let (pixels, color) = match header.format() {
         Some(PixelFormat::Gray8) => (bytes, ExtendedColorType::L8),
+        // Given in the machine's own order, as they are.
+        Some(PixelFormat::Gray16) => (bytes, ExtendedColorType::L16),
         Some(PixelFormat::Rgb8) => (bytes, ExtendedColorType::Rgb8),
         Some(PixelFormat::Bgr8) => {
             rgb.clear();
@@ -108,6 +132,10 @@ fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) ->
                 .0
                 .iter_mut()
                 .for_each(|p| p.swap(0, 2));
+            (&rgb[..], ExtendedColorType::Rgb8)
+        }
+        Some(format) if format == PixelFormat::Bgra8 || is_mosaic(format) => {
+            *rgb = image(header, bytes)?.to_rgb();
             (&rgb[..], ExtendedColorType::Rgb8)
         }
         _ => bail!(

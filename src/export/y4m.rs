@@ -1,9 +1,10 @@
-//! Frames as a Y4M video, as `lariat run --source` shows it again. Gray, YUYV, UYVY and NV12 are in it to the bit; RGB is
-//! rounded to YUV.
+//! Frames as a Y4M video, as `lariat run --source` shows it again. Gray of 8 bits, YUYV, UYVY and NV12 are in it to the bit;
+//! RGB is rounded to YUV, and Bayer patterns are filled in before.
 
 use super::{Part, Written};
 use crate::recording::{Decoder, Pixels};
 use crate::settings::USUAL_FPS;
+use crate::stages::extract::image;
 use anyhow::{Context, Result, bail};
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Write;
@@ -40,7 +41,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
             ),
         }
         planes.clear();
-        separate(&header, bytes, &mut planes);
+        separate(&header, bytes, &mut planes)?;
         file.write_all(b"FRAME\n").with_context(about)?;
         file.write_all(&planes).with_context(about)?;
         count += 1;
@@ -49,11 +50,15 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
         bail!("there are no images in this part of the recording");
     };
     let mut notes = Vec::new();
-    if matches!(first.format(), Some(PixelFormat::Rgb8 | PixelFormat::Bgr8)) {
-        notes.push(
+    match first.format() {
+        Some(PixelFormat::Gray8 | PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12) => {}
+        Some(PixelFormat::Gray16) => notes.push(
+            "the frames have 16 bits and the video has 8: their levels are rounded (--format png is exact)".to_owned(),
+        ),
+        _ => notes.push(
             "the frames are RGB and a Y4M video is YUV: colors are rounded, by up to two levels (--format png is exact)"
                 .to_owned(),
-        );
+        ),
     }
     if blank > 0 {
         notes.push(format!(
@@ -80,10 +85,10 @@ fn frames_per_second(part: &Part) -> Result<f64> {
 /// The first line of the file.
 fn head(header: &FrameHeader, fps: f64) -> Result<String> {
     let chroma = match header.format() {
-        Some(PixelFormat::Gray8) => "mono",
+        Some(PixelFormat::Gray8 | PixelFormat::Gray16) => "mono",
         Some(PixelFormat::Yuyv | PixelFormat::Uyvy) => "422",
         Some(PixelFormat::Nv12) => "420jpeg",
-        Some(PixelFormat::Rgb8 | PixelFormat::Bgr8) => "444",
+        Some(_) => "444",
         None => bail!(
             "the frames are in pixel format {}, which this release does not know",
             header.pixel_format
@@ -97,7 +102,7 @@ fn head(header: &FrameHeader, fps: f64) -> Result<String> {
 }
 
 /// Adds the planes Y, U and V of a frame, whose rows are without padding, one after the other.
-fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) {
+fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) -> Result<()> {
     let (width, height) = (header.width as usize, header.height as usize);
     let stride = header.stride as usize;
     let rows = || bytes.chunks_exact(stride).take(height);
@@ -119,8 +124,17 @@ fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) {
         }
         Some(PixelFormat::Rgb8) => rgb(rows(), width, [0, 1, 2], to),
         Some(PixelFormat::Bgr8) => rgb(rows(), width, [2, 1, 0], to),
+        Some(format) => {
+            let pixels = image(header, bytes)?.to_rgb();
+            if format == PixelFormat::Gray16 {
+                to.extend(pixels.iter().step_by(3));
+            } else {
+                rgb(pixels.chunks_exact(3 * width), width, [0, 1, 2], to);
+            }
+        }
         None => {}
     }
+    Ok(())
 }
 
 /// Rows of four bytes for two pixels; `places`: where the first brightness is, and the two of the color.
@@ -179,7 +193,7 @@ mod tests {
 
     fn planes(format: PixelFormat, width: u32, height: u32, bytes: &[u8]) -> Vec<u8> {
         let mut to = Vec::new();
-        separate(&header(format, width, height), bytes, &mut to);
+        separate(&header(format, width, height), bytes, &mut to).unwrap();
         to
     }
 
@@ -194,6 +208,7 @@ mod tests {
         let apart = [1, 2, 3, 4, 10, 20];
         assert_eq!(planes(PixelFormat::Nv12, 2, 2, &nv12), apart);
         assert_eq!(planes(PixelFormat::Gray8, 2, 1, &[7, 8]), [7, 8]);
+        assert_eq!(planes(PixelFormat::Gray16, 2, 1, &[7, 7, 8, 8]), [7, 8]);
     }
 
     #[test]
@@ -205,6 +220,10 @@ mod tests {
         let red = planes(PixelFormat::Rgb8, 1, 1, &[255, 0, 0]);
         assert_eq!(red, planes(PixelFormat::Bgr8, 1, 1, &[0, 0, 255]));
         assert_eq!(red, [76, 85, 255]);
+        assert_eq!(red, planes(PixelFormat::Bgra8, 1, 1, &[0, 0, 255, 9]));
+        let mosaic = [[255, 0, 255], [0, 0, 0], [255, 0, 255]].concat();
+        let filled = planes(PixelFormat::BayerRggb8, 3, 3, &mosaic);
+        assert_eq!(filled, [[76; 9], [85; 9], [255; 9]].concat());
     }
 
     #[test]

@@ -36,8 +36,8 @@ pub(crate) struct Decoder {
 }
 
 impl Decoder {
-    /// The frame's header and bytes as extraction takes them. A PNG of lariat's own gives back the frame to the bit, a JPEG
-    /// becomes RGB or gray.
+    /// The frame's header and bytes as extraction takes them. A PNG of lariat's own gives back the frame to the bit (BGRA as
+    /// RGB), a JPEG becomes RGB or gray.
     ///
     /// # Errors
     /// There are no pixels, or the picture is none.
@@ -86,6 +86,7 @@ impl Decoder {
         }
         let channels = match decoder.color_type() {
             ColorType::L8 => 1,
+            ColorType::L16 if header.format() == Some(PixelFormat::Gray16) => 2,
             ColorType::Rgb8 => 3,
             // Others' pictures.
             _ => {
@@ -113,6 +114,7 @@ impl Decoder {
     fn header(&self, header: &FrameHeader, width: u32, height: u32, channels: u32) -> FrameHeader {
         let format = match channels {
             1 => PixelFormat::Gray8,
+            2 => PixelFormat::Gray16,
             _ => PixelFormat::Rgb8,
         };
         FrameHeader {

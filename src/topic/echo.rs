@@ -98,18 +98,7 @@ fn unit(code: u32) -> String {
 
 fn pixel_format(code: u32) -> String {
     use lariat_wire::PixelFormat;
-    word(
-        PixelFormat::from_code(code),
-        |format| match format {
-            PixelFormat::Gray8 => "gray8",
-            PixelFormat::Rgb8 => "rgb8",
-            PixelFormat::Bgr8 => "bgr8",
-            PixelFormat::Yuyv => "yuyv",
-            PixelFormat::Nv12 => "nv12",
-            PixelFormat::Uyvy => "uyvy",
-        },
-        code,
-    )
+    word(PixelFormat::from_code(code), PixelFormat::name, code)
 }
 
 fn source(code: u32) -> String {

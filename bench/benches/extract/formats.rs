@@ -10,13 +10,16 @@ use crate::case::{Case, Times, WHOLE, measure};
 
 /// Frames of the film: 1.3 s.
 const FRAMES: u64 = 40;
-const FORMATS: [PixelFormat; 6] = [
+const FORMATS: [PixelFormat; 9] = [
     PixelFormat::Rgb8,
     PixelFormat::Bgr8,
     PixelFormat::Yuyv,
     PixelFormat::Uyvy,
     PixelFormat::Nv12,
     PixelFormat::Gray8,
+    PixelFormat::Bgra8,
+    PixelFormat::Gray16,
+    PixelFormat::BayerRggb8,
 ];
 
 pub(crate) fn run(effort: &Effort) -> Result<()> {

@@ -1,10 +1,10 @@
 //! Pixels as three numbers, whatever the format: what colors are compared in.
 
 use crate::ray::{LANES, Lanes};
-use crate::{Image, PixelFormat};
+use crate::{Image, PixelFormat, unpack};
 
 /// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
-/// YUV formats; the brightness alone, three times the same, of `Gray8`.
+/// YUV formats; the brightness alone, three times the same, of gray ones.
 #[inline]
 pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     let row = image.row(y);
@@ -25,6 +25,12 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
             let pair = 2 * (x / 2);
             [row[x], chroma[pair], chroma[pair + 1]]
         }
+        PixelFormat::Bgra8 => [row[4 * x + 2], row[4 * x + 1], row[4 * x]],
+        PixelFormat::Gray16 => [unpack::level([row[2 * x], row[2 * x + 1]]); 3],
+        PixelFormat::BayerRggb8
+        | PixelFormat::BayerBggr8
+        | PixelFormat::BayerGrbg8
+        | PixelFormat::BayerGbrg8 => unpack::demosaiced(image, x, y),
     }
 }
 
@@ -65,7 +71,7 @@ pub(crate) fn at_places(image: &Image, y: usize, xs: &[usize], out: &mut [u32]) 
                 *out = u32::from_le_bytes([row[x], pair[0], pair[1], 0]);
             });
         }
-        PixelFormat::Bgr8 => places.for_each(|(out, &x)| *out = u32::from_le_bytes(plain(x))),
+        _ => places.for_each(|(out, &x)| *out = u32::from_le_bytes(plain(x))),
     }
 }
 
@@ -108,6 +114,7 @@ pub(crate) fn down(
                 put(k, [light[0], chroma[0], chroma[1]]);
             }
         }
+        _ => (0..count).for_each(|k| put(k, native(image, x, y + k))),
     }
 }
 

@@ -95,7 +95,7 @@ impl Differencer {
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
             PixelFormat::Yuyv => self.kernels.yuyv_band,
             PixelFormat::Uyvy => self.kernels.uyvy_band,
-            PixelFormat::Gray8 | PixelFormat::Nv12 => None,
+            _ => None,
         };
         match (kernel, self.kernels.look) {
             (Some(kernel), Some(look)) if least <= MOST_NOISE => {
@@ -343,6 +343,8 @@ impl Differencer {
                 let uv = &image.chroma_row(y)[x..];
                 planes::nv12([&row[x..], uv], [luma, chroma], out);
             }
+            // The others are unpacked before.
+            _ => {}
         }
     }
 

@@ -24,6 +24,7 @@ use crate::strands::Strands;
 use crate::strips::Strips;
 use crate::thin::Thinner;
 use crate::track::{Look, Tracker};
+use crate::unpack::Unpacker;
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Method, Notice, Options, OptionsError, Scene};
 
@@ -66,6 +67,7 @@ struct Body {
 pub struct Extractor {
     options: Options,
     size: (usize, usize),
+    unpacker: Unpacker,
     masker: Masker,
     cover: Cover,
     thinner: Thinner,
@@ -113,6 +115,7 @@ impl Extractor {
         Ok(Self {
             options,
             size: (0, 0),
+            unpacker: Unpacker::default(),
             masker: Masker::default(),
             cover: Cover::default(),
             thinner: Thinner::default(),
@@ -161,16 +164,26 @@ impl Extractor {
     /// As [`extract`](Self::extract), calling `after` when each step that is taken is finished, so that a
     /// caller who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        let mut unpacker = std::mem::take(&mut self.unpacker);
+        let followed = self.take_in(&unpacker.unpack(image), after);
+        self.unpacker = unpacker;
+        self.scene(followed)
+    }
+
+    /// Whether the ropes of the last image could be followed into this one, in a format that all steps read; if not, it is
+    /// extracted whole.
+    fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
         if self.pursuer.is_ready() {
             let found = self.pursue(image);
             after(Step::Follow);
             if found {
-                return self.scene(true);
+                return true;
             }
         }
         self.masker.run(image, &self.options.mask);
-        self.after_mask(image, after)
+        self.after_mask(image, after);
+        false
     }
 
     /// Follows the ropes of the last image into this one, if that is all it takes.
@@ -226,7 +239,10 @@ impl Extractor {
         self.masker.take(image, mask)?;
         self.turn_to(image);
         self.pursuer.drop();
-        Ok(self.after_mask(image, after))
+        let mut unpacker = std::mem::take(&mut self.unpacker);
+        self.after_mask(&unpacker.unpack(image), after);
+        self.unpacker = unpacker;
+        Ok(self.scene(false))
     }
 
     /// What is known at a moment without an image, as of a camera that gives none for a while: every rope is lost, and where
@@ -261,7 +277,7 @@ impl Extractor {
     }
 
     /// The steps from the mask on.
-    fn after_mask(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+    fn after_mask(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         after(Step::Mask);
         let yuv = color::is_yuv(image.format());
         self.tracker.begin(self.now_ns, yuv);
@@ -311,7 +327,6 @@ impl Extractor {
             self.anchor(image, seen);
         }
         after(Step::Points);
-        self.scene(false)
     }
 
     /// What is known of the last image.

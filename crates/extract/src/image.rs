@@ -24,21 +24,51 @@ pub enum PixelFormat {
     /// A plane of Y, then a plane of half the height of U V pairs, each for 2×2 pixels, both of the
     /// same stride (BT.601, full range).
     Nv12,
+    /// Four bytes a pixel: blue, green, red, and one that is not looked at.
+    Bgra8,
+    /// Two bytes of brightness a pixel, in the machine's own order; of all 65,536 levels the nearest of 256 is read.
+    Gray16,
+    /// One byte a pixel, behind a mosaic of colour filters: R G in the first row, G B in the second, and so on. The
+    /// colours that a pixel lacks are made of its neighbours about it, evenly, so that nothing is displaced.
+    BayerRggb8,
+    /// The same of B G and G R.
+    BayerBggr8,
+    /// The same of G R and B G.
+    BayerGrbg8,
+    /// The same of G B and R G.
+    BayerGbrg8,
 }
 
 impl PixelFormat {
     /// Bytes that hold one row of `width` pixels (of the first plane).
-    pub(crate) fn row_bytes(self, width: usize) -> usize {
+    pub fn row_bytes(self, width: usize) -> usize {
         match self {
             PixelFormat::Gray8 => width,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * width,
             PixelFormat::Yuyv | PixelFormat::Uyvy => 4 * width.div_ceil(2),
             PixelFormat::Nv12 => 2 * width.div_ceil(2),
+            PixelFormat::Bgra8 => 4 * width,
+            PixelFormat::Gray16 => 2 * width,
+            PixelFormat::BayerRggb8
+            | PixelFormat::BayerBggr8
+            | PixelFormat::BayerGrbg8
+            | PixelFormat::BayerGbrg8 => width,
         }
     }
 
+    /// The column and the row of the first red pixel of a Bayer pattern.
+    pub(crate) fn red(self) -> Option<[usize; 2]> {
+        Some(match self {
+            PixelFormat::BayerRggb8 => [0, 0],
+            PixelFormat::BayerBggr8 => [1, 1],
+            PixelFormat::BayerGrbg8 => [1, 0],
+            PixelFormat::BayerGbrg8 => [0, 1],
+            _ => return None,
+        })
+    }
+
     /// Rows of bytes, all planes together.
-    fn rows(self, height: usize) -> usize {
+    pub fn rows(self, height: usize) -> usize {
         match self {
             PixelFormat::Nv12 => height + height.div_ceil(2),
             _ => height,
@@ -179,7 +209,12 @@ impl<'a> Image<'a> {
         let column = match self.format {
             PixelFormat::Gray8 | PixelFormat::Nv12 => x,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * x,
-            PixelFormat::Yuyv | PixelFormat::Uyvy => 2 * x,
+            PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Gray16 => 2 * x,
+            PixelFormat::Bgra8 => 4 * x,
+            PixelFormat::BayerRggb8
+            | PixelFormat::BayerBggr8
+            | PixelFormat::BayerGrbg8
+            | PixelFormat::BayerGbrg8 => x,
         };
         Some(Self {
             bytes: self.bytes.get(y * self.stride + column..)?,

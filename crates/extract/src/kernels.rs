@@ -112,6 +112,8 @@ pub(crate) struct Kernels {
     pub(crate) uyvy_band: Option<fn(Band)>,
     /// Where some rows are not just the table, if the machine has registers that make it worth while to ask before.
     pub(crate) look: Option<fn(Look)>,
+    /// Pixels of blue, green, red and nothing as ones of red, green and blue.
+    pub(crate) pack: fn(&[[u8; 4]], &mut [u8]),
     /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
     pub(crate) collect: fn(&[u8], &[u64], &mut [u8]) -> usize,
     /// One bit a byte, whether it is `≥ cut`: a word for each row of a patch.
@@ -138,6 +140,7 @@ impl Kernels {
             yuyv_band: None,
             uyvy_band: None,
             look: None,
+            pack: |pixels, out| lariat_portable::Arch::new().dispatch(|| pack(pixels, out)),
             collect,
             patch_at_least: |patch, cut, words| {
                 lariat_portable::Arch::new().dispatch(|| patch_at_least(patch, cut, words));
@@ -176,6 +179,13 @@ fn three_channel_band(band: Band) {
         three_channels(row, table, out);
         at_least(out, least, faint);
     });
+}
+
+#[inline(always)]
+fn pack(pixels: &[[u8; 4]], out: &mut [u8]) {
+    for (out, &[b, g, r, _]) in out.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
+        *out = [r, g, b];
+    }
 }
 
 fn collect(row: &[u8], bits: &[u64], out: &mut [u8]) -> usize {
@@ -374,6 +384,20 @@ mod tests {
                     let bit = faint[y * words + x / 64] >> (x % 64) & 1 == 1;
                     prop_assert_eq!(bit, difference(x, y) >= least);
                 }
+            }
+        }
+
+        #[test]
+        fn pixels_are_packed_as_the_plain_loop_says(
+            pixels in prop::collection::vec(any::<[u8; 4]>(), 0..200), behind in 0..7usize,
+        ) {
+            let room = vec![7; 3 * pixels.len() + behind];
+            let mut expected = room.clone();
+            pack(&pixels, &mut expected);
+            for kernels in all() {
+                let mut found = room.clone();
+                (kernels.pack)(&pixels, &mut found);
+                prop_assert_eq!(&found, &expected);
             }
         }
 

@@ -126,6 +126,7 @@ mod tiles;
 mod tips;
 mod track;
 mod turn;
+mod unpack;
 mod unroll;
 mod vec2;
 mod whole;

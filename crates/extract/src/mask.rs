@@ -11,6 +11,7 @@ use crate::neighbors::{self, Around, Rule};
 use crate::plane::Plane;
 use crate::strips::{Shape, Strips};
 use crate::threshold::{Cut, Levels};
+use crate::unpack::Unpacker;
 use crate::whole::Mender;
 use crate::{Image, Mask, Notice, PixelFormat, threshold};
 use thiserror::Error;
@@ -247,8 +248,8 @@ impl Masker {
 ///
 /// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
 pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
-    let mut masker = Masker::default();
-    masker.run(image, how);
+    let (mut unpacker, mut masker) = <(Unpacker, Masker)>::default();
+    masker.run(&unpacker.unpack(image), how);
     let mask = &masker.mask;
     let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
     pixels

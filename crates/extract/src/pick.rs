@@ -8,6 +8,7 @@ mod evidence;
 mod grow;
 mod range;
 
+use crate::unpack::Unpacker;
 use crate::{HsvRange, Image, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
@@ -70,6 +71,8 @@ pub enum PickError {
 /// # Errors
 /// When the point is outside of the image or on the table, and when no rope is found.
 pub fn pick(image: &Image, at: Option<[f32; 2]>) -> Result<Picked, PickError> {
+    let mut unpacker = Unpacker::default();
+    let image = &unpacker.unpack(image);
     let last = [image.width() - 1, image.height() - 1];
     if let Some(at) = at {
         // Half a pixel beyond the outermost centres is still the outermost pixels. False for what is no number.

@@ -18,13 +18,18 @@ pub struct Region {
 impl Region {
     /// What of the region lies in an image; `None` if nothing does.
     ///
-    /// Where pixels share their colour it begins with the first of those that do: in `Yuyv` and `Uyvy` one column, in `Nv12` also one
-    /// row earlier than asked for, if that is an odd one.
+    /// Where pixels share their colour it begins with the first of those that do: in `Yuyv` and `Uyvy` one column, in `Nv12` and the
+    /// Bayer patterns also one row earlier than asked for, if that is an odd one.
     pub fn within(&self, image: &Image) -> Option<Self> {
         let [even_x, even_y] = match image.format() {
             PixelFormat::Gray8 | PixelFormat::Rgb8 | PixelFormat::Bgr8 => [false, false],
+            PixelFormat::Bgra8 | PixelFormat::Gray16 => [false, false],
             PixelFormat::Yuyv | PixelFormat::Uyvy => [true, false],
-            PixelFormat::Nv12 => [true, true],
+            PixelFormat::Nv12
+            | PixelFormat::BayerRggb8
+            | PixelFormat::BayerBggr8
+            | PixelFormat::BayerGrbg8
+            | PixelFormat::BayerGbrg8 => [true, true],
         };
         let begin = |at: usize, even: bool| if even { at & !1 } else { at };
         let (x, y) = (begin(self.x, even_x), begin(self.y, even_y));

@@ -166,7 +166,7 @@ fn ropes_are_followed_in_every_pixel_format() {
     // An odd size: a pixel pair at the end is half outside.
     let mut table = Table::new(319, 239, WHITE);
     table.noise = 1.5;
-    for k in 0..6 {
+    for k in 0..12 {
         let mut extractor = extractor();
         let mut followed = 0;
         for frame in 0..24 {
@@ -179,8 +179,15 @@ fn ropes_are_followed_in_every_pixel_format() {
             followed += usize::from(scene.followed);
             let error = error(&scene.curves[0], &rope);
             let limits_px = match format {
+                PixelFormat::Rgb8
+                | PixelFormat::Bgr8
+                | PixelFormat::Bgra8
+                | PixelFormat::Gray8
+                | PixelFormat::Gray16 => (0.25, 1.0),
+                // Pixels that share their color blur it.
                 PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12 => (0.5, 1.5),
-                _ => (0.25, 1.0),
+                // Those that have but one of three blur it more, and each edge in a way of its own.
+                _ => (0.25, 2.0),
             };
             assert!(
                 error.mean_px < limits_px.0 && error.ends_px < limits_px.1,

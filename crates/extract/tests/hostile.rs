@@ -5,13 +5,19 @@ use lariat_extract::{
 };
 use proptest::prelude::*;
 
-const FORMATS: [PixelFormat; 6] = [
+const FORMATS: [PixelFormat; 12] = [
     PixelFormat::Gray8,
     PixelFormat::Rgb8,
     PixelFormat::Bgr8,
     PixelFormat::Yuyv,
     PixelFormat::Uyvy,
     PixelFormat::Nv12,
+    PixelFormat::Bgra8,
+    PixelFormat::Gray16,
+    PixelFormat::BayerRggb8,
+    PixelFormat::BayerBggr8,
+    PixelFormat::BayerGrbg8,
+    PixelFormat::BayerGbrg8,
 ];
 
 fn everything() -> Mask {

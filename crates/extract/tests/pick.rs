@@ -225,14 +225,15 @@ proptest! {
 
     #[test]
     fn whatever_is_picked_is_a_valid_mask(
-        width in 1usize..70, height in 1usize..50, format in 0usize..6, block in 1usize..12,
+        width in 1usize..70, height in 1usize..50, format in 0usize..9, block in 1usize..12,
         at in prop::option::of((-2.0f32..72.0, -2.0f32..52.0)), seed in any::<u64>(),
     ) {
         let format = [
             PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Bgr8,
             PixelFormat::Yuyv, PixelFormat::Uyvy, PixelFormat::Nv12,
+            PixelFormat::Bgra8, PixelFormat::Gray16, PixelFormat::BayerGrbg8,
         ][format];
-        let stride = 4 * width.div_ceil(2).max(1) + width;
+        let stride = 4 * width.div_ceil(2).max(1) + 2 * width;
         let bytes: Vec<u8> = (0..stride * (height + height.div_ceil(2)))
             .map(|i| {
                 let cell = ((i / stride / block) * 977 + (i % stride) / block) as u64;

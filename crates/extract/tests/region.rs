@@ -32,8 +32,6 @@ fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> V
     };
     for row in y..y + height {
         match format {
-            PixelFormat::Gray8 => mark(row, x, width),
-            PixelFormat::Rgb8 | PixelFormat::Bgr8 => mark(row, 3 * x, 3 * width),
             // The last pair's second luma may be a pixel outside.
             PixelFormat::Yuyv => {
                 mark(row, 2 * x, 2 * width);
@@ -52,6 +50,10 @@ fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> V
                 mark(row, x, width);
                 mark(HEIGHT + row / 2, x, 2 * width.div_ceil(2));
             }
+            _ => {
+                let bytes = format.row_bytes(1);
+                mark(row, bytes * x, bytes * width);
+            }
         }
     }
     inside
@@ -67,10 +69,9 @@ fn cut_out(format: PixelFormat, bytes: &[u8], stride: usize, region: Region) -> 
     } = region;
     let even = 2 * width.div_ceil(2);
     let (from, row_bytes) = match format {
-        PixelFormat::Gray8 => (x, width),
-        PixelFormat::Rgb8 | PixelFormat::Bgr8 => (3 * x, 3 * width),
         PixelFormat::Yuyv | PixelFormat::Uyvy => (2 * x, 2 * even),
         PixelFormat::Nv12 => (x, even),
+        _ => (format.row_bytes(x), format.row_bytes(width)),
     };
     let mut rows: Vec<usize> = (y..y + height).collect();
     if format == PixelFormat::Nv12 {
@@ -104,7 +105,7 @@ fn what_is_found_in_a_region_is_what_is_found_in_it_cut_out() {
         width: 242,
         height: 189,
     };
-    for k in 0..6 {
+    for k in 0..12 {
         for options in options() {
             let [mut of_region, mut of_cut] =
                 [(); 2].map(|()| Extractor::new(options.clone()).unwrap());
@@ -144,7 +145,7 @@ fn what_is_found_in_a_region_is_what_is_found_in_it_cut_out() {
                 followed += usize::from(found.followed);
                 curves += found.curves.len();
             }
-            let gray_by_color = k == 2 && options.mask != Mask::Auto;
+            let gray_by_color = matches!(k, 2 | 7) && options.mask != Mask::Auto;
             assert!(
                 curves >= 16 || gray_by_color,
                 "{curves} curves in 16 frames of format {k}"
@@ -193,6 +194,8 @@ fn regions_are_clipped_and_begin_where_colour_does() {
     assert_eq!(within(odd, PixelFormat::Yuyv), Some(at(4, 7, 11, 12)));
     assert_eq!(within(odd, PixelFormat::Uyvy), Some(at(4, 7, 11, 12)));
     assert_eq!(within(odd, PixelFormat::Nv12), Some(at(4, 6, 11, 13)));
+    assert_eq!(within(odd, PixelFormat::BayerGrbg8), Some(at(4, 6, 11, 13)));
+    assert_eq!(within(odd, PixelFormat::Gray16), Some(odd));
     let large = at(20, 10, usize::MAX, usize::MAX);
     assert_eq!(within(large, PixelFormat::Gray8), Some(at(20, 10, 43, 37)));
     for outside in [

@@ -285,6 +285,44 @@ fn every_pixel_format_gives_the_same_rope() {
     }
 }
 
+/// A mosaic of colour filters blurs each colour by a pixel or so, and displaces none.
+#[test]
+fn behind_a_mosaic_a_rope_lies_where_it_lies_in_full_colour() {
+    let (width, height) = (320, 240);
+    for (k, color) in [BLUE, RED, BLACK].into_iter().enumerate() {
+        let mut table = Table::new(width, height, WHITE);
+        (table.noise, table.seed) = (1.5, k as u64);
+        let rope = Rope::along(9.0, color, wave(0.9));
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        let mut seen = Vec::new();
+        for (format, bytes, stride) in formats(&rgb, width, height) {
+            let is_mosaic = format!("{format:?}").starts_with("Bayer");
+            if !is_mosaic && format != PixelFormat::Rgb8 {
+                continue;
+            }
+            let image = Image::new(&bytes, width, height, stride, format).expect("a whole image");
+            let mut extractor = extractor();
+            let scene = extractor.extract(&image);
+            assert_eq!(scene.curves.len(), 1, "{format:?}");
+            let curve = &scene.curves[0];
+            // Without the ends, which the blur moves a little along the rope.
+            let points = &curve.points[10..110];
+            let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f32>() / 100.0;
+            seen.push((format, error(curve, &rope), [mean(0), mean(1)]));
+        }
+        let (_, in_full, middle) = &seen[0];
+        for (format, error, own) in &seen[1..] {
+            let about = format!("{color:?} {format:?}: {error:?}, {own:?} for {middle:?}");
+            assert!(error.mean_px < in_full.mean_px + 0.05, "{about}");
+            assert!(error.ends_px < in_full.ends_px + 0.5, "{about}");
+            assert!(
+                (0..2).all(|axis| (own[axis] - middle[axis]).abs() < 0.05),
+                "{about}"
+            );
+        }
+    }
+}
+
 #[test]
 fn padding_between_rows_is_not_read() {
     let table = Table::new(300, 240, WHITE);

@@ -31,6 +31,12 @@ const fn encoding(format: PixelFormat) -> &'static str {
         PixelFormat::Yuyv => "yuv422_yuy2",
         PixelFormat::Uyvy => "uyvy",
         PixelFormat::Nv12 => "nv12",
+        PixelFormat::Bgra8 => "bgra8",
+        PixelFormat::Gray16 => "mono16",
+        PixelFormat::BayerRggb8 => "bayer_rggb8",
+        PixelFormat::BayerBggr8 => "bayer_bggr8",
+        PixelFormat::BayerGrbg8 => "bayer_grbg8",
+        PixelFormat::BayerGbrg8 => "bayer_gbrg8",
     }
 }
 
@@ -42,6 +48,12 @@ fn format_of(encoding: &str) -> Option<PixelFormat> {
         "yuv422_yuy2" | "yuyv" => PixelFormat::Yuyv,
         "yuv422" | "uyvy" => PixelFormat::Uyvy,
         "nv12" => PixelFormat::Nv12,
+        "bgra8" | "8UC4" => PixelFormat::Bgra8,
+        "mono16" | "16UC1" => PixelFormat::Gray16,
+        "bayer_rggb8" => PixelFormat::BayerRggb8,
+        "bayer_bggr8" => PixelFormat::BayerBggr8,
+        "bayer_grbg8" => PixelFormat::BayerGrbg8,
+        "bayer_gbrg8" => PixelFormat::BayerGbrg8,
         _ => return None,
     })
 }
@@ -88,7 +100,7 @@ pub fn encode_image(
     header.height.put(&mut to);
     header.width.put(&mut to);
     to.string(encoding(format));
-    0_u8.put(&mut to);
+    u8::from(cfg!(target_endian = "big")).put(&mut to);
     (row as u32).put(&mut to);
     to.byte_count(rows * row);
     if row == header.stride as usize {
@@ -114,6 +126,8 @@ pub struct ImageRecord<'a> {
     pub height: u32,
     /// What its pixels are called.
     pub encoding: &'a str,
+    /// Whether numbers of several bytes begin with the highest.
+    pub is_big_endian: bool,
     /// Bytes from one row's start to the next.
     pub step: u32,
     /// The pixels.
@@ -131,7 +145,7 @@ impl<'a> ImageRecord<'a> {
         let frame_id = from.string()?;
         let (height, width) = (from.value()?, from.value()?);
         let encoding = from.string()?;
-        from.value::<u8>()?;
+        let is_big_endian = from.value::<u8>()? != 0;
         let step = from.value()?;
         let data = from.bytes()?;
         Ok(Self {
@@ -140,6 +154,7 @@ impl<'a> ImageRecord<'a> {
             width,
             height,
             encoding,
+            is_big_endian,
             step,
             data,
         })
@@ -147,7 +162,9 @@ impl<'a> ImageRecord<'a> {
 
     /// How the bytes make pixels; `None` if lariat has no such format.
     pub fn format(&self) -> Option<PixelFormat> {
-        format_of(self.encoding)
+        let is_turned = self.is_big_endian != cfg!(target_endian = "big");
+        // Numbers of another machine's order are none of this one's formats.
+        format_of(self.encoding).filter(|format| !(is_turned && *format == PixelFormat::Gray16))
     }
 
     /// Whether there are as many bytes as width, height and step ask for, in a format that lariat knows.
@@ -233,6 +250,12 @@ mod tests {
             (PixelFormat::Yuyv, 12, 3),
             (PixelFormat::Uyvy, 12, 3),
             (PixelFormat::Nv12, 6, 5),
+            (PixelFormat::Bgra8, 24, 3),
+            (PixelFormat::Gray16, 12, 3),
+            (PixelFormat::BayerRggb8, 6, 3),
+            (PixelFormat::BayerBggr8, 6, 3),
+            (PixelFormat::BayerGrbg8, 6, 3),
+            (PixelFormat::BayerGbrg8, 6, 3),
         ] {
             for padding in [0, 7] {
                 let stride = row + padding;
@@ -276,6 +299,7 @@ mod tests {
             width: 6,
             height: 3,
             encoding: "mono8",
+            is_big_endian: false,
             step: 6,
             data: &[0; 18],
         };
@@ -283,6 +307,22 @@ mod tests {
         assert!(!ImageRecord { height: 4, ..image }.is_whole());
         assert!(!ImageRecord { step: 5, ..image }.is_whole());
         assert!(!ImageRecord { width: 7, ..image }.is_whole());
+        let turned = cfg!(target_endian = "little");
+        let wide = ImageRecord {
+            width: 3,
+            encoding: "mono16",
+            is_big_endian: turned,
+            ..image
+        };
+        assert!(!wide.is_whole(), "numbers in another machine's order");
+        let is_big_endian = !turned;
+        assert!(
+            ImageRecord {
+                is_big_endian,
+                ..wide
+            }
+            .is_whole()
+        );
         let huge = u32::MAX;
         let huge = ImageRecord {
             height: huge,

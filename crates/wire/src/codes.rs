@@ -17,23 +17,41 @@ pub enum PixelFormat {
     Nv12 = 5,
     /// Two bytes a pixel: U Y₀ V Y₁ for each pair of pixels.
     Uyvy = 6,
+    /// Four bytes a pixel: blue, green, red, and one that is not looked at.
+    Bgra8 = 7,
+    /// Two bytes of luminance a pixel, in the machine's own order: 0 is black, 65535 white.
+    Gray16 = 8,
+    /// One byte a pixel, behind a mosaic of colour filters: R G in the first row, G B in the second, and so on.
+    BayerRggb8 = 9,
+    /// The same of B G and G R.
+    BayerBggr8 = 10,
+    /// The same of G R and B G.
+    BayerGrbg8 = 11,
+    /// The same of G B and R G.
+    BayerGbrg8 = 12,
 }
 
 impl PixelFormat {
     /// Every format, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 12] = [
         Self::Gray8,
         Self::Rgb8,
         Self::Bgr8,
         Self::Yuyv,
         Self::Nv12,
         Self::Uyvy,
+        Self::Bgra8,
+        Self::Gray16,
+        Self::BayerRggb8,
+        Self::BayerBggr8,
+        Self::BayerGrbg8,
+        Self::BayerGbrg8,
     ];
 
     /// The format a header's number stands for, if it stands for one.
     pub const fn from_code(code: u32) -> Option<Self> {
         match code as usize {
-            code @ 1..=6 => Some(Self::ALL[code - 1]),
+            code @ 1..=12 => Some(Self::ALL[code - 1]),
             _ => None,
         }
     }
@@ -47,6 +65,12 @@ impl PixelFormat {
             Self::Yuyv => "yuyv",
             Self::Nv12 => "nv12",
             Self::Uyvy => "uyvy",
+            Self::Bgra8 => "bgra8",
+            Self::Gray16 => "gray16",
+            Self::BayerRggb8 => "bayer_rggb8",
+            Self::BayerBggr8 => "bayer_bggr8",
+            Self::BayerGrbg8 => "bayer_grbg8",
+            Self::BayerGbrg8 => "bayer_gbrg8",
         }
     }
 
@@ -63,6 +87,9 @@ impl PixelFormat {
             Self::Gray8 | Self::Nv12 => width,
             Self::Rgb8 | Self::Bgr8 => 3 * width,
             Self::Yuyv | Self::Uyvy => 4 * width.div_ceil(2),
+            Self::Bgra8 => 4 * width,
+            Self::Gray16 => 2 * width,
+            Self::BayerRggb8 | Self::BayerBggr8 | Self::BayerGrbg8 | Self::BayerGbrg8 => width,
         }
     }
 
@@ -215,5 +242,23 @@ impl Unit {
             3 => Self::IdealPixel,
             _ => return None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::PixelFormat;
+
+    #[test]
+    fn every_pixel_format_has_its_number_and_its_name() {
+        for (place, format) in PixelFormat::ALL.into_iter().enumerate() {
+            assert_eq!(format as usize, place + 1);
+            assert_eq!(PixelFormat::from_code(format as u32), Some(format));
+            assert_eq!(PixelFormat::from_name(format.name()), Some(format));
+        }
+        assert_eq!(PixelFormat::from_name("RGB8"), Some(PixelFormat::Rgb8));
+        for code in [0, 13, u32::MAX] {
+            assert_eq!(PixelFormat::from_code(code), None);
+        }
     }
 }

@@ -6,7 +6,8 @@
 //! 2. Only the size that was asked for. Without a wish: sizes of about [`DEFAULT_SIZE`], which are those of at least half
 //!    and at most twice as many pixels, or, if there are none, the nearest.
 //! 3. The rate nearest to the one asked for; without a wish the highest. Rates within 2 % are the same (30 and 29.97).
-//! 4. Of what is left, the best format for a mask: uncompressed colours as the camera makes them, then compressed ones,
+//! 4. Of what is left, the best format for a mask: uncompressed colours as the camera makes them (those of a mosaic of colour
+//!    filters last, as each pixel has but one of three), then compressed ones,
 //!    which cost a decoder's time and blur the edges of colours, then grey, in which no hue tells rope from table.
 //! 5. Then the size nearest to [`DEFAULT_SIZE`], then the rate.
 //!
@@ -18,15 +19,23 @@ use super::offers::{FormatOffer, FourCc, Interval};
 use super::sys;
 
 /// What lariat reads, the best first.
-pub(super) const READABLE: [u32; 8] = [
+pub(super) const READABLE: [u32; 16] = [
     sys::PIX_YUYV,
     sys::PIX_UYVY,
     sys::PIX_NV12,
     sys::PIX_BGR3,
     sys::PIX_RGB3,
+    sys::PIX_AR24,
+    sys::PIX_XR24,
+    sys::PIX_BGR4,
+    sys::PIX_RGGB,
+    sys::PIX_BA81,
+    sys::PIX_GRBG,
+    sys::PIX_GBRG,
     sys::PIX_MJPG,
     sys::PIX_JPEG,
     sys::PIX_GREY,
+    sys::PIX_Y16,
 ];
 
 /// About how large frames are if no size is asked for, px.

@@ -11,11 +11,13 @@ use super::sys;
 pub struct FourCc(pub u32);
 
 /// Other names that people give to pixel formats.
-const ALIASES: [(&str, &[u8; 4]); 8] = [
+const ALIASES: [(&str, &[u8; 4]); 10] = [
     ("YUY2", b"YUYV"),
     ("GRAY", b"GREY"),
     ("GRAY8", b"GREY"),
     ("Y8", b"GREY"),
+    ("GRAY16", b"Y16 "),
+    ("BGGR", b"BA81"),
     ("RGB24", b"RGB3"),
     ("BGR24", b"BGR3"),
     ("MJPEG", b"MJPG"),

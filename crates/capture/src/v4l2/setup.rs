@@ -50,6 +50,13 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
         sys::PIX_GREY => PixelFormat::Gray8,
         sys::PIX_RGB3 => PixelFormat::Rgb8,
         sys::PIX_BGR3 => PixelFormat::Bgr8,
+        sys::PIX_AR24 | sys::PIX_XR24 | sys::PIX_BGR4 => PixelFormat::Bgra8,
+        // All 16 bits are taken to be used: `Y10 ` and `Y12 `, whose numbers end at 1023 and 4095, would be all but black.
+        sys::PIX_Y16 => PixelFormat::Gray16,
+        sys::PIX_RGGB => PixelFormat::BayerRggb8,
+        sys::PIX_BA81 => PixelFormat::BayerBggr8,
+        sys::PIX_GRBG => PixelFormat::BayerGrbg8,
+        sys::PIX_GBRG => PixelFormat::BayerGbrg8,
         _ => return None,
     })
 }

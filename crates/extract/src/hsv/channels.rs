@@ -39,6 +39,8 @@ impl Channels {
                 let [_, u, v] = &self.planes;
                 return [row, &u[..width], &v[..width]];
             }
+            // The others are unpacked before.
+            _ => {}
         }
         self.planes.each_ref().map(|plane| &plane[..width])
     }

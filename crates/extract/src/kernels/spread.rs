@@ -26,6 +26,8 @@ pub(super) fn spread(
             fill(colors.clone(), luma, |[y, _, _]| [y; BLOCK]);
             fill(colors, chroma, |[_, u, v]| repeated::<BLOCK>([u, v, u, v]));
         }
+        // The others are unpacked before.
+        _ => {}
     }
 }
 

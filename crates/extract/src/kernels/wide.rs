@@ -336,6 +336,8 @@ pub(super) fn spread(format: PixelFormat, levels: [&[u8]; 3], luma: &mut [u8], c
             spread_one(&const { sources::<1>(&[0]) }, levels, luma);
             spread_one(&const { sources::<1>(&[1, 2]) }, levels, chroma);
         }
+        // The others are unpacked before.
+        _ => {}
     }
 }
 
@@ -355,6 +357,27 @@ fn spread_one<const N: usize>(orders: &[[u8; 64]; N], [a, b, c]: [&[u8]; 3], out
         for (out, order) in out.iter_mut().zip(orders) {
             store(out, _mm512_permutexvar_epi8(load(order), levels));
         }
+    }
+}
+
+/// Where the bytes of 16 pixels come from: of each four the third, the second, the first.
+const PACKED: [u8; 64] = {
+    let mut order = [0; 64];
+    let mut k = 0;
+    while k < 48 {
+        order[k] = (4 * (k / 3) + 2 - k % 3) as u8;
+        k += 1;
+    }
+    order
+};
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+pub(super) fn pack(pixels: &[[u8; 4]], out: &mut [u8]) {
+    let order = load(&PACKED);
+    for (out, pixels) in out.chunks_mut(48).zip(pixels.chunks(16)) {
+        let bytes = load_some(pixels.as_flattened(), 4 * pixels.len());
+        let count = out.len().min(3 * pixels.len());
+        store_some(&mut out[..count], _mm512_permutexvar_epi8(order, bytes));
     }
 }
 

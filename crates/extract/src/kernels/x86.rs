@@ -39,6 +39,8 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         look: Some(|look| unsafe { wide::look(look) }),
         // SAFETY: as above.
+        pack: |pixels, out| unsafe { wide::pack(pixels, out) },
+        // SAFETY: as above.
         collect: |row, bits, out| unsafe { wide::collect(row, bits, out) },
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { wide::patch_at_least(patch, cut, words) },
@@ -54,6 +56,8 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         yuyv_band: None,
         uyvy_band: None,
         look: None,
+        // SAFETY: as above.
+        pack: |pixels, out| unsafe { pack_128(pixels, out) },
         collect: super::collect,
         // SAFETY: as above.
         patch_at_least: |patch, cut, words| unsafe { patch_at_least_256(patch, cut, words) },
@@ -123,6 +127,28 @@ fn three_channel_band_256(band: Band) {
         three_channels_256(row, table, out);
         at_least_256(out, least, faint);
     });
+}
+
+/// Four pixels at a time; what is written behind them the next four overwrite.
+#[target_feature(enable = "avx2")]
+fn pack_128(pixels: &[[u8; 4]], out: &mut [u8]) {
+    let order = _mm_setr_epi8(2, 1, 0, 6, 5, 4, 10, 9, 8, 14, 13, 12, -1, -1, -1, -1);
+    let pixels = &pixels[..pixels.len().min(out.len() / 3)];
+    let mut done = 0;
+    for four in pixels.as_chunks::<4>().0 {
+        // What is behind the pixels' own place is not touched.
+        if 3 * done + 16 > 3 * pixels.len() {
+            break;
+        }
+        let out = &mut out[3 * done..][..16];
+        // SAFETY: four pixels are 16 bytes long, and so is `out`.
+        unsafe {
+            let bytes = _mm_loadu_si128(four.as_ptr().cast());
+            _mm_storeu_si128(out.as_mut_ptr().cast(), _mm_shuffle_epi8(bytes, order));
+        }
+        done += 4;
+    }
+    super::pack(&pixels[done..], &mut out[3 * done..]);
 }
 
 #[target_feature(enable = "avx2")]

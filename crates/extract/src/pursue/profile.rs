@@ -132,6 +132,8 @@ fn across(stretch: &Stretch, out: &mut [u8]) {
                     *d = pair(light, color, [a, b, c]);
                 }
             }
+            // The others are unpacked before.
+            _ => {}
         }
     }
 }

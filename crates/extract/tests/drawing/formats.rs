@@ -1,4 +1,4 @@
-//! One picture in every pixel format.
+//! One picture in every pixel format, of which there are twelve.
 
 use lariat_extract::PixelFormat;
 
@@ -39,6 +39,18 @@ pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u
             nv12.extend([mean(1), mean(2)]);
         }
     }
+    let bgra = rgb.chunks_exact(3).flat_map(|p| [p[2], p[1], p[0], 77]);
+    // Any two bytes between the level's own multiple of 257 and its neighbours are as good.
+    let gray16 = pixels().flat_map(|(x, y)| {
+        let wide = u16::from(luma(x, y)) * 257;
+        wide.saturating_add((x % 100) as u16).to_ne_bytes()
+    });
+    // Where the first red pixel is.
+    let mosaic = |red: [usize; 2]| {
+        let channel = move |x: usize, y: usize| (x + red[0]) % 2 + (y + red[1]) % 2;
+        let bytes = pixels().map(|(x, y)| rgb[3 * (y * w + x) + channel(x, y)]);
+        bytes.collect::<Vec<u8>>()
+    };
     vec![
         (PixelFormat::Rgb8, rgb.to_vec(), 3 * w),
         (PixelFormat::Bgr8, bgr, 3 * w),
@@ -46,5 +58,11 @@ pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u
         (PixelFormat::Yuyv, yuyv, 4 * pairs),
         (PixelFormat::Uyvy, uyvy, 4 * pairs),
         (PixelFormat::Nv12, nv12, 2 * pairs),
+        (PixelFormat::Bgra8, bgra.collect(), 4 * w),
+        (PixelFormat::Gray16, gray16.collect(), 2 * w),
+        (PixelFormat::BayerRggb8, mosaic([0, 0]), w),
+        (PixelFormat::BayerBggr8, mosaic([1, 1]), w),
+        (PixelFormat::BayerGrbg8, mosaic([1, 0]), w),
+        (PixelFormat::BayerGbrg8, mosaic([0, 1]), w),
     ]
 }

@@ -99,7 +99,7 @@ fn film(story: Story, seed: u64, format: PixelFormat, frames: usize) -> Vec<Fram
 impl Pictures {
     /// Every story in a format of its own, to be seen by the automatic mask or by a range of colors; a picture of each class.
     pub(crate) fn draw() -> Self {
-        use PixelFormat::{Bgr8, Gray8, Nv12, Rgb8, Uyvy, Yuyv};
+        use PixelFormat::{BayerGrbg8, Bgr8, Gray8, Nv12, Rgb8, Uyvy, Yuyv};
         let films = [
             (Story::Writhing, Rgb8, Mask::Auto, 32),
             (Story::Two, Bgr8, Mask::Auto, 20),
@@ -111,6 +111,7 @@ impl Pictures {
             (Story::Writhing, Rgb8, blue(), 8),
             (Story::Two, Yuyv, blue(), 8),
             (Story::Two, Nv12, blue(), 8),
+            (Story::Two, BayerGrbg8, Mask::Auto, 8),
         ];
         let stills = Class::ALL.map(|class| {
             let still = scenes::draw(class, 11, 640, 480);

@@ -91,7 +91,7 @@ pub enum RecordingError {
     },
     /// Images are encoded in a way that is not known here.
     #[error(
-        "the images on {topic} are encoded as \"{encoding}\": lariat knows mono8, rgb8, bgr8, yuv422_yuy2, uyvy, nv12, png and jpeg"
+        "the images on {topic} are encoded as \"{encoding}\": lariat knows mono8, mono16 (in this machine's byte order), rgb8, bgr8, bgra8, yuv422_yuy2, uyvy, nv12, bayer_rggb8 and its like of 8 bits, png and jpeg"
     )]
     Encoding {
         /// Their topic.

@@ -138,6 +138,11 @@ impl Recording {
         self.source.topics.images.as_deref()
     }
 
+    /// The topics of images among which that one was chosen: several, if several cameras were recorded.
+    pub fn cameras(&self) -> &[String] {
+        &self.source.topics.candidates
+    }
+
     /// Whether its frames are lariat's own, with the traces they had.
     pub fn has_traces(&self) -> bool {
         self.source.topics.has_headers

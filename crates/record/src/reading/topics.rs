@@ -41,6 +41,8 @@ pub(super) struct Topics {
     pub(super) frames: Option<(u16, String)>,
     /// The topic of the images.
     pub(super) images: Option<String>,
+    /// All topics that could have been it.
+    pub(super) candidates: Vec<String>,
     /// Whether frames have lariat's headers.
     pub(super) has_headers: bool,
 }
@@ -72,6 +74,22 @@ impl Topics {
             .iter()
             .filter(|(id, _)| is(id, Kind::Image) || is(id, Kind::Picture));
         // With headers it is the image beside them.
+        let has_headers = index
+            .channels
+            .iter()
+            .filter(|(id, _)| is(id, Kind::FrameHeader));
+        let has_headers: Vec<_> = has_headers.map(|(_, header)| &header.topic).collect();
+        let is_candidate = |topic: &str| {
+            has_headers.is_empty() || has_headers.iter().any(|header| siblings(header, topic))
+        };
+        let mut candidates: Vec<String> = images
+            .clone()
+            .map(|(_, listed)| listed.topic.clone())
+            .filter(|topic| is_candidate(topic))
+            .collect();
+        candidates.sort();
+        // On one topic there may be both, images and picture files.
+        candidates.dedup();
         let mut images = images.filter(|(_, listed)| match (wanted, headers) {
             (Some(topic), _) => listed.topic == topic,
             (None, Some((_, header))) => siblings(&header.topic, &listed.topic),
@@ -100,6 +118,7 @@ impl Topics {
             Kind::FrameHeader => topic_of(id) == header,
             _ => true,
         });
+        topics.candidates = candidates;
         topics.has_headers = headers.is_some();
         topics.images = image.as_ref().map(|(_, topic)| topic.clone());
         topics.frames = headers.or(image);
@@ -193,7 +212,7 @@ fn check_release(index: &Index, version: Option<&str>) -> Result<(), RecordingEr
     Ok(())
 }
 
-/// Whether a definition says the same, whatever its comments.
+/// Whether a definition says the same, whatever its comments and the names that it gives to numbers.
 fn is_same(definition: &Definition, ours: &Schema) -> bool {
     let Ok(text) = std::str::from_utf8(&definition.text) else {
         return false;
@@ -204,5 +223,5 @@ fn is_same(definition: &Definition, ours: &Schema) -> bool {
 fn meaning(text: &str) -> impl Iterator<Item = &str> {
     text.lines()
         .map(|line| line.split('#').next().unwrap_or_default().trim())
-        .filter(|line| !line.is_empty())
+        .filter(|line| !line.is_empty() && !line.contains('='))
 }

@@ -219,6 +219,8 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     );
                 }
             }
+            // The others are unpacked before.
+            _ => return None,
         }
     }
     Some(set)
@@ -250,6 +252,8 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
             (4 * (x / 2), keep[x % 2], double)
         }
         PixelFormat::Nv12 => (x, COLORS, CHROMA),
+        // The others are unpacked before.
+        _ => return None,
     };
     let column = Column::new(image.bytes(), y * stride + place, stride, count)?;
     // SAFETY: as the caller promises; the columns hold as many pixels as are gathered.
