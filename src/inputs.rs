@@ -1,7 +1,7 @@
 //! From the paths that the user named to the pictures they mean.
 
 use anyhow::{Context, Result, bail};
-use lariat_capture::natural_order;
+use lariat_capture::{PICTURES, names_a_picture, natural_order};
 use std::cmp::Ordering;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
@@ -30,20 +30,20 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
         let path = entry.with_context(about)?.path();
         if path.is_dir() {
             folders.push(path);
-        } else if is_picture_name(&path) && path.is_file() {
+        } else if names_a_picture(&path) && path.is_file() {
             pictures.push(path);
         }
     }
     if pictures.is_empty() && folders.is_empty() {
         bail!(
-            "there is no PNG or JPEG in the folder {}: name the pictures, or another folder",
+            "there is no picture ({PICTURES}) in the folder {}: name the pictures, or another folder",
             folder.display()
         );
     }
     if pictures.is_empty() {
         folders.sort_by(|a, b| by_name(a, b));
         bail!(
-            "there is no PNG or JPEG in the folder {} itself: name one of its folders, such as {}",
+            "there is no picture ({PICTURES}) in the folder {} itself: name one of its folders, such as {}",
             folder.display(),
             folders[0].display()
         );
@@ -54,12 +54,4 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 
 fn by_name(a: &Path, b: &Path) -> Ordering {
     natural_order(a.as_os_str().as_bytes(), b.as_os_str().as_bytes())
-}
-
-fn is_picture_name(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| {
-        ["png", "jpg", "jpeg"]
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-    })
 }

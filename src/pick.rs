@@ -17,7 +17,7 @@ const GOOD: f32 = 0.8;
 /// The colours of the ropes in a picture, as a mask for lariat.toml
 #[derive(Debug, Args)]
 pub(crate) struct PickArgs {
-    /// PNG or JPEG picture
+    /// Picture: PNG, JPEG, WebP, TIFF or BMP
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
     /// A point on the rope, in pixels from the top left (default: the ropes that stand out by themselves)
@@ -63,11 +63,12 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
         shown.to_string().replace(char::is_control, " "),
         mask_text(&mask)
     );
-    match &output {
-        Ok(output) => output.print(&text)?,
-        // The colours are worth saying also where the mask cannot be drawn under the name that it has by itself.
-        Err(_) => print(&text)?,
-    }
+    // The mask is drawn also where nobody reads this; and the colours are worth saying also where it cannot be drawn under the name
+    // that it has by itself.
+    let said = match &output {
+        Ok(output) => output.print(&text),
+        Err(_) => print(&text),
+    };
     if picked.agreement < GOOD {
         eprintln!(
             "lariat: colour alone tells this rope from the rest in {:.0} % only: look at the mask before you use it; a \
@@ -78,6 +79,7 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let output = output?;
     write(&output, pixels, [picture.width(), picture.height()])?;
     eprintln!("lariat: the mask is drawn in {output}");
+    said?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,44 +1,64 @@
-//! A picture file, decoded.
+//! A picture, decoded: a file, or a frame of any source.
 
 use anyhow::{Context, Result};
-use image::{DynamicImage, GrayImage, RgbImage};
-use lariat_capture::StillPicture;
-use lariat_extract::{Image, ImageError, PixelFormat};
+use image::{DynamicImage, RgbImage};
+use lariat_capture::{Frame, StillPicture};
+use lariat_extract::{Image, ImageError};
+use lariat_wire::PixelFormat;
 use std::fs::File;
 use std::path::Path;
 
-/// A decoded picture: grey if the file is, else RGB, 8 bits a channel.
-pub(crate) struct Picture(DynamicImage);
+use crate::stages::extract::pixel_format;
+
+/// A decoded picture. That of a file is grey if the file is, else RGB, 8 bits a channel.
+pub(crate) struct Picture {
+    width: u32,
+    height: u32,
+    stride: u32,
+    format: PixelFormat,
+    pixels: Vec<u8>,
+}
 
 impl Picture {
-    /// Reads a PNG or JPEG, whatever its name says, as the chain sees it.
+    /// Reads a picture file, whatever its name says, as the chain sees it.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.
     pub(crate) fn load(path: &Path) -> Result<Self> {
         let shown = path.display();
         File::open(path).with_context(|| format!("cannot open the picture {shown}"))?;
-        let about = || format!("{shown} cannot be decoded");
         let StillPicture {
             width,
             height,
             format,
             pixels,
         } = StillPicture::load(path)?;
-        let decoded = if format == lariat_wire::PixelFormat::Gray8 {
-            GrayImage::from_raw(width, height, pixels).map(DynamicImage::ImageLuma8)
-        } else {
-            RgbImage::from_raw(width, height, pixels).map(DynamicImage::ImageRgb8)
-        };
-        decoded.map(Self).with_context(about)
+        Ok(Self {
+            width,
+            height,
+            stride: format.row_bytes(width) as u32,
+            format,
+            pixels,
+        })
+    }
+
+    /// A frame, and its bytes.
+    pub(crate) fn of(frame: &Frame, pixels: Vec<u8>) -> Self {
+        Self {
+            width: frame.width,
+            height: frame.height,
+            stride: frame.stride,
+            format: frame.format,
+            pixels,
+        }
     }
 
     pub(crate) fn width(&self) -> u32 {
-        self.0.width()
+        self.width
     }
 
     pub(crate) fn height(&self) -> u32 {
-        self.0.height()
+        self.height
     }
 
     /// The picture as the extractor takes it.
@@ -46,20 +66,42 @@ impl Picture {
     /// # Errors
     /// It is larger than the extractor takes.
     pub(crate) fn image(&self) -> Result<Image<'_>, ImageError> {
-        let (width, height) = (self.width() as usize, self.height() as usize);
-        let (channels, format) = match self.0 {
-            DynamicImage::ImageLuma8(_) => (1, PixelFormat::Gray8),
-            _ => (3, PixelFormat::Rgb8),
-        };
-        Image::new(self.0.as_bytes(), width, height, channels * width, format)
+        let [width, height, stride] =
+            [self.width, self.height, self.stride].map(|length| length as usize);
+        Image::new(
+            &self.pixels,
+            width,
+            height,
+            stride,
+            pixel_format(self.format),
+        )
     }
 
     /// As one byte a pixel.
     pub(crate) fn into_gray(self) -> Self {
-        Self(DynamicImage::ImageLuma8(self.0.into_luma8()))
+        if self.format == PixelFormat::Gray8 {
+            return self;
+        }
+        let gray = DynamicImage::ImageRgb8(self.into_rgb()).into_luma8();
+        Self {
+            width: gray.width(),
+            height: gray.height(),
+            stride: gray.width(),
+            format: PixelFormat::Gray8,
+            pixels: gray.into_raw(),
+        }
     }
 
     pub(crate) fn into_rgb(self) -> RgbImage {
-        self.0.into_rgb8()
+        let (width, height) = (self.width, self.height);
+        let pixels = match self.format {
+            // Those of files are of any size.
+            PixelFormat::Rgb8 if self.stride == 3 * width => self.pixels,
+            PixelFormat::Gray8 if self.stride == width => {
+                self.pixels.iter().flat_map(|&level| [level; 3]).collect()
+            }
+            _ => self.image().map(|image| image.to_rgb()).unwrap_or_default(),
+        };
+        RgbImage::from_raw(width, height, pixels).unwrap_or_else(|| RgbImage::new(width, height))
     }
 }

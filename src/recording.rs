@@ -27,7 +27,7 @@ pub(crate) struct RecordingArgs {
     /// A recording, as `lariat record` makes them; or another MCAP file of ROS 2 with images
     #[arg(value_name = "FILE.mcap")]
     pub(crate) file: PathBuf,
-    /// The topic whose images are the frames, in a file that lariat did not make
+    /// The topic whose images are the frames, where there are several cameras
     #[arg(long, value_name = "TOPIC")]
     pub(crate) topic: Option<String>,
 }
@@ -41,7 +41,14 @@ impl RecordingArgs {
         if let Some(sentence) = recording.cut_off() {
             eprintln!("lariat: {shown}: {sentence}");
         }
-        if let (Some(topic), None, false) =
+        if let (Some(topic), None, [_, _, ..]) =
+            (recording.images(), &self.topic, recording.cameras())
+        {
+            eprintln!(
+                "lariat: {shown}: there are images of several cameras, on {}; its frames are those on {topic} (--topic)",
+                recording.cameras().join(", ")
+            );
+        } else if let (Some(topic), None, false) =
             (recording.images(), &self.topic, recording.has_traces())
         {
             eprintln!(

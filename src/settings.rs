@@ -34,8 +34,8 @@ use crate::settings::keys::KEYS;
 use crate::settings::problem::Origin;
 use anyhow::Result;
 use lariat_capture::{
-    CameraOptions, FileOptions, FollowOptions, Pace, Range, RenderOptions, Request, Source,
-    names_a_camera, names_a_recording,
+    CameraOptions, FileOptions, FollowOptions, Pace, PipeOptions, Range, RawFrames, RenderOptions,
+    Request, Source, names_a_camera, names_a_recording, video_fps,
 };
 use lariat_extract::{Mask, Method, Region};
 use lariat_fit::Fitter;
@@ -120,7 +120,7 @@ pub(crate) enum Fps {
     PerSecond(f64),
     /// As fast as they can be made.
     Max,
-    /// As fast as a camera can; [`USUAL_FPS`] for all else.
+    /// As fast as a camera can, as a video or a recording was made; [`USUAL_FPS`] for all else.
     Auto,
 }
 
@@ -130,7 +130,7 @@ pub(crate) const USUAL_FPS: f64 = 30.0;
 /// `[capture]`: where frames come from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Capture {
-    /// `rendered`, `simulated` or `external` alone, or the paths of pictures, folders or a video.
+    /// `rendered` or `simulated` alone, `-` (standard input), or the paths of pictures, folders or a video.
     pub(crate) source: Vec<PathBuf>,
     pub(crate) fps: Fps,
     /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly [`USUAL_SIZE`].
@@ -143,6 +143,8 @@ pub(crate) struct Capture {
     pub(crate) range: Range,
     /// Whether a folder is waited at for more.
     pub(crate) follow: bool,
+    /// Which of a recording's images are shown, if it has those of several cameras.
+    pub(crate) topic: Option<String>,
     /// What is asked of a camera.
     pub(crate) camera: CameraSettings,
 }
@@ -160,6 +162,7 @@ impl Default for Capture {
             looped: false,
             range: Range::default(),
             follow: false,
+            topic: None,
             camera: CameraSettings::default(),
         }
     }
@@ -188,6 +191,12 @@ impl Capture {
                 every: self.range.every,
             });
         }
+        if self.is_piped() {
+            return Source::StandardInput(PipeOptions {
+                raw: self.raw_frames(),
+                paced: self.fps != Fps::Auto,
+            });
+        }
         let defaults = RenderOptions::default();
         let rendered = RenderOptions {
             seed: self.seed,
@@ -210,7 +219,17 @@ impl Capture {
                 Pace::Max => None,
             },
         };
-        Source::named(&self.source, files, rendered)
+        let mut source = Source::named(&self.source, files, rendered);
+        if let Source::Recording(recording) = &mut source {
+            recording.topic.clone_from(&self.topic);
+        }
+        source
+    }
+
+    /// What frames in a pipe are, if no video.
+    fn raw_frames(&self) -> Option<RawFrames> {
+        let (size, format) = (self.size?, self.camera.pixel_format?.raw?);
+        Some(RawFrames { size, format })
     }
 
     /// When frames are due.
@@ -218,8 +237,17 @@ impl Capture {
         match self.fps {
             Fps::PerSecond(fps) => Pace::Fps(fps),
             Fps::Max => Pace::Max,
-            Fps::Auto => Pace::Fps(USUAL_FPS),
+            Fps::Auto => Pace::Fps(self.usual_fps()),
         }
+    }
+
+    /// Frames a second if nobody says how many: those of a video, as it was made.
+    fn usual_fps(&self) -> f64 {
+        let video = match &self.source[..] {
+            [path] if path.is_file() => video_fps(path),
+            _ => None,
+        };
+        video.map_or(USUAL_FPS, |fps| fps / self.range.every.get() as f64)
     }
 
     /// The size that frames most likely have, px.
@@ -232,20 +260,20 @@ impl Capture {
         self.source[..] == [PathBuf::from("simulated")]
     }
 
+    /// Whether the source is standard input.
+    pub(crate) fn is_piped(&self) -> bool {
+        self.source[..] == [PathBuf::from("-")]
+    }
+
     /// Whether the source is a camera.
     pub(crate) fn is_camera(&self) -> bool {
         matches!(&self.source[..], [path] if names_a_camera(path))
     }
 
-    /// Whether a process of the user's writes the frames.
-    pub(crate) fn is_external(&self) -> bool {
-        self.source[..] == [PathBuf::from("external")]
-    }
-
-    /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording.
+    /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording or a pipe.
     pub(crate) fn has_own_pace(&self) -> bool {
         let is_recording = matches!(&self.source[..], [path] if names_a_recording(path));
-        self.is_camera() || self.follow || is_recording || self.is_external()
+        self.is_camera() || self.is_piped() || self.follow || is_recording
     }
 
     /// What is asked of a camera; "max" is its best rate too.
@@ -256,7 +284,7 @@ impl Capture {
                 Fps::PerSecond(fps) => Some(fps),
                 Fps::Max | Fps::Auto => None,
             },
-            format: self.camera.pixel_format,
+            format: self.camera.pixel_format.and_then(|name| name.code),
         }
     }
 }
@@ -359,7 +387,7 @@ impl Settings {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
             Fps::Auto if self.capture.has_own_pace() => None,
-            Fps::Auto => Some((1e9 / USUAL_FPS) as u64),
+            Fps::Auto => Some((1e9 / self.capture.usual_fps()) as u64),
             Fps::Max => None,
         };
         lariat_sink::Options {

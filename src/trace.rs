@@ -2,6 +2,7 @@
 //! shared memory.
 
 mod canvas;
+mod frames;
 mod masks;
 mod overlay;
 mod report;
@@ -17,6 +18,7 @@ use crate::picture::Picture;
 use crate::settings::{self, Flags, Settings};
 use crate::stages::extract::{part, part_of_mask};
 use crate::stages::fit::{Rope, RopeFitter};
+use crate::trace::frames::Input;
 use crate::trace::masks::Masks;
 use crate::trace::overlay::Overlays;
 use crate::trace::report::{
@@ -36,7 +38,7 @@ use std::time::Instant;
 /// The shapes of the ropes in pictures
 #[derive(Debug, Args)]
 pub(crate) struct TraceArgs {
-    /// PNG or JPEG pictures, or folders of them
+    /// Pictures, folders of them, Y4M videos, recordings, or `-`: a Y4M video or raw frames on standard input
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     /// Print a JSON object for each picture, one a line
@@ -61,13 +63,23 @@ pub(crate) struct TraceArgs {
 /// From picture to picture of a video, which has no times here, ns.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 
+/// What is asked of sources of frames alone.
+const OF_FRAMES: [&str; 6] = [
+    "--from",
+    "--to",
+    "--every",
+    "--topic",
+    "--size",
+    "--pixel-format",
+];
+
 /// Runs `lariat trace`.
 ///
 /// # Errors
 /// Settings that make no sense, output that cannot be written. A picture that cannot be read is reported and the
 /// next one taken; the exit code tells of it.
 pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
-    let settings = Settings::resolve(&args.flags)?;
+    let settings = Settings::resolve(&args.flags.without(&OF_FRAMES))?;
     let mut tracer = Tracer::new(&settings, &args)?;
     let mut exit = ExitCode::SUCCESS;
     let mut complain = |why: anyhow::Error| {
@@ -77,6 +89,13 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
 
     let (images, missing) = inputs::pictures(&args.images);
     missing.into_iter().for_each(&mut complain);
+    if let Some(flag) = OF_FRAMES.into_iter().find(|flag| args.flags.has(flag))
+        && !images.iter().any(|image| frames::names_frames(image))
+    {
+        wrong_use!(
+            "{flag} is for videos, recordings and standard input, and there are only pictures"
+        );
+    }
     let mut overlays = match &args.overlay {
         Some(folder) => {
             let existing = Existing::forced(args.force);
@@ -88,34 +107,84 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
         }
         None => None,
     };
-    let mut table = Table::new(&images, unit_name(tracer.unit()));
-    let mut output = io::BufWriter::new(io::stdout().lock());
+    // A frame's name ends in its number.
+    let names = images
+        .iter()
+        .map(|image| match frames::names_frames(image) {
+            true => image.join("12345"),
+            false => image.clone(),
+        });
+    let names: Vec<PathBuf> = names.collect();
+    let mut printer = Printer {
+        json: args.json,
+        table: Table::new(&names, unit_name(tracer.unit())),
+        output: io::BufWriter::new(io::stdout().lock()),
+    };
     for image in &images {
-        let (picture, report) = match tracer.trace(image) {
-            Ok(traced) => traced,
+        let mut input = match Input::open(image, &args) {
+            Ok(input) => input,
             Err(why) => {
                 complain(why);
                 continue;
             }
         };
-        let printed = match args.json {
-            true => report.write_json(&mut output),
-            false => table.write(&report, &mut output),
-        };
-        for notice in &report.notices {
-            eprintln!("lariat: {}: {}", image.display(), notice.text);
+        if input.is_one_scene() {
+            tracer.extractor.reset();
+            tracer.fitter.forget();
         }
-        // Each picture's result is out before the next is begun.
-        if is_closed(printed.and_then(|()| output.flush()))? {
-            break;
-        }
-        if let Some(overlays) = &mut overlays
-            && let Err(why) = overlays.write(image, picture, &report, tracer.mapping.as_ref())
-        {
-            complain(why);
+        tracer.is_one_scene = args.video || input.is_one_scene();
+        loop {
+            let begin = Instant::now();
+            let traced = match input.next(&mut complain) {
+                Ok(None) => break,
+                Ok(Some((name, picture))) => {
+                    (tracer.trace(&name, &picture, begin)).map(|report| (name, picture, report))
+                }
+                Err(why) => Err(why),
+            };
+            let (name, picture, report) = match traced {
+                Ok(traced) => traced,
+                Err(why) => {
+                    complain(why);
+                    break;
+                }
+            };
+            // Overlays are drawn also where nobody reads this.
+            if printer.is_closed_after(&report)? && overlays.is_none() {
+                return Ok(exit);
+            }
+            if let Some(overlays) = &mut overlays
+                && let Err(why) = overlays.write(&name, picture, &report, tracer.mapping.as_ref())
+            {
+                complain(why);
+            }
         }
     }
     Ok(exit)
+}
+
+/// What is printed, and where.
+struct Printer {
+    json: bool,
+    table: Table,
+    output: io::BufWriter<io::StdoutLock<'static>>,
+}
+
+impl Printer {
+    /// Prints a report, so that each picture's result is out before the next is begun. Whether nobody reads on.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    fn is_closed_after(&mut self, report: &Report) -> Result<bool> {
+        let printed = match self.json {
+            true => report.write_json(&mut self.output),
+            false => self.table.write(report, &mut self.output),
+        };
+        for notice in &report.notices {
+            eprintln!("lariat: {}: {}", report.image, notice.text);
+        }
+        is_closed(printed.and_then(|()| self.output.flush()))
+    }
 }
 
 /// The pipeline, made once.
@@ -123,9 +192,10 @@ struct Tracer {
     extractor: Extractor,
     fitter: RopeFitter,
     settings: settings::Fit,
-    is_video: bool,
     /// How many pictures there were before.
     count: u64,
+    /// Whether a picture goes on from the one before.
+    is_one_scene: bool,
     masks: Option<Masks>,
     region: Option<Region>,
     calibrated: Option<Calibrated>,
@@ -147,7 +217,7 @@ impl Tracer {
             fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
             settings: settings.fit.clone(),
             count: 0,
-            is_video: args.video,
+            is_one_scene: false,
             masks: args.masks.as_deref().map(Masks::new).transpose()?,
             region: settings.extract.roi,
             calibrated: Calibrated::load(&settings.camera)?,
@@ -164,10 +234,8 @@ impl Tracer {
             .map_or(Unit::Pixel, Calibrated::unit)
     }
 
-    /// The ropes in the picture at `path`.
-    fn trace(&mut self, path: &Path) -> Result<(Picture, Report)> {
-        let begin = Instant::now();
-        let picture = Picture::load(path)?;
+    /// The ropes in the picture at `path`, which was begun with at a moment.
+    fn trace(&mut self, path: &Path, picture: &Picture, begin: Instant) -> Result<Report> {
         let about = || path.display().to_string();
         let whole = picture.image().with_context(about)?;
         let (region, image) = part(&whole, self.region).with_context(about)?;
@@ -184,7 +252,7 @@ impl Tracer {
             ..Timing::default()
         };
 
-        if !self.is_video {
+        if !self.is_one_scene {
             self.extractor.reset();
             self.fitter.forget();
         }
@@ -280,16 +348,9 @@ impl Tracer {
         }
         timing.fit = since(last);
         timing.total = since(begin);
-        let mut report = report(
-            path,
-            &picture,
-            &scene,
-            region,
-            descriptors,
-            timing.rounded(),
-        );
+        let mut report = report(path, picture, &scene, region, descriptors, timing.rounded());
         report.notices.extend(coarse);
-        Ok((picture, report))
+        Ok(report)
     }
 }
 

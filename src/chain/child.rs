@@ -17,7 +17,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::settings::Settings;
 use crate::stages::Seat;
 use crate::stages::arrangement::Lacks;
-use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken};
+use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status};
 use crate::stop::{Stop, Stopper};
 
 /// How a stage ended.
@@ -83,14 +83,18 @@ pub(crate) struct Child {
     unread_output: bool,
     sent: Option<Sent>,
     masks_late: Option<u64>,
-    taken: Option<Taken>,
     ending: Option<Ending>,
     told_to_stop: bool,
 }
 
 impl Child {
-    /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with.
-    pub(crate) fn start(stage: &'static str, arguments: &[OsString]) -> anyhow::Result<Self> {
+    /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with. One alone may read
+    /// the chain's standard input.
+    pub(crate) fn start(
+        stage: &'static str,
+        arguments: &[OsString],
+        reads: bool,
+    ) -> anyhow::Result<Self> {
         let starting = || format!("{stage} could not be started");
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
         rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
@@ -102,10 +106,10 @@ impl Child {
             .args(arguments)
             .env(STATUS_FD, its_end.as_raw_fd().to_string())
             .env(CHAIN_PID, std::process::id().to_string())
-            .stdin(if stage == "sink" || stage == "recorder" {
-                Stdio::piped()
-            } else {
-                Stdio::null()
+            .stdin(match stage {
+                "sink" | "recorder" => Stdio::piped(),
+                _ if reads => Stdio::inherit(),
+                _ => Stdio::null(),
             })
             .process_group(0)
             .spawn()
@@ -148,7 +152,6 @@ impl Child {
             unread_output: false,
             sent: None,
             masks_late: None,
-            taken: None,
             ending: None,
             told_to_stop: false,
         }
@@ -195,11 +198,6 @@ impl Child {
     /// How many frames it said it skipped for want of a mask, if it waited for masks.
     pub(crate) fn masks_late(&self) -> Option<u64> {
         self.masks_late
-    }
-
-    /// What it said of the frames that came to it from elsewhere, if they did.
-    pub(crate) fn taken(&self) -> Option<Taken> {
-        self.taken
     }
 
     /// How it ended, if it has.
@@ -253,17 +251,6 @@ impl Child {
                 (Some("unread"), ..) => self.unread_output = true,
                 (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
                 (Some("late"), Some(count), None) => self.masks_late = count.parse().ok(),
-                (Some("taken"), Some(sequence), Some(captured)) => {
-                    let number =
-                        |word: Option<&str>| word.and_then(|word| word.parse().ok()).unwrap_or(0);
-                    self.taken = Some(Taken {
-                        before_first: [number(Some(sequence)), number(Some(captured))],
-                        last: Sent {
-                            count: number(words.next()),
-                            last_sequence: number(words.next()),
-                        },
-                    });
-                }
                 (Some("sent"), Some(count), Some(last)) => {
                     let number = |word: &str| word.parse().unwrap_or(0);
                     self.sent = Some(Sent {

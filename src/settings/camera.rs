@@ -3,13 +3,23 @@
 use std::collections::BTreeMap;
 
 use lariat_capture::{ControlSettings, FourCc, Io};
+use lariat_wire::PixelFormat;
 use toml::Value;
 
-/// What only cameras have.
+/// A pixel format by name.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct FormatName {
+    /// What a camera calls so.
+    pub(crate) code: Option<FourCc>,
+    /// What raw frames may be.
+    pub(crate) raw: Option<PixelFormat>,
+}
+
+/// What only cameras have, but for the pixel format, which frames in a pipe have too.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct CameraSettings {
-    /// The pixel format; without it, the best there is.
-    pub(crate) pixel_format: Option<FourCc>,
+    /// The pixel format; without it, the best that a camera has.
+    pub(crate) pixel_format: Option<FormatName>,
     /// How frames come from its driver.
     pub(crate) io: Io,
     /// Names of controls, and what to set them to.
@@ -38,22 +48,39 @@ pub(super) const IO: [(&str, Io); 3] = [
     ("mmap", Io::Mapped),
 ];
 
-pub(super) fn pixel_format(value: &Value) -> Result<Option<FourCc>, String> {
+pub(super) fn pixel_format(value: &Value) -> Result<Option<FormatName>, String> {
     let asked = value.as_str().unwrap_or_default();
     if asked == "auto" {
         return Ok(None);
     }
-    asked.parse().map(Some).map_err(|()| {
-        "a pixel format is a code of up to four letters, such as \"yuyv\", \"mjpg\" or \"grey\", or \"auto\"; \
-         `lariat devices` lists the camera's"
-            .to_owned()
-    })
+    let name = FormatName {
+        code: asked.parse().ok(),
+        raw: PixelFormat::from_name(asked),
+    };
+    if name == FormatName::default() {
+        return Err(format!(
+            "a pixel format is a code of up to four letters, such as \"yuyv\", \"mjpg\" or \"grey\" (`lariat devices` lists \
+             the camera's), or \"auto\"; of raw frames on standard input {}",
+            raw_names()
+        ));
+    }
+    Ok(Some(name))
 }
 
-pub(super) fn pixel_format_value(format: Option<FourCc>) -> Value {
-    Value::String(format.map_or("auto".to_owned(), |code| {
-        code.to_string().to_ascii_lowercase()
-    }))
+/// What raw frames may be, as words of a sentence.
+pub(super) fn raw_names() -> String {
+    let names = PixelFormat::ALL.map(PixelFormat::name);
+    let [others @ .., last] = &names;
+    format!("{} or {last}", others.join(", "))
+}
+
+pub(super) fn pixel_format_value(format: Option<FormatName>) -> Value {
+    let name = match format {
+        None => "auto".to_owned(),
+        Some(FormatName { raw: Some(raw), .. }) => raw.name().to_owned(),
+        Some(FormatName { code, .. }) => code.map_or_else(String::new, |code| code.to_string()),
+    };
+    Value::String(name.to_ascii_lowercase())
 }
 
 /// Adds to the controls, or overrules those that have a value already.

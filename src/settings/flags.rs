@@ -6,7 +6,7 @@ use crate::settings::{Settings, arrangement, camera, duration, meaning, recordin
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lariat_extract::Method;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toml::Value;
 
 /// What follows a flag, and what it is called there.
@@ -69,18 +69,19 @@ use Takes::{Control, Name, Nothing, Number, Paths, Size, Text, Time, Toml, Whole
 #[rustfmt::skip]
 const FLAGS: &[Flag] = flags! {
     "Source" {
-        "--source" capture.source Paths, "capture snapshot", "Camera, pictures, folder, video, recording or external";
+        "--source" capture.source Paths, "capture snapshot", "Camera, pictures, folder, video, recording or -";
         "--fps" capture.fps Number("NUMBER"), "capture sink snapshot", "Frames per second, `max` or `auto`";
-        "--size" capture.size Text("WxH"), "capture snapshot", "Size of a camera's or the rendered picture";
+        "--size" capture.size Text("WxH"), "capture snapshot trace", "Size of a camera's, rendered or raw picture";
         "--seed" capture.seed Whole("NUMBER"), "capture snapshot", "Which of all rendered or simulated ropes";
-        "--from" capture.from Whole("PLACE"), "capture", "Begin with this frame, or time such as 2.5s";
-        "--to" capture.to Whole("PLACE"), "capture", "End with this frame, or before this time";
-        "--every" capture.every Whole("N"), "capture", "Show every Nth frame only";
+        "--from" capture.from Whole("PLACE"), "capture trace", "Begin with this frame, or time such as 2.5s";
+        "--to" capture.to Whole("PLACE"), "capture trace", "End with this frame, or before this time";
+        "--every" capture.every Whole("N"), "capture trace", "Show every Nth frame only";
         "--loop" capture.loop Nothing, "capture", "Begin again after the last file";
+        "--topic" capture.topic Text("TOPIC"), "capture trace", "Of a recording with several cameras, the images";
         "--follow" capture.follow Nothing, "capture", "Show each picture that comes into a folder";
     }
     "Camera" {
-        "--pixel-format" capture.pixel_format Text("CODE"), "capture snapshot", "Pixel format, such as yuyv or mjpg";
+        "--pixel-format" capture.pixel_format Text("CODE"), "capture snapshot trace", "Pixel format, such as yuyv or mjpg; raw: rgb8";
         "--io" capture.io Name("WAY", || names(&camera::IO)), "capture snapshot", "How frames come from the driver";
         "--control" capture.controls Control, "capture snapshot", "Set a control, such as exposure_auto=1";
         "--lock" capture.lock Nothing, "capture", "Hold exposure, white balance, gain and focus";
@@ -194,6 +195,28 @@ impl Flags {
     /// Whether this one is among them.
     pub(crate) fn has(&self, flag: &str) -> bool {
         self.given.iter().any(|given| given.flag == flag)
+    }
+
+    /// All but these.
+    pub(crate) fn without(&self, flags: &[&str]) -> Self {
+        let given = self.given.iter();
+        let others = given.filter(|given| !flags.contains(&given.flag));
+        Self {
+            config: self.config.clone(),
+            given: others.cloned().collect(),
+        }
+    }
+
+    /// These, and a source.
+    pub(crate) fn with_source(&self, path: &Path) -> Self {
+        let mut flags = self.clone();
+        let path = path.to_string_lossy().into_owned();
+        flags.given.push(Given {
+            flag: "--source",
+            typed: vec![path.clone()],
+            value: Value::Array(vec![Value::String(path)]),
+        });
+        flags
     }
 
     /// As words of a command line, for the processes of a chain.

@@ -5,10 +5,10 @@ use std::num::NonZeroU64;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use lariat_capture::Position;
+use lariat_capture::{Position, names_a_recording};
 use toml::Value;
 
-use crate::settings::{Capture, duration, meaning};
+use crate::settings::{Capture, camera, duration, meaning};
 
 /// A place in a sequence: a frame's number, or a time from its beginning.
 pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
@@ -61,20 +61,20 @@ enum Kind {
     Rendered,
     Simulated,
     Camera,
-    External,
     Files,
+    Pipe,
 }
 
 impl Kind {
     fn of(capture: &Capture) -> Self {
         if capture.is_camera() {
             Self::Camera
+        } else if capture.is_piped() {
+            Self::Pipe
         } else if capture.source[..] == [PathBuf::from("rendered")] {
             Self::Rendered
         } else if capture.is_simulated() {
             Self::Simulated
-        } else if capture.is_external() {
-            Self::External
         } else {
             Self::Files
         }
@@ -85,19 +85,20 @@ impl Kind {
             Self::Rendered => "the rendered rope",
             Self::Simulated => "the simulated rope",
             Self::Camera => "a camera",
-            Self::External => "a program of your own",
             Self::Files => "pictures and videos",
+            Self::Pipe => "standard input",
         }
     }
 }
 
 /// The settings that are of one kind of source alone.
-const OF_ONE_KIND: [(&str, Kind); 10] = [
+const OF_ONE_KIND: [(&str, Kind); 11] = [
     ("from", Kind::Files),
     ("to", Kind::Files),
     ("every", Kind::Files),
     ("loop", Kind::Files),
     ("follow", Kind::Files),
+    ("topic", Kind::Files),
     ("pixel_format", Kind::Camera),
     ("io", Kind::Camera),
     ("controls", Kind::Camera),
@@ -108,7 +109,10 @@ const OF_ONE_KIND: [(&str, Kind); 10] = [
 /// The settings of `[capture]` that mean nothing for its source, each with a sentence.
 pub(super) fn meaningless(capture: &Capture) -> impl Iterator<Item = (&'static str, String)> {
     let kind = Kind::of(capture);
-    let others = OF_ONE_KIND.into_iter().filter(move |(_, of)| *of != kind);
+    let fits = move |name: &str, of| of == kind || (name == "pixel_format" && kind == Kind::Pipe);
+    let others = OF_ONE_KIND
+        .into_iter()
+        .filter(move |(name, of)| !fits(name, *of));
     others.map(move |(name, of)| {
         let why = format!("it is for {}, and the source is {}", of.name(), kind.name());
         (name, why)
@@ -117,6 +121,34 @@ pub(super) fn meaningless(capture: &Capture) -> impl Iterator<Item = (&'static s
 
 /// What cannot be had together: the setting, and a sentence.
 pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)> {
+    let is_recording = matches!(&capture.source[..], [path] if names_a_recording(path));
+    if capture.topic.is_some() && !is_recording {
+        return Some((
+            "topic",
+            "it chooses among the images of a recording: name one (.mcap) as the source".to_owned(),
+        ));
+    }
+    if let Some(name) = capture.camera.pixel_format {
+        let named = camera::pixel_format_value(Some(name));
+        if capture.is_camera() && name.code.is_none() {
+            return Some((
+                "pixel_format",
+                format!("{named} is none of a camera's codes: `lariat devices` lists them"),
+            ));
+        }
+        if capture.is_piped() && name.raw.is_none() {
+            return Some((
+                "pixel_format",
+                format!("raw frames are in {}, not in {named}", camera::raw_names()),
+            ));
+        }
+    }
+    if capture.is_piped() && capture.size.is_some() != capture.camera.pixel_format.is_some() {
+        return Some((
+            if capture.size.is_some() { "size" } else { "pixel_format" },
+            "raw frames on standard input need both, size and pixel format; a Y4M video needs neither".to_owned(),
+        ));
+    }
     if !capture.follow {
         return None;
     }

@@ -168,9 +168,9 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "source",
-        about: "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), \"external\" (frames that a program of\n\
-                yours writes), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
-                stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them.",
+        about: "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
+                stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them. \"-\": standard input, a\n\
+                Y4M video, or frames as they are (then size and pixel_format say what they are).",
         example: "",
         set: |s, v| meaning::paths(v).map(|paths| s.capture.source = paths),
         get: |s| {
@@ -183,7 +183,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "fps",
-        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, as a recording was made, 30 of all else.",
+        about: "Frames per second, or \"max\". \"auto\": as many as a camera has, as a video or a recording was made, as they come on\n\
+                standard input, 30 of all else.",
         example: "",
         set: |s, v| meaning::fps(v).map(|fps| s.capture.fps = fps),
         get: |s| Some(meaning::fps_value(s.capture.fps)),
@@ -256,8 +257,17 @@ pub(super) const KEYS: &[Key] = &[
     },
     Key {
         section: "capture",
+        name: "topic",
+        about: "Which images of a recording are shown, if it has those of several cameras; `lariat info` lists them.",
+        example: "\"/left/image_raw\"",
+        set: |s, v| meaning::text(v).map(|text| s.capture.topic = Some(text.to_owned())),
+        get: |s| s.capture.topic.clone().map(Value::String),
+    },
+    Key {
+        section: "capture",
         name: "pixel_format",
-        about: "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.",
+        about: "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.\n\
+                Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, yuyv, uyvy, nv12, gray16, bayer_rggb8, ...",
         example: "",
         set: |s, v| camera::pixel_format(v).map(|code| s.capture.camera.pixel_format = code),
         get: |s| Some(camera::pixel_format_value(s.capture.camera.pixel_format)),

@@ -2,13 +2,14 @@
 
 mod arrangement;
 mod blank;
+mod cameras;
 mod curves;
 mod deaths;
-mod external;
 mod frames;
 mod fused;
 mod masks;
 mod outputs;
+mod piped;
 mod rig;
 mod simulated;
 mod sources;

@@ -74,9 +74,6 @@ impl Bench {
         let ids = ["capture", "extract", "fit", "sink"].map(|stage| {
             // Before it stages may have said something of themselves.
             let line = introduction.lines().last().expect("a line");
-            if stage == "capture" && line.contains("external →") {
-                return 0;
-            }
             let mut words = line.split_whitespace().skip_while(|word| *word != stage);
             words
                 .nth(1)
@@ -161,7 +158,7 @@ pub(crate) struct Running {
     stderr: BufReader<std::process::ChildStderr>,
     /// What it said before the stages were up.
     pub(crate) introduction: String,
-    /// capture (0 if frames come from elsewhere), extract, fit, sink.
+    /// capture, extract, fit, sink.
     pub(crate) ids: [i32; 4],
 }
 

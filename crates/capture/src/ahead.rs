@@ -41,7 +41,7 @@ impl Layout {
         self.format.image_bytes(self.stride, self.height)
     }
 
-    fn frame(self, sequence: u64) -> Frame {
+    pub(crate) fn frame(self, sequence: u64) -> Frame {
         let Self {
             width,
             height,

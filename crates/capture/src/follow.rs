@@ -17,8 +17,8 @@ use lariat_wire::{SourceKind, now_ns};
 use rustix::event::PollFlags;
 
 use crate::ahead::Layout;
-use crate::picture::{PictureDecoder, probe};
-use crate::pictures::{is_named_as_picture, pictures_in};
+use crate::picture::{PictureDecoder, names_a_picture, probe};
+use crate::pictures::pictures_in;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 use folder::{Event, Folder};
@@ -146,7 +146,7 @@ impl Follow {
 
     /// Notes a picture, if it is one that is shown.
     fn note(&mut self, path: PathBuf, came_ns: Option<u64>) {
-        if is_named_as_picture(&path) {
+        if names_a_picture(&path) {
             if self.came.is_multiple_of(self.every) {
                 self.waiting.push_back(Waiting { path, came_ns });
             }

@@ -15,6 +15,7 @@ mod orientation;
 mod pace;
 mod picture;
 mod pictures;
+mod piped;
 mod range;
 mod recorded;
 mod rendered;
@@ -24,6 +25,7 @@ mod source;
 mod until;
 mod v4l2;
 mod video;
+mod y4m;
 mod yuv;
 
 pub use follow::FollowOptions;
@@ -32,7 +34,8 @@ pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{FileOptions, Source, names_a_recording, open};
 pub use pace::{Pace, PaceError, Pacer};
-pub use picture::StillPicture;
+pub use picture::{PICTURES, StillPicture, names_a_picture};
+pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
 pub use recorded::RecordingOptions;
 pub use rendered::RenderOptions;
@@ -44,3 +47,4 @@ pub use v4l2::{
     DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
     SizeOffer, SizeRange, list_cameras, names_a_camera,
 };
+pub use video::video_fps;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::follow::{Follow, FollowOptions};
 use crate::pictures::open_pictures;
+use crate::piped::{PipeOptions, Piped};
 use crate::range::Range;
 use crate::recorded::{RecordingOptions, open_recording};
 use crate::rendered::{RenderOptions, Rendered};
@@ -21,7 +22,7 @@ pub enum Source {
     /// A rope that is simulated in real time; it rests if it is opened without commands
     /// ([`open_simulated`](crate::open_simulated)).
     Simulated(SimulatedOptions),
-    /// Pictures (PNG, JPEG), folders of pictures, or one Y4M video.
+    /// Pictures ([`PICTURES`](crate::PICTURES)), folders of pictures, or one Y4M video.
     Paths {
         /// Shown in this order; the pictures of a folder in natural order.
         paths: Vec<PathBuf>,
@@ -32,10 +33,10 @@ pub enum Source {
     Recording(RecordingOptions),
     /// A folder of pictures, and each picture that is put into it.
     Followed(FollowOptions),
+    /// Standard input.
+    StandardInput(PipeOptions),
     /// A camera.
     Camera(CameraOptions),
-    /// A program of the user's, which writes frames into the chain itself: there is nothing to open.
-    External,
 }
 
 /// How a sequence of files is shown.
@@ -50,7 +51,7 @@ pub struct FileOptions {
 }
 
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, `external` a program of the user's, a name that ends in `.mcap` a
+    /// The source that these words name: `rendered` alone is the rendered rope, a name that ends in `.mcap` a
     /// recording, anything else is paths (a folder of the name `rendered` is `./rendered`).
     pub fn named<P: AsRef<Path>>(
         names: &[P],
@@ -60,11 +61,11 @@ impl Source {
         match names {
             [name] if names_a_recording(name.as_ref()) => Self::Recording(RecordingOptions {
                 path: name.as_ref().to_owned(),
+                topic: None,
                 range: options.range,
                 looped: options.looped,
             }),
             [name] if name.as_ref() == Path::new("rendered") => Self::Rendered(rendered),
-            [name] if name.as_ref() == Path::new("external") => Self::External,
             _ => Self::Paths {
                 paths: names.iter().map(|name| name.as_ref().to_owned()).collect(),
                 options,
@@ -84,8 +85,8 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
         Source::Simulated(options) => Ok(Box::new(Simulated::new(options, Box::new(|| None))?)),
         Source::Recording(options) => Ok(Box::new(open_recording(options)?)),
         Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
+        Source::StandardInput(options) => Ok(Box::new(Piped::standard_input(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),
-        Source::External => Err(SourceError::External),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, options } => match paths.iter().find(|path| is_video(path)) {
             None => Ok(Box::new(open_pictures(paths, options)?)),

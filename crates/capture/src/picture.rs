@@ -17,6 +17,23 @@ const LARGEST_BYTES: u64 = 1 << 30;
 /// Enough of a file for its size to be known, in all but odd cases.
 const HEAD_BYTES: u64 = 64 << 10;
 
+/// The pictures that can be shown, as words of a sentence.
+pub const PICTURES: &str = "PNG, JPEG, WebP, TIFF or BMP";
+/// How their names end.
+const ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "webp", "tif", "tiff", "bmp"];
+
+/// Whether a file is a picture by its name. Hidden files are not: some systems put a `._0001.png` that is no picture beside
+/// each `0001.png`.
+pub fn names_a_picture(path: &Path) -> bool {
+    let is_hidden = path
+        .file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    let known = |extension: &std::ffi::OsStr| {
+        (ENDINGS.iter()).any(|known| extension.eq_ignore_ascii_case(known))
+    };
+    !is_hidden && path.extension().is_some_and(known)
+}
+
 /// Whether a file that begins so is one that can be shown.
 pub(crate) fn is_picture(head: &[u8]) -> bool {
     format_of(head).is_some()
@@ -24,7 +41,8 @@ pub(crate) fn is_picture(head: &[u8]) -> bool {
 
 fn format_of(head: &[u8]) -> Option<ImageFormat> {
     let format = image::guess_format(head).ok()?;
-    matches!(format, ImageFormat::Png | ImageFormat::Jpeg).then_some(format)
+    use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
+    matches!(format, Png | Jpeg | WebP | Tiff | Bmp).then_some(format)
 }
 
 /// What a file's head says of its pixels; a sentence if it says nothing good.
@@ -57,7 +75,7 @@ fn decoder<'a>(
     path: &Path,
     bytes: &'a [u8],
 ) -> Result<(impl ImageDecoder + 'a, Layout, Orientation), String> {
-    let format = format_of(bytes).ok_or_else(|| broken(path, "it is neither PNG nor JPEG"))?;
+    let format = format_of(bytes).ok_or_else(|| broken(path, format!("it is no {PICTURES}")))?;
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let mut decoder = decoder.map_err(|error| broken(path, error))?;
     // A damaged note beside the pixels does not spoil them.
@@ -108,7 +126,7 @@ pub struct StillPicture {
 }
 
 impl StillPicture {
-    /// Reads a PNG or JPEG, whatever its name says.
+    /// Reads a picture file ([`PICTURES`]), whatever its name says.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.

@@ -9,7 +9,7 @@ use lariat_wire::SourceKind;
 use crate::ahead::{Ahead, Decode, Plan, Step};
 use crate::natural::natural_order;
 use crate::open::FileOptions;
-use crate::picture::{PictureDecoder, is_picture, probe};
+use crate::picture::{PICTURES, PictureDecoder, is_picture, names_a_picture, probe};
 use crate::range::Frames;
 use crate::source::SourceError;
 
@@ -34,7 +34,7 @@ pub(crate) fn open_pictures(
             let mut head = Vec::new();
             let file = File::open(path).map_err(unreadable)?;
             file.take(16).read_to_end(&mut head).map_err(unreadable)?;
-            if !is_picture(&head) && !is_named_as_picture(path) {
+            if !is_picture(&head) && !names_a_picture(path) {
                 return Err(SourceError::NotAPicture { path: path.clone() });
             }
             files.push(path.clone());
@@ -98,7 +98,7 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
     let plural = if ignored == 1 { "file" } else { "files" };
     Ok((ignored > 0).then(|| {
         format!(
-            "left out {ignored} {plural} of {} that are not PNG or JPEG by their names",
+            "left out {ignored} {plural} of {} that are not {PICTURES} by their names",
             folder.display()
         )
     }))
@@ -113,7 +113,7 @@ pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
         if path.is_dir() {
             continue;
         }
-        if is_named_as_picture(&path) {
+        if names_a_picture(&path) {
             found.push(path);
         } else {
             ignored += 1;
@@ -125,19 +125,6 @@ pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
         natural_order(a.as_encoded_bytes(), b.as_encoded_bytes())
     });
     Ok((found, ignored))
-}
-
-/// Hidden files are not: some systems put a `._0001.png` that is no picture beside each `0001.png`.
-pub(crate) fn is_named_as_picture(path: &Path) -> bool {
-    let is_hidden = path
-        .file_name()
-        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-    let known = |extension: &std::ffi::OsStr| {
-        ["png", "jpg", "jpeg"]
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-    };
-    !is_hidden && path.extension().is_some_and(known)
 }
 
 struct Pictures {

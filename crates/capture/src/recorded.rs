@@ -21,6 +21,8 @@ use lookahead::Lookahead;
 pub struct RecordingOptions {
     /// The file.
     pub path: PathBuf,
+    /// The topic whose images are shown; needed only where there are those of several cameras.
+    pub topic: Option<String>,
     /// Numbers are frames' places among those that were recorded; times count from the beginning. Of what is left each
     /// how-manieth *moment* of the source is shown, so that a frame that was lost then is not made up for by its neighbour.
     pub range: Range,
@@ -35,7 +37,17 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
         path: path.clone(),
         what: with_causes(error),
     };
-    let recording = Recording::open(path).map_err(|error| unfit(&error))?;
+    let recording = Recording::open_topic(path, options.topic.as_deref());
+    let recording = recording.map_err(|error| unfit(&error))?;
+    if let (None, [_, _, ..]) = (&options.topic, recording.cameras()) {
+        return Err(SourceError::Recording {
+            path: path.clone(),
+            what: format!(
+                "it has images of several cameras, on {}: choose one with --topic",
+                recording.cameras().join(", ")
+            ),
+        });
+    }
     let topics = recording.topics().map_err(|error| unfit(&error))?;
     let images = topics
         .iter()

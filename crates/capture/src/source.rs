@@ -7,6 +7,7 @@ use std::time::Duration;
 use lariat_wire::{Centerlines, PixelFormat, SourceKind};
 
 use crate::lent::{LentSlot, SlotKey};
+use crate::picture::PICTURES;
 use crate::until::Until;
 use crate::v4l2::CameraError;
 
@@ -153,11 +154,6 @@ pub enum SourceError {
         "no source was named: say `rendered`, `simulated`, or the path of a picture, a folder of pictures or a .y4m video"
     )]
     Unnamed,
-    /// Frames from outside are a chain's alone.
-    #[error(
-        "frames of the source external go straight into a chain: start it with `lariat run --source external`, and the program that writes them beside it"
-    )]
-    External,
     /// A rope that cannot be simulated.
     #[error(transparent)]
     Simulated(#[from] lariat_simulation::OptionsError),
@@ -176,7 +172,7 @@ pub enum SourceError {
         error: io::Error,
     },
     /// A folder without a picture.
-    #[error("the folder {} holds no PNG or JPEG file (but {ignored} others): name a folder that holds the pictures itself, not in folders of its own", path.display())]
+    #[error("the folder {} holds no picture ({PICTURES}; but {ignored} other files): name a folder that holds the pictures itself, not in folders of its own", path.display())]
     NoPictures {
         /// The folder.
         path: PathBuf,
@@ -198,7 +194,7 @@ pub enum SourceError {
         error: io::Error,
     },
     /// A file of another kind.
-    #[error("{} is no PNG or JPEG picture and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
+    #[error("{} is no picture ({PICTURES}) and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
     NotAPicture {
         /// The file.
         path: PathBuf,
@@ -220,6 +216,12 @@ pub enum SourceError {
     Video {
         /// The video.
         path: PathBuf,
+        /// What is wrong with it, and what would be right.
+        what: String,
+    },
+    /// What comes out of a pipe cannot be shown.
+    #[error("cannot take frames from standard input: {what}")]
+    Pipe {
         /// What is wrong with it, and what would be right.
         what: String,
     },

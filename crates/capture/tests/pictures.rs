@@ -355,20 +355,20 @@ fn what_cannot_be_shown_is_refused_before_the_first_frame() {
     fs::write(at("empty/readme.md"), "").unwrap();
     let empty = refusal(open_paths(&[at("empty")], false));
     assert!(
-        empty.contains("holds no PNG or JPEG file (but 1 others)"),
+        empty.contains("holds no picture (PNG, JPEG, WebP, TIFF or BMP; but 1 other files)"),
         "{empty}"
     );
 
     fs::write(at("text.txt"), "words").unwrap();
     let text = refusal(open_paths(&[at("text.txt")], false));
     assert!(
-        text.contains("text.txt is no PNG or JPEG picture"),
+        text.contains("text.txt is no picture (PNG, JPEG, WebP, TIFF or BMP)"),
         "{text}"
     );
 
     fs::write(at("text.png"), "words").unwrap();
     let disguised = refusal(open_paths(&[at("text.png")], false));
-    assert!(disguised.contains("neither PNG nor JPEG"), "{disguised}");
+    assert!(disguised.contains("it is no PNG, JPEG"), "{disguised}");
 
     write_grey(&at("cut.png"), 7);
     truncate(&at("cut.png"), 70);

@@ -1,0 +1,468 @@
+//! Frames out of a pipe, mostly standard input: a Y4M video, or frames as they are, one behind the other.
+//!
+//! A pipe is live: unless a pace is asked for, a frame was taken ("exposed") when the last of it came. It is read where frames are
+//! waited for, so that a writer that stands still keeps nobody from being stopped, and no faster than frames are asked for.
+
+use std::fs::File;
+use std::io::{self, IsTerminal, Read};
+use std::os::fd::AsFd;
+
+use lariat_wire::{PixelFormat, SourceKind, now_ns};
+use rustix::event::PollFlags;
+
+use crate::ahead::Layout;
+use crate::source::{Frame, FrameSource, Next, SourceError};
+use crate::until::{Until, Woken};
+use crate::y4m::{FRAME, Head, LARGEST_SIDE, LINE_BYTES, MAGIC, begins_frame};
+
+/// How a pipe is read.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PipeOptions {
+    /// What frames without any words between them are; without it, a Y4M video is expected.
+    pub raw: Option<RawFrames>,
+    /// Whether frames are shown at a pace that somebody else says, not when they come.
+    pub paced: bool,
+}
+
+/// Frames as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RawFrames {
+    /// Width and height, px.
+    pub size: [u32; 2],
+    /// How bytes make pixels; rows have no padding.
+    pub format: PixelFormat,
+}
+
+impl RawFrames {
+    fn layout(self) -> Result<Layout, SourceError> {
+        let ([width, height], format) = (self.size, self.format);
+        let refuse = |what: String| SourceError::Pipe { what };
+        let sides = 1..=LARGEST_SIDE as u32;
+        if !(sides.contains(&width) && sides.contains(&height)) {
+            return Err(refuse(format!(
+                "{width}x{height} is no size of frames: sides are from 1 to {LARGEST_SIDE}"
+            )));
+        }
+        let is_shared = matches!(
+            format,
+            PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12
+        );
+        let is_odd = width % 2 == 1 || (height % 2 == 1 && format == PixelFormat::Nv12);
+        if is_shared && is_odd {
+            return Err(refuse(format!(
+                "pixels of {} share their color in pairs, and {width}x{height} is odd: send even sizes",
+                format.name()
+            )));
+        }
+        Ok(Layout {
+            width,
+            height,
+            stride: format.row_bytes(width) as u32,
+            format,
+        })
+    }
+}
+
+/// What is being read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Part {
+    /// A video's first line.
+    Head,
+    /// The line before a frame.
+    Line(Head),
+    /// A frame's planes.
+    Planes(Head),
+    /// A frame as it is.
+    Raw(Layout),
+}
+
+/// A pipe that is read.
+pub(crate) struct Piped {
+    pipe: File,
+    paced: bool,
+    part: Part,
+    /// The part: this much of it is there, and so much is needed to go on.
+    bytes: Vec<u8>,
+    have: usize,
+    need: usize,
+    sequence: u64,
+    has_ended: bool,
+}
+
+impl Piped {
+    /// Standard input.
+    pub(crate) fn standard_input(options: &PipeOptions) -> Result<Self, SourceError> {
+        let input = io::stdin();
+        let refuse = |what: &dyn std::fmt::Display| SourceError::Pipe {
+            what: what.to_string(),
+        };
+        if input.is_terminal() {
+            return Err(refuse(
+                &"it is a terminal: send frames into it (ffmpeg -i IN -f yuv4mpegpipe - | lariat …)",
+            ));
+        }
+        let own = input.as_fd().try_clone_to_owned();
+        let own = own.map_err(|error| refuse(&error))?;
+        Self::new(own.into(), options)
+    }
+
+    pub(crate) fn new(pipe: File, options: &PipeOptions) -> Result<Self, SourceError> {
+        let (part, need) = match options.raw {
+            None => (Part::Head, MAGIC.len()),
+            Some(raw) => {
+                let layout = raw.layout()?;
+                (Part::Raw(layout), layout.bytes())
+            }
+        };
+        Ok(Self {
+            pipe,
+            paced: options.paced,
+            part,
+            bytes: Vec::new(),
+            have: 0,
+            need,
+            sequence: 0,
+            has_ended: false,
+        })
+    }
+
+    fn goes_on_with(&mut self, part: Part, need: usize) {
+        (self.part, self.have, self.need) = (part, 0, need);
+    }
+
+    /// Reads on as long as it is let; `None` when it is to stop, else whether there was more.
+    fn read(&mut self, until: &Until) -> io::Result<Option<bool>> {
+        let event = Some((self.pipe.as_fd(), PollFlags::IN));
+        if until.wait(event, None) == Woken::Interrupted {
+            return Ok(None);
+        }
+        if self.bytes.len() < self.need {
+            self.bytes.resize(self.need, 0);
+        }
+        match self.pipe.read(&mut self.bytes[self.have..self.need]) {
+            Ok(count) => {
+                self.have += count;
+                Ok(Some(count > 0))
+            }
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::Interrupted | io::ErrorKind::WouldBlock
+                ) =>
+            {
+                Ok(Some(true))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Takes what was waited for; a frame, if it is one.
+    fn take(&mut self) -> Result<Option<Layout>, SourceError> {
+        let there = &self.bytes[..self.have];
+        let refuse = |what: &str| SourceError::Pipe {
+            what: what.to_owned(),
+        };
+        match self.part {
+            Part::Raw(layout) => return Ok(Some(layout)),
+            Part::Planes(head) => return Ok(Some(head.layout)),
+            Part::Head => {
+                if !there.starts_with(MAGIC) {
+                    return Err(refuse(&stranger(there)));
+                }
+                if there.ends_with(b"\n") || self.have >= LINE_BYTES {
+                    let head = Head::of(there).map_err(refuse)?;
+                    self.goes_on_with(Part::Line(head), FRAME.len());
+                } else {
+                    self.need += 1;
+                }
+            }
+            Part::Line(head) => {
+                if begins_frame(there) {
+                    self.goes_on_with(Part::Planes(head), head.plane_bytes());
+                } else if there.starts_with(b"FRAME ") && self.have < LINE_BYTES {
+                    self.need += 1;
+                } else {
+                    let frame = self.sequence + 1;
+                    return Err(SourceError::Pipe {
+                        what: format!(
+                            "frame {frame} does not begin with `FRAME`: bytes before it are missing, or too many"
+                        ),
+                    });
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// There is nothing more to read.
+    fn end(&mut self) -> Result<Next, SourceError> {
+        self.has_ended = true;
+        let is_between = match self.part {
+            Part::Raw(_) | Part::Line(_) => self.have == 0,
+            Part::Head | Part::Planes(_) => false,
+        };
+        if is_between && self.sequence > 0 {
+            return Ok(Next::End);
+        }
+        let frame = self.sequence + 1;
+        let what = match self.part {
+            _ if is_between => "it ended before the first frame".to_owned(),
+            Part::Head if self.have == 0 => "it ended before anything came".to_owned(),
+            Part::Head => "it ended in the first line of its Y4M video".to_owned(),
+            Part::Raw(layout) => format!(
+                "it ended in frame {frame}, after {} of {} bytes: the writer broke off, or its frames are no {}x{} {}",
+                self.have,
+                layout.bytes(),
+                layout.width,
+                layout.height,
+                layout.format.name()
+            ),
+            Part::Line(_) | Part::Planes(_) => {
+                format!("it ended in the middle of frame {frame}: the writer broke off")
+            }
+        };
+        Err(SourceError::Pipe { what })
+    }
+}
+
+impl FrameSource for Piped {
+    fn kind(&self) -> SourceKind {
+        SourceKind::Video
+    }
+
+    fn largest_frame_bytes(&self) -> usize {
+        match self.part {
+            Part::Head => 0,
+            Part::Line(head) | Part::Planes(head) => head.layout.bytes(),
+            Part::Raw(layout) => layout.bytes(),
+        }
+    }
+
+    fn advance(&mut self, until: &Until) -> Result<Next, SourceError> {
+        if self.has_ended {
+            return Ok(Next::End);
+        }
+        // What was there is shown.
+        if self.have == self.need {
+            match self.part {
+                Part::Planes(head) => self.goes_on_with(Part::Line(head), FRAME.len()),
+                part => self.goes_on_with(part, self.need),
+            }
+        }
+        loop {
+            if self.have == self.need {
+                let taken = self.take();
+                self.has_ended = taken.is_err();
+                if let Some(layout) = taken? {
+                    self.sequence += 1;
+                    let exposed_ns = (!self.paced).then(now_ns);
+                    return Ok(Next::Frame(Frame {
+                        exposed_ns,
+                        ..layout.frame(self.sequence)
+                    }));
+                }
+                continue;
+            }
+            match self.read(until) {
+                Ok(None) => return Ok(Next::Nothing),
+                Ok(Some(true)) => {}
+                Ok(Some(false)) => return self.end(),
+                Err(error) => {
+                    self.has_ended = true;
+                    return Err(SourceError::Pipe {
+                        what: error.to_string(),
+                    });
+                }
+            }
+        }
+    }
+
+    fn write(&mut self, pixels: &mut [u8]) {
+        match self.part {
+            Part::Planes(head) if pixels.len() == head.layout.bytes() => {
+                head.write(&self.bytes[..self.have], pixels);
+            }
+            _ => {
+                let count = pixels.len().min(self.have);
+                pixels[..count].copy_from_slice(&self.bytes[..count]);
+            }
+        }
+    }
+}
+
+/// What else it may be that begins so, and what to do.
+fn stranger(begin: &[u8]) -> String {
+    let known: [(usize, &[u8], &str); 12] = [
+        (0, b"\x1a\x45\xdf\xa3", "a Matroska or WebM video"),
+        (4, b"ftyp", "an MP4 or MOV video"),
+        (0, b"RIFF", "a RIFF file, such as an AVI video"),
+        (0, b"OggS", "an Ogg video"),
+        (0, b"FLV", "a Flash video"),
+        (0, b"\x47", "an MPEG transport stream"),
+        (0, b"\x00\x00\x01", "an MPEG or H.264 stream"),
+        (0, b"\x00\x00\x00\x01", "an H.264 or H.265 stream"),
+        (0, b"\x89PNG", "a PNG picture"),
+        (0, b"\xff\xd8\xff", "a JPEG picture, or a stream of them"),
+        (0, b"GIF8", "a GIF"),
+        (0, b"\x89MCAP", "a recording: name its file with --source"),
+    ];
+    let is_it = |(at, mark, _): &&(usize, &[u8], &str)| {
+        begin
+            .get(*at..)
+            .is_some_and(|begin| begin.starts_with(mark))
+    };
+    match known.iter().find(is_it) {
+        Some((.., what)) if what.contains("recording") => format!("it is {what}"),
+        Some((.., what)) => format!(
+            "it is {what}, not a Y4M video: let ffmpeg unpack it first \
+             (… | ffmpeg -i - -f yuv4mpegpipe -pix_fmt yuv420p - | lariat …)"
+        ),
+        None => "it is no Y4M video: send one (ffmpeg -i IN -f yuv4mpegpipe -pix_fmt yuv420p - | lariat …), or say what its \
+                 frames are with --size and --pixel-format"
+            .to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+    use std::os::fd::OwnedFd;
+
+    use super::*;
+
+    /// A pipe, and the end to write into.
+    fn pipe(raw: Option<RawFrames>, paced: bool) -> (Piped, File) {
+        let (out, into) = rustix::pipe::pipe().expect("a pipe");
+        let [out, into] = [out, into].map(|end: OwnedFd| File::from(end));
+        let options = PipeOptions { raw, paced };
+        (Piped::new(out, &options).expect("frames"), into)
+    }
+
+    fn pixels(piped: &mut Piped, frame: &Frame) -> Vec<u8> {
+        let mut pixels = vec![0xA5; frame.bytes()];
+        piped.write(&mut pixels);
+        pixels
+    }
+
+    /// What it says when it is given these bytes, after so many frames.
+    fn refusal(raw: Option<RawFrames>, bytes: &[u8], frames: u64) -> String {
+        let (mut piped, mut into) = pipe(raw, false);
+        into.write_all(bytes).unwrap();
+        drop(into);
+        for sequence in 1..=frames {
+            assert_eq!(piped.next().unwrap().unwrap().sequence, sequence);
+        }
+        let said = piped.next().unwrap_err().to_string();
+        assert_eq!(piped.next().unwrap(), None, "an error is an end");
+        said
+    }
+
+    const TWO: RawFrames = RawFrames {
+        size: [2, 1],
+        format: PixelFormat::Rgb8,
+    };
+
+    #[test]
+    fn frames_come_out_as_they_are_put_in_however_they_are_cut() {
+        let video = b"YUV4MPEG2 W4 H2 F25:1 C420\nFRAME\nabcdefghuUvVFRAME Ip\nABCDEFGHuUvV";
+        for step in [1, 5, video.len()] {
+            let (mut piped, mut into) = pipe(None, false);
+            let writer = std::thread::spawn(move || {
+                video
+                    .chunks(step)
+                    .for_each(|part| into.write_all(part).unwrap());
+            });
+            for luma in [b"abcdefgh", b"ABCDEFGH"] {
+                let frame = piped.next().unwrap().unwrap();
+                assert_eq!((frame.width, frame.height), (4, 2));
+                assert_eq!(frame.format, PixelFormat::Nv12);
+                assert!(frame.exposed_ns.is_some() && frame.bytes() == piped.largest_frame_bytes());
+                assert_eq!(pixels(&mut piped, &frame), [&luma[..], b"uvUV"].concat());
+            }
+            assert_eq!(piped.next().unwrap(), None);
+            writer.join().unwrap();
+        }
+        let (mut piped, mut into) = pipe(Some(TWO), true);
+        into.write_all(b"rgbRGB").unwrap();
+        drop(into);
+        let frame = piped.next().unwrap().unwrap();
+        assert_eq!((frame.exposed_ns, frame.stride), (None, 6));
+        assert_eq!(pixels(&mut piped, &frame), b"rgbRGB");
+        assert_eq!(piped.next().unwrap(), None);
+    }
+
+    #[test]
+    fn a_writer_that_stands_still_is_not_waited_for_longer_than_wanted() {
+        let (mut piped, mut into) = pipe(Some(TWO), false);
+        let (mut stop_in, stop) = std::os::unix::net::UnixStream::pair().unwrap();
+        let until = Until::new(None, stop.as_fd());
+        into.write_all(b"rgbR").unwrap();
+        stop_in.write_all(&[1]).unwrap();
+        assert_eq!(piped.advance(&until).unwrap(), Next::Nothing);
+        into.write_all(b"GB").unwrap();
+        assert_eq!(piped.next().unwrap().unwrap().sequence, 1);
+    }
+
+    #[test]
+    fn what_breaks_off_is_said() {
+        let head = "YUV4MPEG2 W2 H1 Cmono\n";
+        for (text, frames, part) in [
+            ("", 0, "before anything came"),
+            ("YUV4MPEG2 W2", 0, "in the first line"),
+            (head, 0, "before the first frame"),
+            (
+                &format!("{head}FRAME\nabFRA"),
+                1,
+                "in the middle of frame 2",
+            ),
+            (
+                &format!("{head}FRAME\nabFRAME\nc"),
+                1,
+                "in the middle of frame 2",
+            ),
+            (
+                &format!("{head}FRAME\nabcFRAME\n"),
+                1,
+                "frame 2 does not begin",
+            ),
+            ("YUV4MPEG2 W2 H1 C420p10\n", 0, "8-bit 4:2:0"),
+        ] {
+            let said = refusal(None, text.as_bytes(), frames);
+            assert!(
+                said.contains("standard input") && said.contains(part),
+                "{said}"
+            );
+        }
+        let said = refusal(Some(TWO), b"rgbRGBrgb", 1);
+        assert!(said.contains("frame 2, after 3 of 6 bytes"), "{said}");
+    }
+
+    #[test]
+    fn what_is_no_video_is_named_with_the_way_to_make_it_one() {
+        for (begin, name) in [
+            (&b"\x1a\x45\xdf\xa3\x01\x00\x00\x00\x00\x00"[..], "Matroska"),
+            (b"\x00\x00\x00\x20ftypisom", "MP4"),
+            (b"RIFF1234AVI ", "AVI"),
+            (b"\xff\xd8\xff\xe0\x00\x10JFIF", "JPEG"),
+            (b"hello, world", "--pixel-format"),
+        ] {
+            let said = refusal(None, begin, 0);
+            assert!(said.contains(name) && said.contains("ffmpeg"), "{said}");
+        }
+    }
+
+    #[test]
+    fn frames_of_no_size_and_half_a_pair_are_refused() {
+        for (size, format) in [
+            ([0, 1], PixelFormat::Gray8),
+            ([99_999, 1], PixelFormat::Gray8),
+            ([3, 2], PixelFormat::Yuyv),
+            ([2, 3], PixelFormat::Nv12),
+        ] {
+            let raw = Some(RawFrames { size, format });
+            let (out, _into) = rustix::pipe::pipe().expect("a pipe");
+            let opened = Piped::new(out.into(), &PipeOptions { raw, paced: false });
+            assert!(opened.is_err(), "{size:?} {format:?}");
+        }
+    }
+}
