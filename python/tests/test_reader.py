@@ -111,8 +111,8 @@ def test_a_coarse_curve_and_a_doubtful_rope_are_not_fresh(states: States, reader
         assert wait_new(accepts).only_rope(ANY_AGE).or_raise().fit == "coarse"
     states.send("doubtful")
     match wait_new(reader).only_rope(ANY_AGE):
-        case lariat.Unsure(rope, why):
-            assert why == "no-rope" and rope.fit == "not judged"
+        case lariat.Unsure(doubted, why):
+            assert why == "no-rope" and doubted.fit == "not judged"
         case other:
             pytest.fail(str(other))
 

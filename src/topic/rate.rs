@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use lariat_sink::{Arrival, Figure, Ledger, Lost};
-use lariat_wire::{Rig, Trace};
+use lariat_wire::{Descriptors, FitQuality, Rig, Status, Trace};
 use serde::Serialize;
 
 use super::ChannelName;
@@ -100,6 +100,40 @@ struct Intervals {
     squares_s2: f64,
     shortest_ns: Option<u64>,
     longest_ns: Option<u64>,
+    unsure: Unsure,
+}
+
+/// Ropes in messages of descriptors that no loop should steer by.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct Unsure {
+    /// Whose curve does not lie on them.
+    coarse: u64,
+    /// That may be none.
+    doubtful: u64,
+}
+
+impl Unsure {
+    fn add(&mut self, shapes: &Descriptors) {
+        for rope in shapes.curves() {
+            self.coarse += u64::from(rope.fit() == Some(FitQuality::Coarse));
+            self.doubtful += u64::from(rope.status() == Some(Status::Doubtful));
+        }
+    }
+
+    /// As a line; nothing if all are well.
+    fn line(self) -> String {
+        match self {
+            Self {
+                coarse: 0,
+                doubtful: 0,
+            } => String::new(),
+            Self { coarse, doubtful } => {
+                format!(
+                    "           ropes in these: {coarse} with a coarse curve, {doubtful} doubtful\n"
+                )
+            }
+        }
+    }
 }
 
 impl Rate {
@@ -149,6 +183,7 @@ impl Rate {
                 extract: lost.extract - before.extract,
                 here: lost.fit - before.fit,
             },
+            ropes: (self.channel == ChannelName::Descriptors).then_some(seen.unsure),
         }
     }
 }
@@ -164,6 +199,8 @@ struct Figures<'a> {
     hz: Option<f64>,
     interval_ms: Spread,
     lost: LostHere,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ropes: Option<Unsure>,
 }
 
 /// Of the intervals between messages.
@@ -203,6 +240,9 @@ impl Meter for Rate {
         let step = self.pace.step(self.channel, trace);
         let seen = &mut self.interval;
         seen.messages += 1;
+        if let Any::Descriptors(shapes) = message {
+            seen.unsure.add(shapes);
+        }
         if let Some((sent, ns)) = step {
             seen.sent += sent;
             seen.span_ns += ns;
@@ -239,7 +279,7 @@ impl Meter for Rate {
             let hz = Some(figures.hz.unwrap_or(0.0));
             let spread = [hz, mean, min, max, jitter].map(|figure| Figure(figure).to_string());
             let lost = [source, capture, extract, here].map(|count| count.to_string());
-            self.table.lines(spread.into_iter().chain(lost))
+            self.table.lines(spread.into_iter().chain(lost)) + &self.interval.unsure.line()
         };
         self.lost_before = self.ledger.lost();
         self.interval = Intervals::default();
@@ -250,7 +290,7 @@ impl Meter for Rate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lariat_wire::{Centerlines, Descriptors};
+    use lariat_wire::Centerlines;
 
     fn shape(sequence: u64, captured: u64, extracted: u64, fitted: u64, ms: u64) -> Descriptors {
         let mut message = Descriptors::EMPTY;
@@ -304,6 +344,27 @@ mod tests {
         assert_eq!(counts, [2, 3, 1, 2].map(Some));
         rate.report(&Rig::default(), true).expect("JSON");
         assert_eq!(figures(&rate)["lost"]["source"], 0);
+    }
+
+    #[test]
+    fn coarse_curves_and_doubtful_ropes_are_counted_until_the_report() {
+        let mut rate = Rate::new(ChannelName::Descriptors);
+        let mut message = shape(1, 1, 1, 1, 10);
+        message.count = 2;
+        message.curves[0].fit = FitQuality::Coarse as u32;
+        message.curves[1].status = Status::Doubtful as u32;
+        rate.see(Any::Descriptors(&message), 0).expect("seen");
+        message.trace = shape(2, 2, 2, 2, 20).trace;
+        message.count = 1;
+        rate.see(Any::Descriptors(&message), 0).expect("seen");
+        assert_eq!(figures(&rate)["ropes"]["doubtful"], 1);
+        let text = rate.report(&Rig::default(), false).expect("text");
+        assert!(
+            text.ends_with("2 with a coarse curve, 1 doubtful\n"),
+            "{text}"
+        );
+        let text = rate.report(&Rig::default(), false).expect("text");
+        assert!(!text.contains("coarse"), "{text}");
     }
 
     #[test]

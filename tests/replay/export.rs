@@ -15,10 +15,10 @@ fn control_points_are_a_table() {
         ("sequence", "track", "y8")
     );
     let rows: Vec<_> = rows.collect();
-    assert_eq!(rows.len(), 50);
+    assert_eq!(rows.len(), 43);
     assert!(rows.iter().all(|row| row.len() == head.len()));
     assert_eq!((rows[6][0], rows[6][4], rows[6][6]), ("7", "ok", "bezier"));
-    let x: f64 = rows[6][14].parse().unwrap();
+    let x: f64 = rows[6][15].parse().unwrap();
     assert!((0.0..144.0).contains(&x));
 }
 
@@ -51,7 +51,7 @@ fn descriptors_are_lines_of_json_to_the_last_digit() {
         .nth(3)
         .unwrap()
         .split(',')
-        .nth(14)
+        .nth(15)
         .unwrap()
         .parse()
         .unwrap();
@@ -114,10 +114,10 @@ fn a_video_and_pictures_show_the_frames_again() {
 fn what_fails_leaves_no_file() {
     let place = Place::new();
     for format in ["csv", "y4m", "png", "jsonl"] {
-        let none = ["--from", "51", "--format", format, "--out", "out"];
+        let none = ["--from", "44", "--format", format, "--out", "out"];
         let complaint = place.complaint(&[&["export", GOLDEN][..], &none].concat());
         assert!(
-            complaint.contains("there is no frame 51: the recording holds 50"),
+            complaint.contains("there is no frame 44: the recording holds 43"),
             "{complaint}"
         );
         assert_eq!(std::fs::read_dir(place.folder.path()).unwrap().count(), 0);

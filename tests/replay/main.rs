@@ -78,8 +78,8 @@ impl Drop for Place {
 fn the_golden_recording_comes_out_the_same() {
     let place = Place::new();
     let outcome = place.json(&["replay", GOLDEN, "--check", "--json"]);
-    assert_eq!(outcome["centerlines"], 50);
-    assert_eq!(outcome["descriptors"], 50);
+    assert_eq!(outcome["centerlines"], 43);
+    assert_eq!(outcome["descriptors"], 43);
     assert_eq!(outcome["difference"], Value::Null);
     assert!(outcome["largest_px"].as_f64().unwrap() <= 1e-9);
     assert!(crossings(GOLDEN) > 0, "the rope should cross itself");
@@ -117,6 +117,8 @@ fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
         (&20.into(), &"bits".into())
     );
     let said = place.printed(&["replay", "run.mcap", "--check"]);
+    // Sentences are broken where a terminal ends.
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         said.contains("computed again are the same to the bit"),
         "{said}"
@@ -169,7 +171,7 @@ fn a_comparison_shows_what_a_setting_changes() {
     assert_eq!(comparison["against"], "truth");
     std::fs::write(place.path("new.toml"), "[fit]\norder = 6\n").unwrap();
     let table = place.printed(&["replay", GOLDEN, "--compare", "--config", "new.toml"]);
-    assert!(table.starts_with("50 frames\n"), "{table}");
+    assert!(table.starts_with("43 frames\n"), "{table}");
     assert!(table.contains("curve from the truth, mean, px"), "{table}");
 }
 

@@ -19,7 +19,7 @@ fn renew_the_golden_recording() {
             noise: 0.0,
             frame_interval_s: 0.24,
             truth_points: 60,
-            frames: Some(50),
+            frames: Some(43),
             ..RenderOptions::default()
         },
         ..Making::default()
