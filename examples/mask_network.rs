@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use lariat_wire::{
-    Delivery, Domain, FRAMES, FrameHeader, PixelFormat, Receiver, Rig, WireError, Writer,
+    Domain, FrameHeader, FrameReader, MaskWriter, PixelFormat, Rig, Waiting, WriteError,
 };
 
 #[allow(dead_code, reason = "a test runs `serve` alone")]
@@ -28,12 +28,8 @@ fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let rig = arguments.windows(2).find(|pair| pair[0] == "--rig");
     let rig = rig.map_or(Ok(Rig::default()), |pair| pair[1].parse())?;
-    let delivery = if arguments.iter().any(|argument| argument == "--lossless") {
-        Delivery::Lossless { stop: stop.clone() }
-    } else {
-        Delivery::NewestWins
-    };
-    serve(&Domain::open()?, &rig, &delivery, &stop)?;
+    let lossless = arguments.iter().any(|argument| argument == "--lossless");
+    serve([Domain::open()?, Domain::open()?], &rig, lossless, &stop)?;
     Ok(())
 }
 
@@ -42,43 +38,30 @@ fn main() -> anyhow::Result<()> {
 /// # Errors
 /// What the transport has to say.
 pub(crate) fn serve(
-    domain: &Domain,
+    [for_frames, for_masks]: [Domain; 2],
     rig: &Rig,
-    delivery: &Delivery,
-    stop: &AtomicBool,
-) -> Result<(), WireError> {
-    let frames = Receiver::create(domain, rig, &FRAMES, Some(delivery))?;
-    let mut masks: Option<(usize, Writer<[u8]>)> = None;
+    lossless: bool,
+    stop: &Arc<AtomicBool>,
+) -> Result<(), WriteError> {
+    let waiting = Waiting {
+        lossless: Some(lossless),
+        stop: stop.clone(),
+        meanwhile: None,
+    };
+    let mut frames = FrameReader::open_in(for_frames, rig, Some(lossless))?;
+    let mut masks = MaskWriter::open_in(for_masks, rig, waiting)?;
     while !stop.load(Ordering::Relaxed) {
-        // The newest frame is worth the work most; unless none may be left out.
-        let frame = match delivery {
-            Delivery::NewestWins => frames.latest()?,
-            Delivery::Lossless { .. } => frames.next()?,
-        };
-        let Some(frame) = frame else {
-            frames.sleep(Some(Instant::now() + Duration::from_millis(50)), None)?;
+        let look_up = Instant::now() + Duration::from_millis(50);
+        let Some(frame) = frames.wait(Some(look_up))? else {
             continue;
         };
         if frame.header().is_blank() {
             // The camera gives no image just now.
             continue;
         }
-        let header = frame.header().of_mask();
-        let bytes = header.width as usize * header.height as usize;
-        // The slots are made for the largest mask so far.
-        let writer = match &mut masks {
-            Some((largest, writer)) if *largest >= bytes => writer,
-            _ => {
-                masks = None;
-                let writer = Writer::masks(domain, rig, delivery, bytes)?;
-                &mut masks.insert((bytes, writer)).1
-            }
-        };
-        let mut mask = writer.frame_slot(bytes)?;
-        rope_probability(frame.header(), &frame, &mut mask);
-        // With the frame's own trace, by which extract knows whose mask it is.
-        *mask.header_mut() = header;
-        mask.send()?;
+        let mask = masks.loan(frame.header())?;
+        rope_probability(frame.header(), frame, mask);
+        masks.send()?;
     }
     Ok(())
 }

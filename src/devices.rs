@@ -14,6 +14,7 @@ use lariat_capture::{
 };
 use serde::Serialize;
 
+use crate::layout::{self, wrapped};
 use crate::output::print;
 
 /// The cameras of this machine: names, formats, sizes, rates and controls
@@ -50,7 +51,7 @@ pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
     };
     print(&text)?;
     Ok(if cameras.is_empty() {
-        eprintln!("{NONE}");
+        eprintln!("{}", wrapped(NONE, layout::width()));
         ExitCode::FAILURE
     } else {
         ExitCode::SUCCESS

@@ -3,9 +3,7 @@
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 macro_rules! eprintln {
     ($($text:tt)*) => {{
-        let text = format!($($text)*);
-        let line = format_args!("{}\n", $crate::layout::said(&text));
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), line);
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($text)*)));
     }};
 }
 

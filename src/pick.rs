@@ -63,12 +63,11 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
         shown.to_string().replace(char::is_control, " "),
         mask_text(&mask)
     );
-    // The mask is drawn also where nobody reads this; and the colours are worth saying also where it cannot be drawn under the name
-    // that it has by itself.
-    let said = match &output {
-        Ok(output) => output.print(&text),
-        Err(_) => print(&text),
-    };
+    match &output {
+        Ok(output) => output.print(&text)?,
+        // The colours are worth saying also where the mask cannot be drawn under the name that it has by itself.
+        Err(_) => print(&text)?,
+    }
     if picked.agreement < GOOD {
         eprintln!(
             "lariat: colour alone tells this rope from the rest in {:.0} % only: look at the mask before you use it; a \
@@ -79,7 +78,6 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let output = output?;
     write(&output, pixels, [picture.width(), picture.height()])?;
     eprintln!("lariat: the mask is drawn in {output}");
-    said?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -130,7 +130,7 @@ pub(crate) const USUAL_FPS: f64 = 30.0;
 /// `[capture]`: where frames come from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Capture {
-    /// `rendered` or `simulated` alone, `-` (standard input), or the paths of pictures, folders or a video.
+    /// `rendered`, `simulated` or `external` alone, `-` (standard input), or the paths of pictures, folders or a video.
     pub(crate) source: Vec<PathBuf>,
     pub(crate) fps: Fps,
     /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly [`USUAL_SIZE`].
@@ -270,10 +270,16 @@ impl Capture {
         matches!(&self.source[..], [path] if names_a_camera(path))
     }
 
+    /// Whether a process of the user's writes the frames.
+    pub(crate) fn is_external(&self) -> bool {
+        self.source[..] == [PathBuf::from("external")]
+    }
+
     /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording or a pipe.
     pub(crate) fn has_own_pace(&self) -> bool {
         let is_recording = matches!(&self.source[..], [path] if names_a_recording(path));
-        self.is_camera() || self.is_piped() || self.follow || is_recording
+        let is_live = self.is_camera() || self.is_piped() || self.is_external();
+        is_live || self.follow || is_recording
     }
 
     /// What is asked of a camera; "max" is its best rate too.

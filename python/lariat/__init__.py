@@ -15,10 +15,16 @@ In a control loop, beside a running chain (``lariat run``)::
                 case seen:                   # Partial, Lost, Stale, Absent
                     robot.hold(why=str(seen))
 
+With a camera of your own (``lariat run --source external``), or a network that finds the ropes (``mask = "external"``)::
+
+    lariat.Writer("frames").write(image, "bgr8")
+    for frame in lariat.Frames(): masks.write(network(frame.array), frame)   # masks = lariat.Writer("masks")
+
 Positions are in pixels: x to the right, y down, (0, 0) the middle of the top left pixel. ``rho`` is the normalized arc
 length: 0 at a rope's first end, 1 at its last.
 """
 
+from lariat._frames import Frames
 from lariat._functions import fit, trace
 from lariat._layout import MESSAGE
 from lariat._names import (
@@ -45,6 +51,7 @@ from lariat._native import (
     Fitter,
     Frame,
     Fresh,
+    Image,
     Lost,
     Notice,
     Partial,
@@ -60,6 +67,7 @@ from lariat._native import (
 )
 from lariat._reader import Reader
 from lariat._seen import NotSeen, Seen
+from lariat._writer import FrameSlot, FrameWriter, MaskSlot, MaskWriter, Writer
 
 __all__ = [
     "Absent",
@@ -71,13 +79,19 @@ __all__ = [
     "FitName",
     "Fitter",
     "Frame",
+    "FrameSlot",
+    "FrameWriter",
+    "Frames",
     "Fresh",
     "HsvRange",
+    "Image",
     "KnotsName",
     "Lost",
     "MESSAGE",
     "MaskImage",
     "MaskName",
+    "MaskSlot",
+    "MaskWriter",
     "MethodName",
     "NotSeen",
     "Notice",
@@ -98,6 +112,7 @@ __all__ = [
     "Track",
     "UnitName",
     "Unsure",
+    "Writer",
     "fit",
     "pick",
     "trace",

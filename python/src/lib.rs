@@ -1,5 +1,5 @@
-//! The Python package's Rust half, imported as `lariat._native`: extraction and fit of arrays, and a control loop's
-//! reader. What Python writes better (drawings for notebooks, the cases of what is seen) stands in `lariat/`.
+//! The Python package's Rust half, imported as `lariat._native`: extraction and fit of arrays, a control loop's
+//! reader, and a camera's or a mask network's writer. What Python writes better (drawings for notebooks, the cases of what is seen) stands in `lariat/`.
 //!
 //! Every number of an array lies in an object of this crate, and the array is a view of it that keeps it alive: nothing is
 //! copied to be looked at. Whatever takes longer than a look lets other Python threads run.
@@ -10,6 +10,7 @@ mod errors;
 mod fit;
 mod fitting;
 mod frame;
+mod frames;
 mod pixels;
 mod reader;
 mod rope;
@@ -19,6 +20,7 @@ mod shape;
 mod tracer;
 mod views;
 mod way;
+mod writer;
 
 /// The module as Python imports it.
 #[pyo3::pymodule]
@@ -31,6 +33,8 @@ mod _native {
     use crate::fitting::Fitter;
     #[pymodule_export]
     use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::frames::{Frames, Image};
     #[pymodule_export]
     use crate::reader::Reader;
     #[pymodule_export]
@@ -45,4 +49,6 @@ mod _native {
     use crate::tracer::{Tracer, pick};
     #[pymodule_export]
     use crate::way::Trace;
+    #[pymodule_export]
+    use crate::writer::{Slot, Writer};
 }

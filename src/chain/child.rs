@@ -17,7 +17,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::settings::Settings;
 use crate::stages::Seat;
 use crate::stages::arrangement::Lacks;
-use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status};
+use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken};
 use crate::stop::{Stop, Stopper};
 
 /// How a stage ended.
@@ -83,6 +83,7 @@ pub(crate) struct Child {
     unread_output: bool,
     sent: Option<Sent>,
     masks_late: Option<u64>,
+    taken: Option<Taken>,
     ending: Option<Ending>,
     told_to_stop: bool,
 }
@@ -152,6 +153,7 @@ impl Child {
             unread_output: false,
             sent: None,
             masks_late: None,
+            taken: None,
             ending: None,
             told_to_stop: false,
         }
@@ -198,6 +200,11 @@ impl Child {
     /// How many frames it said it skipped for want of a mask, if it waited for masks.
     pub(crate) fn masks_late(&self) -> Option<u64> {
         self.masks_late
+    }
+
+    /// What it said of the frames that came to it from elsewhere, if they did.
+    pub(crate) fn taken(&self) -> Option<Taken> {
+        self.taken
     }
 
     /// How it ended, if it has.
@@ -251,6 +258,17 @@ impl Child {
                 (Some("unread"), ..) => self.unread_output = true,
                 (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
                 (Some("late"), Some(count), None) => self.masks_late = count.parse().ok(),
+                (Some("taken"), Some(sequence), Some(captured)) => {
+                    let number =
+                        |word: Option<&str>| word.and_then(|word| word.parse().ok()).unwrap_or(0);
+                    self.taken = Some(Taken {
+                        before_first: [number(Some(sequence)), number(Some(captured))],
+                        last: Sent {
+                            count: number(words.next()),
+                            last_sequence: number(words.next()),
+                        },
+                    });
+                }
                 (Some("sent"), Some(count), Some(last)) => {
                     let number = |word: &str| word.parse().unwrap_or(0);
                     self.sent = Some(Sent {

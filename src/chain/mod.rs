@@ -51,9 +51,12 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
-    let places = START_ORDER
-        .iter()
-        .filter(|&&place| place != RECORDER || settings.run.record.is_some());
+    let places = START_ORDER.iter().filter(|&&place| match place {
+        RECORDER => settings.run.record.is_some(),
+        // Frames are written by a process of the user's.
+        CAPTURE => !settings.capture.is_external(),
+        _ => true,
+    });
     for &place in places {
         let stage = CHILDREN[place];
         let child = match FUSED.get(place) {
@@ -104,7 +107,10 @@ impl Chain {
     fn introduce(&self) -> String {
         let name = |child: &Child| format!("{} {}", child.stage, child.id());
         let (stages, beside) = self.children.split_at(RECORDER);
-        let stages: Vec<String> = stages.iter().flatten().map(name).collect();
+        let mut stages: Vec<String> = stages.iter().flatten().map(name).collect();
+        if self.children[CAPTURE].is_none() {
+            stages.insert(0, "external".to_owned());
+        }
         let beside = beside.iter().flatten().map(name);
         let beside: String = beside.map(|name| format!(" + {name}")).collect();
         format!("lariat: {}{beside}", stages.join(" → "))
@@ -137,14 +143,14 @@ impl Chain {
 
     /// Watches until the source ends, a stage falls, or a signal comes.
     fn watch(&mut self, stop: &Stop) -> anyhow::Result<()> {
-        let capture_ended = |chain: &Self| {
-            chain.children[CAPTURE]
-                .as_ref()
-                .is_some_and(|child| child.ending().is_some())
+        // Without a capture of its own, the chain ends when extract has taken what was asked for.
+        let source_ended = |chain: &Self| {
+            let first = chain.stages().next();
+            first.is_some_and(|child| child.ending().is_some())
         };
         // As after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
-        while !stop.asked() && self.fallen.is_none() && !capture_ended(self) && !is_unread(self) {
+        while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
             self.listen(None, Some(stop))?;
         }
         Ok(())
@@ -239,6 +245,11 @@ impl Chain {
         }
         if let Some(sent) = self.children[CAPTURE].as_ref().and_then(Child::sent) {
             word += &format!("sequence {}\n", sent.last_sequence);
+        }
+        if let Some(taken) = self.children[EXTRACT].as_ref().and_then(Child::taken) {
+            let ([sequence, captured], last) = (taken.before_first, taken.last);
+            word += &format!("before {sequence} {captured}\ncaptured {}\n", last.count);
+            word += &format!("sequence {}\n", last.last_sequence);
         }
         word
     }

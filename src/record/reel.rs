@@ -39,7 +39,7 @@ pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCo
     let mut reel = Reel {
         channels,
         recorder,
-        ledger: Ledger::new(supervised),
+        ledger: Ledger::new(supervised && !settings.capture.is_external()),
         counters: Counters::default(),
         rig: rig(settings, supervised),
         losses: Losses::default(),

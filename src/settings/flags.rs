@@ -69,7 +69,7 @@ use Takes::{Control, Name, Nothing, Number, Paths, Size, Text, Time, Toml, Whole
 #[rustfmt::skip]
 const FLAGS: &[Flag] = flags! {
     "Source" {
-        "--source" capture.source Paths, "capture snapshot", "Camera, pictures, folder, video, recording or -";
+        "--source" capture.source Paths, "capture snapshot", "Camera, pictures, video, recording, external or -";
         "--fps" capture.fps Number("NUMBER"), "capture sink snapshot", "Frames per second, `max` or `auto`";
         "--size" capture.size Text("WxH"), "capture snapshot trace", "Size of a camera's, rendered or raw picture";
         "--seed" capture.seed Whole("NUMBER"), "capture snapshot", "Which of all rendered or simulated ropes";

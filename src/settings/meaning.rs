@@ -92,8 +92,10 @@ pub(super) fn rig(value: &Value) -> Result<String, String> {
 }
 
 pub(super) fn paths(value: &Value) -> Result<Vec<PathBuf>, String> {
-    let why =
-        || "write \"rendered\", \"simulated\", a path in quotes, or a list of paths".to_owned();
+    let why = || {
+        "write \"rendered\", \"simulated\", \"external\", a path in quotes, or a list of paths"
+            .to_owned()
+    };
     let one = |value: &Value| value.as_str().filter(|s| !s.is_empty()).map(PathBuf::from);
     match value {
         Value::Array(list) if !list.is_empty() => list.iter().map(one).collect(),

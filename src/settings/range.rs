@@ -61,6 +61,7 @@ enum Kind {
     Rendered,
     Simulated,
     Camera,
+    External,
     Files,
     Pipe,
 }
@@ -75,6 +76,8 @@ impl Kind {
             Self::Rendered
         } else if capture.is_simulated() {
             Self::Simulated
+        } else if capture.is_external() {
+            Self::External
         } else {
             Self::Files
         }
@@ -85,6 +88,7 @@ impl Kind {
             Self::Rendered => "the rendered rope",
             Self::Simulated => "the simulated rope",
             Self::Camera => "a camera",
+            Self::External => "a program of your own",
             Self::Files => "pictures and videos",
             Self::Pipe => "standard input",
         }

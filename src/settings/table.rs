@@ -168,7 +168,8 @@ pub(super) const KEYS: &[Key] = &[
     Key {
         section: "capture",
         name: "source",
-        about: "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
+        about: "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), \"external\" (frames that a program of\n\
+                yours writes), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
                 stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them. \"-\": standard input, a\n\
                 Y4M video, or frames as they are (then size and pixel_format say what they are).",
         example: "",

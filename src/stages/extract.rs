@@ -6,9 +6,10 @@ use lariat_wire::{
     Writer, now_ns,
 };
 
+use super::external::External;
 use super::masks::Masks;
 use super::status::Sent;
-use super::{Inbox, Seat, Station};
+use super::{Came, Inbox, Seat, Station};
 use crate::doubts::{self, Doubts};
 use crate::settings::Settings;
 
@@ -25,10 +26,23 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     } = &station;
     let mut frames = Inbox::open(&station, &FRAMES, |frame| frame.header().trace.captured)?;
     let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
+    let mut external = External::of(settings);
     let mut sent = Sent::default();
     station.ready()?;
-    while let Some((frame, mut started_ns)) = frames.receive(&station.stop)? {
+    loop {
+        let deadline = external.as_ref().and_then(External::deadline);
+        let (frame, mut started_ns) = match frames.receive_by(&station.stop, deadline)? {
+            Came::Message(frame, now_ns) => (frame, now_ns),
+            Came::Nothing if external.as_mut().is_some_and(External::wait_on) => continue,
+            Came::Nothing | Came::End => break,
+        };
         let header = frame.header();
+        if external
+            .as_mut()
+            .is_some_and(|external| !external.takes(&header.trace, &station.stop))
+        {
+            break;
+        }
         let mask = match &mut masks {
             None => None,
             // Nobody makes a mask of nothing.
@@ -57,9 +71,18 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         slot.trace.extracted = sent.count;
         slot.trace.extracted_ns = now_ns();
         slot.send()?;
+        if external.as_ref().is_some_and(External::has_all) {
+            break;
+        }
     }
     if let Some(masks) = masks {
         station.status.late(masks.late());
+    }
+    if let Some(external) = external {
+        if !station.stop.asked() {
+            station.status.done();
+        }
+        station.status.taken(external.taken());
     }
     station.status.sent(sent);
     Ok(())

@@ -4,6 +4,7 @@
 mod allocation;
 pub(crate) mod arrangement;
 pub(crate) mod capture;
+mod external;
 pub(crate) mod extract;
 mod feed;
 pub(crate) mod fit;
@@ -13,6 +14,7 @@ pub(crate) mod status;
 
 use std::cell::Cell;
 use std::os::fd::AsFd;
+use std::time::Instant;
 
 use anyhow::Context;
 use lariat_wire::{
@@ -157,6 +159,16 @@ impl Backlog {
     }
 }
 
+/// What a wait for a message ended with.
+pub(crate) enum Came<P: Payload + ?Sized> {
+    /// A message, and the moment it was in hand.
+    Message(Message<P>, u64),
+    /// The deadline.
+    Nothing,
+    /// The stage is to end, and nothing waits.
+    End,
+}
+
 /// Where a stage's messages come in.
 pub(crate) struct Inbox<P: Payload + ?Sized> {
     reader: Receiver<P>,
@@ -186,6 +198,18 @@ impl<P: Payload + ?Sized> Inbox<P> {
     ///
     /// Returns the message with the moment it was in hand.
     pub(crate) fn receive(&mut self, stop: &Stop) -> Result<Option<(Message<P>, u64)>, WireError> {
+        Ok(match self.receive_by(stop, None)? {
+            Came::Message(message, now_ns) => Some((message, now_ns)),
+            Came::Nothing | Came::End => None,
+        })
+    }
+
+    /// The same, but no later than the deadline.
+    pub(crate) fn receive_by(
+        &mut self,
+        stop: &Stop,
+        deadline: Option<Instant>,
+    ) -> Result<Came<P>, WireError> {
         loop {
             // Asked before looking: what was sent before the signal is still received.
             let last_look = stop.asked();
@@ -197,14 +221,17 @@ impl<P: Payload + ?Sized> Inbox<P> {
                 let now_ns = now_ns();
                 tracing::trace!("{} {} in hand", self.channel, (self.count)(&message));
                 self.rest.if_due(now_ns);
-                return Ok(Some((message, now_ns)));
+                return Ok(Came::Message(message, now_ns));
             }
             if last_look {
-                return Ok(None);
+                return Ok(Came::End);
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Ok(Came::Nothing);
             }
             let reader = &self.reader;
             self.rest
-                .while_waiting(|| reader.sleep(None, Some(stop.as_fd())))?;
+                .while_waiting(|| reader.sleep(deadline, Some(stop.as_fd())))?;
         }
     }
 }

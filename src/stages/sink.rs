@@ -26,7 +26,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     let files = RunFiles::open(settings)?;
     let mut station = Station::open(settings, "sink", seat)?;
     let supervised = station.status.is_supervised();
-    let mut sink = Sink::new(settings.sink_options(supervised));
+    // Frames from elsewhere may have begun long before the chain.
+    let from_start = supervised && !settings.capture.is_external();
+    let mut sink = Sink::new(settings.sink_options(from_start));
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
@@ -156,9 +158,11 @@ pub(crate) fn last_word() -> Option<FinalCounts> {
     for line in word.lines() {
         let mut fields = line.split(' ');
         let name = fields.next();
-        let count = fields.next().and_then(|field| field.parse().ok());
+        let mut number = || fields.next().and_then(|field| field.parse().ok());
+        let count = number();
         match name {
             Some("never") => return None,
+            Some("before") => counts.before_first = count.zip(number()).map(<[u64; 2]>::from),
             Some("sequence") => counts.last_sequence = count,
             Some("captured") => counts.captured = count,
             Some("extracted") => counts.extracted = count,

@@ -2,7 +2,8 @@
 //!
 //! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `lacks WORD…` if the stage may not have all that was wanted
 //! of the machine, `ready` once, `done` if the source has ended,
-//! `ending` if a signal came, `unread` if nobody reads any more what it prints, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it waited for masks); its own end says that the process is gone, however it went.
+//! `ending` if a signal came, `unread` if nobody reads any more what it prints, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it
+//! waited for masks, and `taken`, with what capture would say, if frames come from elsewhere); its own end says that the process is gone, however it went.
 
 use std::fs::File;
 use std::io::Write;
@@ -22,6 +23,15 @@ pub(crate) const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
 pub(crate) struct Sent {
     pub(crate) count: u64,
     pub(crate) last_sequence: u64,
+}
+
+/// What extract knows of frames that come from elsewhere.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Taken {
+    /// The source's number and the writer's count before the first frame.
+    pub(crate) before_first: [u64; 2],
+    /// What its writer had sent in all when the last one came.
+    pub(crate) last: Sent,
 }
 
 /// The stage's end of the line. Says nothing if the stage was started by hand.
@@ -91,6 +101,15 @@ impl Status {
     /// So many frames were skipped, as their masks came too late.
     pub(crate) fn late(&mut self, count: u64) {
         self.say(&format!("late {count}\n"));
+    }
+
+    /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
+    pub(crate) fn taken(&mut self, taken: Taken) {
+        let ([sequence, captured], last) = (taken.before_first, taken.last);
+        self.say(&format!(
+            "taken {sequence} {captured} {} {}\n",
+            last.count, last.last_sequence
+        ));
     }
 
     /// The stage's last word.

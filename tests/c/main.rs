@@ -275,6 +275,28 @@ fn what_is_asked_of_nothing_is_an_error_and_no_number() {
 }
 
 #[test]
+fn a_camera_in_c_is_a_source_of_the_chain() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let camera = installed.compile("cc", "examples/c/camera.c", "camera");
+    let arguments = ["--source", "external", "--lossless", "--frames", "20"];
+    let chain = installed
+        .bench
+        .start(&[&arguments[..], &["--out", "out"]].concat());
+    installed.succeeds(Command::new(camera).args(["default", "20"]));
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let frames = &installed.bench.summary("out")["frames"];
+    assert_eq!(
+        (&frames["received"], &frames["with_curve"]),
+        (&20.into(), &20.into()),
+        "{frames}"
+    );
+    installed.bench.assert_nothing_is_left();
+}
+
+#[test]
 fn valgrind_finds_nothing() {
     let Some(installed) = Installed::new() else {
         return;
@@ -287,6 +309,8 @@ fn valgrind_finds_nothing() {
     let poll = installed.compile("cc", "examples/c/poll.c", "poll");
     let script = Path::new(ROOT).join("tests/c/valgrind.sh");
     installed.succeeds(Command::new(&script).arg(states));
+    let camera = installed.compile("cc", "examples/c/camera.c", "camera");
+    installed.succeeds(Command::new(&script).arg(camera).args(["other", "5"]));
     let chain = installed
         .bench
         .start(&["--fps", "30", "--duration", "120", "--filter"]);

@@ -106,6 +106,40 @@ static void ask_a_centerline(void) {
     HOLDS(lariat_centerline_of(NULL, NULL) == NULL);
 }
 
+static void write_frames(void) {
+    lariat_writer *writer = (lariat_writer *)1, *other;
+    uint8_t *pixels = (uint8_t *)1;
+    HOLDS(lariat_writer_open(NULL, 0, &writer) == LARIAT_ERROR_NULL && writer == NULL);
+    HOLDS(lariat_writer_open("default", 0, NULL) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_writer_open("no such name", 0, &writer) == LARIAT_ERROR_NAME && writer == NULL);
+    HOLDS(lariat_writer_loan(NULL, 4, 4, 1, &pixels) == LARIAT_ERROR_NULL && pixels == NULL);
+    HOLDS(lariat_writer_send(NULL, 0, 0) == LARIAT_ERROR_NULL && lariat_writer_send_blank(NULL) == LARIAT_ERROR_NULL);
+    lariat_writer_stop(NULL);
+    lariat_writer_close(NULL);
+    HOLDS(lariat_pixel_format(NULL) == LARIAT_ERROR_NULL && lariat_pixel_format("rgb") == LARIAT_ERROR_IMAGE);
+    HOLDS(lariat_pixel_format("gray8") == 1 && lariat_pixel_format("nv12") == 5);
+
+    HOLDS(lariat_writer_open("default", 0, &writer) == 0);
+    HOLDS(lariat_writer_open("default", 0, &other) == LARIAT_ERROR_TAKEN && other == NULL);
+    HOLDS(strstr(lariat_error(), "--source external") != NULL);
+    HOLDS(lariat_writer_send(writer, 0, 0) == LARIAT_ERROR_IMAGE);
+    HOLDS(lariat_writer_loan(writer, 4, 4, 1, NULL) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_writer_loan(writer, 0, 4, 1, &pixels) == LARIAT_ERROR_IMAGE && pixels == NULL);
+    HOLDS(lariat_writer_loan(writer, 4, 4, 99, &pixels) == LARIAT_ERROR_IMAGE);
+    for (uint32_t side = 4; side <= 400; side *= 10) {
+        HOLDS(lariat_writer_loan(writer, side, side, 2, &pixels) == 0);
+        memset(pixels, 7, 3 * side * side);
+        HOLDS(lariat_writer_send(writer, lariat_now_ns(), side) == 0);
+    }
+    HOLDS(lariat_writer_loan(writer, 4, 4, 1, &pixels) == 0);
+    HOLDS(lariat_writer_send(writer, lariat_now_ns() + 60 * 1000ull * LARIAT_MS, 0) == LARIAT_ERROR_IMAGE);
+    HOLDS(lariat_writer_send_blank(writer) == 0);
+    lariat_writer_stop(writer);
+    lariat_writer_close(writer);
+    HOLDS(lariat_writer_open("default", LARIAT_LOSSLESS, &writer) == 0);
+    lariat_writer_close(writer);
+}
+
 int main(void) {
     HOLDS(lariat_abi() == LARIAT_ABI);
     HOLDS(strlen(lariat_version()) >= 5);
@@ -114,6 +148,7 @@ int main(void) {
     ask_before_the_chain_runs();
     ask_a_curve();
     ask_a_centerline();
+    write_frames();
     printf("%d wrong\n", wrong);
     return wrong != 0;
 }

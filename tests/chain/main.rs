@@ -5,6 +5,7 @@ mod blank;
 mod cameras;
 mod curves;
 mod deaths;
+mod external;
 mod frames;
 mod fused;
 mod masks;

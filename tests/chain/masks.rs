@@ -29,9 +29,8 @@ fn every_frame_of_a_lossless_chain_is_seen_through_its_own_mask() {
     let network = std::thread::spawn({
         let (domain, stop) = (bench.domain.clone(), stop.clone());
         move || {
-            let domain = Domain::named(&domain).unwrap();
-            let delivery = Delivery::Lossless { stop: stop.clone() };
-            mask_network::serve(&domain, &Rig::default(), &delivery, &stop).unwrap();
+            let domains = [(); 2].map(|()| Domain::named(&domain).unwrap());
+            mask_network::serve(domains, &Rig::default(), true, &stop).unwrap();
         }
     });
     let arguments = [

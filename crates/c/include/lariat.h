@@ -1,4 +1,4 @@
-// The shape of ropes in a control loop: lariat's reader for C and C++.
+// The shape of ropes in a control loop: lariat's reader for C and C++. At the end, the writer of frames, for a camera of your own.
 //
 //     lariat_reader *reader;
 //     lariat_rope rope;
@@ -95,6 +95,12 @@
 // lariat has a fault. Please report the sentence.
 #define LARIAT_ERROR_FAULT -13
 
+// The rig has a writer of its frames already.
+#define LARIAT_ERROR_TAKEN -14
+
+// There is no such image: its size, its pixel format, its time or its number cannot be, or no slot is on loan.
+#define LARIAT_ERROR_IMAGE -15
+
 // Most ropes in one frame.
 #define LARIAT_MAX_ROPES 8
 
@@ -155,6 +161,10 @@
 // Pixels that the same camera would see without its lens's distortion.
 #define LARIAT_UNIT_IDEAL_PX 3
 
+// For lariat_writer_open: every frame is to reach every reader, for which lariat_writer_send waits, though no chain runs yet to
+// say so (`lariat run --lossless`).
+#define LARIAT_LOSSLESS 1
+
 // What is known of a rope. Only LARIAT_FRESH is the rope as it is.
 typedef enum lariat_seen {
   // The reader or the place for the rope is NULL.
@@ -197,6 +207,9 @@ typedef enum lariat_doubt {
 
 // A control loop's end of a rig.
 typedef struct lariat_reader lariat_reader;
+
+// The writer of a rig's frames, whose chain was started with `lariat run --source external`. For one thread at a time.
+typedef struct lariat_writer lariat_writer;
 
 // The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
 typedef struct lariat_centerline {
@@ -550,6 +563,63 @@ int lariat_covariance_at(const struct lariat_descriptor *rope,
 // plain fit. Or an error; the answer is then not written.
 int lariat_covariance(const struct lariat_descriptor *rope,
                       double *matrix);
+
+// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that ARCHITECTURE.md lists.
+//
+// Returns the number, or an error.
+LARIAT_MUST_USE
+int lariat_pixel_format(const char *name);
+
+// Becomes the writer of a rig's frames: "default", or what the chain was started with (--rig NAME). The chain may be started
+// before or after it, and anew; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
+// refused, until the first has closed or its process is gone.
+//
+// Returns 0, or an error; *writer is then NULL.
+LARIAT_MUST_USE
+int lariat_writer_open(const char *rig,
+                       uint32_t how,
+                       struct lariat_writer **writer);
+
+// Borrows the slot of the next frame in shared memory. `*pixels` is where it begins, rows one after the other without gaps: fill
+// it, and send it. It holds an earlier frame's pixels, and is yours until lariat_writer_send, the next loan or
+// lariat_writer_close.
+//
+// Slots are made for the largest frame so far: the first one of a larger size takes some milliseconds longer.
+//
+// Returns 0, or an error; *pixels is then NULL.
+LARIAT_MUST_USE
+int lariat_writer_loan(struct lariat_writer *writer,
+                       uint32_t width,
+                       uint32_t height,
+                       uint32_t pixel_format,
+                       uint8_t **pixels);
+
+// Sends the frame on loan, and wakes the chain. `exposed_ns`: when it was taken (lariat_now_ns), later than the one before; 0:
+// when its slot was borrowed. `sequence`: the camera's own number for it, higher than the one before: each that was left out
+// counts as a frame lost at the source; 0: the next one.
+//
+// On a --lossless rig it waits for slow readers, until lariat_writer_stop.
+//
+// Returns 0, 1 if the frame was lost because of lariat_writer_stop, or an error: the frame is then not sent, and not counted.
+LARIAT_MUST_USE
+int lariat_writer_send(struct lariat_writer *writer,
+                       uint64_t exposed_ns,
+                       uint64_t sequence);
+
+// Sends a frame without an image: the camera has none to give just now. Sent some ten times a second for as long as that is so,
+// it has readers told that their ropes are lost from sight, and since when. (Of a writer that says nothing, and of one that is
+// gone, readers say LARIAT_STALE.)
+//
+// Returns as lariat_writer_send.
+LARIAT_MUST_USE
+int lariat_writer_send_blank(struct lariat_writer *writer);
+
+// Has a lariat_writer_send that waits, or will, give up within seconds. From any thread, and from a signal's handler. It does
+// nothing to a writer that does not wait.
+void lariat_writer_stop(const struct lariat_writer *writer);
+
+// Closes a writer. NULL is none. What was borrowed is gone then; what was sent is delivered.
+void lariat_writer_close(struct lariat_writer *writer);
 
 #ifdef __cplusplus
 }  // extern "C"

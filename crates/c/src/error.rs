@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lariat_wire::{NoPrediction, NoShape, WireError};
+use lariat_wire::{NoPrediction, NoShape, WireError, WriteError};
 
 /// The version of this interface. The shared library is named by it: a program never runs with another one's.
 pub const LARIAT_ABI: u32 = 1;
@@ -36,6 +36,10 @@ pub const LARIAT_ERROR_NO_ROPE: c_int = -11;
 pub const LARIAT_ERROR_NO_PREDICTION: c_int = -12;
 /// lariat has a fault. Please report the sentence.
 pub const LARIAT_ERROR_FAULT: c_int = -13;
+/// The rig has a writer of its frames already.
+pub const LARIAT_ERROR_TAKEN: c_int = -14;
+/// There is no such image: its size, its pixel format, its time or its number cannot be, or no slot is on loan.
+pub const LARIAT_ERROR_IMAGE: c_int = -15;
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -93,12 +97,21 @@ impl From<WireError> for Failure {
             WireError::NoSharedMemory(_) | WireError::TooLittleSpace { .. } => LARIAT_ERROR_MEMORY,
             WireError::Version { .. } => LARIAT_ERROR_VERSION,
             WireError::TooManyReaders { .. } => LARIAT_ERROR_TOO_MANY,
-            WireError::Permission { .. }
-            | WireError::Owner { .. }
-            | WireError::DomainOfUser { .. } => LARIAT_ERROR_PERMISSION,
+            WireError::Permission { .. } => LARIAT_ERROR_PERMISSION,
+            WireError::SecondWriter { .. } => LARIAT_ERROR_TAKEN,
             _ => LARIAT_ERROR_TRANSPORT,
         };
         Self::new(code, cause.to_string())
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(cause: WriteError) -> Self {
+        match cause {
+            WriteError::Wire(cause) => cause.into(),
+            WriteError::FramesTaken { .. } => Self::new(LARIAT_ERROR_TAKEN, cause.to_string()),
+            cause => Self::new(LARIAT_ERROR_IMAGE, cause.to_string()),
+        }
     }
 }
 

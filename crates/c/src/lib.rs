@@ -1,4 +1,4 @@
-//! lariat's reader for control loops in C and C++: `lariat_wire::Reader` behind a plain header.
+//! lariat for C and C++: `lariat_wire`'s reader for control loops, and its writer of frames, behind a plain header.
 //!
 //! What a user has to know stands in `lariat.h`, which is made of this crate's comments. Here: every function that C calls
 //! takes pointers that may be NULL, catches what would unwind, and leaves a sentence for `lariat_error`.
@@ -16,6 +16,7 @@ mod message;
 mod reader;
 mod rope;
 mod shape;
+mod writer;
 
 pub use centerline::*;
 pub use error::*;
@@ -23,3 +24,4 @@ pub use message::*;
 pub use reader::*;
 pub use rope::*;
 pub use shape::*;
+pub use writer::*;

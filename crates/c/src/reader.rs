@@ -28,6 +28,16 @@ pub(crate) fn shown<'a>(reader: *const lariat_reader) -> Result<&'a lariat_reade
     unsafe { reader.as_ref() }.ok_or_else(|| Failure::null("the reader"))
 }
 
+/// What C wrote.
+pub(crate) fn text<'a>(text: *const c_char, what: &str) -> Result<&'a str, Failure> {
+    if text.is_null() {
+        return Err(Failure::null(what));
+    }
+    // SAFETY: C gives a string that ends with a NUL, and stays while the function runs.
+    let text = unsafe { CStr::from_ptr(text) }.to_str();
+    text.map_err(|_| Failure::new(LARIAT_ERROR_NAME, format!("{what} is no UTF-8")))
+}
+
 /// Opens a reader of a rig: "default", or what the chain was started with (--rig NAME). Whether it runs does not matter. Up to
 /// 24 readers share a rig; one that is slow, stopped or killed disturbs neither the chain nor the others.
 ///
@@ -43,13 +53,7 @@ pub unsafe extern "C" fn lariat_open(rig: *const c_char, reader: *mut *mut laria
         let place = unsafe { reader.as_mut() };
         let place = place.ok_or_else(|| Failure::null("the place for the reader"))?;
         *place = ptr::null_mut();
-        if rig.is_null() {
-            return Err(Failure::null("the rig's name"));
-        }
-        // SAFETY: C gives a string that ends with a NUL.
-        let rig = unsafe { CStr::from_ptr(rig) }.to_str();
-        let rig = rig.map_err(|_| Failure::new(LARIAT_ERROR_NAME, "the rig's name is no UTF-8"))?;
-        let reader = Reader::open(rig)?;
+        let reader = Reader::open(text(rig, "the rig's name")?)?;
         *place = Box::into_raw(Box::new(lariat_reader { reader }));
         Ok(0)
     })

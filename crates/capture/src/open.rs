@@ -37,6 +37,8 @@ pub enum Source {
     StandardInput(PipeOptions),
     /// A camera.
     Camera(CameraOptions),
+    /// A program of the user's, which writes frames into the chain itself: there is nothing to open.
+    External,
 }
 
 /// How a sequence of files is shown.
@@ -51,7 +53,7 @@ pub struct FileOptions {
 }
 
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, a name that ends in `.mcap` a
+    /// The source that these words name: `rendered` alone is the rendered rope, `external` a program of the user's, a name that ends in `.mcap` a
     /// recording, anything else is paths (a folder of the name `rendered` is `./rendered`).
     pub fn named<P: AsRef<Path>>(
         names: &[P],
@@ -66,6 +68,7 @@ impl Source {
                 looped: options.looped,
             }),
             [name] if name.as_ref() == Path::new("rendered") => Self::Rendered(rendered),
+            [name] if name.as_ref() == Path::new("external") => Self::External,
             _ => Self::Paths {
                 paths: names.iter().map(|name| name.as_ref().to_owned()).collect(),
                 options,
@@ -87,6 +90,7 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
         Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),
         Source::StandardInput(options) => Ok(Box::new(Piped::standard_input(options)?)),
         Source::Camera(options) => Ok(open_camera(options)?),
+        Source::External => Err(SourceError::External),
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, options } => match paths.iter().find(|path| is_video(path)) {
             None => Ok(Box::new(open_pictures(paths, options)?)),

@@ -154,6 +154,11 @@ pub enum SourceError {
         "no source was named: say `rendered`, `simulated`, or the path of a picture, a folder of pictures or a .y4m video"
     )]
     Unnamed,
+    /// Frames from outside are a chain's alone.
+    #[error(
+        "frames of the source external go straight into a chain: start it with `lariat run --source external`, and the program that writes them beside it"
+    )]
+    External,
     /// A rope that cannot be simulated.
     #[error(transparent)]
     Simulated(#[from] lariat_simulation::OptionsError),

@@ -41,6 +41,8 @@ pub enum Arrival {
 #[derive(Debug, Clone)]
 pub struct Ledger {
     from_start: bool,
+    /// The first message's counters.
+    first: Option<Counters>,
     last: Option<(Counters, u64)>,
     /// Sums of the steps Δs, Δc, Δe, Δf.
     steps: Counters,
@@ -57,6 +59,7 @@ impl Ledger {
     pub fn new(from_start: bool) -> Self {
         Self {
             from_start,
+            first: None,
             last: None,
             steps: [0; 4],
             received: 0,
@@ -85,6 +88,7 @@ impl Ledger {
             None => (now.map(|count| count.saturating_sub(1)), Arrival::First),
         };
         self.received += 1;
+        self.first.get_or_insert(now);
         self.advance(before, now.map(Some), 1);
         self.last = Some((now, trace.fitted_ns));
         arrival
@@ -93,6 +97,9 @@ impl Ledger {
     /// Counts what was under way when the chain stopped.
     pub fn finish(&mut self, sent: FinalCounts) {
         self.masks_late = sent.masks_late.unwrap_or(0);
+        if let Some([sequence, captured]) = sent.before_first {
+            self.begin_after([sequence, captured, 0, 0]);
+        }
         let (before, fitted_ns) = match self.last {
             Some(last) => last,
             None if self.from_start => ([0; 4], 0),
@@ -107,6 +114,21 @@ impl Ledger {
         ];
         let reached = self.advance(before, now, 0);
         self.last = Some((reached, fitted_ns));
+    }
+
+    /// Counts what was lost before the first message, now that it is known where the counters stood when the chain began.
+    fn begin_after(&mut self, before: Counters) {
+        let Some(first) = self.first else {
+            self.last = Some((before, 0));
+            return;
+        };
+        let mut least = 0;
+        for i in (0..4).rev() {
+            // Less than nothing: begun anew in between.
+            let step = (first[i].saturating_sub(1)).saturating_sub(before[i]);
+            least = step.max(least);
+            self.steps[i] = self.steps[i].saturating_add(least);
+        }
     }
 
     /// Adds the steps from `before` to `now` (a counter that is not known moves as far as the later ones prove), of

@@ -29,6 +29,9 @@ impl Options {
 /// stage's word, on the link before it, as far as later stages do not prove that it sent them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FinalCounts {
+    /// The source's number and capture's count before the first frame, if the frames are not the chain's own: whoever writes
+    /// them may have begun long before.
+    pub before_first: Option<[u64; 2]>,
     /// The source's last frame number, sent or not.
     pub last_sequence: Option<u64>,
     /// How many frames capture sent.

@@ -264,7 +264,13 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     let facts = &report.facts;
     let mut notes = Vec::new();
     if !facts.from_start {
-        notes.push("The sink came later than the chain: frames are counted from the first message, which is not timed.".to_owned());
+        let from_elsewhere = (facts.finished).is_some_and(|sent| sent.before_first.is_some());
+        let why = if from_elsewhere {
+            "Another program wrote the frames: they are counted from the first one that came to this chain; its way is not timed."
+        } else {
+            "The sink came later than the chain: frames are counted from the first message, which is not timed."
+        };
+        notes.push(why.to_owned());
     }
     for (stage, times) in [
         ("capture", facts.restarts.capture),

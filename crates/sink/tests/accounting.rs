@@ -117,7 +117,7 @@ proptest! {
             captured: says(1, chain.sent[0]),
             extracted: says(2, chain.sent[1]),
             fitted: says(3, chain.sent[2]),
-            masks_late: None,
+            ..FinalCounts::default()
         });
         let found = sink.frames();
         prop_assert!(is_whole(&found));
@@ -293,7 +293,7 @@ fn a_dead_fit_s_frames_are_lost_on_the_way_to_it() {
         captured: Some(23),
         extracted: Some(23),
         fitted: None,
-        masks_late: None,
+        ..FinalCounts::default()
     });
     let text = sink.report().to_string();
     assert!(text.contains("fit did not say how many frames it sent"));
@@ -326,6 +326,7 @@ fn frames_whose_masks_came_too_late_are_told_from_those_lost_on_the_way() {
         extracted: Some(20),
         fitted: Some(20),
         masks_late: Some(7),
+        ..FinalCounts::default()
     });
     let found = sink.frames();
     assert!(is_whole(&found));
@@ -359,4 +360,58 @@ fn no_more_masks_are_late_than_frames_are_missing() {
     let found = sink.frames();
     assert!(is_whole(&found));
     assert_eq!((found.lost.capture, found.lost.mask), (0, 1));
+}
+
+#[test]
+fn of_frames_from_elsewhere_those_count_that_came_since_the_chain_began() {
+    let mut sink = sink(false);
+    let mut chain = Chain {
+        sequence: 1000,
+        sent: [900, 0, 0, 0],
+    };
+    // Three that extract skipped before the first message, for want of masks; two that were lost at the source.
+    for _ in 0..3 {
+        assert!(chain.frame(Some(Stage::Extract)).is_none());
+    }
+    chain.sequence += 2;
+    for _ in 0..10 {
+        receive(&mut sink, chain.frame(None).unwrap());
+    }
+    assert_eq!(sink.frames().published, 10, "as far as is known yet");
+    sink.finish(FinalCounts {
+        before_first: Some([1000, 900]),
+        last_sequence: Some(chain.sequence),
+        captured: Some(913),
+        extracted: Some(10),
+        fitted: Some(10),
+        masks_late: Some(3),
+    });
+    let found = sink.frames();
+    assert!(is_whole(&found));
+    assert_eq!((found.published, found.received), (13, 10));
+    let (source, mask) = (2, 3);
+    let lost = Lost {
+        source,
+        mask,
+        ..Lost::default()
+    };
+    assert_eq!(found.lost, lost);
+    let text = sink.report().to_string();
+    assert!(text.contains("Another program wrote the frames"), "{text}");
+}
+
+#[test]
+fn of_frames_from_elsewhere_that_no_stage_sent_on_all_are_lost() {
+    let mut sink = sink(false);
+    sink.finish(FinalCounts {
+        before_first: Some([10, 10]),
+        last_sequence: Some(14),
+        captured: Some(14),
+        extracted: Some(0),
+        fitted: Some(0),
+        masks_late: Some(4),
+    });
+    let found = sink.frames();
+    assert!(is_whole(&found));
+    assert_eq!((found.published, found.lost.mask), (4, 4));
 }

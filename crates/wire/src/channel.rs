@@ -183,6 +183,26 @@ impl<P: Payload + ?Sized> Channel<P> {
             .map_err(|cause| self.explain(domain, &service_name, cause, overflow()))
     }
 
+    /// The delivery that a rig's channel is open with, or this one if nobody has it open. `None` takes either as it is, and
+    /// else the newest winning; `stop`: of a lossless one.
+    pub(crate) fn delivery(
+        &self,
+        domain: &Domain,
+        rig: &Rig,
+        lossless: Option<bool>,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Delivery, WireError> {
+        let name = self.on(rig);
+        let service_name = ServiceName::new(&name)
+            .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
+        let found = || in_use(domain, &service_name).is_some_and(|seen| !seen.overflow);
+        Ok(if lossless.unwrap_or_else(found) {
+            Delivery::Lossless { stop: stop.clone() }
+        } else {
+            Delivery::NewestWins
+        })
+    }
+
     fn explain(
         &self,
         domain: &Domain,

@@ -121,3 +121,65 @@ impl WireError {
         }
     }
 }
+
+/// Most pixels along a side: what extraction takes.
+pub(crate) const MAX_SIDE: u32 = 8192;
+
+/// Why an image was not sent.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The channel or the transport.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    /// Somebody else writes the rig's frames, most likely its own capture.
+    #[error(
+        "{channel} already has a writer: start the chain with `lariat run --source external`, so that it leaves its frames to this program, stop the other writer, or give this one a rig of its own"
+    )]
+    FramesTaken {
+        /// The channel.
+        channel: String,
+    },
+    /// A size that no image has here.
+    #[error("Invalid size {width}×{height}: use 1 to {MAX_SIDE} pixels along each side")]
+    Size {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// A moment that is still to come.
+    #[error(
+        "exposed_ns is {} s in the future: give nanoseconds of CLOCK_MONOTONIC (time.monotonic_ns() in Python, lariat_now_ns() in C), or leave it out for now",
+        *ahead_ns / 1_000_000_000
+    )]
+    Future {
+        /// How far ahead.
+        ahead_ns: u64,
+    },
+    /// A moment that is not after the last image's.
+    #[error(
+        "exposed_ns is {} ms before the last image's: send images in the order in which they were taken",
+        *behind_ns as f64 / 1e6
+    )]
+    Backwards {
+        /// How far behind; 0: the same moment.
+        behind_ns: u64,
+    },
+    /// A number that does not rise.
+    #[error(
+        "sequence is {given} after {last}: give numbers that rise, from 1 (each one left out counts as a frame lost at the source), or leave it out"
+    )]
+    Sequence {
+        /// The number given.
+        given: u64,
+        /// The last image's.
+        last: u64,
+    },
+    /// There is nothing to send.
+    #[error("no slot is on loan: borrow one and fill it before it is sent")]
+    NothingOnLoan,
+    /// A blank frame has no pixels to be masked.
+    #[error("the frame has no image, and so needs no mask: wait for the next one")]
+    NoImage,
+}

@@ -44,6 +44,11 @@
 //! reader allocates nothing, and [`latest`](Reader::latest) makes no system call, but for the one look that takes up the
 //! channel of a chain that has just started.
 //!
+//! # Frames and masks of one's own
+//!
+//! [`FrameWriter`] is for a camera that lariat does not know (`lariat run --source external`), [`FrameReader`] and [`MaskWriter`]
+//! for a network that finds the ropes (`mask = "external"`).
+//!
 //! # Below that
 //!
 //! The rest is the contract between lariat's own processes, for who writes a stage, or looks in at other channels: a process
@@ -59,7 +64,9 @@ mod command_reader;
 mod domain;
 mod error;
 mod frame;
+mod frame_reader;
 mod holdings;
+mod image_writer;
 mod leftovers;
 mod making;
 mod memory;
@@ -86,9 +93,11 @@ pub use codes::{Basis, FitQuality, PixelFormat, SourceKind, Status, Unit};
 pub use command::{Command, MAX_GRIPPERS};
 pub use command_reader::CommandReader;
 pub use domain::{Domain, Rig};
-pub use error::WireError;
+pub use error::{WireError, WriteError};
 pub use frame::{Frame, KeptFrame};
+pub use frame_reader::FrameReader;
 pub use holdings::holdings;
+pub use image_writer::{FrameWriter, MaskWriter, Stamp, Waiting};
 pub use leftovers::{Leftover, leftovers, remove_leftovers, shared_by_others};
 pub use message::*;
 pub use owner::user_name;

@@ -1,6 +1,7 @@
 //! How long a lossless writer waits for a reader whose buffer is full: as long as the reader lives, and when the writer
 //! is told to stop, a little longer, so that what was sent before is still delivered.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -13,14 +14,20 @@ use crate::{Domain, now_ns};
 
 /// A writer that waits looks this often whether the reader was killed.
 const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
+/// And this often it does what it was given to do meanwhile.
+pub(crate) const LOOK: Duration = Duration::from_millis(50);
 /// A writer that was told to stop gives up this long after it noticed: a reader that is alive but stands still must not
 /// keep it for ever.
 const AFTER_STOP: Duration = Duration::from_secs(3);
+
+/// What is done now and then while a lossless writer waits: it may find that the writer is to stop.
+pub(crate) type Meanwhile = Arc<dyn Fn() + Send + Sync>;
 
 /// What a lossless writer does each time it finds a buffer full; `None` for a writer that does not wait.
 pub(crate) fn with_slow_readers(
     domain: &Domain,
     delivery: &Delivery,
+    meanwhile: Option<Meanwhile>,
 ) -> Option<impl Fn(&BackpressureInfo) -> BackpressureAction + Send + 'static + use<>> {
     let Delivery::Lossless { stop } = delivery else {
         return None;
@@ -29,9 +36,18 @@ pub(crate) fn with_slow_readers(
     let config = domain.config().clone();
     let stop_noticed_ns = AtomicU64::new(0);
     let next_check_ns = AtomicU64::new(0);
+    let next_look_ns = AtomicU64::new(0);
     Some(move |waiting: &BackpressureInfo| {
         let now_ns = now_ns();
-        if stop.load(Ordering::Relaxed) {
+        if let Some(meanwhile) = &meanwhile
+            && now_ns >= next_look_ns.load(Ordering::Relaxed)
+        {
+            next_look_ns.store(now_ns + LOOK.as_nanos() as u64, Ordering::Relaxed);
+            meanwhile();
+        }
+        if !stop.load(Ordering::Relaxed) {
+            stop_noticed_ns.store(0, Ordering::Relaxed);
+        } else {
             let before = stop_noticed_ns.load(Ordering::Relaxed);
             let noticed_ns = if before == 0 { now_ns } else { before };
             stop_noticed_ns.store(noticed_ns, Ordering::Relaxed);

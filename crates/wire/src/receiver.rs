@@ -20,7 +20,7 @@ use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireErr
 pub struct Receiver<P: Payload + ?Sized> {
     // Before the service, so that it is dropped first.
     subscriber: Subscriber<ipc::Service, P, P::Header>,
-    _service: PortFactory<ipc::Service, P, P::Header>,
+    service: PortFactory<ipc::Service, P, P::Header>,
     /// `None`: a reader that is never woken.
     ear: Option<Ear>,
     /// How long it looks for a message before it sleeps.
@@ -117,11 +117,16 @@ impl<P: Payload + ?Sized> Receiver<P> {
         })?;
         Ok(Self {
             subscriber,
-            _service: service,
+            service,
             ear,
             looks_for: Duration::ZERO,
             name,
         })
+    }
+
+    /// Whether each message reaches it, because the writer waits for it.
+    pub(crate) fn is_lossless(&self) -> bool {
+        !self.service.static_config().has_safe_overflow()
     }
 
     /// Lets [`sleep`](Self::sleep) and [`wait`](Self::wait) look for messages for so long, with the core all to

@@ -17,6 +17,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, Delivery, FRAMES, MASKS, Payload};
+use crate::patience::Meanwhile;
 use crate::ready::{self, Bell, Ear};
 use crate::{
     Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience,
@@ -24,8 +25,6 @@ use crate::{
 
 /// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
 const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
-/// Meanwhile it looks this often whether it was told to stop.
-const STOP_CHECK: Duration = Duration::from_millis(50);
 
 /// The one writer of a channel.
 pub struct Writer<P: Payload + ?Sized> {
@@ -43,6 +42,7 @@ pub struct Writer<P: Payload + ?Sized> {
 struct Gathering {
     ear: Ear,
     stop: Arc<AtomicBool>,
+    meanwhile: Option<Meanwhile>,
     /// How many readers have answered.
     gathered: Cell<usize>,
 }
@@ -67,11 +67,11 @@ macro_rules! message_writer {
             ) -> Result<Self, WireError> {
                 let service = Self::open(domain, rig, channel, delivery, size_of::<$message>(), 1)?;
                 let builder = service.publisher_builder().max_loaned_samples(1);
-                let publisher = match patience::with_slow_readers(domain, delivery) {
+                let publisher = match patience::with_slow_readers(domain, delivery, None) {
                     None => builder.create(),
                     Some(wait) => builder.set_backpressure_handler(wait).create(),
                 };
-                Self::finish(domain, rig, channel, delivery, service, publisher)
+                Self::finish(domain, rig, channel, delivery, service, publisher, None)
             }
 
             /// Borrows a slot. It still holds an earlier message: fields not written keep that one's values.
@@ -103,7 +103,7 @@ impl Writer<[u8]> {
         delivery: &Delivery,
         largest: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &FRAMES, delivery, largest, 1)
+        Self::images(domain, rig, &FRAMES, delivery, largest, 1, None)
     }
 
     /// Becomes the writer of a rig's frames, who borrows up to `borrowed` slots at a time, each of up to `largest` bytes:
@@ -115,7 +115,7 @@ impl Writer<[u8]> {
         largest: usize,
         borrowed: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &FRAMES, delivery, largest, borrowed)
+        Self::images(domain, rig, &FRAMES, delivery, largest, borrowed, None)
     }
 
     /// Becomes the writer of a rig's masks, of up to `largest` bytes each.
@@ -125,27 +125,32 @@ impl Writer<[u8]> {
         delivery: &Delivery,
         largest: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &MASKS, delivery, largest, 1)
+        Self::images(domain, rig, &MASKS, delivery, largest, 1, None)
     }
 
-    fn images(
+    /// `meanwhile`: what is done now and then while it waits for a slow reader.
+    pub(crate) fn images(
         domain: &Domain,
         rig: &Rig,
         channel: &Channel<[u8]>,
         delivery: &Delivery,
         largest: usize,
         borrowed: usize,
+        meanwhile: Option<Meanwhile>,
     ) -> Result<Self, WireError> {
         let service = Self::open(domain, rig, channel, delivery, largest, borrowed)?;
         let builder = service
             .publisher_builder()
             .max_loaned_samples(borrowed)
             .initial_max_slice_len(largest);
-        let publisher = match patience::with_slow_readers(domain, delivery) {
+        let wait = patience::with_slow_readers(domain, delivery, meanwhile.clone());
+        let publisher = match wait {
             None => builder.create(),
             Some(wait) => builder.set_backpressure_handler(wait).create(),
         };
-        Self::finish(domain, rig, channel, delivery, service, publisher)
+        Self::finish(
+            domain, rig, channel, delivery, service, publisher, meanwhile,
+        )
     }
 
     /// Borrows a slot of `bytes` bytes, for a frame or a mask. It still holds an earlier one's pixels.
@@ -200,6 +205,7 @@ impl<P: Payload + ?Sized> Writer<P> {
             Publisher<ipc::Service, P, P::Header>,
             iceoryx2::port::publisher::PublisherCreateError,
         >,
+        meanwhile: Option<Meanwhile>,
     ) -> Result<Self, WireError> {
         use iceoryx2::port::publisher::PublisherCreateError;
         let name = channel.on(rig);
@@ -216,6 +222,7 @@ impl<P: Payload + ?Sized> Writer<P> {
             Delivery::Lossless { stop } => Some(Gathering {
                 ear: Ear::new(domain, &name, channel.readers)?,
                 stop: stop.clone(),
+                meanwhile,
                 gathered: Cell::new(0),
             }),
         };
@@ -252,6 +259,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         let Some(Gathering {
             ear,
             stop,
+            meanwhile,
             gathered,
         }) = &self.gathering
         else {
@@ -268,8 +276,9 @@ impl<P: Payload + ?Sized> Writer<P> {
         self.bell.call();
         let mut answers = 0;
         while answers < readers && !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
-            let look_up = deadline.min(Instant::now() + STOP_CHECK);
+            let look_up = deadline.min(Instant::now() + patience::LOOK);
             ready::wait([Some(ear)], Some(look_up), None)?;
+            meanwhile.iter().for_each(|meanwhile| meanwhile());
             answers += ear.empty()?.answers;
         }
         gathered.set(readers);
@@ -300,7 +309,28 @@ impl<P: Payload + ?Sized> Slot<'_, P> {
     }
 }
 
+/// A slot that is held apart from its writer, and goes back to it to be sent.
+pub(crate) struct KeptSlot(SampleMut<ipc::Service, [u8], FrameHeader>);
+
+impl KeptSlot {
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
+        self.0.payload_mut()
+    }
+
+    /// `writer`: the one that it was borrowed from.
+    pub(crate) fn back_to(self, writer: &Writer<[u8]>) -> Slot<'_, [u8]> {
+        Slot {
+            sample: self.0,
+            writer,
+        }
+    }
+}
+
 impl Slot<'_, [u8]> {
+    pub(crate) fn keep(self) -> KeptSlot {
+        KeptSlot(self.sample)
+    }
+
     /// What stands beside the pixels.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         self.sample.user_header_mut()

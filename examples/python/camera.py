@@ -1,0 +1,17 @@
+"""Any camera that Python can read as lariat's source: beside it runs `lariat run --source external`.
+
+pip install opencv-python
+python camera.py [0 | rtsp://… | video.mp4]
+"""
+
+import sys
+
+import cv2
+
+import lariat
+
+name = sys.argv[1] if len(sys.argv) > 1 else "0"
+camera = cv2.VideoCapture(int(name) if name.isdigit() else name)
+with lariat.Writer("frames") as frames:
+    while camera.grab():  # waits for the next image, and takes it …
+        frames.write(camera.retrieve()[1], "bgr8")  # … which is copied once, into shared memory.

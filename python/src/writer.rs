@@ -1,0 +1,409 @@
+#![allow(unsafe_code)] // NumPy writes into slots of shared memory.
+//! Frames and masks of the user's own, for Python. `lariat/_writer.py` has what Python writes better: arrays and their checks.
+//!
+//! Arrays of a slot are views of shared memory, which stays where it is for as long as one of them lives: like a file that is
+//! mapped, a writer whose slot is still in an array is not taken apart.
+
+use crate::errors::{value_error, wire_error};
+use crate::frames::Image;
+use lariat_wire::{Domain, FrameWriter, MaskWriter, PixelFormat, Stamp, Waiting, WriteError};
+use numpy::PyArray1;
+use numpy::ndarray::ArrayView1;
+use pyo3::exceptions::{PyBufferError, PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+/// What it writes. Boxed: their headers begin on a cache line, and Python's objects do not.
+enum End {
+    Frames(Box<FrameWriter>),
+    Masks(Box<MaskWriter>),
+}
+
+impl End {
+    fn has_room(&self, bytes: usize) -> bool {
+        match self {
+            Self::Frames(writer) => writer.has_room(bytes),
+            Self::Masks(writer) => writer.has_room(bytes),
+        }
+    }
+}
+
+/// Writes a rig's frames or masks.
+#[pyclass(frozen, subclass, module = "lariat._native")]
+pub(crate) struct Writer {
+    /// `None` once it is closed.
+    end: Mutex<Option<End>>,
+    /// Arrays, and what else looks into slots.
+    views: AtomicUsize,
+    /// It is to be closed when the last of them goes.
+    is_closing: AtomicBool,
+    /// The number of the loan that stands.
+    loan: AtomicU64,
+    /// Ends a wait for slow readers.
+    stop: Arc<AtomicBool>,
+    /// What a signal's handler raised during such a wait.
+    raised: Arc<Mutex<Option<PyErr>>>,
+    rig: String,
+    channel: &'static str,
+}
+
+#[pymethods]
+impl Writer {
+    #[new]
+    #[pyo3(signature = (channel, rig="default", *, lossless=None))]
+    fn new(py: Python<'_>, channel: &str, rig: &str, lossless: Option<bool>) -> PyResult<Self> {
+        let (stop, raised) = (Arc::new(AtomicBool::new(false)), Arc::default());
+        let waiting = Waiting {
+            lossless,
+            stop: stop.clone(),
+            meanwhile: Some(ask_for_signals(&stop, &raised)),
+        };
+        let open = |masks: bool| -> Result<End, WriteError> {
+            let (domain, rig) = (Domain::open()?, rig.parse()?);
+            Ok(match masks {
+                false => End::Frames(FrameWriter::open_in(domain, &rig, waiting)?.into()),
+                true => End::Masks(MaskWriter::open_in(domain, &rig, waiting)?.into()),
+            })
+        };
+        let (channel, end) = match channel {
+            "frames" => ("frames", py.detach(|| open(false))),
+            "masks" => ("masks", py.detach(|| open(true))),
+            other => {
+                return Err(value_error(format!(
+                    "Invalid channel '{other}': use \"frames\" or \"masks\""
+                )));
+            }
+        };
+        Ok(Self {
+            end: Mutex::new(Some(end.map_err(write_error)?)),
+            views: AtomicUsize::new(0),
+            is_closing: AtomicBool::new(false),
+            loan: AtomicU64::new(0),
+            stop,
+            raised,
+            rig: rig.to_owned(),
+            channel,
+        })
+    }
+
+    /// Borrows the slot of a frame.
+    fn loan_frame(
+        this: Bound<'_, Self>,
+        height: u32,
+        width: u32,
+        pixel_format: &str,
+    ) -> PyResult<Slot> {
+        let Some(format) = PixelFormat::from_name(pixel_format) else {
+            let names = PixelFormat::ALL.map(PixelFormat::name).join(", ");
+            return Err(value_error(format!(
+                "Invalid pixel format '{pixel_format}': use one of {names}"
+            )));
+        };
+        let (shape, item_bytes) = array_shape(height as usize, width as usize, format);
+        let bytes = shape.iter().product::<usize>() * item_bytes;
+        Self::loan(&this, shape, item_bytes, bytes, |end| match end {
+            End::Frames(writer) => writer.loan(width, height, format),
+            End::Masks(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Borrows the slot of a frame's mask.
+    fn loan_mask(this: Bound<'_, Self>, frame: &Image) -> PyResult<Slot> {
+        let header = frame.header();
+        let shape = vec![header.height as usize, header.width as usize];
+        let bytes = shape[0] * shape[1];
+        Self::loan(&this, shape, 1, bytes, |end| match end {
+            End::Masks(writer) => writer.loan(header),
+            End::Frames(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Sends a frame without an image.
+    fn send_blank(&self, py: Python<'_>) -> PyResult<()> {
+        self.send(py, |end| match end {
+            End::Frames(writer) => writer.send_blank(Stamp::default()),
+            End::Masks(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Whether it waits for slow readers.
+    #[getter]
+    fn lossless(&self) -> PyResult<bool> {
+        Ok(match open(&mut self.lock()?)? {
+            End::Frames(writer) => writer.is_lossless(),
+            End::Masks(writer) => writer.is_lossless(),
+        })
+    }
+
+    /// The rig's name.
+    #[getter]
+    fn rig(&self) -> &str {
+        &self.rig
+    }
+
+    /// Leaves the rig: another writer may come. What was sent is delivered.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.loan.fetch_add(1, Ordering::Relaxed);
+        let mut guard = self.lock()?;
+        if self.views.load(Ordering::Relaxed) > 0 {
+            // The last array takes it along.
+            self.is_closing.store(true, Ordering::Relaxed);
+            return Ok(());
+        }
+        let end = guard.take();
+        drop(guard);
+        // Leaving sweeps up after the dead, which may take a while.
+        let end = end.map(Alone);
+        py.detach(|| drop(end));
+        Ok(())
+    }
+
+    /// Whether it was closed.
+    #[getter]
+    fn closed(&self) -> PyResult<bool> {
+        Ok(self.is_closing.load(Ordering::Relaxed) || self.lock()?.is_none())
+    }
+
+    fn __enter__(this: Py<Self>) -> Py<Self> {
+        this
+    }
+
+    #[pyo3(signature = (*_error))]
+    fn __exit__(&self, py: Python<'_>, _error: &Bound<'_, PyTuple>) -> PyResult<()> {
+        self.close(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let state = match self.closed() {
+            Ok(true) => ", closed",
+            _ => "",
+        };
+        format!(
+            "<lariat.Writer of {} of rig '{}'{state}>",
+            self.channel, self.rig
+        )
+    }
+}
+
+/// Moves to where no Python runs.
+struct Alone(#[allow(dead_code, reason = "it is only dropped")] End);
+
+impl Writer {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Option<End>>> {
+        match self.end.try_lock() {
+            Ok(end) => Ok(end),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "another thread uses this writer, or waits with it: let one thread write",
+            )),
+        }
+    }
+
+    fn loan(
+        this: &Bound<'_, Self>,
+        shape: Vec<usize>,
+        item_bytes: usize,
+        bytes: usize,
+        borrow: impl FnOnce(&mut End) -> Result<&mut [u8], WriteError> + Send,
+    ) -> PyResult<Slot> {
+        let writer = this.get();
+        let mut guard = writer.lock()?;
+        if writer.is_closing.load(Ordering::Relaxed) {
+            return Err(closed());
+        }
+        let end = open(&mut guard)?;
+        if writer.views.load(Ordering::Relaxed) > 0 && !end.has_room(bytes) {
+            return Err(PyBufferError::new_err(
+                "this image is larger than those before, and an array of an earlier slot is still there: \
+                 let go of it (del), or copy it, so that larger slots can be made",
+            ));
+        }
+        let slot = this
+            .py()
+            .detach(|| borrow(end).map(|slot| (slot.as_mut_ptr() as usize, slot.len())));
+        let (address, length) = slot.map_err(write_error)?;
+        Ok(Slot {
+            writer: this.clone().unbind(),
+            number: writer.loan.fetch_add(1, Ordering::Relaxed) + 1,
+            address,
+            length,
+            shape,
+            item_bytes,
+        })
+    }
+
+    fn send(
+        &self,
+        py: Python<'_>,
+        send: impl FnOnce(&mut End) -> Result<bool, WriteError> + Send,
+    ) -> PyResult<()> {
+        self.loan.fetch_add(1, Ordering::Relaxed);
+        let mut guard = self.lock()?;
+        let end = open(&mut guard)?;
+        self.stop.store(false, Ordering::Relaxed);
+        py.detach(|| send(end)).map_err(write_error)?;
+        // A frame that was given up for it is lost, and counted.
+        let raised = self.raised.lock().map(|mut raised| raised.take());
+        raised.ok().flatten().map_or(Ok(()), Err)
+    }
+}
+
+fn open<'a>(guard: &'a mut MutexGuard<'_, Option<End>>) -> PyResult<&'a mut End> {
+    guard.as_mut().ok_or_else(closed)
+}
+
+fn closed() -> PyErr {
+    PyValueError::new_err("this writer is closed: open another one")
+}
+
+/// While it waits for a slow reader: Python's own handlers of signals, of which Ctrl-C's ends the wait.
+fn ask_for_signals(
+    stop: &Arc<AtomicBool>,
+    raised: &Arc<Mutex<Option<PyErr>>>,
+) -> Arc<dyn Fn() + Send + Sync> {
+    let (stop, raised) = (stop.clone(), raised.clone());
+    Arc::new(move || {
+        if let Err(cause) = Python::attach(|py| py.check_signals()) {
+            if let Ok(mut raised) = raised.lock() {
+                *raised = Some(cause);
+            }
+            stop.store(true, Ordering::Relaxed);
+        }
+    })
+}
+
+/// What is wrong, as Python's exception: `ValueError` for what was given, else as a reader's.
+fn write_error(cause: WriteError) -> PyErr {
+    match cause {
+        WriteError::Wire(cause) => wire_error(cause),
+        WriteError::FramesTaken { .. } => PyOSError::new_err(cause.to_string()),
+        cause => value_error(cause),
+    }
+}
+
+/// The shape of a format's array, and the bytes of an element.
+pub(crate) fn array_shape(height: usize, width: usize, format: PixelFormat) -> (Vec<usize>, usize) {
+    // Rows of all planes, one after the other.
+    let rows = format.image_bytes(1, u32::try_from(height).unwrap_or(u32::MAX));
+    // Of two pixels, as some formats have no single one.
+    let pixel_bytes = format.row_bytes(2) / 2;
+    // Where two pixels share their colour, a row has whole pairs.
+    let width = format.row_bytes(u32::try_from(width).unwrap_or(u32::MAX)) / pixel_bytes;
+    match pixel_bytes {
+        1 => (vec![rows, width], 1),
+        2 if format.name() == "gray16" => (vec![rows, width], 2),
+        channels => (vec![rows, width, channels], 1),
+    }
+}
+
+/// The bytes as an array of that shape.
+pub(crate) fn shaped<'py>(
+    flat: &Bound<'py, PyArray1<u8>>,
+    shape: &[usize],
+    item_bytes: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let dtype = if item_bytes == 2 { "uint16" } else { "uint8" };
+    let array = flat.as_any().call_method1("view", (dtype,))?;
+    array.call_method1("reshape", (PyTuple::new(flat.py(), shape)?,))
+}
+
+/// What an array of a slot keeps alive: its writer, with its memory.
+#[pyclass(frozen)]
+struct View(Py<Writer>);
+
+impl View {
+    fn of(writer: Py<Writer>) -> Self {
+        writer.get().views.fetch_add(1, Ordering::Relaxed);
+        Self(writer)
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        let writer = self.0.get();
+        let was_last = writer.views.fetch_sub(1, Ordering::Relaxed) == 1;
+        if was_last
+            && writer.is_closing.load(Ordering::Relaxed)
+            && let Ok(mut end) = writer.lock()
+        {
+            *end = None;
+        }
+    }
+}
+
+/// A slot of shared memory on loan.
+#[pyclass(frozen, module = "lariat._native")]
+pub(crate) struct Slot {
+    writer: Py<Writer>,
+    /// Of the loan.
+    number: u64,
+    address: usize,
+    length: usize,
+    shape: Vec<usize>,
+    item_bytes: usize,
+}
+
+#[pymethods]
+impl Slot {
+    /// An array that is the slot itself.
+    fn array<'py>(slot: Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, this) = (slot.py(), slot.get());
+        this.check()?;
+        let view = Bound::new(py, View::of(this.writer.clone_ref(py)))?;
+        // SAFETY: the slot is mapped for as long as the view lives, which its writer counts, and nobody else's while it is on loan.
+        // What is written into it later tears an image, whose bytes may have any value.
+        let flat = unsafe {
+            let slot = ArrayView1::from_shape_ptr(this.length, this.address as *const u8);
+            PyArray1::borrow_from_array(&slot, view.into_any())
+        };
+        shaped(&flat, &this.shape, this.item_bytes)
+    }
+
+    /// Sends it as a frame.
+    #[pyo3(signature = (exposed_ns=None, sequence=None))]
+    fn send_frame(
+        &self,
+        py: Python<'_>,
+        exposed_ns: Option<u64>,
+        sequence: Option<u64>,
+    ) -> PyResult<()> {
+        self.send(py, |end| match end {
+            End::Frames(writer) => writer.send(Stamp {
+                exposed_ns,
+                sequence,
+            }),
+            End::Masks(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Sends it as a mask.
+    fn send_mask(&self, py: Python<'_>) -> PyResult<()> {
+        self.send(py, |end| match end {
+            End::Masks(writer) => writer.send(),
+            End::Frames(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+}
+
+impl Slot {
+    /// The slot is still on loan.
+    fn check(&self) -> PyResult<()> {
+        if self.writer.get().loan.load(Ordering::Relaxed) != self.number {
+            return Err(PyValueError::new_err(
+                "this slot was sent, or given back: borrow another one",
+            ));
+        }
+        Ok(())
+    }
+
+    fn send(
+        &self,
+        py: Python<'_>,
+        send: impl FnOnce(&mut End) -> Result<bool, WriteError> + Send,
+    ) -> PyResult<()> {
+        self.check()?;
+        self.writer.get().send(py, send)
+    }
+}
