@@ -6,7 +6,7 @@ use crate::settings::mask_text;
 use anyhow::{Context, Result};
 use clap::Args;
 use image::{GrayImage, ImageFormat};
-use lariat_extract::{Mask, mask_of, pick};
+use lariat_extract::{Mask, doubt_pick, mask_of, pick};
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -53,6 +53,7 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let picture = Picture::load(&args.image)?;
     let image = picture.image().with_context(|| shown.to_string())?;
     let picked = pick(&image, args.at).with_context(|| shown.to_string())?;
+    let doubt = doubt_pick(&image, &picked.ranges, args.at);
     let mask = Mask::Hsv(picked.ranges);
     let pixels = mask_of(&image, &mask);
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;
@@ -63,22 +64,29 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
         shown.to_string().replace(char::is_control, " "),
         mask_text(&mask)
     );
-    match &output {
-        Ok(output) => output.print(&text)?,
-        // The colours are worth saying also where the mask cannot be drawn under the name that it has by itself.
-        Err(_) => print(&text)?,
-    }
-    if picked.agreement < GOOD {
+    // The mask is drawn also where nobody reads this; and the colours are worth saying also where it cannot be drawn under the name
+    // that it has by itself.
+    let said = match &output {
+        Ok(output) => output.print(&text),
+        Err(_) => print(&text),
+    };
+    let mut exit = ExitCode::SUCCESS;
+    if let Some(doubt) = doubt {
+        eprintln!("lariat: {doubt}");
+        exit = ExitCode::FAILURE;
+    } else if picked.agreement < GOOD {
         eprintln!(
             "lariat: colour alone tells this rope from the rest in {:.0} % only: look at the mask before you use it; a \
              mask from elsewhere may be needed (mask = \"external\")",
             100.0 * picked.agreement
         );
+        exit = ExitCode::FAILURE;
     }
     let output = output?;
     write(&output, pixels, [picture.width(), picture.height()])?;
     eprintln!("lariat: the mask is drawn in {output}");
-    Ok(ExitCode::SUCCESS)
+    said?;
+    Ok(exit)
 }
 
 /// Where the mask's picture goes.

@@ -123,6 +123,32 @@ fn no_file_is_replaced_that_the_user_did_not_name() {
 }
 
 #[test]
+fn colors_that_are_not_enough_are_said() {
+    let folder = TempDir::new().unwrap();
+    // Nine short strokes of one colour.
+    RgbImage::from_fn(240, 160, |x, y| {
+        let (along, across) = (x.wrapping_sub(20) % 70, y.wrapping_sub(30) % 45);
+        match (20..220).contains(&x) && (30..150).contains(&y) && along < 40 && across < 5 {
+            true => Rgb([40, 90, 190]),
+            false => Rgb([225, 220, 210]),
+        }
+    })
+    .save(folder.path().join("strokes.png"))
+    .unwrap();
+    let output = lariat(&folder, &["pick", "strokes.png", "--at", "40,32"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("the mask falls into 9 pieces"), "{said}");
+    // What was found is there all the same.
+    assert!(
+        String::from_utf8(output.stdout)
+            .unwrap()
+            .contains("hue_deg")
+    );
+    assert!(folder.path().join("strokes-mask.png").exists());
+}
+
+#[test]
 fn what_cannot_be_picked_is_said_in_a_sentence() {
     let folder = TempDir::new().unwrap();
     save_bars(&folder);

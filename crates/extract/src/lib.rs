@@ -143,6 +143,6 @@ pub use knot::{CrossingSequence, Pass};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Options, OptionsError};
-pub use pick::{PickError, Picked, pick};
+pub use pick::{PickDoubt, PickError, Picked, doubt_pick, pick};
 pub use region::Region;
 pub use scene::{Crossing, Curve, Scene, Status};

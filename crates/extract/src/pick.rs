@@ -6,12 +6,15 @@
 
 mod evidence;
 mod grow;
+mod judge;
 mod range;
 
 use crate::unpack::Unpacker;
 use crate::{HsvRange, Image, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
+
+pub use judge::{PickDoubt, doubt_pick};
 
 /// How far beside the rope a point may lie and still mean it, in pixels.
 const BESIDE_PX: f32 = 3.0;

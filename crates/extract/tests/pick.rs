@@ -4,7 +4,8 @@ mod drawing;
 
 use drawing::{Rope, Table};
 use lariat_extract::{
-    Extractor, HsvRange, Image, Mask, Options, PickError, Picked, PixelFormat, mask_of, pick,
+    Extractor, HsvRange, Image, Mask, Options, PickDoubt, PickError, Picked, PixelFormat,
+    doubt_pick, mask_of, pick,
 };
 use proptest::prelude::*;
 
@@ -136,6 +137,51 @@ fn ropes_of_several_colors_have_a_range_each() {
     assert!(
         agreement(&image, &green.ranges, &truth(&ropes[1..2])) > 0.85,
         "{green:?}"
+    );
+}
+
+#[test]
+fn colors_that_are_enough_are_not_doubted() {
+    let ropes = [wave([190.0, 30.0, 40.0], 120.0)];
+    let bytes = table(LIGHT).draw(&ropes);
+    for at in [None, Some(ON_ROPE)] {
+        let picked = pick(&rgb(&bytes), at).expect("a rope");
+        assert_eq!(doubt_pick(&rgb(&bytes), &picked.ranges, at), None);
+    }
+}
+
+#[test]
+fn colors_that_something_else_has_are_doubted() {
+    let red = [190.0, 30.0, 40.0];
+    // A thing of the rope's color that is as large as the rope, and a dozen of specks.
+    let thing = Rope::along(44.0, red, |t| [230.0 + 60.0 * t, 40.0]);
+    let bytes = table(LIGHT).draw(&[wave(red, 140.0), thing]);
+    let red = HsvRange {
+        hue_deg: [330.0, 30.0],
+        saturation: [0.4, 1.0],
+        value: [0.3, 1.0],
+    };
+    let doubt = doubt_pick(&rgb(&bytes), &[red], Some([160.0, 175.9]));
+    assert!(
+        matches!(doubt, Some(PickDoubt::Elsewhere(share)) if share > 0.2),
+        "{doubt:?}"
+    );
+    let strokes: Vec<Rope> = (0..12u8)
+        .map(|i| {
+            let [x, y] = [f32::from(i % 4), f32::from(i / 4)].map(|c| 30.0 + 70.0 * c);
+            Rope::along(5.0, [190.0, 30.0, 40.0], move |t| [x + 40.0 * t, y])
+        })
+        .collect();
+    let bytes = table(LIGHT).draw(&strokes);
+    let doubt = doubt_pick(&rgb(&bytes), &[red], Some([50.0, 30.0]));
+    assert_eq!(doubt, Some(PickDoubt::Pieces(12)));
+    let blue = HsvRange {
+        hue_deg: [200.0, 250.0],
+        ..red
+    };
+    assert_eq!(
+        doubt_pick(&rgb(&bytes), &[blue], None),
+        Some(PickDoubt::NoRope)
     );
 }
 

@@ -121,7 +121,7 @@ pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
 
 /// For each pixel of the mask that lies along a curve, which it is nearest to, and how far from its middle in
 /// half-widths.
-fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Option<(u8, f32)>> {
+pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Option<(u8, f32)>> {
     let width = mask.width() as i32;
     let mut owner: Vec<Option<(u8, f32)>> = vec![None; mask.width() * mask.height()];
     for (index, curve) in (0u8..).zip(curves) {
