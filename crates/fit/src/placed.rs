@@ -75,7 +75,7 @@ fn spread(density: &[f64], control_points: usize) -> Vec<f64> {
 fn thicken(density: &mut [f64], squared: &[f64]) {
     let error = smoothed(squared, 2);
     let mean = error.iter().sum::<f64>() / error.len() as f64;
-    if !(mean > 0.0) {
+    if mean.is_nan() || mean <= 0.0 {
         return;
     }
     for (step, density) in density.iter_mut().enumerate() {
@@ -153,7 +153,7 @@ fn solve<const D: usize>(matrix: &mut [[f64; BAND]], right: &mut [[f64; D]]) -> 
     for j in 0..count {
         let row = matrix[j];
         // Condition numbers are small; what is 0 here is a function without a point.
-        if !(row[0] > 1e-9) {
+        if row[0].is_nan() || row[0] <= 1e-9 {
             return None;
         }
         for k in 1..BAND.min(count - j) {
@@ -161,19 +161,20 @@ fn solve<const D: usize>(matrix: &mut [[f64; BAND]], right: &mut [[f64; D]]) -> 
             for l in k..BAND {
                 matrix[j + k][l - k] -= factor * row[l];
             }
-            for axis in 0..D {
-                right[j + k][axis] -= factor * right[j][axis];
+            let above = right[j];
+            for (to, from) in right[j + k].iter_mut().zip(above) {
+                *to -= factor * from;
             }
         }
     }
     for j in (0..count).rev() {
         let row = matrix[j];
-        for axis in 0..D {
+        right[j] = std::array::from_fn(|axis| {
             let known: f64 = (1..BAND.min(count - j))
                 .map(|k| row[k] * right[j + k][axis])
                 .sum();
-            right[j][axis] = (right[j][axis] - known) / row[0];
-        }
+            (right[j][axis] - known) / row[0]
+        });
     }
     Some(())
 }

@@ -83,7 +83,7 @@ impl Tolerance {
                 continue;
             }
             // NaN is no distance.
-            if !(distance <= all) {
+            if distance.is_nan() || distance > all {
                 return false;
             }
             seen += 1;
