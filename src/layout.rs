@@ -254,12 +254,12 @@ mod tests {
         let row = ["a/long/way/to/rope.png", "451.7", "3.9", "640"]
             .map(String::from)
             .to_vec();
-        let wide = Table::text(columns(), &[row.clone()], 80);
+        let wide = Table::text(columns(), std::slice::from_ref(&row), 80);
         assert_eq!(
             wide,
             "image                   length  time  size\na/long/way/to/rope.png   451.7   3.9   640\n"
         );
-        let narrow = Table::text(columns(), &[row.clone()], 30);
+        let narrow = Table::text(columns(), std::slice::from_ref(&row), 30);
         assert_eq!(
             narrow,
             "image             length  time\n…way/to/rope.png   451.7   3.9\n"
