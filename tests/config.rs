@@ -184,8 +184,8 @@ fn another_file_is_read_where_one_is_named() {
 fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[fit]\n\n# the curve\noder = 7\n"),
-        "lariat: lariat.toml, line 4: [fit] has no key \"oder\". Did you mean \"order\"? Its keys are order, \
-         max_order, basis, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
+        "lariat: lariat.toml, line 4: [fit] has no key \"oder\". Did you mean \"order\"? Its keys are basis, \
+         order, max_order, tolerance, tolerance_px, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
     );
     assert_eq!(
         complaint("[run]\nduration = 7\n"),
