@@ -97,16 +97,18 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     };
     let (plane, mapping) = plane(&pairs, camera.as_ref(), size)?;
     let judged = judged(&pairs, &mapping);
-    match &output {
-        Some(output) => output.print(&judged)?,
-        None => print(&judged)?,
-    }
+    // The file is written also where nobody reads this.
+    let said = match &output {
+        Some(output) => output.print(&judged),
+        None => print(&judged),
+    };
     if let Some(output) = &output {
         let about = format!("From {} points, by `lariat calibrate plane`.", pairs.len());
         let text = plane_file::text(plane.homography(), size, camera.as_ref(), &about);
         output.write(text.as_bytes())?;
         eprintln!("lariat: the plane is in {output}: use it with --plane");
     }
+    said?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -14,7 +14,6 @@ use lariat_capture::{
 };
 use serde::Serialize;
 
-use crate::layout::{self, wrapped};
 use crate::output::print;
 
 /// The cameras of this machine: names, formats, sizes, rates and controls
@@ -51,7 +50,7 @@ pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
     };
     print(&text)?;
     Ok(if cameras.is_empty() {
-        eprintln!("{}", wrapped(NONE, layout::width()));
+        eprintln!("{NONE}");
         ExitCode::FAILURE
     } else {
         ExitCode::SUCCESS

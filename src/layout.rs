@@ -35,6 +35,19 @@ pub(crate) fn wrapped(text: &str, width: usize) -> String {
     flowed(text.split_whitespace(), width)
 }
 
+/// What is said on standard error: its long lines are folded where that is a terminal, which would break them within words.
+pub(crate) fn said(text: &str) -> Cow<'_, str> {
+    if !stderr().is_terminal() {
+        return text.into();
+    }
+    let width = width();
+    let lines = text.lines().map(|line| match columns(line) > width {
+        true => hanging(line, 2, width),
+        false => line.to_owned(),
+    });
+    lines.collect::<Vec<_>>().join("\n").into()
+}
+
 /// The same below a first line that stands out by so many columns.
 pub(crate) fn hanging(text: &str, indent: usize, width: usize) -> String {
     let lines = wrapped(text, width.saturating_sub(indent));
@@ -251,20 +264,20 @@ mod tests {
                 Column::figures("size").rank(2),
             ]
         };
-        let row = ["a/long/way/to/rope.png", "451.7", "3.9", "640"]
+        let rows = [["a/long/way/to/rope.png", "451.7", "3.9", "640"]
             .map(String::from)
-            .to_vec();
-        let wide = Table::text(columns(), std::slice::from_ref(&row), 80);
+            .to_vec()];
+        let wide = Table::text(columns(), &rows, 80);
         assert_eq!(
             wide,
             "image                   length  time  size\na/long/way/to/rope.png   451.7   3.9   640\n"
         );
-        let narrow = Table::text(columns(), std::slice::from_ref(&row), 30);
+        let narrow = Table::text(columns(), &rows, 30);
         assert_eq!(
             narrow,
             "image             length  time\n…way/to/rope.png   451.7   3.9\n"
         );
-        let least = Table::text(columns(), &[row], 22);
+        let least = Table::text(columns(), &rows, 22);
         assert!(
             least.lines().all(|line| line.chars().count() <= 22),
             "{least}"

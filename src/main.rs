@@ -3,7 +3,9 @@
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 macro_rules! eprintln {
     ($($text:tt)*) => {{
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($text)*)));
+        let text = format!($($text)*);
+        let line = format_args!("{}\n", $crate::layout::said(&text));
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), line);
     }};
 }
 

@@ -104,16 +104,18 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     }
     let study = study(args, rows, latencies_ms);
     let table = report::table(&study);
-    match &gif {
-        Some(gif) => gif.print(&table)?,
-        None => print(&table)?,
-    }
+    // The files are written also where nobody reads this.
+    let said = match &gif {
+        Some(gif) => gif.print(&table),
+        None => print(&table),
+    };
     if let (Some(gif), Some(film)) = (&gif, &film) {
         gif.write(film)?;
     }
     if let Some(folder) = &folder {
         write_report(folder, &study, film.as_deref())?;
     }
+    said?;
     Ok(verdict(&study.rows))
 }
 

@@ -138,12 +138,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     drop(workplace);
     plan.compare_with_the_floor();
     let summary = summary::Summary::new(&plan, args, rounds, seconds);
-    print(&table::table(&plan, &summary))?;
+    // The report is written also where nobody reads this.
+    let said = print(&table::table(&plan, &summary));
     if let Some(folder) = &folder {
         report::write(folder, &plan, &summary)?;
         let page = folder.path().join("report.html");
         eprintln!("lariat: the report is {}", page.display());
     }
+    said?;
     Ok(ExitCode::SUCCESS)
 }
 

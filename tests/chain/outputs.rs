@@ -400,6 +400,29 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
             "{command:?}"
         );
     }
+    // What goes into files does all the same.
+    let plane = [
+        "calibrate",
+        "plane",
+        "--size",
+        "640x480",
+        "--points-file",
+        "points.txt",
+        "--out",
+        "plane.toml",
+    ];
+    let overlays = ["trace", "rope.png", "rope.png", "--overlay", "drawn"];
+    for (command, file) in [(&plane[..], "plane.toml"), (&overlays, "drawn/rope-2.png")] {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let ended = bench.command(command).stdout(writer).output();
+        assert_eq!(
+            ended.expect("the binary runs").status.code(),
+            Some(0),
+            "{command:?}"
+        );
+        assert!(bench.path(file).exists(), "{command:?}");
+    }
     bench.assert_nothing_is_left();
 }
 

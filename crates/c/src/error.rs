@@ -97,7 +97,9 @@ impl From<WireError> for Failure {
             WireError::NoSharedMemory(_) | WireError::TooLittleSpace { .. } => LARIAT_ERROR_MEMORY,
             WireError::Version { .. } => LARIAT_ERROR_VERSION,
             WireError::TooManyReaders { .. } => LARIAT_ERROR_TOO_MANY,
-            WireError::Permission { .. } => LARIAT_ERROR_PERMISSION,
+            WireError::Permission { .. }
+            | WireError::Owner { .. }
+            | WireError::DomainOfUser { .. } => LARIAT_ERROR_PERMISSION,
             WireError::SecondWriter { .. } => LARIAT_ERROR_TAKEN,
             _ => LARIAT_ERROR_TRANSPORT,
         };
