@@ -262,7 +262,8 @@ fn what_there_is_not_is_answered_with_what_there_is() {
     );
     assert_eq!(
         chosen(&mono_ov9281()[1..], ANYTHING),
-        "it offers Y10, and lariat reads none of these but YUYV, UYVY, NV12, BGR3, RGB3, MJPG, JPEG and GREY"
+        "it offers Y10, and lariat reads none of these but YUYV, UYVY, NV12, BGR3, RGB3, AR24, XR24, BGR4, RGGB, BA81, GRBG, \
+         GBRG, MJPG, JPEG, GREY and Y16"
     );
     assert!(chosen(&[], ANYTHING).starts_with("it offers no format at all"));
 }
