@@ -94,55 +94,114 @@ fn around(at: usize, side: usize) -> [usize; 2 * REACH + 1] {
 }
 
 /// Of the middle of nine samples the colour that its row has beside green, the green, and the third.
-#[inline(always)]
 fn mixed([above, own, below]: [[u8; 3]; 3], is_green: bool) -> [u8; 3] {
-    let two = |a: u8, b: u8| ((u16::from(a) + u16::from(b) + 1) >> 1) as u8;
-    let four = |four: [u8; 4]| ((four.into_iter().map(u16::from).sum::<u16>() + 2) >> 2) as u8;
     if is_green {
         [two(own[0], own[2]), own[1], two(above[1], below[1])]
     } else {
-        let sides = four([above[1], below[1], own[0], own[2]]);
-        let corners = four([above[0], above[2], below[0], below[2]]);
+        let sides = four(own[0], own[2], above[1], below[1]);
+        let corners = four(above[0], above[2], below[0], below[2]);
         [own[1], sides, corners]
     }
 }
 
-/// Fills in a row: the outermost pixels by themselves, those between in one go.
+/// The mean of two.
+#[inline(always)]
+fn two(a: u8, b: u8) -> u8 {
+    ((u16::from(a) + u16::from(b) + 1) >> 1) as u8
+}
+
+/// The mean of four.
+#[inline(always)]
+fn four(a: u8, b: u8, c: u8, d: u8) -> u8 {
+    ((u16::from(a) + u16::from(b) + u16::from(c) + u16::from(d) + 2) >> 2) as u8
+}
+
+/// Fills in a row: in blocks, the last of which is moved back to end with the row or a pixel before; what is left by itself.
 fn fill_in(image: &Image, [red_x, red_y]: [usize; 2], y: usize, out: &mut [[u8; 4]]) {
     let width = out.len();
-    let inner = REACH.min(width)..width.saturating_sub(REACH);
-    for x in (0..inner.start).chain(inner.end.max(inner.start)..width) {
+    let alone = |x: usize| {
         let [r, g, b] = demosaiced(image, x, y);
-        out[x] = [b, g, r, 0];
-    }
-    if inner.is_empty() {
+        [b, g, r, 0]
+    };
+    let inner = width.saturating_sub(2 * REACH);
+    if inner < BLOCK {
+        (0..width).for_each(|x| out[x] = alone(x));
         return;
+    }
+    for x in [0, width - 2, width - 1] {
+        out[x] = alone(x);
     }
     let rows = around(y, image.height()).map(|y| image.row(y));
     let in_red_row = y % 2 == red_y;
+    // Blocks begin at odd places.
     let first_is_green = (red_x == 1) != in_red_row;
-    let inner = &mut out[inner];
-    Arch::new().dispatch(|| match (in_red_row, first_is_green) {
-        (true, true) => fill_inner::<0, true>(rows, inner),
-        (true, false) => fill_inner::<1, true>(rows, inner),
-        (false, true) => fill_inner::<0, false>(rows, inner),
-        (false, false) => fill_inner::<1, false>(rows, inner),
+    let last = (inner - BLOCK) & !1;
+    Arch::new().dispatch(|| {
+        for from in (0..last).step_by(BLOCK).chain([last]) {
+            let Some(out) = out[REACH + from..].first_chunk_mut() else {
+                return;
+            };
+            fill_block(rows, from, first_is_green, in_red_row, out);
+        }
     });
 }
 
-/// `GREEN`: whether the even or the odd ones of the pixels from the second on are green.
+/// Pixels that are filled in together.
+const BLOCK: usize = 64;
+
+/// All bits in the first of each two pixels, and in the second.
+const EVERY_OTHER: [[u8; BLOCK]; 2] = {
+    let mut masks = [[0; BLOCK]; 2];
+    let mut k = 0;
+    while k < BLOCK {
+        masks[k % 2][k] = 0xFF;
+        k += 1;
+    }
+    masks
+};
+
+/// Fills in the pixels one behind place `from` of the middle row on: all means of all pixels, then of each those that are its.
+/// Loops over plain arrays, without a closure or a call, are what a compiler makes vectors of.
 #[inline(always)]
-fn fill_inner<const GREEN: usize, const IN_RED_ROW: bool>(rows: [&[u8]; 3], out: &mut [[u8; 4]]) {
-    let count = out.len();
-    let around = rows.map(|row| [0, 1, 2].map(|k| &row[k..][..count]));
-    for (k, out) in out.iter_mut().enumerate() {
-        let around = around.map(|row| row.map(|row| row[k]));
-        let [first, green, second] = mixed(around, k % 2 == GREEN);
-        *out = if IN_RED_ROW {
-            [second, green, first, 0]
-        } else {
-            [first, green, second, 0]
-        };
+fn fill_block(
+    [above, own, below]: [&[u8]; 3],
+    from: usize,
+    first_is_green: bool,
+    in_red_row: bool,
+    out: &mut [[u8; 4]; BLOCK],
+) {
+    let above = &above[from..][..BLOCK + 2];
+    let own = &own[from..][..BLOCK + 2];
+    let below = &below[from..][..BLOCK + 2];
+    let (mut beside, mut over) = ([0; BLOCK], [0; BLOCK]);
+    let (mut sides, mut corners) = ([0; BLOCK], [0; BLOCK]);
+    for k in 0..BLOCK {
+        beside[k] = two(own[k], own[k + 2]);
+    }
+    for k in 0..BLOCK {
+        over[k] = two(above[k + 1], below[k + 1]);
+    }
+    for k in 0..BLOCK {
+        sides[k] = four(own[k], own[k + 2], above[k + 1], below[k + 1]);
+    }
+    for k in 0..BLOCK {
+        corners[k] = four(above[k], above[k + 2], below[k], below[k + 2]);
+    }
+    let is_green = &EVERY_OTHER[usize::from(!first_is_green)];
+    let (mut first, mut green, mut second) = ([0; BLOCK], [0; BLOCK], [0; BLOCK]);
+    for k in 0..BLOCK {
+        let (own, is) = (own[k + 1], is_green[k]);
+        first[k] = beside[k] & is | own & !is;
+        green[k] = own & is | sides[k] & !is;
+        second[k] = over[k] & is | corners[k] & !is;
+    }
+    let (red, blue) = match in_red_row {
+        true => (&first, &second),
+        false => (&second, &first),
+    };
+    for k in 0..BLOCK {
+        let pixel = u32::from(blue[k]) | u32::from(green[k]) << 8 | u32::from(red[k]) << 16;
+        out[k] = pixel.to_le_bytes();
     }
 }
 
