@@ -18,6 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 struct Camera {
     rope: Box<dyn FrameSource>,
     writer: FrameWriter,
+    /// Frames so far.
+    shown: u64,
 }
 
 impl Camera {
@@ -26,6 +28,7 @@ impl Camera {
         Ok(Self {
             rope: lariat_capture::open(&Source::Rendered(RenderOptions::default())).unwrap(),
             writer: FrameWriter::open_in(domain, &Rig::default(), Waiting::default())?,
+            shown: 0,
         })
     }
 
@@ -38,6 +41,7 @@ impl Camera {
             ..Stamp::default()
         };
         self.writer.send(stamp).unwrap();
+        self.shown += 1;
     }
 }
 
@@ -124,7 +128,9 @@ fn a_program_that_wrote_before_the_chain_came_owes_it_nothing_and_what_is_lost_l
     stop(&bench, chain);
     let frames = &bench.summary("out")["frames"];
     let published = frames["published"].as_u64().unwrap();
-    assert!((last - first..=last - 30).contains(&published), "{frames}");
+    // More may have been answered than was looked at.
+    let most = camera.shown - 30;
+    assert!((last - first..=most).contains(&published), "{frames}");
     let lost = frames["lost"]["capture"].as_u64().unwrap();
     assert!((10..=20).contains(&lost), "{frames}");
     assert_eq!(frames["lost"]["source"], 0, "{frames}");
