@@ -53,6 +53,7 @@ const SHADED: Bounds = Bounds {
     // Where the shadow begins at the rope's own edge, a pixel of it stays, also at an end: it moves ρ.
     mean_px: 0.4,
     correspondence_p95_px: 3.0,
+    end_px: 3.0,
     ..WHOLE
 };
 const TIP: Bounds = Bounds {
