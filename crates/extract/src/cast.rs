@@ -12,7 +12,8 @@ use crate::bits::{BitPlane, left_of, right_of};
 use crate::shadow;
 use crate::vec2::{self, Vec2};
 
-/// Pixels of the mask that are looked at first.
+/// Pixels of the mask that are looked at first, and, if as much of them may be shadow as is to be half sure, then.
+const FIRST: usize = 64;
 const GLANCE: usize = 400;
 /// Shares of them that have the table's color, below which there is no shadow to speak of, and above which ropes must be
 /// told from it by their light.
@@ -25,14 +26,24 @@ const PARTED: f32 = 0.85;
 const PLACES: usize = 256;
 /// The steps looked for, in widths of the rope.
 const STEPS: (f32, f32) = (0.35, 5.0);
-/// The least shares of the shadow that the step carries the ropes onto, and of the ropes that it carries onto shadow.
+/// The least shares of the shadow that the step carries the ropes onto, and of the ropes that it carries onto less light.
 const CARRIED: (f32, f32) = (0.8, 0.9);
+/// If the step does not carry the ropes onto all of the shadow that is in the mask, then it must carry all of them onto less
+/// light, and most of them onto that shadow: a rope that touches another has not both.
+const MOST: f32 = 0.75;
+const ALL: f32 = 0.95;
+/// A rope's own dark side lies within so many widths, and the shares that are carried either way add up to less than this.
+const NEAR: f32 = 1.6;
+const BOTH_WAYS: f32 = 1.7;
 /// One in so many of the ropes' places must be carried to where no rope lies, to tell.
 const SEEN: i32 = 8;
 /// A step that is a width off carries at most this share of it, or the step is not sure.
 const SHARP: f32 = 0.75;
 /// How far a shadow's soft edge reaches beyond the rope's, in widths.
 const SOFT: f32 = 0.35;
+/// One in so many places of a shadow is its darkest, and what has this share of that light is no shadow: a rope's dark side.
+const DARKEST: usize = 10;
+const DARKER: f32 = 0.85;
 
 /// What of a mask is shadow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,12 +96,13 @@ impl Shadows {
             if (pale_area.min(body_area) as f32) < SOME * area as f32 {
                 continue;
             }
-            gather(&self.body, body_area, &mut self.bodies);
+            shrink(&self.body, &mut self.spare);
+            gather(&self.spare, body_area, &mut self.bodies);
             gather(&self.plane, pale_area, &mut self.pales);
             let width_px = width_px(&self.body, body_area);
             let is_dim = |at| is_dim(image, background, at);
             if let Some((step, is_sharp)) = self.step(width_px, is_dim) {
-                self.keep_carried(step, width_px);
+                self.keep_carried(image, background, step, width_px);
                 self.cast = if is_sharp { Cast::Sure } else { Cast::Maybe };
                 break;
             }
@@ -107,17 +119,20 @@ impl Shadows {
         mask: &BitPlane,
         area: usize,
     ) -> [Option<f32>; 2] {
-        self.lights.clear();
-        let mut others = 0usize;
-        for_each_some(mask, area, GLANCE, |x, y| {
-            match shadow::light_left(image, background, [x, y]) {
-                Some(light) if light < 1.0 => self.lights.push(light),
-                _ => others += 1,
+        let (mut all, mut others) = (0, 0);
+        for (wanted, some) in [(FIRST, 0.5 * SOME), (GLANCE, SOME)] {
+            self.lights.clear();
+            others = 0;
+            for_each_some(mask, area, wanted, |x, y| {
+                match shadow::light_left(image, background, [x, y]) {
+                    Some(light) if light < 1.0 => self.lights.push(light),
+                    _ => others += 1,
+                }
+            });
+            all = self.lights.len() + others;
+            if (self.lights.len() as f32) < some * all as f32 {
+                return [None; 2];
             }
-        });
-        let all = self.lights.len() + others;
-        if (self.lights.len() as f32) < SOME * all as f32 {
-            return [None; 2];
         }
         self.lights.sort_unstable_by(f32::total_cmp);
         let (dark, parted, apart) = part_in_two(&self.lights);
@@ -163,13 +178,16 @@ impl Shadows {
             let moved = self.bodies.iter().map(|at| [at[0] + by[0], at[1] + by[1]]);
             // On itself or another rope no shadow is seen.
             let seen = moved.filter(|at| !self.body.get(at[0], at[1]));
-            let (all, dim) = seen.fold((0, 0), |(all, dim), at| {
-                (all + 1, dim + i32::from(is_dim(at)))
-            });
-            if SEEN * all < self.bodies.len() as i32 {
-                return 0.0;
+            let (mut all, mut dim, mut pale) = (0, 0, 0);
+            for at in seen {
+                all += 1;
+                dim += i32::from(is_dim(at));
+                pale += i32::from(self.plane.get(at[0], at[1]));
             }
-            dim as f32 / all as f32
+            if SEEN * all < self.bodies.len() as i32 {
+                return (0.0, 0.0);
+            }
+            (dim as f32 / all as f32, pale as f32 / all as f32)
         };
         let reach_px = STEPS.1 * width_px;
         let hop_px = (width_px / 3.0).max(1.0);
@@ -193,7 +211,13 @@ impl Shadows {
         };
         let (rough, _) = seek([0.0; 2], hop_px, hops);
         let (step, share) = seek(rough, (hop_px / 4.0).max(1.0), 4);
-        if share < CARRIED.0 || from(step) < CARRIED.1 {
+        if share < CARRIED.0 {
+            return None;
+        }
+        let (dim, pale) = from(step);
+        let is_another = share < ALL && (dim < ALL || pale < MOST);
+        let is_own_side = vec2::norm(step) < NEAR * width_px && share + pale < BOTH_WAYS;
+        if dim < CARRIED.1 || is_another || is_own_side {
             return None;
         }
         let around = (0..8).map(|k| {
@@ -203,8 +227,17 @@ impl Shadows {
         Some((step, around.fold(0.0, f32::max) <= SHARP * share))
     }
 
-    /// Leaves in the plane what the step carries the ropes onto, and the soft edge of it.
-    fn keep_carried(&mut self, step: Vec2, width_px: f32) {
+    /// Leaves in the plane what the step carries the ropes onto, and the soft edge of it, but for what is darker.
+    fn keep_carried(&mut self, image: &Image, background: &Background, step: Vec2, width_px: f32) {
+        let light =
+            |x: usize, y: usize| shadow::light_left(image, background, [x, y]).unwrap_or(0.0);
+        self.lights.clear();
+        let places = self.pales.iter();
+        self.lights
+            .extend(places.map(|at| light(at[0] as usize, at[1] as usize)));
+        let (_, darkest, _) =
+            (self.lights).select_nth_unstable_by(self.pales.len() / DARKEST, f32::total_cmp);
+        let darkest = DARKER * *darkest;
         let soft_px = (SOFT * width_px).max(1.5);
         let by: [[i32; 2]; 9] = std::array::from_fn(|k| {
             let (sin, cos) = if k < 8 { AROUND[k] } else { (0.0, 0.0) };
@@ -218,7 +251,7 @@ impl Shadows {
             let carried = by
                 .iter()
                 .any(|by| body.get(x as i32 - by[0], y as i32 - by[1]));
-            if !carried {
+            if !carried || light(x, y) < darkest {
                 plane.fill(y, x, x + 1, false);
             }
         });

@@ -30,6 +30,8 @@ const LONGEST_MARK: f32 = 0.25;
 /// How far a rim is from an ellipse, as a share of its radius, and how oblong it is at most.
 const ROUND: f32 = 0.015;
 const OBLONG: f32 = 3.0;
+/// The share of a curve's two halves above which it is shadow, or has shadow in it.
+const PALE: f32 = 0.3;
 /// Widths beside a curve's edge in which the table shows: farther off than a shadow that lies at it.
 const BESIDE_WIDTHS: [f32; 3] = [1.2, 2.2, 3.2];
 /// A strip along the picture's border: its slant, and how far off its middle is in widths and pixels.
@@ -125,11 +127,17 @@ impl Surroundings<'_> {
         2 * beside.count() > curve.points.len()
     }
 
-    /// Whether most of the curve lies in what may be shadow.
+    /// Whether the curve is what may be shadow, or a rope with it.
     fn is_pale(&self, curve: &Curve) -> bool {
         let plane = &self.shadows.plane;
-        let pale = (curve.points.iter()).filter(|at| plane.get(at[0] as i32, at[1] as i32));
-        2 * pale.count() > curve.points.len()
+        let along = curve.points.windows(2).zip(&curve.widths_px);
+        let sides = along.flat_map(|(pair, width_px)| {
+            let along = vec2::unit_or(vec2::sub(pair[1], pair[0]), [1.0, 0.0]);
+            let aside = vec2::scale([-along[1], along[0]], 0.25 * width_px);
+            [vec2::add(pair[0], aside), vec2::sub(pair[0], aside)]
+        });
+        let pale = sides.filter(|at| plane.get(at[0] as i32, at[1] as i32));
+        pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
     }
 
     /// Whether most of the curve is the table in less light.

@@ -49,14 +49,6 @@ const DASHES: Bounds = Bounds {
     end_px: 1.5,
     ..WHOLE
 };
-const SHADED: Bounds = Bounds {
-    // Short of what is to be reached: 0.3 px in the mean, 2.5 px at the same ρ, an end 2.9 px off. Some of the shadow stays at
-    // the rope's edge; that this is why the ends are off was not looked into.
-    mean_px: 0.4,
-    correspondence_p95_px: 3.0,
-    end_px: 3.0,
-    ..WHOLE
-};
 const TIP: Bounds = Bounds {
     // One tip in twelve.
     end_px: 1.25,
@@ -163,7 +155,7 @@ classes! {
     light_on_dark: LightOnDark, TIP;
     several_ropes_of_several_colors: SeveralColors, WHOLE;
     half_and_whole_light: LightChange, WHOLE;
-    a_ropes_own_sharp_shadow: HardShadow, SHADED;
+    a_ropes_own_sharp_shadow: HardShadow, WHOLE;
     a_ropes_own_soft_shadow: SoftShadow, WHOLE;
     things_that_are_no_ropes: Things, WHOLE;
 }
