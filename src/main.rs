@@ -56,7 +56,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     cli::run().unwrap_or_else(|error| {
         if output::Unread::is_cause_of(&error) {
-            return ExitCode::SUCCESS;
+            return ExitCode::FAILURE;
         }
         eprintln!("lariat: {error:#}");
         exit::code(&error)

@@ -380,7 +380,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
             .expect("the binary runs");
         assert_eq!(
             ended.status.code(),
-            Some(0),
+            Some(1),
             "{command:?}: {}",
             said(&ended)
         );
@@ -474,7 +474,7 @@ fn a_chain_whose_output_nobody_reads_any_more_ends_with_every_frame_accounted_fo
     chain.wait_for_frames();
     drop(chain.process.stdout.take());
     let ended = chain.process.wait().expect("waited for");
-    assert_eq!(ended.code(), Some(0));
+    assert_eq!(ended.code(), Some(1), "its report was lost");
     bench.assert_every_frame_is_accounted_for("out");
     bench.assert_nothing_is_left();
 }
