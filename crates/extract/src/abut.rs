@@ -6,9 +6,10 @@
 
 use crate::graph::Graph;
 use crate::plane::Plane;
+use crate::statistics::quantile;
 use crate::strands::Leg;
 use crate::vec2::{self, Vec2};
-use crate::zones::{Zones, quantile};
+use crate::zones::Zones;
 
 /// Lines along the rope to each side of its middle, and their distance in half-widths.
 const LINES: i32 = 3;

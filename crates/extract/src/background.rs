@@ -269,12 +269,3 @@ fn rounded(value: f32, most: f32) -> u32 {
 fn unit(position: f32, side: f32) -> f32 {
     (position + 0.5) * (2.0 / side) - 1.0
 }
-
-/// The middle value (of an even number the upper one); 0 of nothing.
-pub(crate) fn median(values: &mut [f32]) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}

@@ -7,16 +7,14 @@
 //! curve of least bending between the parts that are.
 
 use crate::extender::Extender;
-use crate::graph::Graph;
 use crate::line::{Line, Sample};
 use crate::path;
-use crate::plane::Plane;
 use crate::section::{Measure, Sections};
 use crate::shading::Shading;
-use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
-use crate::strands::{Leg, Strand};
-use crate::zones::{Zones, quantile_of_positive};
+use crate::source::{Source, mean_half};
+use crate::statistics::quantile_of_positive;
+use crate::strands::Strand;
 
 /// Half-widths from a tip that are measured once more when it has been run on.
 const TIP_HALVES: f32 = 2.0;
@@ -52,17 +50,6 @@ pub(crate) struct Centerliner {
     extender: Extender,
     spaced: Vec<Sample>,
     widths: Vec<f32>,
-}
-
-/// What a strand is made of.
-pub(crate) struct Source<'a> {
-    pub(crate) difference: &'a Plane,
-    pub(crate) skeleton: &'a Skeleton,
-    pub(crate) graph: &'a Graph,
-    pub(crate) zones: &'a Zones,
-    pub(crate) legs: &'a [Leg],
-    /// Samples along a line lie at least so far apart.
-    pub(crate) least_step_px: f32,
 }
 
 impl Centerliner {
@@ -210,15 +197,4 @@ fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     for sample in &mut line.samples[n - counts[1]..] {
         sample.weight = weight;
     }
-}
-
-/// Half the rope's width as the skeleton knows it, weighted by the lengths of the legs.
-pub(crate) fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
-    let (mut sum, mut weight) = (0.0, 0.0);
-    for leg in legs {
-        let length = source.graph.edges[leg.edge as usize].length_px + 0.1;
-        sum += length * source.zones.edge_half_px[leg.edge as usize];
-        weight += length;
-    }
-    (sum / weight).max(0.5)
 }

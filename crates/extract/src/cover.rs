@@ -9,7 +9,7 @@ use crate::Image;
 use crate::bits::{BitPlane, left_of, right_of};
 use crate::color;
 use crate::skeleton::Skeleton;
-use crate::zones::{quantile, quantile_of_positive};
+use crate::statistics::{quantile, quantile_of_positive};
 
 /// The share of the skeleton that is narrower than the ropes usually are.
 const USUAL: f32 = 0.35;

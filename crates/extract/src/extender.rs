@@ -5,12 +5,12 @@
 //! against another strand.
 
 use crate::abut::Body;
-use crate::centerline::Source;
 use crate::line::{Line, Sample};
 use crate::onward;
 use crate::plane::Plane;
+use crate::source::Source;
+use crate::statistics::quantile_of_positive;
 use crate::strands::Leg;
-use crate::zones::quantile_of_positive;
 
 /// Memory of the step.
 #[derive(Debug, Default)]

@@ -13,13 +13,13 @@ use crate::crossings::Crosser;
 use crate::ends::Scenery;
 use crate::follow::{self, Follower};
 use crate::graph::Graph;
-use crate::line::{Line, Sample};
+use crate::line::{Line, MOST_PIECES, Sample};
 use crate::mask::{MaskError, Masker};
 use crate::ordering::Orderer;
 use crate::overlaps::Overlaps;
 use crate::pursue::Pursuer;
 use crate::rehearse;
-use crate::skeleton::Skeleton;
+use crate::skeleton::{Pixel, Skeleton};
 use crate::strands::Strands;
 use crate::strips::Strips;
 use crate::thin::Thinner;
@@ -28,8 +28,6 @@ use crate::unpack::Unpacker;
 use crate::zones::Zones;
 use crate::{Crossing, Curve, Image, Mask, Method, Notice, Options, OptionsError, Scene};
 
-/// The most pieces that are looked at.
-pub(crate) const MOST_PIECES: usize = 80;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
@@ -283,7 +281,8 @@ impl Extractor {
         self.tracker.begin(self.now_ns, yuv);
         self.tracker.remember(&mut self.zones.past);
         self.skeletonize();
-        self.zones.past.check(&self.skeleton);
+        let pixels = self.skeleton.pixels.iter();
+        self.zones.past.check(pixels.map(Pixel::at));
         let known_half_px = self.zones.past.widest_half_px();
         let mask = &self.masker.mask;
         if self.cover.find(image, &self.skeleton, mask, known_half_px) {

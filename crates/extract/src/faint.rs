@@ -4,10 +4,10 @@
 //! blocks a little way to either side of it, and of those above and below: what is wider than that (shadows, the light)
 //! cancels, a strip stays. How far the blocks of the mere table spread is read from all of them, robustly.
 
-use crate::background::median;
 use crate::bits::BitPlane;
 use crate::components::Components;
 use crate::plane::Plane;
+use crate::statistics::median;
 
 /// Blocks along the shorter side of the image: some three across a rope of a fortieth of it.
 const BLOCKS: usize = 120;

@@ -10,8 +10,7 @@
 mod reach;
 
 use crate::bits::BitPlane;
-use crate::extractor::MOST_PIECES;
-use crate::line::{Line, Sample};
+use crate::line::{Line, MOST_PIECES, Sample};
 use crate::onward;
 use crate::past::{Past, Rope};
 use crate::plane::Plane;
@@ -19,9 +18,9 @@ use crate::section::{Measure, Sections};
 use crate::shading::Shading;
 use crate::skeleton::Skeleton;
 use crate::smooth::Smoother;
+use crate::statistics::quantile;
 use crate::tips;
 use crate::vec2::{self, Vec2};
-use crate::zones::quantile;
 use reach::Reach;
 
 /// Looks across, and how much a section's width may differ from the rope's, in each.

@@ -118,6 +118,8 @@ mod shading;
 mod shadow;
 mod skeleton;
 mod smooth;
+mod source;
+mod statistics;
 mod strands;
 mod strips;
 mod thin;
@@ -133,16 +135,13 @@ mod whole;
 mod widths;
 mod zones;
 
-pub use clusters::{
-    FuzzyMeans, KMeans, Method, Mixture, Outcome, Pixels, Run, Som, Start, UnknownMethod,
-    seed_centers,
-};
+pub use clusters::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start, seed_centers};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat};
 pub use knot::{CrossingSequence, Pass};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
-pub use options::{HsvRange, Mask, Options, OptionsError};
+pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
 pub use pick::{PickDoubt, PickError, Picked, doubt_pick, pick};
 pub use region::Region;
 pub use scene::{Crossing, Curve, Scene, Status};

@@ -6,6 +6,9 @@ use crate::plane::Plane;
 use crate::ray::LANES;
 use crate::vec2::{self, Vec2};
 
+/// The most lines that the strands of one image become: pieces of ropes beyond these are not looked at.
+pub(crate) const MOST_PIECES: usize = 80;
+
 /// One sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sample {

@@ -1,10 +1,12 @@
 //! What a user may say about the ropes, and the check that it makes sense.
 
+mod method;
+
 use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::Method;
+pub use method::{Method, UnknownMethod};
 
 /// What counts as rope, by colour. Bounds are inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,15 +15,15 @@
 //! - centers that keep off the mask's middle, or leave a part of the rope without any, draw the line with them.
 
 use crate::bits::BitPlane;
-use crate::centerline::{Source, mean_half};
 use crate::clusters::Center;
 use crate::extender::Extender;
 use crate::line::{Line, OVERLAP, Sample};
 use crate::path;
 use crate::smooth::Smoother;
+use crate::source::{Source, mean_half};
+use crate::statistics::quantile_of_positive;
 use crate::strands::Strand;
 use crate::vec2::{self, Vec2};
-use crate::zones::quantile_of_positive;
 
 /// Distance between samples, in half-widths, and its limits in pixels.
 const STEP_HALVES: f32 = 0.25;

@@ -5,9 +5,10 @@
 //! arms of one strand lie on one rope, one after the other, as far apart along it as in the image.
 //! That is weighed with the bends, not above them: what the last image got wrong, a clear one mends.
 
-use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::{self, Vec2};
 
+/// No rope.
+const NONE: u32 = u32::MAX;
 /// What it costs, in a crossing, to go where the last image did not: two strands exchanged against
 /// it pay twice, as much as two arcs by 55°. A crossing much clearer than that outweighs it.
 const AGAINST: f32 = 0.25;
@@ -212,15 +213,14 @@ impl Past {
         self.trusted = true;
     }
 
-    /// Trusts the past only if the ropes of this image lie about where they lay, and sees how far they
-    /// have moved.
-    pub(crate) fn check(&mut self, skeleton: &Skeleton) {
-        let pixels = &skeleton.pixels;
-        let stride = (pixels.len() / ASKED).max(1);
+    /// Trusts the past only if the ropes of this image, whose `skeleton` this is, lie about where they lay, and sees how far
+    /// they have moved.
+    pub(crate) fn check(&mut self, skeleton: impl ExactSizeIterator<Item = Vec2>) {
+        let stride = (skeleton.len() / ASKED).max(1);
         let (mut asked, mut known, mut sum) = (0.0f32, 0.0f32, 0.0);
-        for pixel in pixels.iter().step_by(stride) {
+        for at in skeleton.step_by(stride) {
             asked += 1.0;
-            let off = self.off(pixel.at());
+            let off = self.off(at);
             if off < FARTHEST_WIDTHS {
                 (known, sum) = (known + 1.0, sum + off);
             }

@@ -4,9 +4,9 @@
 //! run along each other for longer, the pixels of their overlap are laid, with the side of the
 //! overlap on which this strand lies, so that its center can be found from the outer edge.
 
-use crate::centerline::Source;
 use crate::line::{Line, OVERLAP, Sample};
 use crate::necks::Necks;
+use crate::source::Source;
 use crate::strands::Leg;
 use crate::vec2::{self, Vec2};
 

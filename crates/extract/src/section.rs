@@ -15,6 +15,7 @@ use crate::line::{Line, Sample};
 use crate::plane::Plane;
 use crate::ray::{LANES, Lanes, Rays};
 use crate::shading::Shading;
+use crate::statistics::median;
 use crate::vec2::{self, Vec2};
 
 /// Half-widths to each side, beyond 3 px, that an edge is looked for.
@@ -197,7 +198,7 @@ impl Sections {
         if self.widths.is_empty() {
             return None;
         }
-        let median_px = crate::background::median(&mut self.widths);
+        let median_px = median(&mut self.widths);
         // What differs from the others is no section of the rope alone.
         let alike = Measure {
             half_px: 0.5 * median_px,

@@ -9,8 +9,6 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// Skeleton pixels beyond which an image is taken for noise: more than eight ropes that each cross
 /// the longest image a few times.
 const BUDGET: usize = 1 << 17;
-/// Half-widths are measured up to this, in pixels.
-const WIDEST_HALF: i32 = 160;
 
 /// The pixels of a skeleton in the order of rows.
 #[derive(Debug, Default)]
@@ -204,84 +202,5 @@ impl lariat_portable::NullaryFnOnce for List<'_> {
         for k in 0..skeleton.held.len() {
             i = skeleton.connect(self.thin, skeleton.held[k] as usize, i);
         }
-    }
-}
-
-/// Distance from the center of pixel (x, y) to the nearest side of an unset pixel's center, less the
-/// half pixel that the edge lies before it. What is outside the image does not count as unset: a
-/// rope that leaves the image is cut, not narrow.
-pub(crate) fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
-    let mut best = WIDEST_HALF * WIDEST_HALF;
-    let mut dy = 0;
-    while dy * dy < best {
-        for row in [y - dy, y + dy] {
-            if row >= 0 && (row as usize) < mask.height() {
-                let dx = nearest_unset(mask.row(row as usize), mask.width(), x);
-                best = best.min(dx.saturating_mul(dx).saturating_add(dy * dy));
-            }
-        }
-        dy += 1;
-    }
-    (best as f32).sqrt() - 0.5
-}
-
-/// Distance along the row from `x` to the nearest unset pixel, or far when there is none.
-fn nearest_unset(row: &[u64], width: usize, x: i32) -> i32 {
-    const FAR: i32 = 1 << 12;
-    let (start, bit) = (x as usize / 64, x as usize % 64);
-    let mut right = FAR;
-    for (i, &word) in row.iter().enumerate().skip(start) {
-        let from = if i == start {
-            u64::MAX << bit
-        } else {
-            u64::MAX
-        };
-        let unset = !word & from;
-        if unset != 0 {
-            let at = 64 * i + unset.trailing_zeros() as usize;
-            if at < width {
-                right = at as i32 - x;
-            }
-            break;
-        }
-        if i - start > WIDEST_HALF as usize / 64 {
-            break;
-        }
-    }
-    let mut left = FAR;
-    for i in (0..=start).rev() {
-        let to = if i == start {
-            u64::MAX >> (63 - bit)
-        } else {
-            u64::MAX
-        };
-        let unset = !row[i] & to;
-        if unset != 0 {
-            left = x - (64 * i + 63 - unset.leading_zeros() as usize) as i32;
-            break;
-        }
-        if start - i > WIDEST_HALF as usize / 64 {
-            break;
-        }
-    }
-    left.min(right)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_middle_of_a_bar_is_half_its_width_from_the_edge() {
-        let mut mask = BitPlane::default();
-        mask.resize(200, 40);
-        (10..21).for_each(|y| mask.fill(y, 0, 200, true));
-        assert_eq!(half_width(&mask, 100, 15), 5.5);
-        assert_eq!(
-            half_width(&mask, 0, 15),
-            5.5,
-            "the image's edge is not the rope's"
-        );
-        assert_eq!(half_width(&mask, 63, 12), 2.5);
     }
 }

@@ -13,6 +13,7 @@ use crate::color;
 use crate::graph::Graph;
 use crate::past::{Past, Traces};
 use crate::skeleton::{NONE, Skeleton};
+use crate::statistics::quantile_of_positive;
 use crate::unroll::Unroll;
 use crate::vec2::{self, Vec2};
 
@@ -344,22 +345,4 @@ fn line_direction(points: impl Iterator<Item = Vec2> + Clone, far: Vec2) -> Vec2
     } else {
         axis
     }
-}
-
-/// The value below which the share `q` of the values lies; 0 of nothing.
-pub(crate) fn quantile(values: &mut [f32], q: f32) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let index = ((values.len() - 1) as f32 * q) as usize;
-    *values.select_nth_unstable_by(index, f32::total_cmp).1
-}
-
-/// The same of numbers that are all positive: their bits stand in the same order, and are compared faster.
-pub(crate) fn quantile_of_positive(values: &mut [f32], q: f32) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let index = ((values.len() - 1) as f32 * q) as usize;
-    *values.select_nth_unstable_by_key(index, |v| v.to_bits()).1
 }

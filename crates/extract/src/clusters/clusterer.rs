@@ -5,9 +5,10 @@
 
 use super::cells::Cells;
 use super::nerve::Nerve;
-use super::{FuzzyMeans, KMeans, Method, Mixture, Pixels, Run, Som, Start};
+use super::{FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
 use crate::bits::BitPlane;
 use crate::components::{Components, budget};
+use crate::options::Method;
 
 /// Where the random numbers of a cold start begin: any number, the same every time.
 const SEED: u64 = 0;

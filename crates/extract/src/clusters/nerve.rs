@@ -18,10 +18,11 @@ mod tests;
 
 use super::cells::Cell;
 use crate::bits::BitPlane;
-use crate::skeleton::NONE as LAST;
 
 /// No cell.
 const NONE: u16 = u16::MAX;
+/// The end of a list of borders.
+const LAST: u32 = u32::MAX;
 /// Parts of a border that lie this near to each other, in pixels, are one: the edge of a mask is ragged.
 const NEAR_PX: f32 = 3.0;
 /// How much less than a side two pixels' common corner tells of where a border lies.

@@ -2,14 +2,14 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use super::{Extractor, MOST_PIECES};
-use crate::background::median;
+use super::Extractor;
 use crate::bridge::Gap;
-use crate::centerline::Source;
 use crate::follow::{self, Follower};
-use crate::line::{Line, Sample};
+use crate::line::{Line, MOST_PIECES, Sample};
 use crate::part::part;
 use crate::ray::LANES;
+use crate::source::Source;
+use crate::statistics::median;
 use crate::track::Look;
 use crate::{Curve, Image, Method, color, tips};
 

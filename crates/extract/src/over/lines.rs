@@ -8,8 +8,8 @@ use super::axis::Axis;
 use super::{MOST_SAMPLES, Mean, Surprise, around_px, beyond_px};
 use crate::Image;
 use crate::color;
-use crate::contrast::medians;
 use crate::ray::{LANES, Lanes};
+use crate::statistics::medians;
 
 /// Lines along each strand.
 const LINES: usize = 5;

@@ -2,6 +2,7 @@
 
 use crate::bits::BitPlane;
 use crate::hsv;
+use crate::statistics::median;
 use crate::vec2;
 use crate::{Curve, Extractor, Image, Mask, Options, color};
 
@@ -176,7 +177,7 @@ fn classes(image: &Image, curves: &[Curve], owner: &[Option<(u8, f32)>]) -> Vec<
 pub(super) fn median_color(pixels: &[[u8; 3]]) -> [f32; 3] {
     std::array::from_fn(|channel| {
         let mut levels: Vec<f32> = pixels.iter().map(|p| f32::from(p[channel])).collect();
-        crate::background::median(&mut levels)
+        median(&mut levels)
     })
 }
 

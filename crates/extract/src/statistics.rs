@@ -1,0 +1,84 @@
+//! Medians and quantiles, for what must not be led astray by outliers.
+
+use lariat_portable::Simd;
+
+use crate::ray::{LANES, Lanes};
+
+/// The middle value (of an even number the upper one); 0 of nothing.
+pub(crate) fn median(values: &mut [f32]) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// The value below which the share `q` of the values lies; 0 of nothing.
+pub(crate) fn quantile(values: &mut [f32], q: f32) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let index = ((values.len() - 1) as f32 * q) as usize;
+    *values.select_nth_unstable_by(index, f32::total_cmp).1
+}
+
+/// The same of numbers that are all positive: their bits stand in the same order, and are compared faster.
+pub(crate) fn quantile_of_positive(values: &mut [f32], q: f32) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let index = ((values.len() - 1) as f32 * q) as usize;
+    *values.select_nth_unstable_by_key(index, |v| v.to_bits()).1
+}
+
+/// The median of each lane's smallest `counts` numbers, the larger of the two middle ones.
+#[inline(always)]
+pub(crate) fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES]) -> Lanes {
+    let half = rows.len() / 2;
+    // The smaller half is put in order, one after the other.
+    for k in 0..=half {
+        let (sorted, rest) = rows.split_at_mut(k + 1);
+        let least = S::as_mut_simd_f32s(&mut sorted[k]).0;
+        for row in rest {
+            let row = S::as_mut_simd_f32s(row).0;
+            for (a, b) in least.iter_mut().zip(row) {
+                (*a, *b) = (simd.min_f32s(*a, *b), simd.max_f32s(*a, *b));
+            }
+        }
+    }
+    std::array::from_fn(|l| rows[counts[l] as usize / 2][l])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    struct Finding<'a>(&'a mut [Lanes], &'a [u32; LANES]);
+
+    impl lariat_portable::WithSimd for Finding<'_> {
+        type Output = Lanes;
+
+        fn with_simd<S: Simd>(self, simd: S) -> Lanes {
+            medians(simd, self.0, self.1)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_median_is_that_of_the_sorted_numbers(lanes in proptest::collection::vec(proptest::collection::vec(0u8..9, 0..=13), LANES)) {
+            let (mut rows, mut counts) = ([[f32::INFINITY; LANES]; 13], [0; LANES]);
+            for (l, lane) in lanes.iter().enumerate() {
+                counts[l] = lane.len() as u32;
+                for (k, &value) in lane.iter().enumerate() {
+                    rows[(5 * k + l) % 13][l] = f32::from(value);
+                }
+            }
+            let found = lariat_portable::Arch::new().dispatch(Finding(&mut rows, &counts));
+            for (mut lane, found) in lanes.into_iter().zip(found).filter(|(lane, _)| !lane.is_empty()) {
+                lane.sort_unstable();
+                prop_assert_eq!(found, f32::from(lane[lane.len() / 2]));
+            }
+        }
+    }
+}
