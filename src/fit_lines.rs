@@ -93,11 +93,13 @@ pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
             _ => Ok(()),
         });
         if is_closed(flushed)? {
-            return Ok(exit);
+            return Ok(ExitCode::FAILURE);
         }
     }
-    is_closed(output.flush())?;
-    Ok(exit)
+    match is_closed(output.flush())? {
+        true => Ok(ExitCode::FAILURE),
+        false => Ok(exit),
+    }
 }
 
 /// Where lines come from, and what to call it.
@@ -117,7 +119,7 @@ fn write_line(output: &mut impl Write, descriptor: &Descriptor) -> io::Result<()
     output.write_all(b"\n")
 }
 
-/// Whether the reader of our output has gone, which ends the work but is no error.
+/// Whether the reader of our output has gone, which ends the work: a failure that needs no words.
 pub(crate) fn is_closed(written: io::Result<()>) -> Result<bool> {
     match written {
         Ok(()) => Ok(false),

@@ -151,7 +151,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             };
             // Overlays are drawn also where nobody reads this.
             if printer.is_closed_after(&report)? && overlays.is_none() {
-                return Ok(exit);
+                return Ok(ExitCode::FAILURE);
             }
             if let Some(overlays) = &mut overlays
                 && let Err(why) = overlays.write(&name, picture, &report, tracer.mapping.as_ref())

@@ -256,12 +256,6 @@ impl Chain {
 
     /// How it went. Sweeps up after a stage that was killed.
     fn verdict(&self) -> ExitCode {
-        if self.stages().any(Child::is_unread) {
-            eprintln!(
-                "lariat: standard output was closed: the chain was ended, its report not printed"
-            );
-            return ExitCode::FAILURE;
-        }
         if self.fallen.is_none() && !self.recording_lost {
             return ExitCode::SUCCESS;
         }

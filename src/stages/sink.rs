@@ -254,8 +254,8 @@ impl LiveLine {
         let mut out = io::stdout().lock();
         match out.write_fmt(text).and_then(|()| out.flush()) {
             Ok(()) => {}
-            Err(cause) if cause.kind() == ErrorKind::BrokenPipe => self.unread = true,
             Err(cause) => {
+                self.unread |= cause.kind() == ErrorKind::BrokenPipe;
                 self.fault.get_or_insert(cause);
             }
         }

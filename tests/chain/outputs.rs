@@ -418,7 +418,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
         let ended = bench.command(command).stdout(writer).output();
         assert_eq!(
             ended.expect("the binary runs").status.code(),
-            Some(0),
+            Some(1),
             "{command:?}"
         );
         assert!(bench.path(file).exists(), "{command:?}");
