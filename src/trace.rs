@@ -120,6 +120,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
         table: Table::new(&names, unit_name(tracer.unit())),
         output: io::BufWriter::new(io::stdout().lock()),
     };
+    let mut is_unread = false;
     for image in &images {
         let mut input = match Input::open(image, &args) {
             Ok(input) => input,
@@ -150,7 +151,8 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
                 }
             };
             // Overlays are drawn also where nobody reads this.
-            if printer.is_closed_after(&report)? && overlays.is_none() {
+            is_unread = printer.is_closed_after(&report)?;
+            if is_unread && overlays.is_none() {
                 return Ok(ExitCode::FAILURE);
             }
             if let Some(overlays) = &mut overlays
@@ -160,7 +162,10 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
             }
         }
     }
-    Ok(exit)
+    Ok(match is_unread {
+        true => ExitCode::FAILURE,
+        false => exit,
+    })
 }
 
 /// What is printed, and where.
