@@ -1,11 +1,15 @@
-//! The crossings of the ropes seen: where the finished curves meet ([`crate::meet`]), and which
-//! strand lies on top there ([`crate::over`]).
+//! The crossings of the ropes seen: where the finished curves meet ([`meet`]), and which
+//! strand lies on top there ([`over`]).
 
-use crate::Image;
-use crate::meet::Meeter;
-use crate::over::Judge;
-use crate::place::Place;
+pub(crate) mod meet;
+mod over;
+pub(crate) mod place;
+
+use crate::image::Image;
 use crate::scene::{Crossing, Curve, MOST_CROSSINGS};
+use meet::Meeter;
+use over::Judge;
+use place::Place;
 
 /// Memory of the step.
 #[derive(Debug, Default)]

@@ -2,31 +2,33 @@
 
 mod doubts;
 mod lines;
+mod rehearse;
 
-use crate::bits::BitPlane;
-use crate::bridge::Bridger;
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::strips::Strips;
 use crate::centerline::Centerliner;
-use crate::clusters::Clusterer;
-use crate::color;
-use crate::cover::Cover;
+use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::clustering::Clusterer;
+use crate::clustering::ordering::Orderer;
 use crate::crossings::Crosser;
-use crate::ends::Scenery;
-use crate::follow::{self, Follower};
 use crate::graph::Graph;
-use crate::line::{Line, MOST_PIECES, Sample};
+use crate::graph::overlaps::Overlaps;
+use crate::graph::strands::Strands;
+use crate::graph::zones::Zones;
+use crate::image::unpack::Unpacker;
+use crate::image::{Image, color};
 use crate::mask::{MaskError, Masker};
-use crate::ordering::Orderer;
-use crate::overlaps::Overlaps;
+use crate::notice::Notice;
+use crate::occlusion::bridge::Bridger;
+use crate::occlusion::cover::Cover;
+use crate::occlusion::ends::Scenery;
+use crate::options::{Mask, Method, Options, OptionsError};
 use crate::pursue::Pursuer;
-use crate::rehearse;
+use crate::scene::{Crossing, Curve, Scene};
+use crate::skeleton::thin::Thinner;
 use crate::skeleton::{Pixel, Skeleton};
-use crate::strands::Strands;
-use crate::strips::Strips;
-use crate::thin::Thinner;
-use crate::track::{Look, Tracker};
-use crate::unpack::Unpacker;
-use crate::zones::Zones;
-use crate::{Crossing, Curve, Image, Mask, Method, Notice, Options, OptionsError, Scene};
+use crate::tracking::follow::{self, Follower};
+use crate::tracking::track::{Look, Tracker};
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.

@@ -26,21 +26,29 @@
 //!
 //! # The steps
 //!
-//! | step | module | from → to |
+//! | step | folder | from → to |
 //! |---|---|---|
-//! | mask | `background`, `difference`, `threshold` or `hsv`, or made elsewhere; then `components` | image → one bit a pixel, and how unlike the table each pixel is |
-//! | skeleton | `thin` | mask → lines one pixel wide |
-//! | graph | `skeleton`, `graph`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
-//! | points | `path`, `centerline` (`section`, `smooth`, `line`), `track`, `crossings` (`meet`, `over`, `place`) | strands → curves with numbers that last |
+//! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `whole`, `cast`, `doubt` | image, or a mask made elsewhere → one bit a pixel, and how unlike the table each pixel is |
+//! | skeleton | `skeleton`: `thin`, `pixels` | mask → lines one pixel wide |
+//! | graph | `graph`: `edges`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
+//! | points | `centerline`: `path`, `section`, `smooth`, `extender` | strands → samples along the middle of each rope |
+//! | | `occlusion`: `cover`, `bridge` | what hides a rope leaves the mask; lines → lines joined across it |
+//! | | `tracking`: `follow`, `part`, `tips`, `track`, `plausible` | lines → curves with numbers that last |
+//! | | `crossings`: `meet`, `over` | curves → where they cross, and which is on top |
 //!
-//! With another [`Method`] than the skeleton, centers of a clustering stand in its place (`clusters`, in order by its `nerve`)
+//! [`Extractor`] takes the steps in this order (`extractor`), as the `options` say; `past` is what they know of the last
+//! image. Out comes a `scene`, with a `notice` where it is unsure. All read pictures by `image` (formats, colors, loops
+//! over all pixels) and bits by `bitmap` (strips, components, morphology); `statistics` and `vec2` are arithmetic. No two
+//! folders use each other.
+//!
+//! With another [`Method`] than the skeleton, the centers of a `clustering` stand in its place (in order by its `nerve`),
 //! and the points are theirs (`ordering`).
 //!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
 //! at each of its points (`pursue`), as long as nothing else happens; [`Scene::followed`] says so.
 //!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
-//! it is knotted (`knot`).
+//! it is knotted (`knot`). Color ranges for a picture's ropes are proposed by `pick`.
 //!
 //! # Bounds
 //!
@@ -57,91 +65,33 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod abut;
-mod background;
-mod bits;
-mod bridge;
-mod cast;
+mod bitmap;
 mod centerline;
-mod clearance;
-mod clusters;
-mod color;
-mod complete;
-mod components;
-mod contrast;
-mod cover;
+mod clustering;
 mod crossings;
-mod difference;
-mod doubt;
-mod edge;
-mod ends;
-mod extender;
 mod extractor;
-mod faint;
-mod follow;
 mod graph;
-mod hsv;
 mod image;
-mod kernels;
 mod knot;
-mod lens;
-mod line;
 mod mask;
-mod matching;
-mod meet;
-mod morphology;
-mod necks;
-mod neighbors;
 mod notice;
-mod onward;
+mod occlusion;
 mod options;
-mod ordering;
-mod over;
-mod overlaps;
-mod pairing;
-mod part;
 mod past;
-mod path;
-mod pattern;
 mod pick;
-mod pieces;
-mod place;
-mod plane;
-mod plausible;
 mod pursue;
-mod ray;
-mod region;
-mod rehearse;
 mod scene;
-mod section;
-mod shading;
-mod shadow;
 mod skeleton;
-mod smooth;
-mod source;
 mod statistics;
-mod strands;
-mod strips;
-mod thin;
-mod threshold;
-mod tiles;
-mod tips;
-mod track;
-mod turn;
-mod unpack;
-mod unroll;
+mod tracking;
 mod vec2;
-mod whole;
-mod widths;
-mod zones;
 
-pub use clusters::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start, seed_centers};
+pub use clustering::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Run, Som, Start, seed_centers};
 pub use extractor::{Extractor, Step};
-pub use image::{Image, ImageError, PixelFormat};
+pub use image::{Image, ImageError, PixelFormat, Region};
 pub use knot::{CrossingSequence, Pass};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
 pub use pick::{PickDoubt, PickError, Picked, doubt_pick, pick};
-pub use region::Region;
 pub use scene::{Crossing, Curve, Scene, Status};

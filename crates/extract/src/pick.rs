@@ -9,8 +9,9 @@ mod grow;
 mod judge;
 mod range;
 
-use crate::unpack::Unpacker;
-use crate::{HsvRange, Image, Mask};
+use crate::image::Image;
+use crate::image::unpack::Unpacker;
+use crate::options::{HsvRange, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
 

@@ -20,11 +20,11 @@ mod rope;
 mod station;
 mod sweep;
 
-use crate::background::Background;
-use crate::meet;
-use crate::place::Place;
+use crate::crossings::meet;
+use crate::crossings::place::Place;
+use crate::image::{Image, PixelFormat};
+use crate::mask::background::Background;
 use crate::scene::{Crossing, Curve};
-use crate::{Image, PixelFormat};
 use chord::Reader;
 use rope::Rope;
 use sweep::Sweep;

@@ -1,6 +1,6 @@
 //! What the extractor says about one image.
 
-use crate::Notice;
+use crate::notice::Notice;
 
 /// The most crossings reported.
 pub(crate) const MOST_CROSSINGS: usize = 32;

@@ -2,7 +2,7 @@
 
 use lariat_portable::Simd;
 
-use crate::ray::{LANES, Lanes};
+use crate::image::ray::{LANES, Lanes};
 
 /// The middle value (of an even number the upper one); 0 of nothing.
 pub(crate) fn median(values: &mut [f32]) -> f32 {

@@ -1,4 +1,4 @@
-"""Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for src/clusters/references.rs.
+"""Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for src/clustering/references.rs.
 
     python3 crates/extract/tests/clusterings.py > crates/extract/tests/clusterings.json
 

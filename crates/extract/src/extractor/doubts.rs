@@ -1,8 +1,11 @@
 //! Which of the curves may be no ropes.
 
 use super::Extractor;
-use crate::plausible::Surroundings;
-use crate::{Image, Notice, Options, Status};
+use crate::image::Image;
+use crate::notice::Notice;
+use crate::options::Options;
+use crate::scene::{Curve, Status};
+use crate::tracking::plausible::Surroundings;
 
 impl Extractor {
     /// Says of the first `seen` curves which may be no ropes. A mask that the user gave knows its ropes.
@@ -21,7 +24,7 @@ impl Extractor {
             shadows: &self.masker.shadows,
         };
         let of = (&self.curves[..seen], &self.looks[..]);
-        let is_known = |curve: &crate::Curve| self.tracker.is_known(curve.track);
+        let is_known = |curve: &Curve| self.tracker.is_known(curve.track);
         surroundings.doubt(of, is_known, &mut self.doubts);
         for (curve, doubt) in self.curves.iter_mut().zip(&self.doubts) {
             if self.tracker.weigh(curve.track, doubt.is_some()) {

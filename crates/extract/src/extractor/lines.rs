@@ -3,15 +3,18 @@
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::Extractor;
-use crate::bridge::Gap;
-use crate::follow::{self, Follower};
-use crate::line::{Line, MOST_PIECES, Sample};
-use crate::part::part;
-use crate::ray::LANES;
-use crate::source::Source;
+use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::centerline::source::Source;
+use crate::image::ray::LANES;
+use crate::image::{Image, color};
+use crate::occlusion::bridge::Gap;
+use crate::options::Method;
+use crate::scene::Curve;
 use crate::statistics::median;
-use crate::track::Look;
-use crate::{Curve, Image, Method, color, tips};
+use crate::tracking::follow::{self, Follower};
+use crate::tracking::part::part;
+use crate::tracking::tips;
+use crate::tracking::track::Look;
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;

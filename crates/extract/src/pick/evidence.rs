@@ -1,10 +1,13 @@
 //! What is known of each pixel before a colour is picked: rope of one class or another, table, or neither for sure.
 
-use crate::bits::BitPlane;
-use crate::hsv;
+use crate::bitmap::bits::BitPlane;
+use crate::extractor::Extractor;
+use crate::image::{Image, color};
+use crate::mask::hsv;
+use crate::options::{Mask, Options};
+use crate::scene::Curve;
 use crate::statistics::median;
 use crate::vec2;
-use crate::{Curve, Extractor, Image, Mask, Options, color};
 
 /// Pixels this near to a rope are mixtures of rope and table, and evidence of neither.
 const GUARD_PX: i32 = 2;

@@ -7,9 +7,10 @@
 use super::PickError;
 use super::evidence::{Evidence, median_color};
 use super::range;
-use crate::background::Background;
+use crate::image::{Image, color};
+use crate::mask::background::Background;
+use crate::mask::hsv;
 use crate::vec2::Vec2;
-use crate::{Image, color, hsv};
 
 /// Tolerances tried, in levels: from noise to any edge that a camera shows, by steps of a seventh.
 const TOLERANCES: [f32; 20] = [

@@ -3,8 +3,12 @@
 use std::fmt;
 
 use super::evidence;
+use crate::extractor::Extractor;
+use crate::image::Image;
+use crate::mask::mask_of;
+use crate::options::{HsvRange, Mask, Options};
+use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
-use crate::{Curve, Extractor, HsvRange, Image, Mask, Options, mask_of};
 
 /// So much of a mask lies along ropes, and so much of it along ropes of the width of the one that was picked: a mask of 60
 /// photographed wires that holds less is wrong nine times in ten.

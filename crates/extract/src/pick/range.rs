@@ -6,7 +6,9 @@
 //! change of light nor noise spoils it at once.
 
 use super::evidence::{Evidence, Label, has_hue, median_color};
-use crate::{HsvRange, Image, color, hsv};
+use crate::image::{Image, color};
+use crate::mask::hsv;
+use crate::options::HsvRange;
 
 /// Steps of saturation and of value.
 const STEPS: usize = 100;

@@ -4,8 +4,8 @@
 //! interpolated but along the row or column itself.
 
 use super::profile::{Lanes, Stretch, WORD};
-use crate::Image;
-use crate::background::Background;
+use crate::image::Image;
+use crate::mask::background::Background;
 use crate::vec2::Vec2;
 
 /// The most pixels that are read across a rope.

@@ -3,7 +3,7 @@
 use super::chord::Reader;
 use super::rope::{LEAST_MEASURED, Rope, Tip};
 use super::station::{Station, beyond, set_normals, table};
-use crate::color;
+use crate::image::color;
 use crate::scene::{Curve, Status};
 use crate::vec2;
 

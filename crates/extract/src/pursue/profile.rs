@@ -7,8 +7,8 @@
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::difference::Differencer;
-use crate::{Image, PixelFormat};
+use crate::image::{Image, PixelFormat};
+use crate::mask::difference::Differencer;
 
 /// The most pixels that are read at once: a word of bits.
 pub(super) const WORD: usize = 64;
@@ -159,7 +159,7 @@ fn pair(light: [u8; 2], [u, v]: [u8; 2], [a, b, c]: [u8; 3]) -> [u8; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color;
+    use crate::image::color;
     use proptest::prelude::*;
 
     const FORMATS: [PixelFormat; 6] = [

@@ -6,9 +6,9 @@ use super::profile::{self, BLOCK};
 use super::station::{
     ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, axis, beyond, set_normals,
 };
-use crate::line::{Line, Sample};
+use crate::centerline::line::{Line, Sample};
+use crate::centerline::smooth::Smoother;
 use crate::scene::Curve;
-use crate::smooth::Smoother;
 use crate::vec2::{self, Vec2};
 
 /// The least share of the points that have a chord of their own.

@@ -4,7 +4,7 @@ use super::chord::{Reader, Where};
 use super::narrow::{self, SIDE};
 use super::profile::{Lanes, Work};
 use super::rope::AT_TIP;
-use crate::color;
+use crate::image::color;
 use crate::vec2::{self, Vec2};
 
 /// How far a rope may have moved aside from where it is expected, in widths and at most in pixels more.

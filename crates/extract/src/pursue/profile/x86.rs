@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::{BLOCK, Lanes, Plain, Stretch, WORD, Work};
-use crate::PixelFormat;
+use crate::image::PixelFormat;
 use std::arch::x86_64::*;
 
 /// The three bytes of a pixel's colors, and those of them that count double where they are Y, U and V.

@@ -1,0 +1,11 @@
+//! Pictures of one bit a pixel, 64 to a word: their neighborhoods, connected pieces, morphology, and how far each set
+//! pixel is from the nearest unset one.
+
+pub(crate) mod bits;
+pub(crate) mod clearance;
+pub(crate) mod components;
+pub(crate) mod morphology;
+pub(crate) mod neighbors;
+pub(crate) mod pieces;
+pub(crate) mod strips;
+mod tiles;

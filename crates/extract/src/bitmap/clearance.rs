@@ -1,0 +1,200 @@
+//! How far the rope's pixels are from its edge.
+//!
+//! The exact distance to the nearest pixel that is not rope, found row by row from the nearest on: in a window of 64
+//! pixels a row, eight rows at a time, the nearest bit to either side. Rows are left out once they are farther than what
+//! was found. What is outside of the image does not count as unset: a rope that leaves the image is cut, not narrow.
+
+use super::bits::BitPlane;
+use super::strips::{BLOCK, Strips};
+
+/// Half-widths are measured up to this, in pixels.
+const WIDEST_HALF: i32 = 160;
+/// Pixels to either side that a window shows.
+const SEEN: u32 = 32;
+
+/// How far away the rows about a pixel lie, from eight above on.
+const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
+
+/// Memory of the step.
+#[derive(Debug)]
+pub(crate) struct Clearance {
+    /// The pixels of the image that are not set.
+    bare: Strips,
+}
+
+impl Default for Clearance {
+    fn default() -> Self {
+        Self {
+            bare: Strips::of_ground(),
+        }
+    }
+}
+
+impl Clearance {
+    /// Takes a mask.
+    pub(crate) fn take(&mut self, mask: &Strips) {
+        self.bare.complement(mask);
+    }
+
+    /// Distance from the center of set pixel (x, y) of `mask`, the one that was taken, to the edge: to the nearest
+    /// side of an unset pixel's center, less the half pixel that the edge lies before it.
+    #[inline(always)]
+    pub(crate) fn half_px(&self, mask: &BitPlane, x: u16, y: u16) -> f32 {
+        let (stride, y) = (self.bare.shape.stride, usize::from(y));
+        // The window's first bit is `SEEN` pixels to the left: in the empty strip, for the leftmost pixels.
+        let shifted = usize::from(x) + 64 - SEEN as usize;
+        let (first, shift) = (shifted / 64 * stride + BLOCK, shifted % 64);
+        // First the rows from eight above to seven below, which is far enough on most ropes.
+        let mut best = self.nearest(first + y - BLOCK, stride, shift, &NEAR);
+        let mut far = BLOCK;
+        // Then eight more above and eight more below. Nothing outside of the windows is nearer than what they show.
+        while best as usize > far * far && far < SEEN as usize {
+            if y >= far {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + BLOCK - k) as u32);
+                best = best.min(self.nearest(first + y - far - BLOCK, stride, shift, &away));
+            }
+            if y + far < self.bare.shape.height() {
+                let away: [u32; BLOCK] = std::array::from_fn(|k| (far + k) as u32);
+                best = best.min(self.nearest(first + y + far, stride, shift, &away));
+            }
+            far += BLOCK;
+        }
+        // At the windows' own width what is found may be their end.
+        if best as usize <= far * far && best < SEEN * SEEN {
+            return (best as f32).sqrt() - 0.5;
+        }
+        half_width(mask, i32::from(x), y as i32)
+    }
+
+    /// The least squared distance to an unset pixel in the rows from `at` on, which lie that far away.
+    #[inline(always)]
+    fn nearest<const ROWS: usize>(
+        &self,
+        at: usize,
+        stride: usize,
+        shift: usize,
+        away: &[u32; ROWS],
+    ) -> u32 {
+        let rows = |at: usize| -> &[u64; ROWS] {
+            let rows = self.bare.words[at..].first_chunk();
+            rows.expect("empty blocks lie all around the picture")
+        };
+        let (left, right) = (rows(at), rows(at + stride));
+        let mut squares = [0u32; ROWS];
+        for k in 0..ROWS {
+            let window = left[k] >> shift | right[k] << 1 << (63 - shift);
+            let (before, from) = (window as u32, (window >> SEEN) as u32);
+            let across = from.trailing_zeros().min(before.leading_zeros() + 1);
+            squares[k] = across * across + away[k] * away[k];
+        }
+        squares.into_iter().fold(u32::MAX, u32::min)
+    }
+}
+
+/// Distance from the center of pixel (x, y) to the nearest side of an unset pixel's center, less the
+/// half pixel that the edge lies before it. What is outside the image does not count as unset: a
+/// rope that leaves the image is cut, not narrow.
+fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
+    let mut best = WIDEST_HALF * WIDEST_HALF;
+    let mut dy = 0;
+    while dy * dy < best {
+        for row in [y - dy, y + dy] {
+            if row >= 0 && (row as usize) < mask.height() {
+                let dx = nearest_unset(mask.row(row as usize), mask.width(), x);
+                best = best.min(dx.saturating_mul(dx).saturating_add(dy * dy));
+            }
+        }
+        dy += 1;
+    }
+    (best as f32).sqrt() - 0.5
+}
+
+/// Distance along the row from `x` to the nearest unset pixel, or far when there is none.
+fn nearest_unset(row: &[u64], width: usize, x: i32) -> i32 {
+    const FAR: i32 = 1 << 12;
+    let (start, bit) = (x as usize / 64, x as usize % 64);
+    let mut right = FAR;
+    for (i, &word) in row.iter().enumerate().skip(start) {
+        let from = if i == start {
+            u64::MAX << bit
+        } else {
+            u64::MAX
+        };
+        let unset = !word & from;
+        if unset != 0 {
+            let at = 64 * i + unset.trailing_zeros() as usize;
+            if at < width {
+                right = at as i32 - x;
+            }
+            break;
+        }
+        if i - start > WIDEST_HALF as usize / 64 {
+            break;
+        }
+    }
+    let mut left = FAR;
+    for i in (0..=start).rev() {
+        let to = if i == start {
+            u64::MAX >> (63 - bit)
+        } else {
+            u64::MAX
+        };
+        let unset = !row[i] & to;
+        if unset != 0 {
+            left = x - (64 * i + 63 - unset.leading_zeros() as usize) as i32;
+            break;
+        }
+        if start - i > WIDEST_HALF as usize / 64 {
+            break;
+        }
+    }
+    left.min(right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_middle_of_a_bar_is_half_its_width_from_the_edge() {
+        let mut mask = BitPlane::default();
+        mask.resize(200, 40);
+        (10..21).for_each(|y| mask.fill(y, 0, 200, true));
+        assert_eq!(half_width(&mask, 100, 15), 5.5);
+        assert_eq!(
+            half_width(&mask, 0, 15),
+            5.5,
+            "the image's edge is not the rope's"
+        );
+        assert_eq!(half_width(&mask, 63, 12), 2.5);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn windows_find_what_a_search_row_by_row_finds(
+            width in 1usize..160, height in 1usize..90, thick: bool,
+            holes in proptest::collection::vec((0usize..160, 0usize..90), 1..40),
+        ) {
+            // All set but for some holes, few of them in a large picture.
+            let holes = if thick { &holes[..1] } else { &holes[..] };
+            let mut rows = BitPlane::default();
+            rows.resize(width, height);
+            (0..height).for_each(|y| rows.fill(y, 0, width, true));
+            for &(x, y) in holes.iter().filter(|&&(x, y)| x < width && y < height) {
+                rows.fill(y, x, x + 1, false);
+            }
+            let mut mask = Strips::default();
+            mask.take(&rows);
+            let mut clearance = Clearance::default();
+            clearance.take(&mask);
+            for y in (0..height).step_by(2) {
+                for x in (0..width).step_by(3) {
+                    let by_rows = half_width(&rows, x as i32, y as i32);
+                    prop_assert_eq!(clearance.half_px(&rows, x as u16, y as u16), by_rows);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! From a strand of skeleton pixels to a smooth line through the middle of the rope, tip to tip.
+//!
+//! The pixels outside of crossings are spaced evenly and smoothed; the ends, which thinning has bent
+//! and shortened, are cut and run on straight to where the rope's difference from the table falls
+//! to half; then every sample is moved to the middle of its cross-section, twice, the second time
+//! with the better normals, and the tips once more where they then lie. Inside of crossings nothing is measured: the line bridges them as the
+//! curve of least bending between the parts that are.
+
+use super::extender::Extender;
+use super::line::{Line, Sample};
+use super::path;
+use super::section::{Measure, Sections};
+use super::shading::Shading;
+use super::smooth::Smoother;
+use super::source::{Source, mean_half};
+use crate::graph::strands::Strand;
+use crate::statistics::quantile_of_positive;
+
+/// Half-widths from a tip that are measured once more when it has been run on.
+const TIP_HALVES: f32 = 2.0;
+
+/// Half-widths from a tip that are not: as far as a section reaches that is 20° aslant.
+const CUT_HALVES: f32 = 0.35;
+
+/// Half-widths from a tip that are measured even if they could not be before.
+const ANEW_HALVES: f32 = 1.6;
+
+/// Longer stretches before a tip, in half-widths, that cannot be measured are held where the skeleton had them, with
+/// this weight.
+const HELD_HALVES: f32 = 1.5;
+const HELD: f32 = 0.05;
+
+/// How much a section's width may differ from the rope's, as a factor: at first, and when that is known well.
+const COARSE: f32 = 1.6;
+const FINE: f32 = 1.25;
+
+/// Distance between samples, in half-widths, and its limits in pixels: at twice the distance, noise shows.
+const STEP_HALVES: f32 = 0.25;
+const STEPS_PX: [f32; 2] = [0.75, 4.0];
+
+/// What was measured is smoothed over so many half-widths, and at least so many pixels.
+const SMOOTH_HALVES: f32 = 0.35;
+const SMOOTH_PX: f32 = 2.5;
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Centerliner {
+    sections: Sections,
+    smoother: Smoother,
+    extender: Extender,
+    spaced: Vec<Sample>,
+    widths: Vec<f32>,
+}
+
+impl Centerliner {
+    /// Makes room for lines of so many samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.spaced.reserve(samples);
+        self.extender.reserve(samples);
+        self.sections.reserve(samples);
+    }
+
+    /// Fills `line` with the centerline of `strand`; false when too little of it is left.
+    pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
+        let legs = &source.legs[strand.from as usize..strand.to as usize];
+        let mut half_px = mean_half(source, legs);
+        let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
+        let step_px = step_px.max(source.least_step_px);
+        path::lay(source, legs, strand.closed, half_px, line);
+        self.extender.begin(source, legs);
+        if line.samples.len() < 3 || line.length_px() < step_px {
+            return false;
+        }
+        line.space(step_px, &mut self.spaced);
+        self.smoother.smooth(line, (half_px).max(2.5) / step_px);
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.0);
+        let coarse = Measure {
+            half_px,
+            step_px,
+            tolerance: COARSE,
+            shading: Shading::FLAT,
+        };
+        if let Some(width_px) = self.sections.center(line, source.difference, coarse) {
+            half_px = 0.5 * width_px;
+        }
+        let shading = Shading::measure(line, source.difference, Measure { half_px, ..coarse });
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.7 * half_px);
+        let fine = Measure {
+            half_px,
+            step_px,
+            tolerance: FINE,
+            shading,
+        };
+        self.sections.measure(line, source.difference, fine);
+        let width_px = self.fill_widths(line, 2.0 * half_px);
+        let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
+        self.smoother.smooth(line, reach(half_px, step_px));
+        // They may be measured the next time.
+        weigh_ends(line, held, 1.0);
+        half_px = 0.5 * width_px;
+        self.extender
+            .extend(source.difference, line, half_px, step_px, 0.7 * half_px);
+        if line.closed {
+            line.space(step_px, &mut self.spaced);
+        } else {
+            self.measure_tips(source, line, Measure { half_px, ..fine });
+            line.cut_to(source.difference);
+        }
+        line.samples.len() >= 2
+    }
+
+    /// Measures the tips too, which were run on along the way they seemed to go, and lays them anew.
+    fn measure_tips(&mut self, source: &Source, line: &mut Line, how: Measure) {
+        let Measure {
+            half_px, step_px, ..
+        } = how;
+        let n = line.samples.len();
+        let within = |halves: f32| (halves * half_px / step_px) as usize + 2;
+        // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
+        let anew = within(ANEW_HALVES).min(n / 4);
+        weigh_ends(
+            line,
+            self.extender
+                .is_free()
+                .map(|free| if free { anew } else { 0 }),
+            1.0,
+        );
+        let count = within(TIP_HALVES);
+        self.sections
+            .measure_ends(line, source.difference, how, count);
+        // A section a little aslant runs into the cut itself.
+        let cut_px = CUT_HALVES * half_px + 1.0;
+        let skip = ((cut_px / step_px) as usize + 1).min(count / 2).min(n / 4);
+        weigh_ends(line, [skip; 2], 0.0);
+        self.fill_widths(line, 2.0 * half_px);
+        self.smoother
+            .smooth_ends(line, reach(half_px, step_px), count);
+        self.extender
+            .extend(source.difference, line, half_px, step_px, cut_px);
+    }
+
+    /// Where more than `most` samples before a free end could not be measured, holds them where they are: a little, lest
+    /// the line run out straight past a bend. Returns how many at either end.
+    fn hold_ends(&self, line: &mut Line, most: usize) -> [usize; 2] {
+        if line.closed {
+            return [0; 2];
+        }
+        let unmeasured = |s: &&Sample| s.weight == 0.0;
+        let counts = [
+            line.samples.iter().take_while(unmeasured).count(),
+            line.samples.iter().rev().take_while(unmeasured).count(),
+        ];
+        let held = [0, 1].map(|end| {
+            let held = counts[end] > most && self.extender.is_free()[end];
+            if held { counts[end] } else { 0 }
+        });
+        weigh_ends(line, held, HELD);
+        held
+    }
+
+    /// Gives samples without a measured width the last one that was, so that nothing depends on
+    /// what stood there before. Returns the median of the measured ones.
+    fn fill_widths(&mut self, line: &mut Line, otherwise: f32) -> f32 {
+        let median_px = self.median_width(line).unwrap_or(otherwise);
+        let mut last = median_px;
+        for sample in &mut line.samples {
+            if sample.weight > 0.0 {
+                last = sample.width_px;
+            } else {
+                sample.width_px = last;
+            }
+        }
+        median_px
+    }
+
+    fn median_width(&mut self, line: &Line) -> Option<f32> {
+        self.widths.clear();
+        let seen = line.samples.iter().filter(|s| s.weight >= 1.0);
+        self.widths.extend(seen.map(|s| s.width_px));
+        (!self.widths.is_empty()).then(|| quantile_of_positive(&mut self.widths, 0.5))
+    }
+}
+
+/// Samples over which what was measured is smoothed: a part of the rope's width.
+fn reach(half_px: f32, step_px: f32) -> f32 {
+    (SMOOTH_HALVES * half_px).max(SMOOTH_PX) / step_px
+}
+
+/// Gives so many samples at either end this weight.
+fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
+    let n = line.samples.len();
+    for sample in &mut line.samples[..counts[0]] {
+        sample.weight = weight;
+    }
+    for sample in &mut line.samples[n - counts[1]..] {
+        sample.weight = weight;
+    }
+}

@@ -1,0 +1,29 @@
+//! What the line along a strand is made from.
+
+use crate::graph::Graph;
+use crate::graph::strands::Leg;
+use crate::graph::zones::Zones;
+use crate::image::plane::Plane;
+use crate::skeleton::Skeleton;
+
+/// What a strand is made of.
+pub(crate) struct Source<'a> {
+    pub(crate) difference: &'a Plane,
+    pub(crate) skeleton: &'a Skeleton,
+    pub(crate) graph: &'a Graph,
+    pub(crate) zones: &'a Zones,
+    pub(crate) legs: &'a [Leg],
+    /// Samples along a line lie at least so far apart.
+    pub(crate) least_step_px: f32,
+}
+
+/// Half the rope's width as the skeleton knows it, weighted by the lengths of the legs.
+pub(crate) fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for leg in legs {
+        let length = source.graph.edges[leg.edge as usize].length_px + 0.1;
+        sum += length * source.zones.edge_half_px[leg.edge as usize];
+        weight += length;
+    }
+    (sum / weight).max(0.5)
+}

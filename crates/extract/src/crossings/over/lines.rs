@@ -1,0 +1,338 @@
+//! What is seen on a few lines along a strand, and how far that is from a surface that goes on.
+
+use std::ops::Range;
+
+use lariat_portable::Simd;
+
+use super::axis::Axis;
+use super::{MOST_SAMPLES, Mean, Surprise, around_px, beyond_px};
+use crate::image::ray::{LANES, Lanes};
+use crate::image::{Image, color};
+use crate::statistics::medians;
+
+/// Lines along each strand.
+const LINES: usize = 5;
+/// How far aside the outermost lines run, in half-widths: farther out, lens and table mix into the
+/// strand's own color.
+const SPAN: f32 = 0.7;
+/// The middle of the crossing, in half-widths of the other strand, and at least a sharp lens's blur
+/// within its edges, in pixels.
+const CORE: f32 = 0.8;
+const SHARP_PX: f32 = 1.0;
+/// The most samples that one such look takes.
+const MOST_AROUND: usize = 24;
+/// The most blocks of samples.
+const BLOCKS: usize = MOST_SAMPLES.div_ceil(LANES);
+/// Medians of a line: of three channels, before and after the crossing.
+const MEDIANS: usize = 6;
+/// Registers that hold those of all lines.
+const SETS: usize = (LINES * MEDIANS).div_ceil(LANES);
+
+/// Memory of the lines along one strand.
+#[derive(Debug)]
+pub(super) struct Lines {
+    lines: Vec<Line>,
+    /// The colors as they are read.
+    read: [Vec<Lanes>; 3],
+}
+
+/// One line along a strand.
+#[derive(Debug)]
+struct Line {
+    /// How far each sample of the axis, moved aside to the line, is from the other strand's axis.
+    distances: Vec<Lanes>,
+    /// The image there, a channel each.
+    colors: [Vec<Lanes>; 3],
+    /// The samples that the other strand touches, none of a line that it does not, and those that are looked at.
+    inside: Range<usize>,
+    seen: Range<usize>,
+}
+
+impl Default for Lines {
+    fn default() -> Self {
+        let lanes = || vec![[0.0; LANES]; BLOCKS];
+        let line = || Line {
+            distances: lanes(),
+            colors: [lanes(), lanes(), lanes()],
+            inside: 0..0,
+            seen: 0..0,
+        };
+        Self {
+            lines: (0..LINES).map(|_| line()).collect(),
+            read: [lanes(), lanes(), lanes()],
+        }
+    }
+}
+
+impl Lines {
+    /// How much the lines along the first axis are disturbed where the other lies over or under it.
+    #[inline(always)]
+    pub(super) fn surprise<S: Simd>(
+        &mut self,
+        simd: S,
+        image: &Image,
+        [axis, other]: [&Axis; 2],
+        step_px: f32,
+    ) -> Surprise {
+        let mut all = Surprise::default();
+        if axis.count == 0 || other.count == 0 {
+            return all;
+        }
+        let mut aside_px = [0.0; LINES];
+        for (k, aside_px) in aside_px.iter_mut().enumerate() {
+            let share = 2.0 * k as f32 / (LINES - 1) as f32 - 1.0;
+            *aside_px = SPAN * axis.half_px * share;
+        }
+        for (b, block) in axis.blocks.iter().enumerate() {
+            let squares = other.squares(simd, block, &aside_px);
+            for (line, squares) in self.lines.iter_mut().zip(&squares) {
+                for (distance, square) in line.distances[b].iter_mut().zip(squares) {
+                    *distance = square.sqrt();
+                }
+            }
+        }
+        let touched_px = other.half_px + beyond_px(other.half_px);
+        let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
+        // Three samples are less than a width.
+        let smooth = 2.0 * step_px <= other.half_px;
+        for (line, aside_px) in self.lines.iter_mut().zip(aside_px) {
+            let distances = &line.distances.as_flattened()[..axis.count];
+            line.inside = touched(distances, axis.center, touched_px).unwrap_or(0..0);
+            if !line.inside.is_empty() {
+                line.seen = line.inside.start.saturating_sub(around)
+                    ..(line.inside.end + around).min(axis.count);
+                line.look(image, axis, aside_px, smooth.then_some(&mut self.read));
+            }
+        }
+        let yuv = color::is_yuv(image.format());
+        let core_px = (CORE * other.half_px).min(other.half_px - SHARP_PX);
+        let outside = self.outside(simd, around);
+        for (line, outside) in self.lines.iter().zip(&outside) {
+            if !line.inside.is_empty() {
+                line.add_prediction(outside, yuv, &mut all.off);
+                line.add_change(core_px, yuv, &mut all.unsteady);
+            }
+        }
+        all
+    }
+
+    /// The median colors of each line before and after the crossing; none of fewer than two samples.
+    #[inline(always)]
+    fn outside<S: Simd>(&self, simd: S, around: usize) -> [[Option<[f32; 3]>; 2]; LINES] {
+        let mut rows = [[[f32::INFINITY; LANES]; MOST_AROUND]; SETS];
+        let mut counts = [[0; LANES]; SETS];
+        for (k, line) in self.lines.iter().enumerate() {
+            let sides = [
+                line.seen.start..line.inside.start,
+                line.inside.end..line.seen.end,
+            ];
+            for (s, side) in sides.into_iter().enumerate() {
+                if line.inside.is_empty() {
+                    continue;
+                }
+                for (c, channel) in line.colors.iter().enumerate() {
+                    let place = MEDIANS * k + 3 * s + c;
+                    let (set, lane) = (place / LANES, place % LANES);
+                    let colors = &channel.as_flattened()[side.clone()];
+                    counts[set][lane] = colors.len().min(MOST_AROUND) as u32;
+                    for (row, color) in rows[set].iter_mut().zip(colors) {
+                        row[lane] = *color;
+                    }
+                }
+            }
+        }
+        let mut found = [[0.0; LANES]; SETS];
+        for ((found, rows), counts) in found.iter_mut().zip(&mut rows).zip(&counts) {
+            *found = medians(simd, &mut rows[..around], counts);
+        }
+        let mut outside = [[None; 2]; LINES];
+        for (k, sides) in outside.iter_mut().enumerate() {
+            for (s, side) in sides.iter_mut().enumerate() {
+                let place = MEDIANS * k + 3 * s;
+                let of = |c: usize| found[(place + c) / LANES][(place + c) % LANES];
+                if counts[place / LANES][place % LANES] >= 2 {
+                    *side = Some([of(0), of(1), of(2)]);
+                }
+            }
+        }
+        outside
+    }
+}
+
+impl Line {
+    /// Fills in the colors of what is seen, by way of `smoothing` averaged each with its neighbors: what the camera's
+    /// noise adds to a difference falls by half.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        image: &Image,
+        axis: &Axis,
+        aside_px: f32,
+        smoothing: Option<&mut [Vec<Lanes>; 3]>,
+    ) {
+        let (from, to) = match smoothing {
+            Some(read) => (read, Some(&mut self.colors)),
+            None => (&mut self.colors, None),
+        };
+        for b in self.seen.start / LANES..self.seen.end.div_ceil(LANES) {
+            let (block, mut at) = (&axis.blocks[b], [[0.0; LANES]; 2]);
+            for (c, at) in at.iter_mut().enumerate() {
+                let axis = block.at[c].iter().zip(&block.normal[c]);
+                for (at, (axis, normal)) in at.iter_mut().zip(axis) {
+                    *at = axis + aside_px * normal;
+                }
+            }
+            let colors = color::between_each(image, &at);
+            for (channel, colors) in from.iter_mut().zip(&colors) {
+                channel[b] = *colors;
+            }
+        }
+        let Some(to) = to else {
+            return;
+        };
+        for (to, from) in to.iter_mut().zip(from) {
+            let from = &from.as_flattened()[self.seen.clone()];
+            let to = &mut to.as_flattened_mut()[self.seen.clone()];
+            let last = from.len() - 1;
+            (to[0], to[last]) = (from[0], from[last]);
+            if let Some(to) = to.get_mut(1..last) {
+                let threes = from.iter().zip(&from[1..]).zip(&from[2..]);
+                for (to, ((before, here), after)) in to.iter_mut().zip(threes) {
+                    *to = (before + here + after) / 3.0;
+                }
+            }
+        }
+    }
+
+    /// The channels of the samples inside of the crossing.
+    #[inline(always)]
+    fn within(&self) -> [&[f32]; 3] {
+        let [a, b, c] = &self.colors;
+        [
+            &a.as_flattened()[self.inside.clone()],
+            &b.as_flattened()[self.inside.clone()],
+            &c.as_flattened()[self.inside.clone()],
+        ]
+    }
+
+    /// Adds how far the samples inside are from what those before and after them say.
+    #[inline(always)]
+    fn add_prediction(&self, outside: &[Option<[f32; 3]>; 2], yuv: bool, mean: &mut Mean) {
+        let (from, to) = match *outside {
+            [Some(from), Some(to)] => (from, to),
+            // The strand ends in the crossing.
+            [Some(one), None] | [None, Some(one)] => (one, one),
+            [None, None] => return,
+        };
+        let [a, b, c] = self.within();
+        let share = 1.0 / (a.len() as f32 + 1.0);
+        let mut sums = [0.0; LANES];
+        for k in (0..a.len()).step_by(LANES) {
+            let here = [block(a, k), block(b, k), block(c, k)];
+            for l in 0..LANES {
+                let t = ((k + l) as u32 as i32 as f32 + 1.0) * share;
+                let off = |c: usize| (here[c][l] - (from[c] + t * (to[c] - from[c]))).abs();
+                let counts = if k + l < a.len() { 1.0 } else { 0.0 };
+                sums[l] += counts * levels([off(0), off(1), off(2)], yuv);
+            }
+        }
+        mean.add(sums.iter().sum(), a.len() as f32);
+    }
+
+    /// Adds how far the colors in the middle of the crossing are from their mean.
+    #[inline(always)]
+    fn add_change(&self, core_px: f32, yuv: bool, mean: &mut Mean) {
+        let [a, b, c] = self.within();
+        let distances = &self.distances.as_flattened()[self.inside.clone()];
+        let (mut counts, mut sums) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        for k in (0..a.len()).step_by(LANES) {
+            let here = [block(a, k), block(b, k), block(c, k)];
+            let core = core(distances, k, core_px);
+            for l in 0..LANES {
+                counts[l] += core[l];
+                for c in 0..3 {
+                    sums[c][l] += core[l] * here[c][l];
+                }
+            }
+        }
+        let count: f32 = counts.iter().sum();
+        // Fewer have little choice but to be near their mean.
+        if count < 3.0 {
+            return;
+        }
+        let mut middle = [0.0; 3];
+        for (middle, sums) in middle.iter_mut().zip(&sums) {
+            *middle = sums.iter().sum::<f32>() / count;
+        }
+        let mut sums = [0.0; LANES];
+        for k in (0..a.len()).step_by(LANES) {
+            let here = [block(a, k), block(b, k), block(c, k)];
+            let core = core(distances, k, core_px);
+            for l in 0..LANES {
+                let off = |c: usize| (here[c][l] - middle[c]).abs();
+                sums[l] += core[l] * levels([off(0), off(1), off(2)], yuv);
+            }
+        }
+        mean.add(sums.iter().sum(), count);
+    }
+}
+
+/// The numbers from place `k` on, nothing beyond the last.
+#[inline(always)]
+fn block(values: &[f32], k: usize) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    let values = &values[k..];
+    match values.first_chunk() {
+        Some(whole) => lanes = *whole,
+        None => lanes[..values.len()].copy_from_slice(values),
+    }
+    lanes
+}
+
+/// Which of the distances from place `k` on are less than `core_px`.
+#[inline(always)]
+fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
+    let (mut core, here) = ([0.0; LANES], block(distances, k));
+    for l in 0..LANES {
+        let is_core = (here[l] < core_px) & (k + l < distances.len());
+        core[l] = if is_core { 1.0 } else { 0.0 };
+    }
+    core
+}
+
+/// The mean difference of a channel, U and V counting double as they span half the range.
+#[inline(always)]
+fn levels([a, b, c]: [f32; 3], yuv: bool) -> f32 {
+    let chroma = if yuv { 2.0 } else { 1.0 };
+    (a + chroma * (b + c)) / 3.0
+}
+
+/// The samples around `center` that lie within `touched_px` of the other strand.
+#[inline(always)]
+fn touched(distances: &[f32], center: usize, touched_px: f32) -> Option<Range<usize>> {
+    let is_touched = |i: usize| distances.get(i).is_some_and(|d| *d < touched_px);
+    let near = (0..distances.len()).find_map(|far| {
+        let (back, ahead) = (center.checked_sub(far), center + far);
+        let back = back.filter(|&i| is_touched(i));
+        back.or_else(|| is_touched(ahead).then_some(ahead))
+    })?;
+    let back = distances[..near].iter().rev();
+    let from = near - back.take_while(|d| **d < touched_px).count();
+    let ahead = distances[near..].iter();
+    let to = near + ahead.take_while(|d| **d < touched_px).count();
+    Some(from..to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_touched_nearest_to_the_crossing_counts() {
+        let distances = [1.0, 1.0, 9.0, 9.0, 9.0, 1.0, 1.0, 1.0, 9.0];
+        assert_eq!(touched(&distances, 3, 2.0), Some(0..2));
+        assert_eq!(touched(&distances, 4, 2.0), Some(5..8));
+        assert_eq!(touched(&distances, 8, 2.0), Some(5..8));
+        assert_eq!(touched(&distances, 4, 0.5), None);
+    }
+}

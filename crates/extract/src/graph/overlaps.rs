@@ -1,0 +1,185 @@
+//! Overlaps that shape alone does not show: an edge between two junctions of three arms each.
+//!
+//! A rope has two ends, so a junction of three arms is rare: an end that lies on a rope. Two of them
+//! joined by an edge are far more often one crossing at a flat angle, or two strands that run along
+//! each other, and the edge is both strands at once. The two readings are weighed by what their
+//! pairings cost, bends and lone ends together. Where two edges join the same two junctions, the
+//! longer is the loop that a strand makes: were it the overlap, a rope would lie upon itself all
+//! around.
+
+use super::Graph;
+use super::pairing::{ALONE, ALONE_TOO, Pairing};
+use super::unroll::Unroll;
+use super::zones::{Arm, Zones};
+use crate::image::{Image, color};
+use crate::past::Past;
+use crate::skeleton::{NONE, Skeleton};
+use crate::vec2;
+
+/// Widths that an overlap may be long without showing in the mask's width.
+const LONGEST_WIDTHS: f32 = 12.0;
+/// A strand of an overlap lies at most this many widths off the overlap's middle, and has moved as
+/// much again.
+const BESIDE_WIDTHS: f32 = 1.5;
+/// What a width of such an overlap costs: the longer, the less likely.
+const PER_WIDTH: f32 = 0.04;
+
+/// Memory of the weighing.
+#[derive(Debug, Default)]
+pub(crate) struct Overlaps {
+    pairing: Pairing,
+    arms: Vec<Arm>,
+    candidates: Vec<Candidate>,
+    /// For each zone whether a better candidate is of it.
+    asked: Vec<bool>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    gain: f32,
+    edge: usize,
+    zones: [u32; 2],
+}
+
+impl Overlaps {
+    /// Makes room for the overlaps of ropes.
+    pub(crate) fn reserve(&mut self) {
+        const MOST: usize = 256;
+        self.pairing.reserve();
+        self.arms.reserve(MOST);
+        self.candidates.reserve(MOST);
+        self.asked.reserve(MOST);
+    }
+
+    /// Joins zones of three arms whose common edge is cheaper read as an overlap.
+    pub(crate) fn join(
+        &mut self,
+        image: &Image,
+        graph: &Graph,
+        skeleton: &Skeleton,
+        zones: &mut Zones,
+    ) {
+        let yuv = color::is_yuv(image.format());
+        self.candidates.clear();
+        for e in 0..graph.edges.len() {
+            let edge = &graph.edges[e];
+            let widths = edge.length_px / (2.0 * zones.half_px);
+            if zones.inside[e] || edge.nodes[0] == NONE {
+                continue;
+            }
+            // Where two strands lay in the last image, an overlap of any length is no surprise.
+            let widths = if was_double(e, graph, skeleton, &zones.past) {
+                0.0
+            } else {
+                widths
+            };
+            if widths > LONGEST_WIDTHS {
+                continue;
+            }
+            let unroll = Unroll::of(e, graph, skeleton, zones.widest_half_px(e, graph));
+            if let Some(candidate) = self.weigh(e, graph, unroll, widths, yuv, zones) {
+                self.candidates.push(candidate);
+            }
+        }
+        self.candidates
+            .sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain));
+        self.asked.clear();
+        self.asked.resize(graph.nodes.len(), false);
+        for candidate in &self.candidates {
+            let ends = candidate.zones.map(|zone| zone as usize);
+            if !ends.iter().any(|&zone| self.asked[zone]) {
+                zones.join(candidate.edge, graph);
+            }
+            ends.into_iter().for_each(|zone| self.asked[zone] = true);
+        }
+        if !self.candidates.is_empty() {
+            zones.collect_arms(image, graph, skeleton);
+        }
+    }
+
+    /// What is gained by reading edge `e` as an overlap, if anything.
+    fn weigh(
+        &mut self,
+        e: usize,
+        graph: &Graph,
+        unroll: Option<Unroll>,
+        widths: f32,
+        yuv: bool,
+        zones: &Zones,
+    ) -> Option<Candidate> {
+        let ends = [zones.arm_at(2 * e)?, zones.arm_at(2 * e + 1)?].map(|i| zones.arms[i].zone);
+        if ends[0] == ends[1] {
+            return None;
+        }
+        let arms = ends.map(|zone| &zones.arms[zones.arms_of(zone)]);
+        if arms.iter().any(|arms| arms.len() != 3) {
+            return None;
+        }
+        let detour = detour(e, arms);
+        let length_px = |e: u32| graph.edges[e as usize].length_px;
+        if detour.is_some_and(|detour| length_px(detour) < length_px(e as u32)) {
+            return None;
+        }
+        self.arms.clear();
+        let (mut apart, mut detour_alone) = (0.0, 0);
+        for (zone, arms) in ends.into_iter().zip(arms) {
+            for (i, &partner) in self
+                .pairing
+                .resolve(arms, &zones.past, yuv)
+                .iter()
+                .enumerate()
+            {
+                detour_alone += usize::from(partner == i && Some(arms[i].edge) == detour);
+            }
+            apart += self.pairing.best_cost;
+            let kept = arms.iter().filter(|arm| arm.edge as usize != e);
+            self.arms
+                .extend(kept.map(|arm| laid_straight(*arm, unroll.as_ref(), zone == ends[1])));
+        }
+        if detour_alone == 2 {
+            // Not an end on a rope, twice, but both ends of one rope at one place.
+            apart += ALONE_TOO - ALONE;
+        }
+        self.pairing.resolve(&self.arms, &zones.past, yuv);
+        let gain = apart - self.pairing.best_cost - PER_WIDTH * widths;
+        (gain > 0.0).then_some(Candidate {
+            gain,
+            edge: e,
+            zones: ends,
+        })
+    }
+}
+
+/// An arm of the overlap's far or near end, where it would be were the overlap straight.
+fn laid_straight(mut arm: Arm, unroll: Option<&Unroll>, is_far: bool) -> Arm {
+    let Some(unroll) = unroll else { return arm };
+    if is_far {
+        unroll.apply(&mut arm);
+    } else {
+        unroll.tell_side(&mut arm);
+    }
+    // Which strand goes where is not asked yet, and tight loops bend too much to tell.
+    if unroll.changes_sides() {
+        arm.side = 0.0;
+    }
+    arm
+}
+
+/// Whether two strands ran along the middle of edge `e` in the last image.
+fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool {
+    let pixels = graph.pixels(e);
+    let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
+    let (middle, reach) = (pixels.len() / 2, (pixels.len() / 6).max(1));
+    let (before, after) = (
+        at(middle.saturating_sub(reach)),
+        at((middle + reach).min(pixels.len() - 1)),
+    );
+    let traces = past.recall(at(middle), vec2::sub(after, before));
+    traces.within(BESIDE_WIDTHS) >= 2
+}
+
+/// The other edge, if any, that joins the same two zones, of these arms, as edge `e`.
+fn detour(e: usize, arms: [&[Arm]; 2]) -> Option<u32> {
+    let mut others = arms[0].iter().map(|arm| arm.edge);
+    others.find(|&edge| edge as usize != e && arms[1].iter().any(|arm| arm.edge == edge))
+}

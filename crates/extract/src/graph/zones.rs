@@ -1,0 +1,347 @@
+//! Which junctions of the skeleton are one crossing, and the arms that come out of it.
+//!
+//! Two strands of width w that cross at an angle a do not meet in one skeleton point: their union's
+//! skeleton runs along the bisector between two junctions. With s = sin(a/2) and circles inscribed
+//! at the junctions of radius r, plane geometry gives r = w / (1 + s), and a distance between the
+//! junctions of w (1 − s) / (s (1 + s)). So the radius that is measured tells the length that is to
+//! be expected: an edge about that long, and as wide all along as such an overlap is, is no strand
+//! but both strands at once, and its junctions are one zone. Strands that run along each other
+//! show as an edge that is nearly two ropes wide.
+
+use super::Graph;
+use super::unroll::Unroll;
+use crate::image::{Image, color};
+use crate::past::{Past, Traces};
+use crate::skeleton::{NONE, Skeleton};
+use crate::statistics::quantile_of_positive;
+use crate::vec2::{self, Vec2};
+
+/// One end of an edge where it meets a zone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arm {
+    pub(crate) edge: u32,
+    /// 0: the edge's first pixel lies in the zone; 1: its last.
+    pub(crate) end: u8,
+    pub(crate) zone: u32,
+    /// Pixels of the edge, from this end, that belong to the crossing and not to one strand.
+    pub(crate) trim: u32,
+    /// Where the strand comes out of the crossing.
+    pub(crate) at: Vec2,
+    /// Its direction there, into the zone.
+    pub(crate) into: Vec2,
+    pub(crate) half_px: f32,
+    /// The mean native color along the strand, just outside of the crossing.
+    pub(crate) color: [f32; 3],
+    /// On which side of an overlap its strand lies at the overlap's near end, −1 to 1, by how sure it is; 0: of none.
+    pub(crate) side: f32,
+    /// Where it was in the last image.
+    pub(crate) past: Traces,
+}
+
+impl Arm {
+    /// The end of the edge that this is, as 2·edge + end.
+    pub(crate) fn slot(&self) -> usize {
+        2 * self.edge as usize + usize::from(self.end)
+    }
+}
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Zones {
+    /// For each node, another of its zone; a root points to itself.
+    parent: Vec<u32>,
+    halves: Vec<f32>,
+    /// Half the rope's width along each edge, away from crossings.
+    pub(crate) edge_half_px: Vec<f32>,
+    /// For each edge whether it is the overlap inside of a zone.
+    pub(crate) inside: Vec<bool>,
+    /// Arms sorted by zone.
+    pub(crate) arms: Vec<Arm>,
+    /// For each end of each edge (2·edge + end) its arm, as an index into `arms`, or `NONE`.
+    arm_of: Vec<u32>,
+    /// For each node the two widest strands that come to it: edge and half-width.
+    widest: Vec<[(u32, f32); 2]>,
+    /// Half the width of most strands in the image.
+    pub(crate) half_px: f32,
+    /// What the last image knows of the strands, if anything.
+    pub(crate) past: Past,
+}
+
+impl Zones {
+    /// Joins junctions to zones by the shape of the mask, and finds their arms.
+    pub(crate) fn find(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
+        self.measure_halves(graph, skeleton);
+        self.parent.clear();
+        self.parent.extend(0..graph.nodes.len() as u32);
+        self.inside.clear();
+        self.inside.resize(graph.edges.len(), false);
+        for e in 0..graph.edges.len() {
+            if self.is_overlap(e, graph, skeleton) {
+                self.join(e, graph);
+            }
+        }
+        self.collect_arms(image, graph, skeleton);
+    }
+
+    /// Makes edge `e` the inside of a zone, and its two nodes one.
+    pub(crate) fn join(&mut self, e: usize, graph: &Graph) {
+        self.inside[e] = true;
+        let [a, b] = graph.edges[e].nodes;
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// Finds the arms of all zones.
+    pub(crate) fn collect_arms(&mut self, image: &Image, graph: &Graph, skeleton: &Skeleton) {
+        self.arms.clear();
+        self.list_widest(graph);
+        for e in 0..graph.edges.len() {
+            let edge = &graph.edges[e];
+            if self.inside[e] || edge.nodes[0] == NONE {
+                continue;
+            }
+            for end in 0..2u8 {
+                let node = edge.nodes[usize::from(end)];
+                if graph.nodes[node as usize].degree >= 2 {
+                    let zone = self.root(node);
+                    let mut arm = self.arm(e, end, zone, graph, skeleton);
+                    arm.color = strand_color(image, graph, &arm, skeleton);
+                    arm.past = self.past.recall(arm.at, arm.into);
+                    self.arms.push(arm);
+                }
+            }
+        }
+        self.arms
+            .sort_unstable_by_key(|arm| (arm.zone, arm.edge, arm.end));
+        self.arm_of.clear();
+        self.arm_of.resize(2 * graph.edges.len(), NONE);
+        for (i, arm) in self.arms.iter().enumerate() {
+            self.arm_of[arm.slot()] = i as u32;
+        }
+        self.unroll_arms(graph, skeleton);
+    }
+
+    /// The arm that end `slot` (2·edge + end) is.
+    pub(crate) fn arm_at(&self, slot: usize) -> Option<usize> {
+        let arm = *self.arm_of.get(slot)?;
+        (arm != NONE).then_some(arm as usize)
+    }
+
+    /// Where the arms of a zone lie in the list.
+    pub(crate) fn arms_of(&self, zone: u32) -> std::ops::Range<usize> {
+        let from = self.arms.partition_point(|arm| arm.zone < zone);
+        from..from + self.arms[from..].partition_point(|arm| arm.zone == zone)
+    }
+
+    fn list_widest(&mut self, graph: &Graph) {
+        self.widest.clear();
+        self.widest.resize(graph.nodes.len(), [(NONE, 0.0); 2]);
+        let free = |e: &usize| !self.inside[*e] && graph.edges[*e].nodes[0] != NONE;
+        for e in (0..graph.edges.len()).filter(free) {
+            let new = (e as u32, self.edge_half_px[e]);
+            let [a, b] = graph.edges[e].nodes;
+            for node in [a].into_iter().chain((b != a).then_some(b)) {
+                let [first, second] = &mut self.widest[node as usize];
+                if new.1 > first.1 {
+                    (*first, *second) = (new, *first);
+                } else if new.1 > second.1 {
+                    *second = new;
+                }
+            }
+        }
+    }
+
+    /// Moves the arms at the far end of each long overlap to where they would be were it straight.
+    fn unroll_arms(&mut self, graph: &Graph, skeleton: &Skeleton) {
+        for e in 0..graph.edges.len() {
+            if !self.inside[e] {
+                continue;
+            }
+            let half_px = self.widest_half_px(e, graph);
+            let Some(unroll) = Unroll::of(e, graph, skeleton, half_px) else {
+                continue;
+            };
+            let [near, far] = graph.edges[e].nodes;
+            let zone = self.root(near);
+            let arms = self.arms_of(zone);
+            for arm in &mut self.arms[arms] {
+                let node = graph.edges[arm.edge as usize].nodes[usize::from(arm.end)];
+                if node == far {
+                    unroll.apply(arm);
+                } else if node == near {
+                    unroll.tell_side(arm);
+                }
+            }
+        }
+    }
+
+    /// Whether strands meet anywhere: in a crossing, or an end on a strand.
+    pub(crate) fn has_meeting(&self) -> bool {
+        let zones = self.arms.chunk_by(|a, b| a.zone == b.zone);
+        zones.into_iter().any(|arms| arms.len() >= 3)
+    }
+
+    /// Where the arms of the zone that begins at `from` end.
+    pub(crate) fn zone_end(&self, from: usize) -> usize {
+        let zone = self.arms[from].zone;
+        from + self.arms[from..]
+            .iter()
+            .take_while(|arm| arm.zone == zone)
+            .count()
+    }
+
+    /// Half the width of the widest strand that comes to edge `e`.
+    pub(crate) fn widest_half_px(&self, e: usize, graph: &Graph) -> f32 {
+        let nodes = graph.edges[e].nodes.into_iter();
+        let strands = nodes.flat_map(|node| self.widest.get(node as usize).into_iter().flatten());
+        strands
+            .filter(|&&(edge, _)| edge != NONE && edge as usize != e)
+            .map(|&(_, half_px)| half_px)
+            .reduce(f32::max)
+            .unwrap_or(self.half_px)
+    }
+
+    fn root(&mut self, mut node: u32) -> u32 {
+        while self.parent[node as usize] != node {
+            let up = self.parent[self.parent[node as usize] as usize];
+            self.parent[node as usize] = up;
+            node = up;
+        }
+        node
+    }
+
+    /// The rope's half-width over all edges and along each that is long enough to tell.
+    fn measure_halves(&mut self, graph: &Graph, skeleton: &Skeleton) {
+        let half = |&p: &u32| skeleton.pixels[p as usize].half_px;
+        self.halves.clear();
+        for e in 0..graph.edges.len() {
+            self.halves.extend(graph.pixels(e).iter().map(half));
+        }
+        self.half_px = quantile_of_positive(&mut self.halves, 0.45).max(0.5);
+        self.edge_half_px.clear();
+        for e in 0..graph.edges.len() {
+            let mut value = self.half_px;
+            if graph.edges[e].length_px > 6.0 * self.half_px {
+                self.halves.clear();
+                self.halves.extend(graph.pixels(e).iter().map(half));
+                value = quantile_of_positive(&mut self.halves, 0.35).max(0.5);
+            }
+            self.edge_half_px.push(value);
+        }
+    }
+
+    /// Whether edge `e` is where two strands lie over or beside each other.
+    fn is_overlap(&self, e: usize, graph: &Graph, skeleton: &Skeleton) -> bool {
+        let edge = &graph.edges[e];
+        let [a, b] = edge.nodes;
+        if a == NONE || a == b {
+            return false;
+        }
+        let (a, b) = (&graph.nodes[a as usize], &graph.nodes[b as usize]);
+        if a.degree < 3 || b.degree < 3 {
+            return false;
+        }
+        let width = 2.0 * self.half_px;
+        // Nearer than this, even two crossings of their own are better resolved together.
+        if edge.length_px <= 0.8 * width + 1.0 {
+            return true;
+        }
+        let radius = |pixel: u32| skeleton.pixels[pixel as usize].half_px;
+        let at_ends = 0.5 * (radius(a.pixel) + radius(b.pixel));
+        // Narrower crossings than s = 0.05 (6°) are the business of the width alone.
+        let s = (width / at_ends - 1.0).clamp(0.05, 1.0);
+        let expected = width * (1.0 - s) / (s * (1.0 + s));
+        let pixels = graph.pixels(e);
+        let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
+        // Along a crossing's bisector the half-width falls evenly from the junctions to the middle,
+        // along a strand at once; the rest allows for whole pixels.
+        let wide = mean >= 0.5 * (at_ends + self.half_px) - 0.06 * width;
+        let swollen = mean >= 1.12 * self.half_px + 0.15;
+        wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
+            || mean >= 1.5 * self.half_px + 0.3
+    }
+
+    /// The arm at one end of edge `e`: how much of it belongs to the crossing, and its direction.
+    fn arm(&self, e: usize, end: u8, zone: u32, graph: &Graph, skeleton: &Skeleton) -> Arm {
+        let pixels = graph.pixels(e);
+        let half_px = self.edge_half_px[e];
+        let pixel = |i: usize| {
+            let i = if end == 0 { i } else { pixels.len() - 1 - i };
+            &skeleton.pixels[pixels[i] as usize]
+        };
+        let junction = graph.edges[e].nodes[usize::from(end)];
+        let crossing = graph.nodes[junction as usize].degree >= 3;
+        let most = (pixels.len().saturating_sub(3)) / 2;
+        let mut trim = 0;
+        if crossing {
+            while trim < most
+                && (pixel(trim).half_px > 1.12 * half_px + 0.3
+                    || vec2::distance(pixel(trim).at(), pixel(0).at()) < 0.7 * half_px)
+            {
+                trim += 1;
+            }
+            trim = (trim + (0.3 * half_px) as usize).min(most);
+        }
+        let reach = ((3.5 * half_px) as usize).max(7);
+        let last = (trim + reach).min(pixels.len() - 1);
+        let into = line_direction((trim..=last).map(|i| pixel(i).at()), pixel(last).at());
+        let at = pixel(trim).at();
+        Arm {
+            edge: e as u32,
+            end,
+            zone,
+            trim: trim as u32,
+            at,
+            into,
+            half_px,
+            color: [0.0; 3],
+            side: 0.0,
+            past: Traces::default(),
+        }
+    }
+}
+
+/// The mean color along the arm's strand, just outside of the crossing.
+fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) -> [f32; 3] {
+    let pixels = graph.pixels(arm.edge as usize);
+    let from = arm.trim as usize;
+    let to = (from + (4.0 * arm.half_px) as usize + 3).min(pixels.len());
+    let mut sum = [0.0; 3];
+    for i in from..to {
+        let i = if arm.end == 0 {
+            i
+        } else {
+            pixels.len() - 1 - i
+        };
+        let pixel = &skeleton.pixels[pixels[i] as usize];
+        let color = color::native(image, usize::from(pixel.x), usize::from(pixel.y));
+        for (s, c) in sum.iter_mut().zip(color) {
+            *s += f32::from(c);
+        }
+    }
+    sum.map(|s| s / (to - from).max(1) as f32)
+}
+
+/// The direction of the least-squares line through `points`, pointing away from `far`, their last.
+fn line_direction(points: impl Iterator<Item = Vec2> + Clone, far: Vec2) -> Vec2 {
+    let (mut count, mut sum) = (0.0, [0.0; 2]);
+    let first = points.clone().next().unwrap_or(far);
+    for p in points.clone() {
+        (count, sum) = (count + 1.0, vec2::add(sum, p));
+    }
+    let mean = vec2::scale(sum, 1.0 / f32::max(count, 1.0));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for p in points {
+        let d = vec2::sub(p, mean);
+        (xx, xy, yy) = (xx + d[0] * d[0], xy + d[0] * d[1], yy + d[1] * d[1]);
+    }
+    let turn = 0.5 * libm::atan2f(2.0 * xy, xx - yy);
+    let (sin, cos) = libm::sincosf(turn);
+    let axis = [cos, sin];
+    let outward = vec2::sub(first, far);
+    if vec2::dot(axis, outward) < 0.0 {
+        vec2::scale(axis, -1.0)
+    } else {
+        axis
+    }
+}

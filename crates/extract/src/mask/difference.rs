@@ -1,0 +1,438 @@
+//! How unlike the table each pixel is, straight from the camera's bytes, and which pixels are not just its noise.
+//!
+//! `difference = max over channels |pixel − table|`, U and V counting double. Because the maximum
+//! scales with the share of rope in a pixel (see `color::distance`), half the rope's own difference
+//! is the rope's edge, whatever its color. All that is asked of every pixel is asked here, while a row is in reach.
+
+mod planes;
+
+use super::background::Background;
+use super::threshold::Levels;
+use crate::bitmap::bits::BitPlane;
+use crate::image::kernels::{self, Band, Kernels, Look};
+use crate::image::plane::Plane;
+use crate::image::{Image, PixelFormat, color};
+use std::ops::Range;
+
+/// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
+const BLOCK: usize = kernels::BLOCK;
+
+/// Pixels along a row that are worked out together.
+const STRIP: usize = 64;
+
+/// Pixels down a column that are worked on together.
+const PART: usize = 64;
+
+/// The largest level that the table's noise may reach where only what stands out of it is worked out: from here on
+/// something lies there for those who read the difference beside the mask, too.
+const MOST_NOISE: u8 = 24;
+
+/// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
+#[derive(Debug, Default)]
+pub(crate) struct Differencer {
+    kernels: Kernels,
+    /// One level for each block.
+    channels: [Vec<u8>; 3],
+    luma: Vec<u8>,
+    chroma: Vec<u8>,
+    /// The same along the band before it.
+    before: Vec<u8>,
+    /// What is seen in each strip of the bands, with one of nothing at each end and a band of nothing above and below.
+    hits: Vec<u8>,
+    /// The blocks that were worked out, a band after the other; none if all were.
+    kept: Vec<bool>,
+    /// One row of the difference.
+    row: Vec<u8>,
+}
+
+/// What the difference of an image is made of.
+#[derive(Clone, Copy)]
+struct Scene<'a> {
+    image: &'a Image<'a>,
+    background: &'a Background,
+    least: u8,
+}
+
+impl Scene<'_> {
+    /// The rows of the band from `top` on.
+    fn band(&self, top: usize) -> Range<usize> {
+        top..(top + BLOCK).min(self.image.height())
+    }
+
+    /// The number of bands, and that of strips of 64 pixels.
+    fn blocks(&self) -> (usize, usize) {
+        let (width, height) = (self.image.width(), self.image.height());
+        (height.div_ceil(BLOCK), width.div_ceil(STRIP))
+    }
+}
+
+impl Differencer {
+    /// Fills `out` with the difference of each pixel of `image` from `background`, `faint` with those from the level
+    /// `least` on, and takes the levels.
+    ///
+    /// Where nothing reaches `least` within eight pixels, `out` may be 0 until it is [filled](Self::fill).
+    pub(crate) fn run(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        least: u8,
+        out: &mut Plane,
+        faint: &mut BitPlane,
+        levels: &mut Levels,
+    ) {
+        let (width, height) = (image.width(), image.height());
+        out.resize(width, height);
+        faint.reshape(width, height);
+        levels.clear(width, height);
+        let scene = Scene {
+            image,
+            background,
+            least,
+        };
+        self.reserve_blocks(scene);
+        let kernel = match image.format() {
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
+            PixelFormat::Yuyv => self.kernels.yuyv_band,
+            PixelFormat::Uyvy => self.kernels.uyvy_band,
+            _ => None,
+        };
+        match (kernel, self.kernels.look) {
+            (Some(kernel), Some(look)) if least <= MOST_NOISE => {
+                self.run_where_seen(scene, look, kernel, out, faint, levels);
+            }
+            _ => self.run_everywhere(scene, kernel, out, faint, levels),
+        }
+        levels.close();
+    }
+
+    /// Works out what [`run`](Self::run) left 0, and leaves what has been lifted since.
+    pub(crate) fn fill(&mut self, image: &Image, background: &Background, out: &mut Plane) {
+        if self.kept.is_empty() {
+            return;
+        }
+        self.kept.clear();
+        let mut row = std::mem::take(&mut self.row);
+        for y in 0..image.height() {
+            if y % BLOCK == 0 {
+                self.lay_table(image, background, y);
+            }
+            self.stretch(image, [0, y], &mut row);
+            let pairs = out.row_mut(y).iter_mut().zip(&row);
+            pairs.for_each(|(level, &own)| *level = own.max(*level));
+        }
+        self.row = row;
+    }
+
+    fn run_everywhere(
+        &mut self,
+        scene: Scene,
+        kernel: Option<fn(Band)>,
+        out: &mut Plane,
+        faint: &mut BitPlane,
+        levels: &mut Levels,
+    ) {
+        let (image, least) = (scene.image, scene.least);
+        let (width, words) = (image.width(), scene.blocks().1);
+        for top in (0..image.height()).step_by(BLOCK) {
+            self.lay_table(image, scene.background, top);
+            let rows = scene.band(top);
+            let (out, faint) = (out.rows_mut(rows.clone()), faint.rows_mut(rows.clone()));
+            if let Some(kernel) = kernel {
+                kernel(Band {
+                    rows: image.rows(rows.clone()),
+                    stride: image.stride(),
+                    table: &self.luma,
+                    width,
+                    out,
+                    out_stride: width,
+                    faint,
+                    faint_stride: words,
+                    least,
+                });
+            } else {
+                let lines = out.chunks_exact_mut(width);
+                let faint = faint.chunks_exact_mut(words);
+                for (y, (out, faint)) in rows.clone().zip(lines.zip(faint)) {
+                    self.stretch(image, [0, y], out);
+                    (self.kernels.at_least)(out, least, faint);
+                }
+            }
+            let lines = out.chunks_exact(width).zip(faint.chunks_exact(words));
+            for (y, (row, bits)) in rows.zip(lines) {
+                levels.add(&self.kernels, y, row, bits);
+                if levels.asks_table(y) {
+                    levels.add_table(row, least);
+                }
+            }
+        }
+    }
+
+    /// Each band is looked at, and when the one below it has been, worked out where either or the one above shows
+    /// something: while its bytes are still near.
+    fn run_where_seen(
+        &mut self,
+        scene: Scene,
+        look: fn(Look),
+        kernel: fn(Band),
+        out: &mut Plane,
+        faint: &mut BitPlane,
+        levels: &mut Levels,
+    ) {
+        let (bands, strips) = scene.blocks();
+        self.kept.resize(bands * strips, false);
+        for band in 0..=bands {
+            std::mem::swap(&mut self.luma, &mut self.before);
+            if band < bands {
+                self.look_at(scene, band, look, levels);
+            }
+            if let Some(band) = band.checked_sub(1) {
+                self.work_out(scene, band, kernel, out, faint, levels);
+            }
+        }
+    }
+
+    /// Lays the table along a band, and looks for what is not just that.
+    fn look_at(&mut self, scene: Scene, band: usize, look: fn(Look), levels: &mut Levels) {
+        let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
+        let (width, top) = (image.width(), BLOCK * band);
+        self.lay_table(image, scene.background, top);
+        let format = image.format();
+        // U and V count double.
+        let half = least.div_ceil(2);
+        let least = match format {
+            PixelFormat::Yuyv => [least, half],
+            PixelFormat::Uyvy => [half, least],
+            _ => [least; 2],
+        };
+        look(Look {
+            rows: image.rows(scene.band(top)),
+            stride: image.stride(),
+            row: format.row_bytes(width),
+            bytes: format.row_bytes(2) / 2,
+            table: &self.luma,
+            least,
+            hits: &mut self.hits[(band + 1) * (strips + 2) + 1..][..strips],
+        });
+        for y in scene.band(top) {
+            if !levels.asks_table(y) {
+                continue;
+            }
+            let mut row = std::mem::take(&mut self.row);
+            self.stretch(image, [0, y], &mut row);
+            levels.add_table(&row, scene.least);
+            self.row = row;
+        }
+    }
+
+    /// Works out a band where it has been seen to show something, or to lie beside that.
+    fn work_out(
+        &mut self,
+        scene: Scene,
+        band: usize,
+        kernel: fn(Band),
+        out: &mut Plane,
+        faint: &mut BitPlane,
+        levels: &mut Levels,
+    ) {
+        let (image, strips) = (scene.image, scene.blocks().1);
+        let (width, rows) = (image.width(), scene.band(BLOCK * band));
+        let kept = &mut self.kept[band * strips..][..strips];
+        let [above, here, below] =
+            [band, band + 1, band + 2].map(|k| &self.hits[k * (strips + 2)..][..strips + 2]);
+        let seen = |strip: usize| above[strip] | here[strip] | below[strip];
+        for (strip, kept) in kept.iter_mut().enumerate() {
+            let beside = seen(strip) & Look::RIGHT | seen(strip + 2) & Look::LEFT;
+            *kept = seen(strip + 1) | beside != 0;
+        }
+        let out = out.keep_blocks(rows.start, kept);
+        let faint = faint.rows_mut(rows.clone());
+        faint.fill(0);
+        let bytes = image.rows(rows.clone());
+        let part = |strip: usize| image.format().row_bytes(STRIP) * strip;
+        let mut first = 0;
+        while first < strips {
+            let run = kept[first..].iter().take_while(|kept| **kept).count();
+            let end = first + run;
+            if run > 0 {
+                kernel(Band {
+                    rows: &bytes[part(first)..],
+                    stride: image.stride(),
+                    table: &self.before[part(first)..],
+                    width: (STRIP * end).min(width) - STRIP * first,
+                    out: &mut out[STRIP * first..],
+                    out_stride: width,
+                    faint: &mut faint[first..],
+                    faint_stride: strips,
+                    least: scene.least,
+                });
+            }
+            first = end + 1;
+        }
+        if here.iter().all(|&hits| hits == 0) {
+            return;
+        }
+        let lines = out.chunks_exact(width).zip(faint.chunks_exact(strips));
+        for (y, (row, bits)) in rows.zip(lines) {
+            levels.add(&self.kernels, y, row, bits);
+        }
+    }
+
+    /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
+    #[inline(always)]
+    pub(crate) fn down(image: &Image, table: [u8; 3], [x, y]: [usize; 2], out: &mut [u8]) {
+        // U and V count double.
+        let more = if color::is_yuv(image.format()) {
+            0xFF
+        } else {
+            0
+        };
+        for (part, out) in out.chunks_mut(PART).enumerate() {
+            let mut pixels = [[0; 4]; PART];
+            color::down(image, [x, y + part * PART], out.len(), |k, [a, b, c]| {
+                pixels[k] = [a, b, c, 0];
+            });
+            four_channels(&pixels, table, more, out);
+        }
+    }
+
+    /// Lays the table's color along the band from row `top` on.
+    fn lay_table(&mut self, image: &Image, background: &Background, top: usize) {
+        self.reserve(image.width());
+        let middle = (top + BLOCK / 2).min(image.height() - 1);
+        let [a, b, c] = &mut self.channels;
+        background.row([0, middle], BLOCK, [a, b, c]);
+        self.interleave(image.format());
+    }
+
+    /// Forgets what was seen of the last image, and makes room for what may be of this one: a camera's first noisy frame
+    /// is no reason to grow anything.
+    fn reserve_blocks(&mut self, scene: Scene) {
+        let (bands, strips) = scene.blocks();
+        self.hits.clear();
+        self.hits.resize((bands + 2) * (strips + 2), 0);
+        self.kept.clear();
+        self.kept.reserve(bands * strips);
+        self.row.resize(scene.image.width(), 0);
+    }
+
+    /// Makes room for the table along `width` pixels.
+    fn reserve(&mut self, width: usize) {
+        // As many as fill the widest registers with floats.
+        let blocks = width.div_ceil(BLOCK).next_multiple_of(16);
+        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
+        for luma in [&mut self.luma, &mut self.before] {
+            luma.resize(luma.len().max(3 * BLOCK * blocks), 0);
+        }
+        self.chroma.resize(self.chroma.len().max(BLOCK * blocks), 0);
+        for channel in &mut self.channels {
+            channel.resize(blocks, 0);
+        }
+    }
+
+    fn stretch(&self, image: &Image, [x, y]: [usize; 2], out: &mut [u8]) {
+        let (row, luma, chroma) = (image.row(y), &self.luma[..], &self.chroma[..]);
+        match image.format() {
+            PixelFormat::Gray8 => planes::gray(&row[x..], luma, out),
+            PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
+                (self.kernels.three_channels)(&row[3 * x..], luma, out);
+            }
+            PixelFormat::Yuyv => planes::yuyv(&row[2 * x..], luma, out),
+            PixelFormat::Uyvy => planes::uyvy(&row[2 * x..], luma, out),
+            PixelFormat::Nv12 => {
+                let uv = &image.chroma_row(y)[x..];
+                planes::nv12([&row[x..], uv], [luma, chroma], out);
+            }
+            // The others are unpacked before.
+            _ => {}
+        }
+    }
+
+    /// Puts the table's three channels in the order of the image's bytes, a block of pixels at a time.
+    fn interleave(&mut self, format: PixelFormat) {
+        let channels = self.channels.each_ref().map(|channel| &channel[..]);
+        (self.kernels.spread)(format, channels, &mut self.luma, &mut self.chroma);
+    }
+}
+
+/// The difference of pixels of four bytes, the last of which is nothing.
+#[inline(always)]
+fn four_channels(pixels: &[[u8; 4]; PART], [a, b, c]: [u8; 3], more: u8, out: &mut [u8]) {
+    let mut differences = [0; PART];
+    for (difference, pixel) in differences.iter_mut().zip(pixels) {
+        let chroma = pixel[1].abs_diff(b).max(pixel[2].abs_diff(c));
+        let chroma = chroma.saturating_add(chroma & more);
+        *difference = pixel[0].abs_diff(a).max(chroma);
+    }
+    out.copy_from_slice(&differences[..out.len()]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What an image is made into: its difference and that filled, what is faint of it, and what is seen of its levels.
+    fn made(
+        by: &mut Differencer,
+        (image, background, least): (&Image, &Background, u8),
+        out: &mut Plane,
+    ) -> (Vec<u8>, Vec<u8>, BitPlane, String) {
+        let (mut faint, mut levels) = <(BitPlane, Levels)>::default();
+        by.run(image, background, least, out, &mut faint, &mut levels);
+        let bare = out.bytes().to_vec();
+        by.fill(image, background, out);
+        let cut = format!(
+            "{:?}",
+            crate::mask::threshold::choose(&levels, background.noise)
+        );
+        (bare, out.bytes().to_vec(), faint, cut)
+    }
+
+    proptest! {
+        /// Of two images one after the other, so that the second finds what the first has left.
+        #[test]
+        fn what_is_not_worked_out_is_the_tables(
+            width in 1usize..300, height in 1usize..60, seed: u64, noise in 1u64..14, least in 10u8..30,
+            spots in prop::collection::vec((0.0f32..1.0, 0.0f32..1.0, 1usize..20, any::<u8>()), 0..5),
+        ) {
+            let mut state = seed | 1;
+            let mut next = move || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                state >> 33
+            };
+            let kernels = Kernels { look: None, ..Kernels::detect() };
+            let (mut sparse, mut whole) = (Differencer::default(), Differencer { kernels, ..Differencer::default() });
+            let (mut out, mut other) = <(Plane, Plane)>::default();
+            let fewer = &spots[..spots.len() / 2];
+            let formats = [PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Uyvy];
+            for (format, spots) in formats.into_iter().zip([&spots[..], fewer, fewer]) {
+                let stride = 3 * width + 5;
+                let mut bytes: Vec<u8> = (0..stride * height).map(|_| 90 + (next() % noise) as u8).collect();
+                for &(x, y, side, byte) in spots {
+                    let (x, y) = ((x * stride as f32) as usize, (y * height as f32) as usize);
+                    for y in y..(y + side).min(height) {
+                        bytes[y * stride + x..][..(3 * side).min(stride - x)].fill(byte);
+                    }
+                }
+                let image = Image::new(&bytes, width, height, stride, format).expect("whole");
+                let mut background = Background::default();
+                background.estimate(&image);
+                let of = (&image, &background, least);
+                let (bare, filled, faint, cut) = made(&mut sparse, of, &mut out);
+                let (full, expected, all_faint, all_cut) = made(&mut whole, of, &mut other);
+                prop_assert_eq!(&filled, &expected);
+                prop_assert_eq!((&faint, cut), (&all_faint, all_cut));
+                for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    let (own, all) = (bare[y * width + x], full[y * width + x]);
+                    prop_assert!(own == all || own == 0);
+                    if own != all {
+                        let near = |at: usize, last: usize| at.saturating_sub(8)..(at + 9).min(last);
+                        for (x, y) in near(y, height).flat_map(|y| near(x, width).map(move |x| (x, y))) {
+                            prop_assert!(full[y * width + x] < least);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

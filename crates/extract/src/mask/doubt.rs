@@ -1,0 +1,232 @@
+//! Whether the automatic mask can be trusted, from what it was made of.
+//!
+//! The mask is sure of itself when a gap parts the table's levels from the rope's: the cut then lies above the floor that
+//! the table's noise sets. Where it lies on the floor, or nothing was found, the reason is sought: a table with a pattern
+//! (`pattern`), a rope too like it (`faint`), no light at all. A mask that came out of a wide gap and is no picture of
+//! ropes after all tells it by how much it covers and by its holes.
+
+use super::background::Background;
+use super::faint::Faint;
+use super::pattern::{self, Deviation, Table};
+use super::threshold::Cut;
+use crate::bitmap::components::Components;
+use crate::bitmap::strips::{BLOCK, Strips};
+use crate::image::plane::Plane;
+use crate::image::{Image, color};
+use crate::notice::Notice;
+use crate::scene::MOST_CROSSINGS;
+
+/// Samples along each side of the grid on which the difference is looked at, as the table's own.
+const GRID: usize = 64;
+/// Ropes that cover more of the image than this are not to be expected: a rope of a twentieth of the image's side would
+/// have to be six times as long as the side. A checkered table has a half.
+const MOST_COVERED: f32 = 0.3;
+/// Where a row passes from rope to table or back more often than this in the mean, what covers the image is a pattern
+/// and not one large thing.
+const CHANGES: f32 = 4.0;
+/// The pixels whose difference is just below the cut (from 0.6 of it on), in shares of those above: from here on there is
+/// no gap between. Where noise sets the cut, a clear rope's blurred edges have up to a tenth.
+const FRINGE: f32 = 0.2;
+/// A pixel is black below and white above these levels: the ends of the camera's range, with some noise.
+const BLACK: u8 = 6;
+const WHITE: u8 = 249;
+/// The share of pixels at an end of the range that makes the image black or white.
+const WHOLE: f32 = 0.99;
+
+/// What the mask of an image was made of.
+pub(crate) struct Evidence<'a> {
+    pub(crate) image: &'a Image<'a>,
+    pub(crate) background: &'a Background,
+    pub(crate) difference: &'a Plane,
+    /// The least cut that the table's noise allows, in levels of difference.
+    pub(crate) floor: f32,
+    /// The cut that was taken, and what it covers.
+    pub(crate) cut: Cut,
+    /// What came of it, cleaned.
+    pub(crate) mask: &'a Strips,
+}
+
+/// Memory of the judgement.
+#[derive(Debug, Default)]
+pub(crate) struct Doubter {
+    faint: Faint,
+}
+
+impl Doubter {
+    /// What to say about the mask; nothing when it is sure.
+    pub(crate) fn judge(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
+        let cut = of.cut.rope;
+        if of.cut.covered > MOST_COVERED {
+            let seen = Seen::of(of.difference, cut);
+            return Some(match seen.changes > CHANGES {
+                true => Notice::CheckeredTable,
+                false => Notice::Covered,
+            });
+        }
+        let is_empty = of.mask.used.is_empty();
+        // A rope that crosses itself n times encloses n + 1 holes.
+        if !is_empty
+            && lariat_portable::Arch::new().dispatch(PiecesLessHoles(of.mask))
+                < -(MOST_CROSSINGS as i64)
+        {
+            return Some(Notice::CheckeredTable);
+        }
+        let is_at_floor = !of.cut.is_sure(of.floor);
+        if !is_empty && !is_at_floor {
+            return None;
+        }
+        let table = Table {
+            image: of.image,
+            background: of.background,
+            difference: of.difference,
+            cut,
+        };
+        match pattern::deviation(&table) {
+            Deviation::Pattern => return Some(Notice::CheckeredTable),
+            Deviation::Uneven => return Some(Notice::UnevenTable),
+            Deviation::Noise => {}
+        }
+        if !is_empty {
+            let seen = Seen::of(of.difference, cut);
+            return (seen.fringe > FRINGE).then_some(Notice::LikeTheTable);
+        }
+        if self.faint.is_there(of.difference, components) {
+            return Some(Notice::LikeTheTable);
+        }
+        clipped(of.image)
+    }
+}
+
+/// What a grid of the differences shows.
+struct Seen {
+    /// How often a row passes the cut, in the mean.
+    changes: f32,
+    /// How many lie just below the cut, in shares of those above.
+    fringe: f32,
+}
+
+impl Seen {
+    fn of(difference: &Plane, cut: u8) -> Self {
+        let (width, height) = (difference.width(), difference.height());
+        let (columns, rows) = (GRID.min(width), GRID.min(height));
+        let near = (0.6 * f32::from(cut)) as u8;
+        let (mut above, mut below, mut changes) = (0u32, 0u32, 0u32);
+        for j in 0..rows {
+            let row = difference.row((2 * j + 1) * height / (2 * rows));
+            let mut was_above = false;
+            for i in 0..columns {
+                let level = row[(2 * i + 1) * width / (2 * columns)];
+                let is_above = level >= cut;
+                above += u32::from(is_above);
+                below += u32::from(!is_above && level >= near);
+                changes += u32::from(is_above != was_above && i > 0);
+                was_above = is_above;
+            }
+        }
+        Self {
+            changes: changes as f32 / rows as f32,
+            fringe: below as f32 / above.max(1) as f32,
+        }
+    }
+}
+
+/// Euler's number of a mask: its pieces (of pixels that touch by side or corner) less the holes in them.
+///
+/// Taken as closed squares the pixels have it as vertices − edges + faces. Along a row all but the ends of runs cancel,
+/// so it is the number of runs in the unions of neighboring rows less the number of runs in the rows.
+struct PiecesLessHoles<'a>(&'a Strips);
+
+impl lariat_portable::NullaryFnOnce for PiecesLessHoles<'_> {
+    type Output = i64;
+
+    #[inline(always)]
+    fn call(self) -> i64 {
+        let Strips {
+            shape, words, used, ..
+        } = self.0;
+        let mut number = 0;
+        for (from, count) in used.runs(shape) {
+            let (strip, y) = shape.place(from);
+            // The first row below a stretch of blocks, too, if none follows.
+            let below = usize::from(!used.holds(shape, strip, (y + count) / BLOCK));
+            for at in from..from + count + below {
+                let left = at - shape.stride;
+                let (union, left_union) =
+                    (words[at] | words[at - 1], words[left] | words[left - 1]);
+                number += i64::from(starts(union, left_union));
+                number -= i64::from(starts(words[at], words[left]));
+            }
+        }
+        number
+    }
+}
+
+/// How many runs of set bits begin in `word`, which stands after `before`.
+#[inline(always)]
+fn starts(word: u64, before: u64) -> u32 {
+    (word & !(word << 1 | before >> 63)).count_ones()
+}
+
+/// Whether the image is at one end of the camera's range nearly everywhere.
+fn clipped(image: &Image) -> Option<Notice> {
+    let (width, height) = (image.width(), image.height());
+    let (columns, rows) = (GRID.min(width), GRID.min(height));
+    let (mut black, mut white) = (0u32, 0u32);
+    for j in 0..rows {
+        for i in 0..columns {
+            let x = (2 * i + 1) * width / (2 * columns);
+            let y = (2 * j + 1) * height / (2 * rows);
+            let [r, g, b] = color::rgb(image, x, y);
+            black += u32::from(r.max(g).max(b) <= BLACK);
+            white += u32::from(r.min(g).min(b) >= WHITE);
+        }
+    }
+    let whole = WHOLE * (columns * rows) as f32;
+    if black as f32 >= whole {
+        Some(Notice::Black)
+    } else if white as f32 >= whole {
+        Some(Notice::White)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bitmap::bits::BitPlane;
+    use imageproc::region_labelling::{Connectivity, connected_components};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn pieces_less_holes_agree_with_an_independent_labeling(
+            width in 1usize..140, height in 1usize..16,
+            bits in proptest::collection::vec(any::<u64>(), 64), sparse in any::<bool>(),
+        ) {
+            let word = |i: usize| if sparse { bits[i % 64] & bits[(i + 7) % 64] } else { bits[i % 64] };
+            let set = |x: usize, y: usize| word(y * 3 + x / 64) >> (x % 64) & 1 == 1;
+            let mut plane = BitPlane::default();
+            plane.resize(width, height);
+            // A frame of unset pixels, so that what is outside is one hole more.
+            let mut picture = image::GrayImage::new(width as u32 + 2, height as u32 + 2);
+            for y in 0..height {
+                for x in (0..width).filter(|&x| set(x, y)) {
+                    plane.fill(y, x, x + 1, true);
+                    picture.put_pixel(x as u32 + 1, y as u32 + 1, image::Luma([255]));
+                }
+            }
+            let count = |picture: &image::GrayImage, by| {
+                let labels = connected_components(picture, by, image::Luma([0]));
+                i64::from(labels.pixels().map(|label| label[0]).max().unwrap_or(0))
+            };
+            let pieces = count(&picture, Connectivity::Eight);
+            image::imageops::invert(&mut picture);
+            let holes = count(&picture, Connectivity::Four) - 1;
+            let mut strips = Strips::default();
+            strips.take(&plane);
+            let number = lariat_portable::Arch::new().dispatch(PiecesLessHoles(&strips));
+            prop_assert_eq!(number, pieces - holes);
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! The first step: from an image to one bit a pixel, rope or not, cleaned of specks and pinholes.
+
+use super::background::Background;
+use super::cast::{Cast, Shadows};
+use super::difference::Differencer;
+use super::doubt::{Doubter, Evidence};
+use super::hsv::Selector;
+use super::threshold::{self, Cut, Levels};
+use super::whole::Mender;
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::neighbors::{self, Around, Rule};
+use crate::bitmap::strips::{Shape, Strips};
+use crate::image::kernels::Kernels;
+use crate::image::plane::Plane;
+use crate::image::unpack::Unpacker;
+use crate::image::{Image, PixelFormat};
+use crate::notice::Notice;
+use crate::options::Mask;
+use thiserror::Error;
+
+/// The largest share of the image that ropes may cover; more means that the ranges or the light
+/// are wrong, and a "skeleton" of it would mean nothing.
+const MOST_COVERED: f32 = 0.6;
+
+/// From this level on a pixel of a mask made elsewhere is rope: the upper half of its bytes.
+const ROPE_LEVEL: u8 = 128;
+
+/// Why a mask that was made elsewhere cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MaskError {
+    /// The mask has another size than the image.
+    #[error(
+        "the mask is {}×{} pixels and its image {}×{}: give each image a mask of its own size",
+        .mask[0], .mask[1], .image[0], .image[1]
+    )]
+    Size {
+        /// Width and height of the mask, in pixels.
+        mask: [usize; 2],
+        /// Width and height of the image, in pixels.
+        image: [usize; 2],
+    },
+    /// The mask has more than one channel.
+    #[error("the mask is {0:?}: give one byte a pixel (Gray8), 255 for rope and 0 for the rest")]
+    Format(PixelFormat),
+}
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Masker {
+    kernels: Kernels,
+    pub(crate) background: Background,
+    differencer: Differencer,
+    levels: Levels,
+    selector: Selector,
+    mender: Mender,
+    smoothed: Strips,
+    doubter: Doubter,
+    /// The ropes' own shadow: taken out of the mask where it is surely that.
+    pub(crate) shadows: Shadows,
+    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
+    /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
+    pub(crate) difference: Plane,
+    /// The mask, row by row and in strips.
+    pub(crate) mask: BitPlane,
+    pub(crate) strips: Strips,
+    /// The rope's width as guessed from area and outline of the mask, in pixels.
+    pub(crate) width_px: f32,
+    /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
+    pub(crate) cut: Option<u8>,
+    /// What the automatic mask is unsure of.
+    pub(crate) notice: Option<Notice>,
+}
+
+impl Masker {
+    /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
+    /// an empty mask.
+    pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
+        let mut chosen = None;
+        match how {
+            Mask::Auto => {
+                self.background.estimate(image);
+                let noise = self.background.noise;
+                let (difference, faint) = (&mut self.difference, &mut self.mender.faint);
+                let least = threshold::faint(noise);
+                let levels = &mut self.levels;
+                (self.differencer).run(image, &self.background, least, difference, faint, levels);
+                let cut = threshold::choose(levels, noise);
+                let (kernels, strips) = (&self.kernels, &mut self.strips);
+                threshold::apply_within(kernels, difference, cut.rope, faint, strips);
+                // The rows are written when it is mended.
+                self.mask.resize(image.width(), image.height());
+                self.mend(image, cut);
+                chosen = Some(cut);
+            }
+            Mask::Hsv(ranges) => {
+                let (inside, mask) = (&mut self.difference, &mut self.mask);
+                self.selector.run(image, ranges, inside, mask);
+                self.strips.take(&self.mask);
+            }
+            Mask::External => {
+                self.difference.resize(image.width(), image.height());
+                self.mask.resize(image.width(), image.height());
+                self.strips.take(&self.mask);
+            }
+        }
+        self.clean_or_empty();
+        self.cut = chosen.map(|cut: Cut| cut.rope);
+        self.shadows.cast = Cast::None;
+        self.notice = chosen.and_then(|cut| self.judge(image, cut));
+        if chosen.is_some() && self.notice.is_none() {
+            self.take_shadows_out(image);
+        }
+    }
+
+    /// Takes the ropes' own shadow out of an automatic mask.
+    fn take_shadows_out(&mut self, image: &Image) {
+        match self.shadows.find(image, &self.background, &self.mask) {
+            Cast::None => {}
+            Cast::Maybe => self.notice = Some(Notice::MaybeShadow),
+            Cast::Sure => {
+                let plane = std::mem::take(&mut self.shadows.plane);
+                self.take_out(&plane);
+                self.shadows.plane = plane;
+                self.notice = Some(Notice::OwnShadow);
+            }
+        }
+    }
+
+    /// Makes beforehand what images of this many pixels need.
+    pub(crate) fn prepare(&mut self, how: &Mask, pixels: usize) {
+        if let Mask::Hsv(ranges) = how {
+            self.selector.prepare(ranges, pixels, false);
+        }
+    }
+
+    /// What to say about an automatic mask.
+    fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
+        let floor = threshold::floor(self.background.noise);
+        if !cut.is_sure(floor) || self.strips.used.is_empty() {
+            self.differencer
+                .fill(image, &self.background, &mut self.difference);
+        }
+        let evidence = Evidence {
+            image,
+            background: &self.background,
+            difference: &self.difference,
+            floor,
+            cut,
+            mask: &self.strips,
+        };
+        let components = &mut self.mender.pieces.components;
+        self.doubter.judge(&evidence, components)
+    }
+
+    /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
+    /// level, so that one of probabilities is as good between pixels as an image.
+    ///
+    /// # Errors
+    /// When it is no `Gray8` of the image's size.
+    pub(crate) fn take(&mut self, image: &Image, mask: &Image) -> Result<(), MaskError> {
+        if mask.format() != PixelFormat::Gray8 {
+            return Err(MaskError::Format(mask.format()));
+        }
+        let size = |of: &Image| [of.width(), of.height()];
+        if size(mask) != size(image) {
+            return Err(MaskError::Size {
+                mask: size(mask),
+                image: size(image),
+            });
+        }
+        self.difference.resize(mask.width(), mask.height());
+        for y in 0..mask.height() {
+            self.difference.row_mut(y).copy_from_slice(mask.row(y));
+        }
+        threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
+        self.strips.take(&self.mask);
+        self.clean_or_empty();
+        self.cut = None;
+        self.shadows.cast = Cast::None;
+        self.notice = None;
+        Ok(())
+    }
+
+    /// Cleans the mask; one that is no picture of ropes is emptied.
+    fn clean_or_empty(&mut self) {
+        if self.clean() {
+            self.strips.put(&mut self.mask);
+            self.strips.tighten();
+        } else {
+            self.mask.resize(self.mask.width(), self.mask.height());
+            self.strips.resize(&Shape::of(&self.mask));
+        }
+    }
+
+    /// Takes what is set in `cover` out of the mask and the difference, as if the table lay there.
+    pub(crate) fn take_out(&mut self, cover: &BitPlane) {
+        for y in 0..self.mask.height() {
+            let words = self.mask.row_mut(y).iter_mut().zip(cover.row(y));
+            words.for_each(|(word, &out)| *word &= !out);
+            for (x, level) in self.difference.row_mut(y).iter_mut().enumerate() {
+                if cover.row(y)[x / 64] >> (x % 64) & 1 == 1 {
+                    *level = 0;
+                }
+            }
+        }
+        self.strips.take(&self.mask);
+        self.clean_or_empty();
+    }
+
+    /// Adds what the cut left out of the ropes.
+    fn mend(&mut self, image: &Image, cut: Cut) {
+        self.smooth();
+        let pixels = self.mask.width() * self.mask.height();
+        let area = self.strips.count();
+        if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
+            self.strips.put(&mut self.mask);
+            // The noise is gone, and its blocks need no more looking at.
+            self.strips.tighten();
+            let (table, difference) = (&self.background, &mut self.difference);
+            let mask = (&mut self.strips, &self.mask);
+            self.mender.mend(image, table, cut, difference, mask);
+        }
+    }
+
+    /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
+    fn clean(&mut self) -> bool {
+        let pixels = self.mask.width() * self.mask.height();
+        self.smooth();
+        let (area, sides) = outline(&self.strips);
+        if area == 0 || area as f32 > MOST_COVERED * pixels as f32 {
+            return false;
+        }
+        self.width_px = width_from_outline(area, sides);
+        let square = self.width_px * self.width_px;
+        // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
+        let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
+        let pieces = &mut self.mender.pieces;
+        pieces.drop_specks(&mut self.strips, speck).is_ok()
+            && pieces.fill_holes(&mut self.strips, hole).is_ok()
+    }
+
+    /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all
+    /// words at once: most of the noise, before anything counts pieces.
+    fn smooth(&mut self) {
+        neighbors::step(Smooth, &mut self.strips, &mut self.smoothed);
+    }
+}
+
+/// The mask of `image` as extraction takes it, cleaned: 255 for rope and 0 for the rest, a byte a pixel, row by row.
+///
+/// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
+pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
+    let (mut unpacker, mut masker) = <(Unpacker, Masker)>::default();
+    masker.run(&unpacker.unpack(image), how);
+    let mask = &masker.mask;
+    let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| if mask.get(x as i32, y as i32) { 255 } else { 0 })
+        .collect()
+}
+
+/// See [`Masker::smooth`].
+struct Smooth;
+
+impl Rule for Smooth {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let &Around {
+            here, n, s, w, e, ..
+        } = around;
+        let filled = here | n & s & w & e;
+        // A lone pixel has no neighbor by a side: it goes.
+        filled & (n | s | w | e)
+    }
+}
+
+/// How many pixels are set, and how many of their sides are the outline.
+fn outline(mask: &Strips) -> (usize, usize) {
+    lariat_portable::Arch::new().dispatch(Outline(mask))
+}
+
+/// The same, to be compiled for each kind of machine.
+struct Outline<'a>(&'a Strips);
+
+impl lariat_portable::NullaryFnOnce for Outline<'_> {
+    type Output = (usize, usize);
+
+    #[inline(always)]
+    fn call(self) -> (usize, usize) {
+        let (words, stride) = (&self.0.words, self.0.shape.stride);
+        let (mut area, mut sides) = (0, 0);
+        for (from, count) in self.0.used.runs(&self.0.shape) {
+            for at in from..from + count {
+                let here = words[at];
+                let west = here << 1 | words[at - stride] >> 63;
+                let east = here >> 1 | words[at + stride] << 63;
+                area += here.count_ones() as usize;
+                sides += (here & !west).count_ones() as usize;
+                sides += (here & !east).count_ones() as usize;
+                // As many sides below as above.
+                sides += 2 * (here & !words[at - 1]).count_ones() as usize;
+            }
+        }
+        (area, sides)
+    }
+}
+
+/// A long shape's width is twice its area over its outline; sides of pixels overstate the outline of
+/// a slanted edge by 4/π in the mean.
+fn width_from_outline(area: usize, sides: usize) -> f32 {
+    2.0 * area as f32 / (sides as f32 * std::f32::consts::FRAC_PI_4).max(1.0)
+}

@@ -1,0 +1,247 @@
+//! A rope made whole: what the cut left out of it because its color comes near the table's there.
+//!
+//! A highlight as light as the table splits a dark rope lengthwise; the dark dashes of a coarse twist are
+//! bitten out of its side. Such places are narrower than the rope is elsewhere, and that is what is looked for:
+//! around them, and only there, fainter pixels (those that stand out of the table's noise at all) count as rope too,
+//! and slits between them are closed: hysteresis, as Canny's edges have it, "A computational approach to edge
+//! detection" (1986). Of that stays what gives the rope its own width back. A rope that is as wide everywhere is left as
+//! it is, so that blurred edges and shadows beside it, which are faint too, stay out.
+
+use super::background::Background;
+use super::shadow;
+use super::threshold::Cut;
+use super::widths::Widths;
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::morphology::Morphology;
+use crate::bitmap::pieces::Pieces;
+use crate::bitmap::strips::{Blocks, Strips};
+use crate::image::Image;
+use crate::image::plane::Plane;
+
+/// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
+const MIDDLE: f32 = 0.5;
+const LEAST: f32 = 0.08;
+/// Faint pixels count as more than an edge's blur where they are thicker than at this quantile.
+const USUAL: f32 = 0.3;
+/// A place is thin when a disc this share of the rope's width across does not fit in.
+const THIN: f32 = 0.86;
+/// Half of the widest slit that is closed without a trace of rope in it, in widths.
+const SLIT: f32 = 0.2;
+/// Ropes wider than this are not mended, in pixels: the widest that thinning brings to rest.
+const WIDEST_PX: f32 = 128.0;
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Mender {
+    morphology: Morphology,
+    pub(crate) pieces: Pieces,
+    widths: Widths,
+    /// The pixels that are not just the table's noise, as the difference has them; less the shadows in the end.
+    pub(crate) faint: BitPlane,
+    weak: Strips,
+    /// Where the rope is thin, then all around that.
+    thin: Strips,
+    wider: Strips,
+    fits: Strips,
+    /// The blocks that are near enough to a thin place to be looked at.
+    window: Blocks,
+}
+
+impl Mender {
+    /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack, and lifts the difference of that to the
+    /// ropes' mean, so that their outer edges are found. In `rows` stands what the mask is before that.
+    pub(crate) fn mend(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        cut: Cut,
+        difference: &mut Plane,
+        (mask, rows): (&mut Strips, &BitPlane),
+    ) {
+        self.reserve(mask);
+        shadow::clear(image, background, &mut self.faint, rows);
+        self.weak.take(&self.faint);
+        self.widths.take((mask, rows), (&self.weak, &self.faint));
+        let (width_px, fringe_px) = self.rope_width();
+        let across = (THIN * width_px).round() as usize;
+        if across < 3 || width_px > WIDEST_PX {
+            return;
+        }
+        if !self.find_thin(mask, across, width_px, fringe_px) {
+            return;
+        }
+        let slit = ((SLIT * width_px) as usize).max(1);
+        // No step from here on looks farther from a place where something may be added.
+        let reach = (2 * slit).max(across + fringe_px) + 1;
+        self.window.near(&self.thin, reach);
+        self.wider.take_within(mask, &self.window);
+        self.wider
+            .zip_within(&self.weak, &self.thin, |m, w, t| m | w & t);
+        self.fits.take_within(&self.wider, &self.window);
+        self.morphology.close_within(&mut self.fits, slit);
+        self.wider
+            .zip_within(&self.fits, &self.thin, |m, c, t| m | c & t);
+        // What has the rope's width now, with the corners that a disc does not reach.
+        self.fits.take_within(&self.wider, &self.window);
+        self.morphology.open(&mut self.fits, across);
+        self.morphology.dilate_within(&mut self.fits, fringe_px);
+        self.wider
+            .zip_within(&self.fits, mask, |w, f, m| w & f & !m);
+        self.drop_fringe(mask, slit, fringe_px);
+        self.wider.tighten();
+        lift(difference, &self.wider, cut.level);
+        mask.add(&self.wider);
+    }
+
+    /// Makes all memory for images of another size at once, lest a rope that is first thin in a later one cost some.
+    fn reserve(&mut self, mask: &Strips) {
+        if self.fits.shape == mask.shape {
+            return;
+        }
+        for plane in [&mut self.thin, &mut self.wider, &mut self.fits] {
+            plane.resize(&mask.shape);
+        }
+        self.window.resize(&mask.shape);
+        self.morphology.reserve(mask);
+    }
+
+    /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
+    /// at the corners of a tip a disc finds thin places, too.
+    fn drop_fringe(&mut self, mask: &Strips, slit: usize, fringe_px: usize) {
+        self.thin.take_within(mask, &self.window);
+        self.morphology.close_within(&mut self.thin, slit);
+        self.fits.take_within(&self.wider, &self.window);
+        self.morphology.open(&mut self.fits, 2 * fringe_px);
+        self.morphology.dilate_within(&mut self.fits, 1);
+        self.wider
+            .zip_within(&self.fits, &self.thin, |w, f, c| w & (f | c));
+    }
+
+    /// The width of the ropes in pixels, 0 when there is none, and how wide the faint fringe of their edges is.
+    ///
+    /// Faint pixels stand beside a blurred edge, too: what the faint ones add where they add least is that, and the
+    /// rope's width is what they reach elsewhere, less it.
+    fn rope_width(&mut self) -> (f32, usize) {
+        let edges_px = self.widths.edge(LEAST);
+        let width_px = self.widths.width(MIDDLE) - edges_px;
+        let fringe_px = (0.5 * self.widths.edge(USUAL)).ceil().max(1.0);
+        (width_px, fringe_px as usize)
+    }
+
+    /// Finds where the rope is thin, and all around it that could be rope.
+    fn find_thin(&mut self, mask: &Strips, across: usize, width_px: f32, fringe_px: usize) -> bool {
+        self.fits.copy_from(mask);
+        self.morphology.open(&mut self.fits, across);
+        if fringe_px == 1 {
+            // What one step reaches within the mask it reaches from beside it.
+            self.morphology.dilate_within(&mut self.fits, 1);
+        } else {
+            self.morphology.dilate(&mut self.fits, fringe_px);
+        }
+        self.thin.copy_from(mask);
+        self.thin.zip(&self.fits, mask, |m, f, _| m & !f);
+        let least = (0.5 * width_px) as u32;
+        if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
+            return false;
+        }
+        let beside = (0.7 * width_px).ceil() as usize;
+        self.window.near(&self.thin, beside);
+        self.thin.used.copy_from(&self.window);
+        self.morphology.dilate_within(&mut self.thin, beside);
+        true
+    }
+}
+
+/// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
+fn lift(difference: &mut Plane, added: &Strips, level: u8) {
+    added.for_each_word(|y, strip, mut word| {
+        let row = difference.row_mut(y);
+        while word != 0 {
+            let value = &mut row[64 * strip + word.trailing_zeros() as usize];
+            *value = level.max(*value);
+            word &= word - 1;
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::image::{Image, PixelFormat};
+    use crate::mask::Masker;
+    use crate::options::Mask;
+
+    const SIZE: [usize; 2] = [400, 100];
+    const TABLE: [u8; 3] = [200, 196, 190];
+    const ROPE: [u8; 3] = [40, 60, 120];
+
+    /// A picture of boxes: columns, rows and color of each.
+    fn picture(boxes: &[([usize; 2], [usize; 2], [u8; 3])]) -> Vec<u8> {
+        let mut pixels = TABLE.repeat(SIZE[0] * SIZE[1]);
+        for &([left, right], [top, bottom], color) in boxes {
+            for y in top..bottom {
+                for x in left..right {
+                    pixels[3 * (y * SIZE[0] + x)..][..3].copy_from_slice(&color);
+                }
+            }
+        }
+        pixels
+    }
+
+    fn masked(pixels: &[u8]) -> Masker {
+        let image = Image::new(pixels, SIZE[0], SIZE[1], 3 * SIZE[0], PixelFormat::Rgb8);
+        let mut masker = Masker::default();
+        masker.run(&image.expect("a whole image"), &Mask::Auto);
+        masker
+    }
+
+    #[test]
+    fn a_highlight_of_the_tables_color_does_not_split_the_rope() {
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 200], [43, 46], TABLE),
+        ]));
+        for x in 45..355 {
+            assert!((41..51).all(|y| masker.mask.get(x, y)), "column {x}");
+            let level = masker.difference.row(44)[x as usize];
+            assert!(level > 100, "column {x}: {level}");
+        }
+    }
+
+    #[test]
+    fn a_pale_side_belongs_to_the_rope() {
+        // 35 levels off the table in blue alone: far below the cut, and no shadow.
+        let pale = [200, 196, 225];
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([100, 160], [40, 46], pale),
+        ]));
+        assert!((105..155).all(|x| masker.mask.get(x, 41)));
+    }
+
+    #[test]
+    fn a_shadow_beside_the_rope_does_not() {
+        let shadow = TABLE.map(|level| (f32::from(level) * 0.8) as u8);
+        let masker = masked(&picture(&[
+            ([40, 360], [40, 52], ROPE),
+            ([40, 360], [52, 58], shadow),
+        ]));
+        assert!((40..360).all(|x| !masker.mask.get(x, 53)));
+    }
+
+    #[test]
+    fn the_table_between_two_strands_stays_table() {
+        let masker = masked(&picture(&[
+            ([40, 360], [30, 40], ROPE),
+            ([40, 360], [42, 52], ROPE),
+        ]));
+        for x in 40..360 {
+            assert!((40..42).all(|y| !masker.mask.get(x, y)), "column {x}");
+        }
+    }
+
+    #[test]
+    fn a_rope_of_one_width_is_left_as_it_is() {
+        let masker = masked(&picture(&[([40, 360], [40, 52], ROPE)]));
+        assert_eq!(masker.mask.count(), 320 * 12);
+    }
+}

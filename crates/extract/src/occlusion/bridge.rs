@@ -1,0 +1,364 @@
+//! Pieces of one rope joined over what hides the rest of it: a gripper, a hand, anything.
+//!
+//! Two ends are one rope where the last image had it run from the one to the other, or, of a rope not
+//! seen before, where they face each other so straight, so near and so alike that chance is no
+//! explanation. The hidden way is that of the last image, moved along with the two ends; without one
+//! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
+
+use super::ends::{ALIKE, End, Scenery, known_way, plain_cost};
+use crate::centerline::line::{Line, Sample};
+use crate::image::color;
+use crate::past::{Past, Trace};
+use crate::vec2::{self, Vec2};
+
+/// A stretch of a joined line that is hidden, in arc length from the line's first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gap {
+    pub(crate) line: usize,
+    pub(crate) from_px: f32,
+    pub(crate) to_px: f32,
+}
+
+/// Two ends that may be joined.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    cost: f32,
+    ends: [usize; 2],
+    /// The way between them as the past has it.
+    way: Option<[Trace; 2]>,
+}
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Bridger {
+    ends: Vec<End>,
+    candidates: Vec<Candidate>,
+    pub(crate) gaps: Vec<Gap>,
+    spaced: Vec<Sample>,
+}
+
+impl Bridger {
+    /// Makes the buffers for lines of up to `samples` samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.ends.reserve(256);
+        self.candidates.reserve(256);
+        self.gaps.reserve(64);
+        self.spaced.reserve(samples);
+    }
+
+    /// Joins those of the first `count` of `lines`, of these mean colors, that are pieces of one rope,
+    /// and sorts them by length. Returns how many lines are left.
+    pub(crate) fn join(
+        &mut self,
+        lines: &mut [Line],
+        colors: &mut [[f32; 3]],
+        scenery: &Scenery,
+    ) -> usize {
+        self.gaps.clear();
+        self.list_ends(lines, colors, scenery);
+        self.list_candidates(lines, scenery);
+        self.candidates
+            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
+        for i in 0..self.candidates.len() {
+            let candidate = self.candidates[i];
+            if candidate.ends.iter().any(|&e| self.ends[e].used) {
+                continue;
+            }
+            self.bridge(&candidate, lines, scenery.past);
+        }
+        self.sort(lines, colors)
+    }
+
+    fn list_ends(&mut self, lines: &[Line], colors: &[[f32; 3]], scenery: &Scenery) {
+        self.ends.clear();
+        for (l, (line, &color)) in lines.iter().zip(colors).enumerate() {
+            if line.closed || line.samples.len() < 4 {
+                continue;
+            }
+            for last in [false, true] {
+                if line.border[usize::from(last)] {
+                    continue;
+                }
+                let n = line.samples.len();
+                let width_px = line.samples[n / 2].width_px.max(1.0);
+                // The direction over two widths: the tip itself may be frayed by what covers it.
+                let step_px = (line.length_px() / (n - 1) as f32).max(0.1);
+                let back = ((2.0 * width_px / step_px) as usize).clamp(1, n - 1);
+                let (tip, inner) = if last {
+                    (n - 1, n - 1 - back)
+                } else {
+                    (0, back)
+                };
+                let (at, inner) = (line.samples[tip].at, line.samples[inner].at);
+                let out = vec2::unit_or(vec2::sub(at, inner), [1.0, 0.0]);
+                self.ends.push(End {
+                    line: l,
+                    last,
+                    at,
+                    out,
+                    width_px,
+                    color,
+                    past: scenery.past.recall(at, out),
+                    used: false,
+                });
+            }
+        }
+    }
+
+    fn list_candidates(&mut self, lines: &[Line], scenery: &Scenery) {
+        self.candidates.clear();
+        for (i, a) in self.ends.iter().enumerate() {
+            for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
+                let same = a.line == b.line;
+                let width = (a.width_px / b.width_px).max(b.width_px / a.width_px);
+                let levels = color::distance(a.color, b.color, scenery.yuv);
+                if !same && (levels > ALIKE.0 || width > ALIKE.1) {
+                    continue;
+                }
+                // Where one rope was lost under something and another came out of it, they may be one.
+                let known = |end: &End| !scenery.past.was_covered(&end.past);
+                let ends = [i, j];
+                if let Some((cost, way)) = known_way(a, b, scenery.past, same) {
+                    let way = Some(way);
+                    self.candidates.push(Candidate { cost, ends, way });
+                } else if !(same || known(a) && known(b)) {
+                    let length_px = lines[a.line].length_px().min(lines[b.line].length_px());
+                    if let Some(cost) = plain_cost(a, b, length_px, scenery) {
+                        let way = None;
+                        self.candidates.push(Candidate { cost, ends, way });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Joins two ends' lines into the first one's, or closes the line that both belong to.
+    fn bridge(&mut self, candidate: &Candidate, lines: &mut [Line], past: &Past) {
+        let [i, j] = candidate.ends;
+        (self.ends[i].used, self.ends[j].used) = (true, true);
+        let (a, b) = (self.ends[i].line, self.ends[j].line);
+        if !self.ends[i].last {
+            self.reverse(a, lines);
+        }
+        if a != b && self.ends[j].last {
+            self.reverse(b, lines);
+        }
+        let (from, to) = (self.ends[i], self.ends[j]);
+        let from_px = lines[a].length_px();
+        let way = candidate.way.map(|way| (way, past));
+        lay(&mut lines[a].samples, &from, &to, way);
+        // To the first sample of what follows, which is yet to come.
+        let last = lines[a].samples.len() - 1;
+        let to_px = lines[a].length_px() + vec2::distance(lines[a].samples[last].at, to.at);
+        if a == b {
+            lines[a].closed = true;
+        } else {
+            let taken = std::mem::take(&mut lines[b].samples);
+            lines[a].samples.extend_from_slice(&taken);
+            lines[a].border[1] = lines[b].border[1];
+            lines[b].samples = taken;
+            lines[b].samples.clear();
+            for gap in self.gaps.iter_mut().filter(|gap| gap.line == b) {
+                *gap = Gap {
+                    line: a,
+                    from_px: gap.from_px + to_px,
+                    to_px: gap.to_px + to_px,
+                };
+            }
+            for end in self.ends.iter_mut().filter(|end| end.line == b) {
+                end.line = a;
+            }
+        }
+        self.gaps.push(Gap {
+            line: a,
+            from_px,
+            to_px,
+        });
+        // Whoever works on lines counts on even steps.
+        let count = lines[a].samples.len();
+        lines[a].resample(count, &mut self.spaced);
+        std::mem::swap(&mut lines[a].samples, &mut self.spaced);
+    }
+
+    fn reverse(&mut self, line: usize, lines: &mut [Line]) {
+        let length_px = lines[line].length_px();
+        lines[line].samples.reverse();
+        lines[line]
+            .samples
+            .iter_mut()
+            .for_each(|s| s.side = -s.side);
+        lines[line].border.swap(0, 1);
+        for end in self.ends.iter_mut().filter(|end| end.line == line) {
+            end.last = !end.last;
+        }
+        for gap in self.gaps.iter_mut().filter(|gap| gap.line == line) {
+            (gap.from_px, gap.to_px) = (length_px - gap.to_px, length_px - gap.from_px);
+        }
+    }
+
+    /// Sorts lines by length, the longest first; those that were taken into others go last. Returns
+    /// how many are left.
+    fn sort(&mut self, lines: &mut [Line], colors: &mut [[f32; 3]]) -> usize {
+        if self.gaps.is_empty() {
+            return lines.len();
+        }
+        for i in 0..lines.len() {
+            let longest = (i..lines.len()).max_by(|&a, &b| {
+                lines[a]
+                    .length_px()
+                    .total_cmp(&lines[b].length_px())
+                    .then(b.cmp(&a))
+            });
+            let Some(longest) = longest else { break };
+            lines.swap(i, longest);
+            colors.swap(i, longest);
+            for gap in &mut self.gaps {
+                if gap.line == i {
+                    gap.line = longest;
+                } else if gap.line == longest {
+                    gap.line = i;
+                }
+            }
+        }
+        lines
+            .iter()
+            .take_while(|line| !line.samples.is_empty())
+            .count()
+    }
+}
+
+/// Lays the samples between two ends behind the first one's.
+fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([Trace; 2], &Past)>) {
+    let chord_px = vec2::distance(from.at, to.at);
+    let width_px = [from, to].map(|end| end.width_px);
+    let way_px = way.map_or(chord_px, |([a, b], past)| {
+        past.ropes()[a.rope as usize]
+            .way_px(&a, &b, a.ahead)
+            .max(chord_px)
+    });
+    let step_px = (0.125 * (width_px[0] + width_px[1])).clamp(0.75, 4.0);
+    let count = (way_px / step_px).ceil().max(1.0) as usize;
+    let push = |samples: &mut Vec<Sample>, at: Vec2, t: f32| {
+        samples.push(Sample {
+            at,
+            weight: 0.0,
+            width_px: width_px[0] + t * (width_px[1] - width_px[0]),
+            side: 0.0,
+        });
+    };
+    for k in 1..count {
+        let t = k as f32 / count as f32;
+        let at = match way {
+            Some(([a, b], past)) => {
+                let rope = &past.ropes()[a.rope as usize];
+                let way = rope.way_px(&a, &b, a.ahead);
+                let along = |t: f32| a.along_px + if a.ahead { way * t } else { -way * t };
+                let moved = [
+                    vec2::sub(from.at, rope.at(along(0.0))),
+                    vec2::sub(to.at, rope.at(along(1.0))),
+                ];
+                let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
+                vec2::add(rope.at(along(t)), shift)
+            }
+            None => cubic(from, to, chord_px, t),
+        };
+        push(samples, at, t);
+    }
+}
+
+/// Hermite's cubic from one end to the other.
+fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
+    let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+    let straight = vec2::along(from.at, vec2::sub(to.at, from.at), s);
+    let leaving = vec2::along(straight, from.out, chord_px * t * u * u);
+    vec2::along(leaving, to.out, chord_px * t * t * u)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bitmap::bits::BitPlane;
+    use crate::image::plane::Plane;
+
+    fn straight(from: Vec2, to: Vec2) -> Line {
+        let count = vec2::distance(from, to) as usize;
+        let samples = (0..=count)
+            .map(|i| Sample {
+                at: vec2::along(from, vec2::sub(to, from), i as f32 / count as f32),
+                weight: 1.0,
+                width_px: 6.0,
+                side: 0.0,
+            })
+            .collect();
+        Line {
+            samples,
+            closed: false,
+            border: [false; 2],
+        }
+    }
+
+    fn join(lines: &mut [Line], past: &Past, cover: bool) -> (usize, Vec<Gap>) {
+        let mut difference = Plane::default();
+        difference.resize(400, 200);
+        (0..200).for_each(|y| difference.row_mut(y).fill(if cover { 90 } else { 0 }));
+        let scenery = Scenery {
+            past,
+            difference: &difference,
+            level: 20.0,
+            cover: &BitPlane::default(),
+            yuv: false,
+        };
+        let mut colors = vec![[50.0; 3]; lines.len()];
+        let mut bridger = Bridger::default();
+        let count = bridger.join(lines, &mut colors, &scenery);
+        (count, bridger.gaps)
+    }
+
+    #[test]
+    fn pieces_of_a_known_rope_are_joined_whichever_way_they_run() {
+        let mut past = Past::default();
+        let points: Vec<Vec2> = (0..=60).map(|i| [20.0 + 5.0 * i as f32, 100.0]).collect();
+        past.add(false, [300.0, 6.0], &points);
+        let mut lines = [
+            straight([120.0, 102.0], [20.0, 102.0]),
+            straight([320.0, 102.0], [180.0, 102.0]),
+        ];
+        let (count, gaps) = join(&mut lines, &past, false);
+        assert_eq!((count, gaps.len()), (1, 1));
+        assert!((lines[0].length_px() - 300.0).abs() < 1.0);
+        let middle = 0.5 * (gaps[0].from_px + gaps[0].to_px);
+        let from_left = lines[0].samples[0].at[0] < 100.0;
+        let expected = if from_left { 130.0 } else { 170.0 };
+        assert!((middle - expected).abs() < 1.5, "{gaps:?}");
+        assert!((gaps[0].to_px - gaps[0].from_px - 60.0).abs() < 1.5);
+    }
+
+    #[test]
+    fn strangers_are_joined_over_a_cover_and_not_over_the_table() {
+        let pieces = || {
+            [
+                straight([20.0, 100.0], [120.0, 100.0]),
+                straight([180.0, 103.0], [320.0, 103.0]),
+            ]
+        };
+        assert_eq!(join(&mut pieces(), &Past::default(), false).0, 2);
+        assert_eq!(join(&mut pieces(), &Past::default(), true).0, 1);
+        let mut aside = pieces();
+        aside[1] = straight([180.0, 150.0], [320.0, 150.0]);
+        assert_eq!(join(&mut aside, &Past::default(), true).0, 2);
+    }
+
+    #[test]
+    fn two_ropes_that_were_two_stay_two() {
+        let mut past = Past::default();
+        for from in [20.0, 130.0] {
+            let points: Vec<Vec2> = (0..=20).map(|i| [from + 5.0 * i as f32, 100.0]).collect();
+            past.add(false, [100.0, 6.0], &points);
+        }
+        let mut lines = [
+            straight([20.0, 100.0], [120.0, 100.0]),
+            straight([130.0, 100.0], [230.0, 100.0]),
+        ];
+        assert_eq!(join(&mut lines, &past, true).0, 2);
+    }
+}

@@ -1,0 +1,362 @@
+//! What stands out from the table and is no rope: a gripper, a hand, a tool that lies at a rope.
+//!
+//! It shows as a place where the mask is far wider than the ropes are, in a color of its own; from
+//! there its whole area is taken by color. It is taken out of the mask, so that no curve runs into
+//! it; what it hides of a rope is bridged later. Strands that lie close beside each other are wide
+//! too, but have the rope's color, and a thick rope among thin ones is long.
+
+use crate::bitmap::bits::{BitPlane, left_of, right_of};
+use crate::image::{Image, color};
+use crate::skeleton::Skeleton;
+use crate::statistics::{quantile, quantile_of_positive};
+
+/// The share of the skeleton that is narrower than the ropes usually are.
+const USUAL: f32 = 0.35;
+/// Times as wide as a rope, and pixels more, that a thing is which is none.
+const WIDE: (f32, f32) = (2.6, 2.0);
+/// Times as wide as a rope that a thing of the rope's own color is: no strands lie so close.
+const WIDE_ALIKE: f32 = 5.0;
+/// Levels of color within which a thing has the rope's own.
+const ALIKE: f32 = 28.0;
+/// Squares of its own width that a thing covers at most; a rope covers more. Of a rope already known
+/// the width is known, and nothing else is asked.
+const SQUARES: f32 = 5.0;
+/// A pixel is the thing's when its color is nearer to the thing's than this share of its distance to
+/// the rope's.
+const NEARER: f32 = 0.6;
+/// Pixels around a thing that are neither it nor the table.
+const RIM: usize = 2;
+/// Turns of a thing's outline that are followed.
+const MOST_BENDS: usize = 24;
+/// The most things in one image.
+const MOST: usize = 6;
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Cover {
+    halves: Vec<f32>,
+    channel: Vec<f32>,
+    alike: BitPlane,
+    thing: BitPlane,
+    grown: BitPlane,
+    /// The pixels of all things.
+    pub(crate) plane: BitPlane,
+    /// Whether there is any.
+    found: bool,
+}
+
+impl Cover {
+    /// Whether one of the things lies within `reach_px` of a place.
+    pub(crate) fn is_near(&self, [x, y]: [f32; 2], reach_px: f32) -> bool {
+        let reach = reach_px as i32;
+        let (x, y) = (x as i32, y as i32);
+        let offsets = || (-reach..=reach).step_by((reach as usize / 4).max(1));
+        offsets().any(|dy| offsets().any(|dx| self.plane.get(x + dx, y + dy)))
+    }
+
+    /// Makes the buffers for images of this size.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        self.channel.reserve(self.halves.capacity());
+        for plane in [
+            &mut self.alike,
+            &mut self.thing,
+            &mut self.grown,
+            &mut self.plane,
+        ] {
+            plane.resize(width, height);
+        }
+    }
+
+    /// Whether there is any.
+    pub(crate) fn any(&self) -> bool {
+        self.found
+    }
+
+    /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope.
+    /// Returns whether there are any.
+    pub(crate) fn find(
+        &mut self,
+        image: &Image,
+        skeleton: &Skeleton,
+        mask: &BitPlane,
+        known_half_px: Option<f32>,
+    ) -> bool {
+        let size = [mask.width(), mask.height()];
+        if self.found || size != [self.plane.width(), self.plane.height()] {
+            self.plane.resize(size[0], size[1]);
+            self.found = false;
+        }
+        let widest_px = skeleton
+            .pixels
+            .iter()
+            .map(|p| p.half_px)
+            .fold(0.0, f32::max);
+        if known_half_px.is_none() && is_even(skeleton, widest_px) {
+            return false;
+        }
+        self.halves.clear();
+        self.halves
+            .extend(skeleton.pixels.iter().map(|p| p.half_px));
+        let usual_px = || quantile_of_positive(&mut self.halves, USUAL).max(0.5);
+        let half_px = known_half_px.unwrap_or_else(usual_px);
+        let wide_px = WIDE.0 * half_px + WIDE.1;
+        if widest_px <= wide_px {
+            return false;
+        }
+        let rope = self.rope_color(image, skeleton, half_px);
+        for _ in 0..MOST {
+            let free = |x: u16, y: u16| !self.plane.get(i32::from(x), i32::from(y));
+            let widest = skeleton
+                .pixels
+                .iter()
+                .filter(|p| p.half_px > wide_px && free(p.x, p.y))
+                .max_by(|a, b| a.half_px.total_cmp(&b.half_px));
+            let Some(widest) = widest else { break };
+            let seed = Seed {
+                x: usize::from(widest.x),
+                y: usize::from(widest.y),
+                half_px: widest.half_px,
+            };
+            if !self.take(image, mask, &seed, rope, half_px, known_half_px.is_some()) {
+                break;
+            }
+            self.found = true;
+        }
+        self.found
+    }
+
+    /// The typical color of what is about as wide as a rope.
+    fn rope_color(&mut self, image: &Image, skeleton: &Skeleton, half_px: f32) -> [f32; 3] {
+        let narrow = |half: f32| half <= 1.5 * half_px + 1.0;
+        let mut color = [0.0; 3];
+        for (c, value) in color.iter_mut().enumerate() {
+            self.channel.clear();
+            let pixels = skeleton.pixels.iter().filter(|p| narrow(p.half_px));
+            self.channel.extend(
+                pixels.map(|p| {
+                    f32::from(color::native(image, usize::from(p.x), usize::from(p.y))[c])
+                }),
+            );
+            *value = quantile(&mut self.channel, 0.5);
+        }
+        color
+    }
+
+    /// Takes the thing around `seed` into the plane, if it is one.
+    fn take(
+        &mut self,
+        image: &Image,
+        mask: &BitPlane,
+        seed: &Seed,
+        rope: [f32; 3],
+        half_px: f32,
+        known: bool,
+    ) -> bool {
+        let yuv = color::is_yuv(image.format());
+        let own = seed.color(image);
+        self.thing.resize(mask.width(), mask.height());
+        seed.fill(&mut self.thing, 0.8);
+        if color::distance(own, rope, yuv) <= ALIKE {
+            if seed.half_px <= WIDE_ALIKE * half_px + WIDE.1 {
+                return false;
+            }
+            // Color tells nothing: all that is within the widest place.
+            seed.fill(&mut self.thing, 1.1);
+            self.alike.copy_from(mask);
+        } else {
+            self.alike.resize(mask.width(), mask.height());
+            let nearer = |share: f32, x: usize, y: usize| {
+                let pixel = color::native(image, x, y).map(f32::from);
+                color::distance(pixel, own, yuv) < share * color::distance(pixel, rope, yuv)
+            };
+            for_each_set(mask, |x, y| {
+                if nearer(NEARER, x, y) {
+                    self.alike.fill(y, x, x + 1, true);
+                }
+            });
+            and(&mut self.thing, &self.alike);
+            spread(&mut self.thing, &self.alike);
+            for_each_set(mask, |x, y| {
+                self.alike.fill(y, x, x + 1, nearer(1.0, x, y));
+            });
+        }
+        let square = 4.0 * seed.half_px * seed.half_px;
+        if !known && self.thing.count() as f32 > SQUARES * square {
+            return false;
+        }
+        for _ in 0..RIM {
+            grow(&mut self.thing, &self.alike, &mut self.grown);
+        }
+        or(&mut self.plane, &self.thing);
+        // The seed is judged even where its very pixel was not taken.
+        self.plane.fill(seed.y, seed.x, seed.x + 1, true);
+        true
+    }
+}
+
+/// Whether no place is far wider than the ropes usually are: so many are near the widest in width that the usual
+/// width, whatever it is exactly, is.
+fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
+    let pixels = &skeleton.pixels;
+    // A thousandth more than it takes, for what rounding does.
+    let near_px = 1.001 * (widest_px - WIDE.1).max(0.0) / WIDE.0;
+    let narrow = pixels.iter().filter(|p| p.half_px < near_px).count();
+    narrow <= ((pixels.len().max(1) - 1) as f32 * USUAL) as usize
+}
+
+/// The middle of a wide place.
+struct Seed {
+    x: usize,
+    y: usize,
+    half_px: f32,
+}
+
+impl Seed {
+    /// The mean color around it.
+    fn color(&self, image: &Image) -> [f32; 3] {
+        let reach = 0.6 * self.half_px;
+        let (mut sum, mut count) = ([0.0; 3], 0.0f32);
+        for j in -3i8..=3 {
+            for i in -3i8..=3 {
+                let offset = [f32::from(i), f32::from(j)].map(|o| o / 3.0 * reach);
+                let at = [self.x as f32 + offset[0], self.y as f32 + offset[1]];
+                let color = color::between(image, at);
+                sum = std::array::from_fn(|c| sum[c] + color[c]);
+                count += 1.0;
+            }
+        }
+        sum.map(|s| s / count)
+    }
+
+    /// Sets the pixels within `share` of the half-width.
+    fn fill(&self, plane: &mut BitPlane, share: f32) {
+        let radius = share * self.half_px;
+        let reach = radius as usize;
+        for y in self.y.saturating_sub(reach)..=(self.y + reach).min(plane.height() - 1) {
+            let dy = y as f32 - self.y as f32;
+            let half = (radius * radius - dy * dy).max(0.0).sqrt() as usize;
+            let to = (self.x + half + 1).min(plane.width());
+            plane.fill(y, self.x.saturating_sub(half), to, true);
+        }
+    }
+}
+
+fn for_each_set(plane: &BitPlane, mut visit: impl FnMut(usize, usize)) {
+    for y in 0..plane.height() {
+        for (i, &row_word) in plane.row(y).iter().enumerate() {
+            let mut word = row_word;
+            while word != 0 {
+                visit(64 * i + word.trailing_zeros() as usize, y);
+                word &= word - 1;
+            }
+        }
+    }
+}
+
+fn and(plane: &mut BitPlane, other: &BitPlane) {
+    for y in 0..plane.height() {
+        for (word, &o) in plane.row_mut(y).iter_mut().zip(other.row(y)) {
+            *word &= o;
+        }
+    }
+}
+
+fn or(plane: &mut BitPlane, other: &BitPlane) {
+    for y in 0..plane.height() {
+        for (word, &o) in plane.row_mut(y).iter_mut().zip(other.row(y)) {
+            *word |= o;
+        }
+    }
+}
+
+/// Grows `plane` within `limits`, by sides, to all that hangs together with it: down and up, until a
+/// round changes nothing.
+fn spread(plane: &mut BitPlane, limits: &BitPlane) {
+    let height = plane.height();
+    // Each round goes once around a bend; what winds more than this is not a thing's outline.
+    for _ in 0..MOST_BENDS {
+        let mut changed = false;
+        for y in 1..height {
+            changed |= spread_row(plane, limits, y, y - 1);
+        }
+        for y in (0..height.saturating_sub(1)).rev() {
+            changed |= spread_row(plane, limits, y, y + 1);
+        }
+        if !changed {
+            return;
+        }
+    }
+}
+
+/// Grows row `y` from row `from` and along itself; returns whether it grew.
+fn spread_row(plane: &mut BitPlane, limits: &BitPlane, y: usize, from: usize) -> bool {
+    let words = plane.words_per_row();
+    let mut any = false;
+    for i in 0..words {
+        let new = plane.row(from)[i] & limits.row(y)[i] & !plane.row(y)[i];
+        plane.row_mut(y)[i] |= new;
+        any |= new != 0;
+    }
+    if !any {
+        return false;
+    }
+    loop {
+        let mut changed = false;
+        for i in 0..words {
+            let row = plane.row(y);
+            let word = row[i];
+            if word == 0 && left_of(row, i) == 0 && right_of(row, i) == 0 {
+                continue;
+            }
+            let new = (left_of(row, i) | right_of(row, i)) & limits.row(y)[i] & !word;
+            plane.row_mut(y)[i] |= new;
+            changed |= new != 0;
+        }
+        if !changed {
+            return true;
+        }
+    }
+}
+
+/// Grows `plane` within `limits` by one pixel to all sides.
+fn grow(plane: &mut BitPlane, limits: &BitPlane, grown: &mut BitPlane) {
+    grown.copy_from(plane);
+    for y in 0..plane.height() {
+        for i in 0..plane.words_per_row() {
+            let wide = |row: &[u64]| row[i] | left_of(row, i) | right_of(row, i);
+            let mut word = wide(plane.row(y));
+            if y > 0 {
+                word |= wide(plane.row(y - 1));
+            }
+            if y + 1 < plane.height() {
+                word |= wide(plane.row(y + 1));
+            }
+            grown.row_mut(y)[i] |= word & limits.row(y)[i];
+        }
+    }
+    std::mem::swap(plane, grown);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spreading_stays_within_its_limits_and_reaches_all_that_hangs_together() {
+        let (mut plane, mut limits) = (BitPlane::default(), BitPlane::default());
+        plane.resize(150, 20);
+        limits.resize(150, 20);
+        // A U, and a piece apart from it.
+        (2..15).for_each(|y| {
+            limits.fill(y, 10, 14, true);
+            limits.fill(y, 120, 125, true);
+        });
+        limits.fill(14, 10, 125, true);
+        limits.fill(2, 60, 90, true);
+        plane.fill(3, 11, 12, true);
+        spread(&mut plane, &limits);
+        assert!(plane.get(122, 2) && plane.get(70, 14) && plane.get(10, 2));
+        assert!(!plane.get(70, 2));
+        assert_eq!(plane.count(), limits.count() - 30);
+    }
+}

@@ -1,0 +1,122 @@
+//! Whether two ends of lines are of one rope, whose rest between them is hidden.
+
+use crate::bitmap::bits::BitPlane;
+use crate::graph::pairing::bending;
+use crate::image::plane::Plane;
+use crate::past::{Past, Trace, Traces};
+use crate::vec2::{self, Vec2};
+
+/// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
+/// turn by 20°). It is a flaw of the mask, such as shine, not a thing that lies on the rope.
+const FLAW: (f32, f32) = (2.5, 0.03);
+/// Without a past: the same where something else than the table shows in the gap (a turn by 57°).
+const COVERED: (f32, f32) = (16.0, 0.25);
+/// Share of a gap that must differ from the table for something to lie there.
+const SHOWN: f32 = 0.6;
+/// Levels of color, and factor of width, by which the two sides may differ.
+pub(crate) const ALIKE: (f32, f32) = (40.0, 1.35);
+/// With a past: widths, and share of its way, that a gap may be shorter or longer than the rope was.
+const STRETCH: (f32, f32) = (4.0, 0.35);
+/// With a past: the way that counts as much as ends that lie a width off.
+const WAY_WIDTHS: f32 = 5.0;
+/// With a past: the sharpest turn of an end against its gap, in radians.
+const SHARPEST: f32 = 1.6;
+/// The largest share of a rope that may be hidden at one place.
+const LONGEST_SHARE: f32 = 0.7;
+
+/// An end of a line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    pub(crate) line: usize,
+    /// Whether it is the line's last sample.
+    pub(crate) last: bool,
+    pub(crate) at: Vec2,
+    /// The direction out of the line.
+    pub(crate) out: Vec2,
+    pub(crate) width_px: f32,
+    pub(crate) color: [f32; 3],
+    pub(crate) past: Traces,
+    pub(crate) used: bool,
+}
+
+/// What the ends are judged by.
+pub(crate) struct Scenery<'a> {
+    pub(crate) past: &'a Past,
+    /// How unlike the table each pixel is.
+    pub(crate) difference: &'a Plane,
+    /// From this difference on something lies there.
+    pub(crate) level: f32,
+    /// What was found to be no rope.
+    pub(crate) cover: &'a BitPlane,
+    pub(crate) yuv: bool,
+}
+
+/// What it costs to join ends between which a rope of the past ran, and the way it took.
+pub(crate) fn known_way(a: &End, b: &End, past: &Past, same: bool) -> Option<(f32, [Trace; 2])> {
+    let chord = vec2::sub(b.at, a.at);
+    let chord_px = vec2::norm(chord);
+    let width_px = 0.5 * (a.width_px + b.width_px);
+    let mut best: Option<(f32, [Trace; 2])> = None;
+    for ta in a.past.likely(past) {
+        // The way in at b is the way out of it, turned around.
+        for tb in b
+            .past
+            .likely(past)
+            .filter(|tb| tb.rope == ta.rope && tb.ahead != ta.ahead)
+        {
+            let rope = &past.ropes()[ta.rope as usize];
+            if same && !rope.closed {
+                continue;
+            }
+            let way_px = rope.way_px(ta, tb, ta.ahead);
+            let slack_px = STRETCH.0 * width_px;
+            let apart_px = vec2::distance(rope.at(ta.along_px), rope.at(tb.along_px));
+            let stretched = (chord_px - apart_px).abs() > slack_px + STRETCH.1 * way_px;
+            if way_px < -slack_px || way_px > LONGEST_SHARE * rope.length_px || stretched {
+                continue;
+            }
+            let miss = (chord_px - apart_px) / (slack_px + STRETCH.1 * way_px.max(0.0));
+            // The next piece along the rope comes first: a farther one would leave it out.
+            let cost = ta.off + tb.off + miss * miss + way_px.max(0.0) / (WAY_WIDTHS * width_px);
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, [*ta, *tb]));
+            }
+        }
+    }
+    // Ends that point away from where they are to go did not come from there.
+    let (out, back) = (vec2::dot(a.out, chord), vec2::dot(b.out, chord));
+    let faces = chord_px < width_px
+        || out > libm::cosf(SHARPEST) * chord_px && -back > libm::cosf(SHARPEST) * chord_px;
+    best.filter(|_| faces)
+}
+
+/// What it costs to join ends of which nothing is known, if they may be one rope.
+pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) -> Option<f32> {
+    let chord_px = vec2::distance(a.at, b.at);
+    let width_px = 0.5 * (a.width_px + b.width_px);
+    let gap_widths = chord_px / width_px;
+    if gap_widths > COVERED.0 || chord_px > 2.0 * length_px {
+        return None;
+    }
+    let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
+    // Most ends do not face each other, and that is known at once.
+    if bend > COVERED.1.max(FLAW.1) {
+        return None;
+    }
+    let covered = shown(a.at, b.at, scenery) >= SHOWN;
+    let (widest, most_bent) = if covered { COVERED } else { FLAW };
+    // Later than all that the past knows, and the straighter and nearer the earlier.
+    (gap_widths <= widest && bend <= most_bent)
+        .then_some(100.0 + bend / most_bent + gap_widths / widest)
+}
+
+/// The share of the straight way from a to b, less half a width at each end, that is not table.
+fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
+    const ASKED: usize = 16;
+    let hits = (1..ASKED).filter(|&k| {
+        let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
+        let covered = scenery.cover.get(at[0] as i32, at[1] as i32);
+        covered || scenery.difference.sample(at) >= scenery.level
+    });
+    hits.count() as f32 / (ASKED - 1) as f32
+}

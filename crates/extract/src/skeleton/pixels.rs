@@ -1,0 +1,206 @@
+//! The skeleton as a list: each pixel's position, neighbors and distance to the rope's edge.
+
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::clearance::Clearance;
+use crate::bitmap::strips::{BLOCK, Strips};
+
+/// No pixel, node, edge or arm.
+pub(crate) const NONE: u32 = u32::MAX;
+/// Skeleton pixels beyond which an image is taken for noise: more than eight ropes that each cross
+/// the longest image a few times.
+const BUDGET: usize = 1 << 17;
+
+/// The pixels of a skeleton in the order of rows.
+#[derive(Debug, Default)]
+pub(crate) struct Skeleton {
+    /// Index of the first pixel of each word in a block that has any.
+    first: Vec<u32>,
+    /// The words that have any, in the order of rows.
+    held: Vec<u32>,
+    /// Strips that have any in the rows that are listed.
+    filled: Vec<u32>,
+    clearance: Clearance,
+    pub(crate) pixels: Vec<Pixel>,
+}
+
+/// One pixel of the skeleton.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pixel {
+    pub(crate) x: u16,
+    pub(crate) y: u16,
+    /// Distance from the pixel's center to the rope's edge, in pixels.
+    pub(crate) half_px: f32,
+    /// The first `degree` are meant. They are no more than four: a corner neighbor counts only where neither side neighbor
+    /// beside it is.
+    pub(crate) neighbors: [u32; 5],
+    pub(crate) degree: u8,
+}
+
+impl Pixel {
+    pub(crate) fn at(&self) -> [f32; 2] {
+        [f32::from(self.x), f32::from(self.y)]
+    }
+}
+
+impl Skeleton {
+    /// Lists the pixels of `thin`, the skeleton of `mask`, which stands in `rows`, too. An image that is noise gets none.
+    pub(crate) fn list(&mut self, thin: &Strips, mask: &Strips, rows: &BitPlane) {
+        self.clearance.take(mask);
+        lariat_portable::Arch::new().dispatch(List {
+            skeleton: self,
+            thin,
+            mask: rows,
+        });
+    }
+
+    /// Lists the pixels with their half-widths; none if there are too many.
+    #[inline(always)]
+    fn list_places(&mut self, thin: &Strips, mask: &BitPlane) {
+        let shape = &thin.shape;
+        self.pixels.clear();
+        self.held.clear();
+        // No more words than pixels have any.
+        self.held.reserve(self.pixels.capacity());
+        self.first.resize(shape.words(), 0);
+        for top in (0..shape.height()).step_by(BLOCK) {
+            self.filled.clear();
+            for strip in 0..shape.strips() {
+                if thin.used.holds(shape, strip, top / BLOCK) {
+                    self.filled.push(strip as u32);
+                }
+            }
+            if self.filled.is_empty() {
+                continue;
+            }
+            for y in top..(top + BLOCK).min(shape.height()) {
+                for &strip in &self.filled {
+                    let at = shape.index(strip as usize, y);
+                    let mut word = thin.words[at];
+                    self.first[at] = self.pixels.len() as u32;
+                    if word != 0 {
+                        self.held.push(at as u32);
+                    }
+                    while word != 0 {
+                        let (x, y) = ((64 * strip + word.trailing_zeros()) as u16, y as u16);
+                        self.pixels.push(Pixel {
+                            x,
+                            y,
+                            half_px: self.clearance.half_px(mask, x, y),
+                            neighbors: [NONE; 5],
+                            degree: 0,
+                        });
+                        word &= word - 1;
+                    }
+                }
+                if self.pixels.len() > BUDGET {
+                    self.pixels.clear();
+                    self.held.clear();
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Finds the neighbors of the pixels of the word at `at`, of which pixel `i` is the first; returns the index behind
+    /// its last. A corner neighbor that is also reached through a side neighbor is left out, so that a staircase is a path
+    /// and not a row of junctions.
+    #[inline(always)]
+    fn connect(&mut self, thin: &Strips, at: usize, mut i: usize) -> usize {
+        let (words, stride) = (&thin.words[..], thin.shape.stride);
+        let [nw, n, ne] = three(words, at - 1, stride);
+        let [w, mut rest, e] = three(words, at, stride);
+        let [sw, s, se] = three(words, at + 1, stride);
+        let (above, below) = (
+            first_beside(&self.first, words, at - 1, stride),
+            first_beside(&self.first, words, at + 1, stride),
+        );
+        let (se, sw) = (se & !e & !s, sw & !w & !s);
+        let (nw, ne) = (nw & !w & !n, ne & !e & !n);
+        while rest != 0 {
+            let bit = rest.trailing_zeros();
+            rest &= rest - 1;
+            let left = (1u64 << bit) - 1;
+            let above = above + (n & left).count_ones();
+            let below = below + (s & left).count_ones();
+            let here = i as u32;
+            let kinds = [
+                (e, here + 1),
+                (s, below),
+                (w, here.wrapping_sub(1)),
+                (n, above),
+                (se, below),
+                (sw, below.wrapping_sub(1)),
+                (nw, above.wrapping_sub(1)),
+                (ne, above),
+            ];
+            // Written always, kept where it is one: chance decides, and no branch guesses that.
+            let (pixel, mut degree) = (&mut self.pixels[i], 0);
+            for (are_there, index) in kinds {
+                pixel.neighbors[degree] = index;
+                degree += (are_there >> bit & 1) as usize;
+            }
+            pixel.degree = degree as u8;
+            i += 1;
+        }
+        i
+    }
+
+    /// Takes pixel `i` out: no neighbor leads to it any more.
+    pub(crate) fn remove(&mut self, i: u32) {
+        let Pixel {
+            neighbors, degree, ..
+        } = self.pixels[i as usize];
+        for &other in &neighbors[..usize::from(degree)] {
+            let other = &mut self.pixels[other as usize];
+            let degree = usize::from(other.degree);
+            if let Some(k) = other.neighbors[..degree].iter().position(|&n| n == i) {
+                other.neighbors.swap(k, degree - 1);
+                other.degree -= 1;
+            }
+        }
+        self.pixels[i as usize].degree = 0;
+    }
+}
+
+/// The pixels to the left of those of a word, the word itself and those to the right of its pixels.
+#[inline(always)]
+fn three(words: &[u64], at: usize, stride: usize) -> [u64; 3] {
+    let left = words[at] << 1 | words[at - stride] >> 63;
+    let right = words[at] >> 1 | words[at + stride] << 63;
+    [left, words[at], right]
+}
+
+/// The index of the first pixel in a word, or, where it has none, which it would have: that behind the last of the word to
+/// the left, which is the first of that to the right. The pixels of a row follow each other; only where any touches a
+/// pixel of this word's does it have to be known.
+#[inline(always)]
+fn first_beside(first: &[u32], words: &[u64], at: usize, stride: usize) -> u32 {
+    if words[at] != 0 {
+        return first[at];
+    }
+    match words[at - stride] {
+        0 => first[at + stride],
+        left => first[at - stride].wrapping_add(left.count_ones()),
+    }
+}
+
+/// The listing, to be compiled for each kind of machine: counting bits is one instruction on most.
+struct List<'a> {
+    skeleton: &'a mut Skeleton,
+    thin: &'a Strips,
+    mask: &'a BitPlane,
+}
+
+impl lariat_portable::NullaryFnOnce for List<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let skeleton = self.skeleton;
+        skeleton.list_places(self.thin, self.mask);
+        let mut i = 0;
+        for k in 0..skeleton.held.len() {
+            i = skeleton.connect(self.thin, skeleton.held[k] as usize, i);
+        }
+    }
+}

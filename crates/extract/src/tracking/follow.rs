@@ -1,0 +1,396 @@
+//! The ropes of the last image followed into this one, where reading this one alone contradicts them.
+//!
+//! Strands that touch, ends that lie on strands: a single image may show them as something else than
+//! two images do. A rope does not tear or exchange its strands; so its last centerline is laid over the
+//! image, each sample looks across for the middle of the rope, and the moves, not the places, are
+//! smoothed along it: where nothing is measured (crossings, overlaps, covers) the shape is kept and
+//! carried along. What comes out counts only if the image bears it out: every sample on rope or under
+//! a cover, and hardly any rope left that is not accounted for.
+
+mod reach;
+
+use super::tips;
+use crate::bitmap::bits::BitPlane;
+use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::centerline::onward;
+use crate::centerline::section::{Measure, Sections};
+use crate::centerline::shading::Shading;
+use crate::centerline::smooth::Smoother;
+use crate::image::plane::Plane;
+use crate::past::{Past, Rope};
+use crate::skeleton::Skeleton;
+use crate::statistics::quantile;
+use crate::vec2::{self, Vec2};
+use reach::Reach;
+
+/// Looks across, and how much a section's width may differ from the rope's, in each.
+const LOOKS: [f32; 3] = [1.45, 1.35, 1.3];
+/// Widths over which moves are smoothed: as far as a bend of a rope reaches.
+const STIFF_WIDTHS: f32 = 2.0;
+/// Widths by which points may have moved, beside twice the ropes' mean motion, in a reading that does
+/// not contradict the past; and the share of the points that must keep to it.
+const AGREES: (f32, f32) = (1.5, 0.95);
+/// The largest share of a followed rope that may lie on the bare table.
+const BARE: f32 = 0.04;
+/// Widths of it that may lie there at one place: over more, the rope is not there any more.
+const BARE_WIDTHS: f32 = 0.75;
+/// The least share of the skeleton that followed ropes must account for.
+const EXPLAINED: f32 = 0.95;
+/// Widths of the skeleton that may be left over at most: more is a tip that has come out.
+const LEFT_WIDTHS: f32 = 1.0;
+/// How much a rope's length may seem to change from one image to the next.
+const LENGTH: f32 = 0.06;
+/// Skeleton pixels that are asked whether they are accounted for.
+const ASKED: usize = 400;
+/// Points that two shapes are compared at.
+const COMPARED: usize = 40;
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Follower {
+    sections: Sections,
+    smoother: Smoother,
+    moves: Line,
+    before: Vec<Vec2>,
+    spaced: Vec<Sample>,
+    levels: Vec<f32>,
+    /// The followed ropes; the first `count` are of this image.
+    lines: Vec<Line>,
+    /// What is near to each.
+    reaches: Vec<Reach>,
+    count: usize,
+    /// The same of those of the image's lines that are none of them.
+    new: Vec<Option<Reach>>,
+}
+
+/// What ropes are followed through.
+pub(crate) struct Scene<'a> {
+    pub(crate) past: &'a Past,
+    pub(crate) difference: &'a Plane,
+    pub(crate) mask: &'a BitPlane,
+    pub(crate) cover: &'a BitPlane,
+    pub(crate) skeleton: &'a Skeleton,
+}
+
+impl Follower {
+    /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
+    /// the image.
+    pub(crate) fn rehearse(&mut self, ropes: usize, samples: usize, scene: &Scene) {
+        self.sections.reserve(samples);
+        self.lines
+            .resize_with(ropes.max(self.lines.len()), Line::default);
+        for line in &mut self.lines {
+            line.samples.reserve(samples);
+        }
+        self.spaced.reserve(samples);
+        self.moves.samples.reserve(samples);
+        self.before.reserve(samples);
+        self.levels.reserve(samples);
+        self.reaches.reserve(ropes);
+        self.new.reserve(MOST_PIECES);
+        let mut line = std::mem::take(&mut self.lines[0]);
+        for rope in scene.past.ropes() {
+            self.lay(rope, scene, &mut line);
+        }
+        // The longest, as a ring: that is solved with an overlap.
+        line.closed = true;
+        line.samples.resize(samples, Sample::default());
+        let how = Measure {
+            half_px: 3.0,
+            step_px: 1.0,
+            tolerance: LOOKS[0],
+            shading: Shading::FLAT,
+        };
+        self.shift(&mut line, scene.difference, how);
+        line.clear();
+        self.lines[0] = line;
+    }
+
+    /// Follows the ropes of the past if `lines` contradict them. Returns whether they are to be taken
+    /// instead of the lines that lie along them.
+    pub(crate) fn follow(&mut self, lines: &[Line], scene: &Scene) -> bool {
+        let live = || scene.past.live();
+        if live().next().is_none()
+            || live().all(|rope| self.agrees(rope, lines, scene.past))
+            || live().any(|r| !r.whole)
+        {
+            return false;
+        }
+        self.count = 0;
+        for rope in live() {
+            if self.lines.len() <= self.count {
+                self.lines.push(Line::default());
+            }
+            let mut line = std::mem::take(&mut self.lines[self.count]);
+            let borne_out = self.lay(rope, scene, &mut line);
+            self.lines[self.count] = line;
+            if !borne_out {
+                return false;
+            }
+            self.count += 1;
+        }
+        self.reaches.clear();
+        self.reaches
+            .extend(self.lines[..self.count].iter().map(Reach::of));
+        self.explained(lines, scene)
+    }
+
+    /// Whether one of the lines is the rope, moved a little, from end to end; or with a part of it besides that was out
+    /// of sight at one end.
+    fn agrees(&self, rope: &Rope, lines: &[Line], past: &Past) -> bool {
+        let most_px = (AGREES.0 + 2.0 * past.moved()) * rope.width_px;
+        lines.iter().any(|line| {
+            let length_px = line.length_px();
+            let known = (length_px / rope.length_px - 1.0).abs() <= LENGTH;
+            let come_out =
+                length_px > rope.length_px && length_px <= (1.0 + 0.5 * LENGTH) * rope.usual_px;
+            if line.closed != rope.closed || !(known || come_out) || line.samples.len() < 2 {
+                return false;
+            }
+            if line.closed {
+                return true;
+            }
+            // The share of the line before the rope's first point, and of the rope itself.
+            let rest = (1.0 - rope.length_px / length_px).max(0.0);
+            let laid = [(0.0, 1.0), (0.0, 1.0 - rest), (rest, 1.0 - rest)];
+            let ways = if known { &laid[..] } else { &laid[1..] };
+            ways.iter().any(|&(from, share)| {
+                [false, true].into_iter().any(|reversed| {
+                    let near = (0..COMPARED).filter(|&k| {
+                        let t = k as f32 / (COMPARED - 1) as f32;
+                        let u = from + share * t;
+                        let u = if reversed { 1.0 - u } else { u };
+                        let place = (u * (line.samples.len() - 1) as f32).round() as usize;
+                        let at = rope.at(t * rope.length_px);
+                        vec2::distance(at, line.samples[place].at) <= most_px
+                    });
+                    near.count() as f32 >= AGREES.1 * COMPARED as f32
+                })
+            })
+        })
+    }
+
+    /// Lays the rope over the image; false when the image does not bear it out.
+    fn lay(&mut self, rope: &Rope, scene: &Scene, line: &mut Line) -> bool {
+        let half_px = 0.5 * rope.width_px;
+        let step_px = (half_px / 4.0).clamp(0.75, 4.0);
+        let count = (rope.length_px / step_px).ceil().max(8.0) as usize;
+        line.clear();
+        line.closed = rope.closed;
+        let intervals = count - usize::from(!rope.closed);
+        for k in 0..count {
+            line.samples.push(Sample {
+                at: rope.at(rope.length_px * k as f32 / intervals as f32),
+                weight: 1.0,
+                width_px: rope.width_px,
+                side: 0.0,
+            });
+        }
+        let mut shading = Shading::FLAT;
+        for tolerance in LOOKS {
+            let how = Measure {
+                half_px,
+                step_px,
+                tolerance,
+                shading,
+            };
+            self.shift(line, scene.difference, how);
+            shading = Shading::measure(line, scene.difference, how);
+        }
+        self.smoother
+            .smooth(line, (0.35 * half_px).max(2.5) / step_px);
+        if !line.closed {
+            for _end in 0..2 {
+                let room_px = rope.usual_px - line.length_px();
+                self.find_tip(line, scene.difference, [half_px, step_px, room_px]);
+                line.samples.reverse();
+                line.border.swap(0, 1);
+            }
+        }
+        tips::shorten(line, scene.past, [scene.mask, scene.cover]);
+        tips::lengthen(line, scene.past, [scene.mask, scene.cover]);
+        let count = (line.length_px() / step_px).ceil().max(8.0) as usize;
+        line.resample(count, &mut self.spaced);
+        std::mem::swap(&mut line.samples, &mut self.spaced);
+        let same_length = (line.length_px() / rope.length_px - 1.0).abs() <= LENGTH;
+        let (mut bare, mut run, mut longest) = (0, 0, 0);
+        for sample in &line.samples {
+            run = if is_bare(sample.at, scene) {
+                run + 1
+            } else {
+                0
+            };
+            bare += usize::from(run > 0);
+            longest = longest.max(run);
+        }
+        same_length
+            && bare as f32 <= BARE * line.samples.len() as f32
+            && longest as f32 * step_px <= BARE_WIDTHS * rope.width_px
+    }
+
+    /// Moves each sample toward the middle of the rope there, those without one as their neighbors.
+    fn shift(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
+        self.before.clear();
+        self.before.extend(line.samples.iter().map(|s| s.at));
+        line.samples.iter_mut().for_each(|s| s.weight = 1.0);
+        self.sections.measure(line, difference, how);
+        self.moves.closed = line.closed;
+        self.moves.samples.clear();
+        let moves = line.samples.iter().zip(&self.before);
+        self.moves
+            .samples
+            .extend(moves.map(|(sample, &before)| Sample {
+                at: vec2::sub(sample.at, before),
+                ..*sample
+            }));
+        let stiff = (STIFF_WIDTHS * 2.0 * how.half_px / how.step_px).max(2.0);
+        self.smoother.smooth(&mut self.moves, stiff);
+        let moved = self.moves.samples.iter().zip(&self.before);
+        for (sample, (shift, &before)) in line.samples.iter_mut().zip(moved) {
+            // What is measured stays so; the rest is carried along.
+            if sample.weight <= 0.0 {
+                sample.at = vec2::add(before, shift.at);
+                sample.width_px = 2.0 * how.half_px;
+                sample.weight = CARRIED;
+            }
+        }
+    }
+
+    /// Puts the last end of the line where the rope ends, if it does so near there: over another strand
+    /// no end shows, and it is carried along. `room_px` is how much longer the rope usually is.
+    fn find_tip(
+        &mut self,
+        line: &mut Line,
+        difference: &Plane,
+        [half_px, step_px, room_px]: [f32; 3],
+    ) {
+        let n = line.samples.len();
+        let back = ((2.0 * half_px / step_px) as usize).clamp(2, n / 3);
+        let (inner, before) = (
+            line.samples[n - 1 - back].at,
+            line.samples[n - 1 - 2 * back.min(n / 4)].at,
+        );
+        let last = line.samples[n - 1];
+        let out = vec2::unit_or(vec2::sub(last.at, inner), vec2::sub(inner, before));
+        self.levels.clear();
+        let piece = &line.samples[n - 1 - back..];
+        self.levels
+            .extend(piece.iter().map(|s| difference.sample(s.at)));
+        let level = 0.5 * quantile(&mut self.levels, 0.5).max(2.0);
+        let limit_px = 6.0 * half_px;
+        let (far, border) =
+            onward::tip(difference, |d| vec2::along(inner, out, d), level, limit_px);
+        line.border[1] = border;
+        let more_px = far - back as f32 * step_px;
+        if more_px <= half_px.min(room_px + 0.5 * half_px) {
+            line.samples.truncate(n - back);
+            let count = (far / step_px).ceil().max(1.0) as usize;
+            for k in 1..=count {
+                line.samples.push(Sample {
+                    at: vec2::along(inner, out, far * k as f32 / count as f32),
+                    ..last
+                });
+            }
+        }
+    }
+
+    /// Whether hardly any of the skeleton is left over, but what belongs to a rope that is new.
+    fn explained(&mut self, lines: &[Line], scene: &Scene) -> bool {
+        let mut new = std::mem::take(&mut self.new);
+        new.clear();
+        new.extend(
+            lines
+                .iter()
+                .map(|line| (!self.lies_along(line)).then(|| Reach::of(line))),
+        );
+        self.new = new;
+        let pixels = &scene.skeleton.pixels;
+        let stride = (pixels.len() / ASKED).max(1);
+        let (mut asked, mut known) = (0.0f32, 0.0);
+        for pixel in pixels.iter().step_by(stride).filter(|p| p.degree > 0) {
+            let mut new = lines.iter().zip(&self.new);
+            let on_new =
+                new.any(|(line, reach)| reach.is_some_and(|reach| reach.holds(line, pixel.at())));
+            if on_new {
+                continue;
+            }
+            asked += 1.0;
+            known += f32::from(self.is_followed(pixel.at()));
+        }
+        let width_px = |line: &Line| line.samples.first().map_or(1.0, |s| s.width_px);
+        let widest_px = self.lines[..self.count]
+            .iter()
+            .map(width_px)
+            .fold(1.0, f32::max);
+        let left_px = (asked - known) * stride as f32;
+        known >= EXPLAINED * asked && left_px <= LEFT_WIDTHS * widest_px
+    }
+
+    /// Whether a line is accounted for by the followed ropes, for more than half of it.
+    pub(crate) fn lies_along(&self, line: &Line) -> bool {
+        let stride = (line.samples.len() / COMPARED).max(1);
+        let (mut asked, mut known) = (0, 0);
+        for sample in line.samples.iter().step_by(stride) {
+            asked += 1;
+            known += usize::from(self.is_followed(sample.at));
+        }
+        2 * known >= asked
+    }
+
+    /// Whether a place is accounted for by one of the followed ropes.
+    fn is_followed(&self, at: Vec2) -> bool {
+        let mut ropes = self.lines[..self.count].iter().zip(&self.reaches);
+        ropes.any(|(rope, reach)| reach.holds(rope, at))
+    }
+
+    /// Takes the followed ropes and those of the first `count` lines that are none of them to the front
+    /// of `lines`, the longest first; returns how many they are.
+    pub(crate) fn take(&mut self, lines: &mut Vec<Line>, count: usize) -> usize {
+        let mut kept = 0;
+        for l in 0..count {
+            if !self.lies_along(&lines[l]) {
+                lines.swap(kept, l);
+                kept += 1;
+            }
+        }
+        while lines.len() < kept + self.count {
+            lines.push(Line::default());
+        }
+        for (line, rope) in lines[kept..].iter_mut().zip(&mut self.lines[..self.count]) {
+            std::mem::swap(line, rope);
+        }
+        let count = kept + self.count;
+        lines[..count].sort_unstable_by(|a, b| b.length_px().total_cmp(&a.length_px()));
+        count
+    }
+
+    /// Calls back for each stretch of a line, in arc length, that lies under a cover.
+    pub(crate) fn covered(line: &Line, cover: &BitPlane, mut found: impl FnMut(f32, f32)) {
+        let step_px = line.length_px() / (line.samples.len().max(2) - 1) as f32;
+        let mut from = None;
+        for (i, sample) in line.samples.iter().enumerate() {
+            let under = cover.get(sample.at[0] as i32, sample.at[1] as i32);
+            let along_px = i as f32 * step_px;
+            match (from, under) {
+                (None, true) => from = Some(along_px),
+                (Some(start), false) => {
+                    found(start - 0.5 * step_px, along_px - 0.5 * step_px);
+                    from = None;
+                }
+                _ => {}
+            }
+        }
+        if let Some(start) = from {
+            found(start, line.length_px());
+        }
+    }
+}
+
+/// The weight of a place that was carried along: less than one that was measured.
+const CARRIED: f32 = 0.05;
+
+/// Whether a place shows the table.
+fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
+    let (x, y) = ((x + 0.5) as i32, (y + 0.5) as i32);
+    !scene.mask.get(x, y) && !scene.cover.get(x, y)
+}

@@ -1,0 +1,318 @@
+//! Curves that may be no ropes, by what they look like beside the picture's other ropes.
+//!
+//! A rope is long, bends, and lies on the table, which goes on unchanged on both of its sides. What is straight and short, or
+//! small, and unlike a rope that is far longer, may be a pen or print; what is straight and has another surface on each side,
+//! or fills a strip at the picture's border, an edge; what is an ellipse and has other things inside than outside, or is unlike the other ropes, a rim. A curve alone on
+//! a plain table is a rope.
+
+use super::track::Look;
+use crate::bitmap::bits::BitPlane;
+use crate::image::{Image, color};
+use crate::mask::background::Background;
+use crate::mask::cast::{Cast, Shadows};
+use crate::mask::shadow;
+use crate::notice::Notice;
+use crate::occlusion::ends::ALIKE;
+use crate::scene::Curve;
+use crate::vec2::{self, Vec2};
+
+/// How far a straight thing's middle lies beside its chord, in widths: a rope's own stiffness leaves more.
+const STRAIGHT: f32 = 0.12;
+/// The longest pen, and what else is small beside a rope, in widths.
+const PEN_WIDTHS: f32 = 24.0;
+const SMALL_WIDTHS: f32 = 16.0;
+/// Times as long that a rope is, for what is beside it to be short, and to be small.
+const LONGER: f32 = 1.8;
+const SMALL: f32 = 4.0;
+/// Alike things that are print if there are so many, each at most this share of the rope in length.
+const MARKS: usize = 3;
+const LONGEST_MARK: f32 = 0.25;
+/// How far a rim is from an ellipse, as a share of its radius, and how oblong it is at most.
+const ROUND: f32 = 0.015;
+const OBLONG: f32 = 3.0;
+/// The share of a curve's two halves above which it is shadow, or has shadow in it.
+const PALE: f32 = 0.3;
+/// Widths beside a curve's edge in which the table shows: farther off than a shadow that lies at it.
+const BESIDE_WIDTHS: [f32; 3] = [1.2, 2.2, 3.2];
+/// A strip along the picture's border: its slant, and how far off its middle is in widths and pixels.
+const SLANT: f32 = 0.3;
+const BORDER: (f32, f32) = (0.6, 2.0);
+/// Places along a curve at which its sides are looked at, and the share of them that show the table on both.
+const ASKED: usize = 24;
+const SHOWN: f32 = 0.5;
+/// The least difference of two surfaces, in levels and in the table's noise.
+const SURFACES: (f32, f32) = (7.0, 2.5);
+
+/// What a picture's curves are judged by.
+pub(crate) struct Surroundings<'a> {
+    pub(crate) image: &'a Image<'a>,
+    pub(crate) background: &'a Background,
+    pub(crate) mask: &'a BitPlane,
+    pub(crate) shadows: &'a Shadows,
+}
+
+impl Surroundings<'_> {
+    /// What each of the curves may be instead of a rope. `is_known` says of which it is known that they are ropes.
+    pub(crate) fn doubt(
+        &self,
+        (curves, looks): (&[Curve], &[Look]),
+        is_known: impl Fn(&Curve) -> bool,
+        doubts: &mut Vec<Option<Notice>>,
+    ) {
+        doubts.clear();
+        doubts.extend(curves.iter().map(|curve| self.by_itself(curve)));
+        let yuv = color::is_yuv(self.image.format());
+        let are_alike = |a: usize, b: usize| {
+            let levels = color::distance(looks[a].color, looks[b].color, yuv);
+            let width = curves[a].width_px / curves[b].width_px;
+            levels <= ALIKE.0 && width.max(1.0 / width) <= ALIKE.1
+        };
+        for i in 0..curves.len() {
+            if doubts[i].is_some() {
+                continue;
+            }
+            // The longest that is a rope if anything is; the longest curves come first.
+            let mut ropes = (0..curves.len()).filter(|&k| k != i && doubts[k].is_none());
+            let Some(rope) = ropes.find(|&k| !are_alike(k, i)) else {
+                continue;
+            };
+            let times = match is_known(&curves[rope]) {
+                true => f32::INFINITY,
+                false => curves[rope].length_px / curves[i].length_px,
+            };
+            let is_small = |k: usize| LONGEST_MARK * curves[rope].length_px > curves[k].length_px;
+            let marks = (0..curves.len()).filter(|&k| is_small(k) && are_alike(k, i));
+            let is_thin = ALIKE.1 * curves[i].width_px < curves[rope].width_px;
+            doubts[i] = match is_thin && times > SMALL && self.is_dim(&curves[i]) {
+                true => Some(Notice::MaybeShadow),
+                false => looks_like(&curves[i], times, marks.count()),
+            };
+        }
+    }
+
+    /// What a curve may be, whatever else is in the picture.
+    fn by_itself(&self, curve: &Curve) -> Option<Notice> {
+        if self.shadows.cast == Cast::Maybe && self.is_pale(curve) {
+            return Some(Notice::MaybeShadow);
+        }
+        if self.is_strip(curve) {
+            return Some(Notice::LikeAnEdge);
+        }
+        let is_line = !curve.closed && is_straight(curve);
+        let is_rim = curve.closed && is_round(curve);
+        if !(is_line || is_rim) || !self.parts_surfaces(curve) {
+            return None;
+        }
+        Some(if is_rim {
+            Notice::LikeARim
+        } else {
+            Notice::LikeAnEdge
+        })
+    }
+
+    /// Whether the curve runs along the picture's border, and is as wide as all that shows beyond it.
+    fn is_strip(&self, curve: &Curve) -> bool {
+        let size = [self.image.width(), self.image.height()].map(|side| side as f32);
+        let beside = curve
+            .points
+            .windows(2)
+            .zip(&curve.widths_px)
+            .filter(|(pair, width_px)| {
+                let along = vec2::unit_or(vec2::sub(pair[1], pair[0]), [1.0, 0.0]);
+                (0..2).any(|k| {
+                    let to_px = pair[0][k].min(size[k] - 1.0 - pair[0][k]);
+                    along[k].abs() < SLANT && to_px < BORDER.0 * **width_px + BORDER.1
+                })
+            });
+        2 * beside.count() > curve.points.len()
+    }
+
+    /// Whether the curve is what may be shadow, or a rope with it.
+    fn is_pale(&self, curve: &Curve) -> bool {
+        let plane = &self.shadows.plane;
+        let along = curve.points.windows(2).zip(&curve.widths_px);
+        let sides = along.flat_map(|(pair, width_px)| {
+            let along = vec2::unit_or(vec2::sub(pair[1], pair[0]), [1.0, 0.0]);
+            let aside = vec2::scale([-along[1], along[0]], 0.25 * width_px);
+            [vec2::add(pair[0], aside), vec2::sub(pair[0], aside)]
+        });
+        let pale = sides.filter(|at| plane.get(at[0] as i32, at[1] as i32));
+        pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
+    }
+
+    /// Whether most of the curve is the table in less light.
+    fn is_dim(&self, curve: &Curve) -> bool {
+        let is_dim = |at: &&Vec2| {
+            let light = shadow::light_left(self.image, self.background, at.map(|c| c as usize));
+            light.is_some_and(|light| light < 1.0)
+        };
+        let asked = || {
+            curve
+                .points
+                .iter()
+                .step_by((curve.points.len() / ASKED).max(1))
+        };
+        4 * asked().filter(is_dim).count() > 3 * asked().count()
+    }
+
+    /// Whether the table differs between the one side of the curve and the other.
+    fn parts_surfaces(&self, curve: &Curve) -> bool {
+        let points = &curve.points;
+        let stride = (points.len() / ASKED).max(1);
+        let mut means = [[0.0f32; 3]; BESIDE_WIDTHS.len()];
+        let (mut count, mut asked) = (0.0, 0.0);
+        for i in (stride..points.len().saturating_sub(stride)).step_by(stride) {
+            asked += 1.0;
+            let along = vec2::sub(
+                points[i + stride.min(points.len() - 1 - i)],
+                points[i - stride],
+            );
+            let along = vec2::unit_or(along, [1.0, 0.0]);
+            let normal = [-along[1], along[0]];
+            let Some(steps) = self.steps_across(points[i], normal, curve.widths_px[i]) else {
+                continue;
+            };
+            count += 1.0;
+            for (mean, step) in means.iter_mut().zip(&steps) {
+                *mean = std::array::from_fn(|c| mean[c] + step[c]);
+            }
+        }
+        if count < SHOWN * asked || count < 4.0 {
+            return false;
+        }
+        let yuv = color::is_yuv(self.image.format());
+        let least = SURFACES.0.max(SURFACES.1 * self.background.noise);
+        let steps = means.iter().map(|mean| mean.map(|c| c / count));
+        // The same step at each distance.
+        let middle = means[1].map(|c| c / count);
+        steps.into_iter().all(|step| {
+            color::distance(step, [0.0; 3], yuv) > least
+                && color::distance(step, middle, yuv) < 0.5 * color::distance(middle, [0.0; 3], yuv)
+        })
+    }
+
+    /// By how much what is off the table's color differs between the right and the left of a place, at some distances;
+    /// nothing where no table shows.
+    fn steps_across(
+        &self,
+        at: Vec2,
+        normal: Vec2,
+        width_px: f32,
+    ) -> Option<[[f32; 3]; BESIDE_WIDTHS.len()]> {
+        let mut steps = [[0.0; 3]; BESIDE_WIDTHS.len()];
+        for (step, beside) in steps.iter_mut().zip(BESIDE_WIDTHS) {
+            let away = vec2::scale(normal, (0.5 + beside) * width_px);
+            let right = self.off_table(vec2::add(at, away))?;
+            let left = self.off_table(vec2::sub(at, away))?;
+            *step = std::array::from_fn(|c| right[c] - left[c]);
+        }
+        Some(steps)
+    }
+
+    /// How a place differs from the table, unless it is rope or out of the picture.
+    fn off_table(&self, at: Vec2) -> Option<[f32; 3]> {
+        let [x, y] = at.map(|c| c as i32);
+        let is_inside = at[0] >= 1.0
+            && at[1] >= 1.0
+            && at[0] < self.image.width() as f32 - 1.0
+            && at[1] < self.image.height() as f32 - 1.0;
+        if !is_inside || self.mask.get(x, y) {
+            return None;
+        }
+        let own = color::between(self.image, at);
+        let table = self.background.at(x as usize, y as usize);
+        Some(std::array::from_fn(|c| own[c] - table[c]))
+    }
+}
+
+/// What a curve looks like that is unlike a rope beside it which is so many times as long, if it is one of so many marks.
+fn looks_like(curve: &Curve, times: f32, marks: usize) -> Option<Notice> {
+    let widths = curve.length_px / curve.width_px;
+    if curve.closed {
+        return is_round(curve).then_some(Notice::LikeARim);
+    }
+    if times < LONGER {
+        return None;
+    }
+    let is_free = curve.border == [false; 2];
+    let is_whole = curve.border == [true; 2];
+    match is_straight(curve) {
+        true if is_whole => Some(Notice::LikeAnEdge),
+        true if is_free && widths < PEN_WIDTHS && marks < MARKS => Some(Notice::LikeAPen),
+        _ if is_free && (widths < SMALL_WIDTHS && times > SMALL || marks >= MARKS) => {
+            Some(Notice::LikeAMark)
+        }
+        _ => None,
+    }
+}
+
+/// Whether a curve is as straight as if it were rigid.
+fn is_straight(curve: &Curve) -> bool {
+    let (Some(&from), Some(&to)) = (curve.points.first(), curve.points.last()) else {
+        return false;
+    };
+    let along = vec2::unit_or(vec2::sub(to, from), [1.0, 0.0]);
+    let off_px = |at: &Vec2| {
+        let way = vec2::sub(*at, from);
+        (way[0] * along[1] - way[1] * along[0]).abs()
+    };
+    let farthest_px = curve.points.iter().map(off_px).fold(0.0, f32::max);
+    farthest_px <= (STRAIGHT * curve.width_px).max(1.0)
+}
+
+/// Whether a closed curve is an ellipse: least squares of a x² + b xy + c y² = 1 about its middle.
+fn is_round(curve: &Curve) -> bool {
+    let count = curve.points.len() as f32;
+    let sum = curve
+        .points
+        .iter()
+        .fold([0.0; 2], |sum, &at| vec2::add(sum, at));
+    let middle = vec2::scale(sum, 1.0 / count);
+    let radius_px = curve.length_px / std::f32::consts::TAU;
+    let terms = || {
+        curve.points.iter().map(move |&at| {
+            let [x, y] = vec2::scale(vec2::sub(at, middle), 1.0 / radius_px);
+            [x * x, x * y, y * y]
+        })
+    };
+    let (mut squares, mut ones) = ([[0.0f32; 3]; 3], [0.0f32; 3]);
+    for term in terms() {
+        for i in 0..3 {
+            ones[i] += term[i];
+            for j in 0..3 {
+                squares[i][j] += term[i] * term[j];
+            }
+        }
+    }
+    let Some([a, b, c]) = solve(squares, ones) else {
+        return false;
+    };
+    let off = terms().map(|t| {
+        let off = a * t[0] + b * t[1] + c * t[2] - 1.0;
+        off * off
+    });
+    // The radius goes with the root.
+    let rms = 0.5 * (off.sum::<f32>() / count).sqrt();
+    let (mean, spread) = (
+        0.5 * (a + c),
+        (0.25 * (a - c) * (a - c) + 0.25 * b * b).sqrt(),
+    );
+    let oblong = ((mean + spread) / (mean - spread).max(1e-6)).sqrt();
+    rms <= ROUND && oblong <= OBLONG
+}
+
+/// Cramer's rule.
+fn solve(m: [[f32; 3]; 3], right: [f32; 3]) -> Option<[f32; 3]> {
+    let det = |m: &[[f32; 3]; 3]| {
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+            - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    };
+    let all = det(&m);
+    let with = |column: usize| {
+        let mut m = m;
+        (0..3).for_each(|row| m[row][column] = right[row]);
+        det(&m) / all
+    };
+    (all.abs() > 1e-6).then(|| [with(0), with(1), with(2)])
+}

@@ -1,0 +1,366 @@
+//! Tips that lie upon another strand, or just past it: where the image shows no end, the rope's known length does.
+//!
+//! A tip that goes over or under a strand is lost in it before it comes out on the other side, and what comes out is a
+//! stub too short to be told from a bump. But a rope does not shrink: what a line lacks of the rope's usual length lies
+//! at the ends at which the last image's shape goes on, as it lay there, moved along with the line, as far as the image
+//! shows rope at all.
+
+use crate::bitmap::bits::BitPlane;
+use crate::centerline::line::{Line, Sample};
+use crate::past::{Past, Rope};
+use crate::scene::Curve;
+use crate::vec2::{self, Vec2};
+
+/// Widths of a rope's length that make no difference: what tips are measured to.
+const LEAST_WIDTHS: f32 = 0.3;
+/// Widths that a line may be too long by, because it goes on along the strand that its tip lies upon.
+const MOST_OVER_WIDTHS: f32 = 3.0;
+/// Widths that may be out of sight at most, and as a share of the rope.
+const MOST: (f32, f32) = (10.0, 0.3);
+/// Widths at the line's end that are replaced, too: upon a strand it is not the tip's own.
+const REPLACED_WIDTHS: f32 = 0.75;
+/// Widths before those whose direction the tip goes on in.
+const BACKED_WIDTHS: f32 = 2.0;
+/// Places on the line that are compared with the rope, and the widths, beside those that the ropes have moved, that they
+/// may lie off in the mean.
+const COMPARED: usize = 32;
+const APART_WIDTHS: f32 = 0.6;
+/// The step in which the line's place along the rope is sought, in widths.
+const STEP_WIDTHS: f32 = 0.25;
+/// Widths of a tip that may show the table: its own edge.
+const BARE_WIDTHS: f32 = 0.3;
+
+/// Widths beyond an end in which the table must show for the end to be free.
+const BEYOND_WIDTHS: f32 = 1.0;
+/// In these directions, by their cosine and sine against the rope's own: ahead, and by 35° and 70° to both sides.
+const AROUND: [(f32, f32); 5] = [
+    (1.0, 0.0),
+    (0.82, 0.57),
+    (0.82, -0.57),
+    (0.34, 0.94),
+    (0.34, -0.94),
+];
+
+/// The line's place along a rope of the past.
+struct Place<'a> {
+    rope: &'a Rope,
+    reversed: bool,
+    /// What the line lacks of the rope's usual length.
+    room_px: f32,
+    /// How much of that lies before its first sample.
+    before_px: f32,
+}
+
+/// Lengthens the line at the ends at which a tip of its rope is out of sight. Returns by how much, at
+/// each end.
+pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) -> [f32; 2] {
+    let Some(place) = place(line, past) else {
+        return [0.0; 2];
+    };
+    let Place {
+        rope,
+        reversed,
+        room_px,
+        before_px,
+    } = place;
+    let slack_px = rope.width_px;
+    let shares = [before_px, room_px - before_px];
+    let mut added = [0.0; 2];
+    let mut left_px = room_px;
+    // The end that lacks more comes first.
+    let first = usize::from(shares[1] > shares[0]);
+    for end in [first, 1 - first] {
+        let most_px = (shares[end] + slack_px).min(left_px);
+        if most_px < LEAST_WIDTHS * rope.width_px {
+            continue;
+        }
+        if end == 0 {
+            line.samples.reverse();
+        }
+        // Whether the rope's last point, not its first, is the one at this end.
+        let at_last = (end == 1) != reversed;
+        added[end] = extend(line, rope, at_last, most_px, [mask, cover]);
+        if end == 0 {
+            line.samples.reverse();
+        }
+        left_px -= added[end];
+    }
+    added
+}
+
+/// Where along which rope the line lies, if it is one that lacks a piece of its length.
+fn place<'a>(line: &Line, past: &'a Past) -> Option<Place<'a>> {
+    if line.closed || line.border.contains(&true) || line.samples.len() < 8 {
+        return None;
+    }
+    let length_px = line.length_px();
+    let mut best: Option<(f32, Place)> = None;
+    for rope in past.live().filter(|rope| !rope.closed && rope.whole) {
+        let room_px = rope.usual_px - length_px;
+        let most_px = (MOST.0 * rope.width_px).min(MOST.1 * rope.usual_px);
+        if room_px < LEAST_WIDTHS * rope.width_px || room_px > most_px {
+            continue;
+        }
+        let step_px = STEP_WIDTHS * rope.width_px;
+        let steps = (room_px / step_px) as usize + 1;
+        for reversed in [false, true] {
+            for k in 0..=steps {
+                let before_px = (k as f32 * step_px).min(room_px);
+                let after_px = room_px - before_px;
+                let from_px = if reversed { after_px } else { before_px };
+                let apart = apart_widths(line, length_px, rope, from_px, reversed);
+                if best.as_ref().is_none_or(|(least, _)| apart < *least) {
+                    let place = Place {
+                        rope,
+                        reversed,
+                        room_px,
+                        before_px,
+                    };
+                    best = Some((apart, place));
+                }
+            }
+        }
+    }
+    best.filter(|&(apart, _)| apart <= APART_WIDTHS + past.moved())
+        .map(|(_, place)| place)
+}
+
+/// How far the line lies from the stretch of the rope that begins at `from_px`, in the mean and in widths.
+fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
+    let last = (line.samples.len() - 1) as f32;
+    // The rope as it is known may be longer or shorter than it usually is.
+    let stretch = rope.length_px / rope.usual_px;
+    let sum: f32 = (0..COMPARED)
+        .map(|k| {
+            let t = k as f32 / (COMPARED - 1) as f32;
+            let u = if reversed { 1.0 - t } else { t };
+            let at = line.samples[(u * last).round() as usize].at;
+            vec2::distance(at, rope.at(stretch * (from_px + t * length_px)))
+        })
+        .sum();
+    sum / COMPARED as f32 / rope.width_px
+}
+
+/// Lengthens the last end of the line by up to `most_px`, as the rope's end lies. Returns by how much.
+fn extend(
+    line: &mut Line,
+    rope: &Rope,
+    at_last: bool,
+    most_px: f32,
+    [mask, cover]: [&BitPlane; 2],
+) -> f32 {
+    let n = line.samples.len();
+    let length_px = line.length_px();
+    let step_px = length_px / (n - 1) as f32;
+    let count = |px: f32| (px / step_px).round().max(1.0) as usize;
+    let replaced = count(REPLACED_WIDTHS * rope.width_px);
+    let backed = count(BACKED_WIDTHS * rope.width_px);
+    if n < 2 * (replaced + backed) {
+        return 0.0;
+    }
+    let kept = n - 1 - replaced;
+    let (last, anchor) = (line.samples[n - 1], line.samples[kept].at);
+    let out = vec2::sub(anchor, line.samples[kept - backed].at);
+    let tip_px = most_px + replaced as f32 * step_px;
+    let known = |to_tip_px: f32| {
+        rope.at(if at_last {
+            rope.length_px - to_tip_px
+        } else {
+            to_tip_px
+        })
+    };
+    let known_out = vec2::sub(known(tip_px), known(tip_px + backed as f32 * step_px));
+    let turn = vec2::angle(known_out, out);
+    let (sin, cos) = libm::sincosf(turn);
+    let steps = count(tip_px);
+    let (mut bare, mut good) = (0, 0);
+    // Behind the line as it is, until it is known which of the two is taken.
+    for k in 1..=steps {
+        let to_tip_px = tip_px * (1.0 - k as f32 / steps as f32);
+        let [x, y] = vec2::sub(known(to_tip_px), known(tip_px));
+        let at = vec2::add(anchor, [cos * x - sin * y, sin * x + cos * y]);
+        if is_rope(at, mask) || is_rope(at, cover) {
+            (bare, good) = (0, k);
+        } else {
+            bare += 1;
+            if bare as f32 * step_px > BARE_WIDTHS * rope.width_px {
+                break;
+            }
+        }
+        line.samples.push(Sample { at, ..last });
+    }
+    let more_px = (good as f32 - replaced as f32) * step_px;
+    if more_px < LEAST_WIDTHS * rope.width_px {
+        line.samples.truncate(n);
+        return 0.0;
+    }
+    line.samples.truncate(n + good);
+    line.samples.drain(kept + 1..n);
+    more_px
+}
+
+/// Whether the table shows beyond both ends of a curve.
+pub(crate) fn are_free(curve: &Curve, mask: &BitPlane) -> bool {
+    let points = &curve.points;
+    let n = points.len();
+    if curve.closed || n < 8 {
+        return false;
+    }
+    let step_px = curve.length_px / (n - 1) as f32;
+    let back = ((curve.width_px / step_px.max(0.1)) as usize).clamp(1, n / 4);
+    [[0, back], [n - 1, n - 1 - back]]
+        .iter()
+        .all(|&[tip, inner]| is_free(points[tip], points[inner], curve.width_px, mask))
+}
+
+/// Whether the table shows around a tip, seen from a place before it.
+fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
+    let out = vec2::unit_or(vec2::sub(tip, inner), [1.0, 0.0]);
+    AROUND.iter().all(|&(cos, sin)| {
+        let way = [cos * out[0] - sin * out[1], sin * out[0] + cos * out[1]];
+        !is_rope(vec2::along(tip, way, BEYOND_WIDTHS * width_px), mask)
+    })
+}
+
+/// Shortens the line at the end that lies upon something, if it is longer than its rope and the other
+/// end lies freely: a rope that slides along itself shows that only at its free end.
+pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) {
+    let n = line.samples.len();
+    if line.closed || line.border.contains(&true) || n < 8 {
+        return;
+    }
+    let length_px = line.length_px();
+    let step_px = (length_px / (n - 1) as f32).max(0.1);
+    let known = past.live().find(|rope| {
+        let excess_px = length_px - rope.usual_px;
+        let range_px = LEAST_WIDTHS * rope.width_px..MOST_OVER_WIDTHS * rope.width_px;
+        let apart = |reversed| apart_widths(line, length_px, rope, 0.0, reversed);
+        let is_near =
+            apart(false).min(apart(true)) <= APART_WIDTHS + MOST_OVER_WIDTHS + past.moved();
+        !rope.closed && rope.whole && range_px.contains(&excess_px) && is_near
+    });
+    let Some(rope) = known else {
+        return;
+    };
+    let back = ((rope.width_px / step_px) as usize).clamp(1, n / 4);
+    let free = [[0, back], [n - 1, n - 1 - back]].map(|ends| {
+        let [tip, inner] = ends.map(|i| line.samples[i].at);
+        is_free(tip, inner, rope.width_px, mask) && !is_rope(tip, cover)
+    });
+    let count = ((length_px - rope.usual_px) / step_px).round() as usize;
+    match free {
+        [true, false] => line.samples.truncate(n - count.min(n / 4)),
+        [false, true] => drop(line.samples.drain(..count.min(n / 4))),
+        _ => {}
+    }
+}
+
+fn is_rope([x, y]: Vec2, mask: &BitPlane) -> bool {
+    mask.get((x + 0.5) as i32, (y + 0.5) as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH_PX: f32 = 6.0;
+
+    /// A rope along y = 100 from x = 20 to 140.
+    fn past() -> Past {
+        let points: Vec<Vec2> = (0..=60).map(|i| [20.0 + 2.0 * i as f32, 100.0]).collect();
+        let mut past = Past::default();
+        past.add_covered(
+            false,
+            [120.0, WIDTH_PX, 120.0],
+            &points,
+            [None; 2],
+            (true, true),
+        );
+        past
+    }
+
+    /// What is read of it now, a pixel lower.
+    fn read(from: i32, to: i32) -> Line {
+        let sample = |x| Sample {
+            at: [x as f32, 101.0],
+            weight: 1.0,
+            width_px: WIDTH_PX,
+            side: 0.0,
+        };
+        Line {
+            samples: (from..=to).map(sample).collect(),
+            closed: false,
+            border: [false; 2],
+        }
+    }
+
+    /// Rope along y = 100, and a strand across it, from x to before x.
+    fn mask(rope: [usize; 2], strand: [usize; 2]) -> BitPlane {
+        let mut mask = BitPlane::default();
+        mask.resize(200, 200);
+        for y in 0..200 {
+            mask.fill(y, strand[0], strand[1], true);
+        }
+        for y in 98..=104 {
+            mask.fill(y, rope[0], rope[1], true);
+        }
+        mask
+    }
+
+    #[test]
+    fn a_tip_that_a_strand_hides_is_where_the_ropes_length_says() {
+        for (from, to) in [(20, 120), (40, 140)] {
+            let mut line = read(from, to);
+            let strand = if from == 20 { [121, 160] } else { [0, 40] };
+            let added = lengthen(
+                &mut line,
+                &past(),
+                [&mask([20, 141], strand), &BitPlane::default()],
+            );
+            let (first, last) = (line.samples[0].at, line.samples[line.samples.len() - 1].at);
+            assert!((added[0] + added[1] - 20.0).abs() < 1.5, "{added:?}");
+            assert!((first[0] - 20.0).abs() < 1.5 && (last[0] - 140.0).abs() < 1.5);
+            assert!((first[1] - 101.0).abs() < 0.5 && (last[1] - 101.0).abs() < 0.5);
+        }
+    }
+
+    #[test]
+    fn a_tip_that_shows_is_where_it_shows() {
+        let mut line = read(20, 120);
+        let added = lengthen(
+            &mut line,
+            &past(),
+            [&mask([20, 121], [190, 199]), &BitPlane::default()],
+        );
+        assert_eq!((added, line.samples.len()), ([0.0; 2], 101));
+    }
+
+    #[test]
+    fn a_tip_under_a_cover_is_where_the_ropes_length_says() {
+        let mut line = read(20, 120);
+        let added = lengthen(
+            &mut line,
+            &past(),
+            [&mask([20, 121], [190, 199]), &mask([121, 160], [121, 160])],
+        );
+        assert!((added[1] - 20.0).abs() < 1.5, "{added:?}");
+    }
+
+    #[test]
+    fn a_followed_rope_that_is_too_long_ends_sooner_where_it_lies_upon_a_strand() {
+        let mut line = read(20, 150);
+        let mask = mask([20, 151], [140, 190]);
+        shorten(&mut line, &past(), [&mask, &BitPlane::default()]);
+        let (first, last) = (line.samples[0].at, line.samples[line.samples.len() - 1].at);
+        assert!(first[0] == 20.0 && (last[0] - 140.0).abs() < 1.5);
+    }
+
+    #[test]
+    fn a_line_that_lies_elsewhere_is_no_part_of_the_rope() {
+        let mut line = read(20, 120);
+        for sample in &mut line.samples {
+            sample.at[1] += 30.0;
+        }
+        assert_eq!(place(&line, &past()).map(|place| place.room_px), None);
+    }
+}

@@ -1,0 +1,485 @@
+//! Which rope is which, from one image to the next.
+//!
+//! Ropes and curves that agree best are matched first; the way round that fits better is kept, so
+//! that a rope's first point stays its first. A rope without a match is out of sight and keeps its
+//! number for a while; one that comes into sight takes the number of a lost rope that it is like, or
+//! else a new one. A curve that is shorter than its rope was is a part of it.
+
+use super::complete::Completer;
+use super::matching::{self, Agreement, Shape, nearest_point};
+use super::turn::{align_ring, open_ring, reverse, rotate, signed_area};
+use crate::image::color;
+use crate::options::Options;
+use crate::past::Past;
+use crate::scene::{Curve, Status};
+use crate::vec2::{Vec2, distance};
+
+/// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
+/// length less.
+const PARTIAL: f32 = 0.85;
+/// A tip that was here and is this many widths back along the rope is covered, not moved: no rope
+/// slides along itself that far from one image to the next.
+const JUMP_WIDTHS: f32 = 1.5;
+/// What more it must have lost of its length: that of a rope seen whole varies by less.
+const JUMP_SHARE: f32 = 0.015;
+/// Frames after which a rope is missed when it goes out of sight.
+const SETTLED: u32 = 3;
+/// Frames after which a rope is as well known as can be.
+const LONG: u32 = 100;
+/// Frames that a rope was taken for one, to outweigh a doubt; and after a doubt, to be taken for one again.
+const KNOWN: i32 = 10;
+const REGAINED: i32 = 3;
+/// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
+const SAME_WIDTHS: f32 = 1.0;
+
+/// Memory of the tracking: all ropes, seen or lost.
+#[derive(Debug, Default)]
+pub(crate) struct Tracker {
+    tracks: Vec<Track>,
+    /// Tracks that are done with, kept for their memory.
+    spare: Vec<Track>,
+    matches: Vec<Match>,
+    next: u32,
+    started: bool,
+    now_ns: u64,
+    yuv: bool,
+    completer: Completer,
+}
+
+#[derive(Debug, Default)]
+struct Track {
+    number: u32,
+    /// When it was last seen.
+    seen_ns: u64,
+    /// Frames since then; 0: now.
+    age: u32,
+    /// Frames in which it was seen.
+    frames: u32,
+    /// Those of them in which both of its ends lay freely.
+    free_frames: u32,
+    /// The curve of this image that it is, and whether that runs against it.
+    current: Option<(usize, bool)>,
+    closed: bool,
+    border: [bool; 2],
+    /// Where along its shape each end of what was seen ran into something that is no rope.
+    covered_px: [Option<f32>; 2],
+    /// Its shape as it is known: as last seen, with what was covered then added from before.
+    points: Vec<Vec2>,
+    width_px: f32,
+    length_px: f32,
+    color: Option<[f32; 3]>,
+    /// Its usual length while seen whole: what "in part" is told by.
+    whole_px: f32,
+    /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
+    sure: i32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Match {
+    agreement: Agreement,
+    track: usize,
+    curve: usize,
+}
+
+/// What the tracker is told of a curve beside its shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    /// The mean native color along it.
+    pub(crate) color: [f32; 3],
+    /// Whether each end runs into something that is no rope.
+    pub(crate) covered: [bool; 2],
+    /// Whether the table shows beyond both ends: the rope is as long as it looks.
+    pub(crate) free: bool,
+}
+
+impl Tracker {
+    /// Forgets all ropes; numbers go on.
+    pub(crate) fn reset(&mut self) {
+        self.spare.append(&mut self.tracks);
+        self.started = false;
+    }
+
+    /// Makes the buffers for ropes of so many points.
+    pub(crate) fn reserve(&mut self, points: usize) {
+        self.completer.reserve(3 * points);
+        self.matches.reserve(256);
+        self.spare.reserve(64);
+        while self.spare.len() + self.tracks.len() < 16 {
+            self.spare.push(Track {
+                points: Vec::with_capacity(points),
+                ..Track::default()
+            });
+        }
+        self.tracks.reserve(64);
+    }
+
+    /// Numbers ropes from the first again.
+    pub(crate) fn restart(&mut self) {
+        self.next = 0;
+    }
+
+    /// Says when the image at hand was taken and whether its colors are YUV: colors of another kind
+    /// of image mean nothing any more.
+    pub(crate) fn begin(&mut self, now_ns: u64, yuv: bool) {
+        self.now_ns = now_ns;
+        if std::mem::replace(&mut self.yuv, yuv) != yuv {
+            self.tracks.iter_mut().for_each(|track| track.color = None);
+        }
+    }
+
+    /// Says what moment it is, where there is no image.
+    pub(crate) fn pass(&mut self, now_ns: u64) {
+        self.now_ns = now_ns;
+    }
+
+    /// Writes the ropes as they were last seen into `past`.
+    pub(crate) fn remember(&self, past: &mut Past) {
+        past.clear();
+        for track in &self.tracks {
+            let sizes_px = [track.length_px, track.width_px, track.whole_px];
+            let live = track.age == 0 && track.frames >= SETTLED;
+            let whole = track.border == [false; 2];
+            let state = (live, whole);
+            past.add_covered(
+                track.closed,
+                sizes_px,
+                &track.points,
+                track.covered_px,
+                state,
+            );
+        }
+    }
+
+    /// Numbers and turns the curves of a new image, and says which lost ropes are to be reported by
+    /// appending them to `curves` from `count` on. Returns the new count.
+    pub(crate) fn update(
+        &mut self,
+        curves: &mut Vec<Curve>,
+        count: usize,
+        looks: &mut [Look],
+        options: &Options,
+    ) -> usize {
+        for track in &mut self.tracks {
+            track.current = None;
+            track.age = track.age.saturating_add(1);
+        }
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let agreement = matching::near(rope, curve)?;
+            // Of ropes that lie equally near, the one in sight is meant, and that for longest.
+            let (frames, age) = (track.frames.min(LONG) as f32, track.age.min(2) as f32);
+            let doubt = age - frames / LONG as f32;
+            let cost = agreement.cost + doubt * rope.width_px;
+            Some(Agreement { cost, ..agreement })
+        });
+        self.match_with(&curves[..count], looks, |track, rope, curve| {
+            let was_lost = track.age > 1;
+            was_lost.then(|| matching::returned(rope, track.whole_px, curve))?
+        });
+        for (c, curve) in curves.iter_mut().enumerate().take(count) {
+            if !self.tracks.iter().any(|t| is_current(t, c)) {
+                if self.orient_new(curve, options.start) {
+                    looks[c].covered.swap(0, 1);
+                }
+                self.add(c);
+            }
+        }
+        self.started |= count > 0;
+        for t in 0..self.tracks.len() {
+            if let Some((c, reversed)) = self.tracks[t].current {
+                let track = &mut self.tracks[t];
+                see(
+                    track,
+                    &mut curves[c],
+                    &mut looks[c],
+                    reversed,
+                    &mut self.completer,
+                );
+                track.seen_ns = self.now_ns;
+            }
+        }
+        self.drop_old(options.keep_lost.as_nanos());
+        self.report_lost(curves, count, options.ropes)
+    }
+
+    /// Whether the rope of this number was taken for one for a while.
+    pub(crate) fn is_known(&self, number: u32) -> bool {
+        (self.tracks.iter()).any(|track| track.number == number && track.sure >= KNOWN)
+    }
+
+    /// Weighs what a curve looks like with what its track was taken for: returns whether it may be no rope.
+    pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
+        let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
+            return is_doubted;
+        };
+        track.sure = match is_doubted {
+            false => (track.sure + 1).min(LONG as i32),
+            true if track.sure >= KNOWN => track.sure - 1,
+            true => -REGAINED,
+        };
+        track.sure < 0
+    }
+
+    /// Takes the ropes of the last image, which were followed into this one and are all that is known.
+    pub(crate) fn go_on(&mut self, curves: &[Curve]) {
+        for track in &mut self.tracks {
+            if let Some(curve) = curves.iter().find(|curve| curve.track == track.number) {
+                track.seen_ns = self.now_ns;
+                track.age = 0;
+                track.frames = track.frames.saturating_add(1);
+                if track.sure >= 0 {
+                    track.sure = (track.sure + 1).min(LONG as i32);
+                }
+                track.note_length(curve, false, true);
+                track.points.clear();
+                track.points.extend_from_slice(&curve.points);
+                (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
+            }
+        }
+    }
+
+    /// Matches tracks and curves that are still free, those first that `agree` best.
+    fn match_with(
+        &mut self,
+        curves: &[Curve],
+        looks: &[Look],
+        agree: impl Fn(&Track, &Shape, &Shape) -> Option<Agreement>,
+    ) {
+        self.matches.clear();
+        for (t, track) in self.tracks.iter().enumerate() {
+            for (c, curve) in curves.iter().enumerate() {
+                let color_levels = track.color.map_or(0.0, |color| {
+                    color::distance(color, looks[c].color, self.yuv)
+                });
+                let rope = Shape {
+                    points: &track.points,
+                    closed: track.closed,
+                    length_px: track.length_px,
+                    width_px: track.width_px,
+                    color_levels,
+                };
+                let curve = Shape {
+                    points: &curve.points,
+                    closed: curve.closed,
+                    length_px: curve.length_px,
+                    width_px: curve.width_px,
+                    color_levels,
+                };
+                if let Some(agreement) = agree(track, &rope, &curve) {
+                    self.matches.push(Match {
+                        agreement,
+                        track: t,
+                        curve: c,
+                    });
+                }
+            }
+        }
+        self.matches
+            .sort_unstable_by(|a, b| a.agreement.cost.total_cmp(&b.agreement.cost));
+        for m in &self.matches {
+            let taken = self.tracks.iter().any(|t| is_current(t, m.curve));
+            if !taken && self.tracks[m.track].current.is_none() {
+                self.tracks[m.track].current = Some((m.curve, m.agreement.reversed));
+            }
+        }
+    }
+
+    /// A new rope begins at the end nearest to `start` or, without one, to the top left.
+    /// Returns whether an open one was turned.
+    fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) -> bool {
+        let goal = match start {
+            Some(goal) if !self.started => goal,
+            _ => [0.0, 0.0],
+        };
+        if curve.closed {
+            rotate(curve, nearest_point(&curve.points, goal));
+            if signed_area(&curve.points) < 0.0 {
+                reverse(curve);
+            }
+        } else if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last())
+            && distance(last, goal) < distance(first, goal)
+        {
+            reverse(curve);
+            return true;
+        }
+        false
+    }
+
+    fn add(&mut self, curve: usize) {
+        let mut track = self.spare.pop().unwrap_or_default();
+        track.number = self.next;
+        self.next = self.next.wrapping_add(1);
+        track.current = Some((curve, false));
+        track.points.clear();
+        track.color = None;
+        track.whole_px = 0.0;
+        (track.frames, track.age, track.sure) = (0, 0, 0);
+        self.tracks.push(track);
+    }
+
+    /// Drops ropes that are out of sight for too long, were hardly seen, or were parts of others.
+    fn drop_old(&mut self, keep_ns: u128) {
+        let mut t = 0;
+        while t < self.tracks.len() {
+            let track = &self.tracks[t];
+            let age_ns = self.now_ns.saturating_sub(track.seen_ns);
+            // What was seen for a moment only was hardly a rope: it is not missed.
+            let missed = track.frames >= SETTLED && u128::from(age_ns) <= keep_ns;
+            if track.age > 0 && (!missed || self.was_part_of_another(track)) {
+                let gone = self.tracks.remove(t);
+                self.spare.push(gone);
+            } else {
+                t += 1;
+            }
+        }
+    }
+
+    /// Whether a lost rope lies along one that is seen: a piece that is one with the rest again.
+    fn was_part_of_another(&self, lost: &Track) -> bool {
+        let part = shape_of(lost);
+        self.tracks.iter().any(|whole| {
+            let longer = whole.age == 0 && whole.length_px > lost.length_px;
+            longer && matching::along(&shape_of(whole), &part).cost <= SAME_WIDTHS * whole.width_px
+        })
+    }
+
+    fn report_lost(&self, curves: &mut Vec<Curve>, count: usize, most: usize) -> usize {
+        let mut count = count;
+        for track in self.tracks.iter().filter(|t| t.current.is_none()) {
+            if count >= most {
+                break;
+            }
+            if count == curves.len() {
+                curves.push(Curve::empty());
+            }
+            let curve = &mut curves[count];
+            curve.track = track.number;
+            curve.status = Status::Lost;
+            curve.age_ns = self.now_ns.saturating_sub(track.seen_ns);
+            curve.closed = track.closed;
+            curve.border = track.border;
+            curve.points.clear();
+            curve.points.extend_from_slice(&track.points);
+            curve.widths_px.clear();
+            curve.widths_px.resize(track.points.len(), track.width_px);
+            curve.hidden.clear();
+            curve.hidden.resize(track.points.len(), true);
+            (curve.width_px, curve.length_px) = (track.width_px, track.length_px);
+            count += 1;
+        }
+        count
+    }
+}
+
+fn is_current(track: &Track, curve: usize) -> bool {
+    track.current.is_some_and(|(c, _)| c == curve)
+}
+
+fn shape_of(track: &Track) -> Shape<'_> {
+    Shape {
+        points: &track.points,
+        closed: track.closed,
+        length_px: track.length_px,
+        width_px: track.width_px,
+        color_levels: 0.0,
+    }
+}
+
+/// Turns the curve as its track was, judges how much of the rope it is, and takes it as the track's
+/// newest shape.
+fn see(
+    track: &mut Track,
+    curve: &mut Curve,
+    look: &mut Look,
+    reversed: bool,
+    completer: &mut Completer,
+) {
+    if curve.closed && !track.closed {
+        open_ring(&track.points, curve);
+    }
+    if reversed && !curve.closed {
+        reverse(curve);
+        look.covered.swap(0, 1);
+    }
+    if curve.closed && track.closed && track.points.len() == curve.points.len() {
+        align_ring(&track.points, curve);
+    }
+    curve.track = track.number;
+    curve.age_ns = 0;
+    let cut = curve.border.iter().chain(&track.border).any(|&b| b);
+    let missing_px = track.length_px.min(track.whole_px) - curve.length_px;
+    let is_short = missing_px > JUMP_WIDTHS * curve.width_px + JUMP_SHARE * track.length_px;
+    let tip_covered = look.covered.contains(&true);
+    let jumped = !cut && is_short && has_jumped(track, curve);
+    let whole = !jumped && (cut || curve.length_px >= PARTIAL * track.whole_px);
+    let covered = curve.hidden.contains(&true) || tip_covered;
+    curve.status = if whole && !covered {
+        Status::Ok
+    } else {
+        Status::Partial
+    };
+    track.note_length(curve, cut, look.free);
+    track.age = 0;
+    track.frames = track.frames.saturating_add(1);
+    track.color = Some(match track.color {
+        // Slowly: the light changes, a rope's color does not.
+        Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
+        None => look.color,
+    });
+    let is_part = is_short && (jumped || tip_covered) && !track.closed && !curve.closed;
+    let seen_px;
+    (track.length_px, seen_px) = if is_part {
+        completer.complete(&mut track.points, track.length_px, curve)
+    } else {
+        track.points.clear();
+        track.points.extend_from_slice(&curve.points);
+        (curve.length_px, [0.0, curve.length_px])
+    };
+    track.covered_px = [0, 1].map(|end| look.covered[end].then_some(seen_px[end]));
+    (track.closed, track.border, track.width_px) = (curve.closed, curve.border, curve.width_px);
+}
+
+impl Track {
+    /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
+    /// a rope that stays short is a shorter view of it, not half hidden for ever. Ends that lie upon
+    /// something say next to nothing of it.
+    fn note_length(&mut self, curve: &Curve, cut: bool, free: bool) {
+        if cut || self.frames == 0 {
+            self.whole_px = curve.length_px;
+            self.free_frames = 0;
+        }
+        if cut {
+            return;
+        }
+        let pace = match (free, curve.status) {
+            (true, Status::Ok) => {
+                self.free_frames = self.free_frames.saturating_add(1);
+                // Of the first few, the mean.
+                (1.0 / self.free_frames as f32).max(0.005)
+            }
+            (true, _) => 0.005,
+            (false, Status::Ok) => 0.0005,
+            (false, _) => 0.002,
+        };
+        let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
+        self.whole_px *= 1.0 + step.clamp(-pace, pace);
+    }
+}
+
+/// Whether a tip of the rope lies, all at once, back along it.
+fn has_jumped(track: &Track, curve: &Curve) -> bool {
+    if track.closed || curve.closed {
+        return track.closed && !curve.closed;
+    }
+    let ends = [
+        (track.points.first(), curve.points.first()),
+        (track.points.last(), curve.points.last()),
+    ];
+    ends.iter().any(|ends| match ends {
+        &(Some(&before), Some(&now)) => {
+            let back = distance(before, now) > JUMP_WIDTHS * track.width_px;
+            let nearest = nearest_point(&track.points, now);
+            back && distance(track.points[nearest], now) < JUMP_WIDTHS * track.width_px
+        }
+        _ => false,
+    })
+}
