@@ -289,13 +289,24 @@ fn log_to_stderr(level: Option<Level>) {
 mod tests {
     use super::*;
 
-    const DOCUMENTS: [&str; 6] = [
+    const DOCUMENTS: [&str; 17] = [
         include_str!("../README.md"),
         include_str!("../CONTRIBUTING.md"),
         include_str!("../ARCHITECTURE.md"),
+        include_str!("../docs/cameras.md"),
         include_str!("../docs/control.md"),
+        include_str!("../docs/curves.md"),
         include_str!("../docs/domains.md"),
+        include_str!("../docs/figures.md"),
+        include_str!("../docs/masks.md"),
+        include_str!("../docs/millimetres.md"),
+        include_str!("../docs/outside.md"),
         include_str!("../docs/paper.md"),
+        include_str!("../docs/readers.md"),
+        include_str!("../docs/realtime.md"),
+        include_str!("../docs/recordings.md"),
+        include_str!("../docs/running.md"),
+        include_str!("../docs/servo.md"),
     ];
 
     /// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on in a block of code.
