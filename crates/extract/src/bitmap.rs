@@ -2,8 +2,8 @@
 //! pixel is from the nearest unset one.
 
 pub(crate) mod bits;
-pub(crate) mod clearance;
 pub(crate) mod components;
+pub(crate) mod edge_distance;
 pub(crate) mod morphology;
 pub(crate) mod neighbors;
 pub(crate) mod pieces;

@@ -1,17 +1,17 @@
 //! The fourth step: from a strand to samples along the middle of the rope, between pixels, from tip to tip, each with the
 //! rope's width there.
 
-mod abut;
 mod centerliner;
 mod contrast;
 mod edge;
 pub(crate) mod extender;
+pub(crate) mod extrapolate;
 pub(crate) mod line;
-pub(crate) mod onward;
 pub(crate) mod path;
 pub(crate) mod section;
 pub(crate) mod shading;
 pub(crate) mod smooth;
 pub(crate) mod source;
+mod tip_contact;
 
 pub(crate) use centerliner::Centerliner;

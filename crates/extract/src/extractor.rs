@@ -8,6 +8,7 @@ use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
 use crate::centerline::Centerliner;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::chords::ChordFollower;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::crossings::Crosser;
@@ -20,14 +21,13 @@ use crate::image::{Image, color};
 use crate::mask::{MaskError, Masker};
 use crate::notice::Notice;
 use crate::occlusion::bridge::Bridger;
-use crate::occlusion::cover::Cover;
 use crate::occlusion::ends::Scenery;
+use crate::occlusion::occluder::Occluder;
 use crate::options::{Mask, Method, Options, OptionsError};
-use crate::pursue::Pursuer;
 use crate::scene::{Crossing, Curve, Scene};
 use crate::skeleton::thin::Thinner;
 use crate::skeleton::{Pixel, Skeleton};
-use crate::tracking::follow::{self, Follower};
+use crate::tracking::refit::{self, Refitter};
 use crate::tracking::track::{Look, Tracker};
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
@@ -69,7 +69,7 @@ pub struct Extractor {
     size: (usize, usize),
     unpacker: Unpacker,
     masker: Masker,
-    cover: Cover,
+    occluder: Occluder,
     thinner: Thinner,
     skeleton: Skeleton,
     graph: Graph,
@@ -84,7 +84,7 @@ pub struct Extractor {
     lines: Vec<Line>,
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
-    follower: Follower,
+    refitter: Refitter,
     looks: Vec<Look>,
     spaced: Vec<Sample>,
     now_ns: u64,
@@ -95,7 +95,7 @@ pub struct Extractor {
     count: usize,
     crosser: Crosser,
     crossings: Vec<Crossing>,
-    pursuer: Pursuer,
+    chords: ChordFollower,
     /// What each curve may be instead of a rope, and what to say of it.
     doubts: Vec<Option<Notice>>,
     doubt: Option<Notice>,
@@ -117,7 +117,7 @@ impl Extractor {
             size: (0, 0),
             unpacker: Unpacker::default(),
             masker: Masker::default(),
-            cover: Cover::default(),
+            occluder: Occluder::default(),
             thinner: Thinner::default(),
             skeleton: Skeleton::default(),
             graph: Graph::default(),
@@ -131,7 +131,7 @@ impl Extractor {
             lines: Vec::new(),
             colors: Vec::new(),
             bridger: Bridger::default(),
-            follower: Follower::default(),
+            refitter: Refitter::default(),
             looks: Vec::new(),
             spaced: Vec::new(),
             now_ns: 0,
@@ -141,7 +141,7 @@ impl Extractor {
             count: 0,
             crosser: Crosser::default(),
             crossings: Vec::new(),
-            pursuer: Pursuer::default(),
+            chords: ChordFollower::default(),
             doubts: Vec::new(),
             doubt: None,
             is_crowded: false,
@@ -174,8 +174,8 @@ impl Extractor {
     /// extracted whole.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
-        if self.pursuer.is_ready() {
-            let found = self.pursue(image);
+        if self.chords.is_ready() {
+            let found = self.follow(image);
             after(Step::Follow);
             if found {
                 return true;
@@ -187,11 +187,11 @@ impl Extractor {
     }
 
     /// Follows the ropes of the last image into this one, if that is all it takes.
-    fn pursue(&mut self, image: &Image) -> bool {
+    fn follow(&mut self, image: &Image) -> bool {
         let (table, curves) = (&self.masker.background, &mut self.curves[..self.count]);
         let found = self
-            .pursuer
-            .pursue(image, table, curves, &mut self.crossings);
+            .chords
+            .follow(image, table, curves, &mut self.crossings);
         if found {
             self.tracker
                 .begin(self.now_ns, color::is_yuv(image.format()));
@@ -202,15 +202,15 @@ impl Extractor {
 
     /// Lets the ropes just extracted be followed from here on, where all is plain to see.
     fn anchor(&mut self, image: &Image, seen: usize) {
-        self.pursuer.drop();
-        let plain = seen > 0 && seen == self.count && !self.cover.any();
+        self.chords.drop();
+        let plain = seen > 0 && seen == self.count && !self.occluder.any();
         self.plain_frames = if plain { self.plain_frames + 1 } else { 0 };
         if let Some(cut) = self.masker.cut
             && self.plain_frames >= SETTLED
             && self.masker.notice.is_none()
         {
             let (table, curves) = (&self.masker.background, &self.curves[..self.count]);
-            self.pursuer
+            self.chords
                 .anchor(image, table, cut, curves, &self.crossings);
         }
     }
@@ -238,7 +238,7 @@ impl Extractor {
     ) -> Result<Scene<'_>, MaskError> {
         self.masker.take(image, mask)?;
         self.turn_to(image);
-        self.pursuer.drop();
+        self.chords.drop();
         let mut unpacker = std::mem::take(&mut self.unpacker);
         self.after_mask(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
@@ -250,7 +250,7 @@ impl Extractor {
     pub fn blank(&mut self) -> Scene<'_> {
         self.turn_the_clock();
         self.crossings.clear();
-        self.pursuer.drop();
+        self.chords.drop();
         self.plain_frames = 0;
         self.tracker.pass(self.now_ns);
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
@@ -287,8 +287,11 @@ impl Extractor {
         self.zones.past.check(pixels.map(Pixel::at));
         let known_half_px = self.zones.past.widest_half_px();
         let mask = &self.masker.mask;
-        if self.cover.find(image, &self.skeleton, mask, known_half_px) {
-            self.masker.take_out(&self.cover.plane);
+        if self
+            .occluder
+            .find(image, &self.skeleton, mask, known_half_px)
+        {
+            self.masker.take_out(&self.occluder.plane);
             self.skeletonize();
         }
         after(Step::Skeleton);
@@ -305,15 +308,15 @@ impl Extractor {
             past: &self.zones.past,
             difference: &self.masker.difference,
             level: SOMETHING,
-            cover: &self.cover.plane,
+            occluder: &self.occluder.plane,
             yuv,
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
         self.lengthen(joined);
-        // A followed line is measured anew: the centers would be lost.
+        // A refitted line is measured anew: the centers would be lost.
         let joined = match self.options.method {
-            Method::Skeleton => self.follow(image, joined),
+            Method::Skeleton => self.refit(image, joined),
             _ => joined,
         };
         self.lengthen(joined);
@@ -386,18 +389,18 @@ impl Extractor {
         self.doubts.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
-        self.cover.reserve(width, height);
+        self.occluder.reserve(width, height);
         self.masker.shadows.reserve(width, height);
         self.tracker.reserve(self.options.points);
         self.tracker.remember(&mut self.zones.past);
-        let scene = follow::Scene {
+        let scene = refit::Scene {
             past: &self.zones.past,
             difference: &self.masker.difference,
             mask: &self.masker.mask,
-            cover: &self.cover.plane,
+            occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
-        self.follower.rehearse(lines, samples, &scene);
+        self.refitter.rehearse(lines, samples, &scene);
     }
 
     /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first
@@ -410,7 +413,7 @@ impl Extractor {
     fn new_scene(&mut self) {
         self.count = 0;
         self.crossings.clear();
-        self.pursuer.drop();
+        self.chords.drop();
         self.plain_frames = 0;
         self.clusterer.forget();
         self.tracker.reset();

@@ -1,7 +1,7 @@
 //! The third step: from the skeleton to strands, each rope's edges in order through its crossings and overlaps.
 
+mod double_crossing;
 mod edges;
-mod lens;
 pub(crate) mod necks;
 pub(crate) mod overlaps;
 pub(crate) mod pairing;

@@ -2,8 +2,8 @@
 //! and the values along lines through them, and the loops over all pixels that are written for wide registers.
 
 pub(crate) mod color;
+pub(crate) mod gray;
 pub(crate) mod kernels;
-pub(crate) mod plane;
 pub(crate) mod ray;
 mod region;
 pub(crate) mod unpack;

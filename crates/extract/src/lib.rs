@@ -28,12 +28,12 @@
 //!
 //! | step | folder | from → to |
 //! |---|---|---|
-//! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `whole`, `cast`, `doubt` | image, or a mask made elsewhere → one bit a pixel, and how unlike the table each pixel is |
+//! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `hysteresis`, `cast`, `diagnosis` | image, or a mask made elsewhere → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `skeleton`: `thin`, `pixels` | mask → lines one pixel wide |
 //! | graph | `graph`: `edges`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `centerline`: `path`, `section`, `smooth`, `extender` | strands → samples along the middle of each rope |
-//! | | `occlusion`: `cover`, `bridge` | what hides a rope leaves the mask; lines → lines joined across it |
-//! | | `tracking`: `follow`, `part`, `tips`, `track`, `plausible` | lines → curves with numbers that last |
+//! | | `occlusion`: `occluder`, `bridge` | what hides a rope leaves the mask; lines → lines joined across it |
+//! | | `tracking`: `refit`, `part`, `tips`, `track`, `plausible` | lines → curves with numbers that last |
 //! | | `crossings`: `meet`, `over` | curves → where they cross, and which is on top |
 //!
 //! [`Extractor`] takes the steps in this order (`extractor`), as the `options` say; `past` is what they know of the last
@@ -45,7 +45,7 @@
 //! and the points are theirs (`ordering`).
 //!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
-//! at each of its points (`pursue`), as long as nothing else happens; [`Scene::followed`] says so.
+//! at each of its points (`chords`), as long as nothing else happens; [`Scene::followed`] says so.
 //!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
 //! it is knotted (`knot`). Color ranges for a picture's ropes are proposed by `pick`.
@@ -67,6 +67,7 @@
 
 mod bitmap;
 mod centerline;
+mod chords;
 mod clustering;
 mod crossings;
 mod extractor;
@@ -79,7 +80,6 @@ mod occlusion;
 mod options;
 mod past;
 mod pick;
-mod pursue;
 mod scene;
 mod skeleton;
 mod statistics;

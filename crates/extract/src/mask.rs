@@ -3,15 +3,15 @@
 
 pub(crate) mod background;
 pub(crate) mod cast;
+mod diagnosis;
 pub(crate) mod difference;
-mod doubt;
 mod faint;
 pub(crate) mod hsv;
+mod hysteresis;
 mod masker;
 mod pattern;
 pub(crate) mod shadow;
 mod threshold;
-mod whole;
 mod widths;
 
 pub(crate) use masker::Masker;

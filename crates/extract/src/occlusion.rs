@@ -1,5 +1,5 @@
 //! What hides a rope: it is found and taken out of the mask, and the rope's pieces are joined across it.
 
 pub(crate) mod bridge;
-pub(crate) mod cover;
 pub(crate) mod ends;
+pub(crate) mod occluder;

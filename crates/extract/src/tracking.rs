@@ -2,10 +2,10 @@
 //! and each curve gets its rope's number, its direction, and the parts of it that are out of sight.
 
 mod complete;
-pub(crate) mod follow;
 mod matching;
 pub(crate) mod part;
 pub(crate) mod plausible;
+pub(crate) mod refit;
 pub(crate) mod tips;
 pub(crate) mod track;
 mod turn;

@@ -7,7 +7,7 @@ use lariat_portable::Simd;
 
 use super::line::Line;
 use super::section::Measure;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Rays};
 use crate::statistics::medians;
 
@@ -48,7 +48,7 @@ impl Contrast {
         &mut self,
         simd: S,
         line: &Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         how: Measure,
         part: &Range<usize>,
     ) {
@@ -80,7 +80,7 @@ impl Contrast {
     }
 
     #[inline(always)]
-    fn look(&mut self, line: &Line, difference: &Plane, how: Measure) {
+    fn look(&mut self, line: &Line, difference: &GrayPlane, how: Measure) {
         let tangent_reach = how.tangent_reach();
         let far = MIDDLE.map(|k| [k * how.half_px; LANES]);
         let (mut rays, mut values) = (Rays::default(), [[0.0; LANES]; MIDDLE.len()]);

@@ -2,7 +2,7 @@
 //! level. A few places about where the rope's width says that they lie are read at once, for both edges of many sections;
 //! that is enough for nearly all. The rest is sought step by step.
 
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
 use crate::vec2::{self, Vec2};
 
@@ -16,7 +16,7 @@ const STEP_PX: f32 = 0.5;
 /// `known` (not a number), of a section that may leave the image. Where that ends before one edge, the other and the
 /// rope's width tell.
 pub(crate) fn edges(
-    difference: &Plane,
+    difference: &GrayPlane,
     (center, normal): (Vec2, Vec2),
     levels: [f32; 2],
     known: [f32; 2],
@@ -146,7 +146,7 @@ impl Sought {
     /// The edges' distances, as [`edge`] finds them along lines that stay within the plane a step farther than their
     /// reach; not a number where they are out of it.
     #[inline(always)]
-    pub(crate) fn find(&self, difference: &Plane, half_px: f32) -> Lanes {
+    pub(crate) fn find(&self, difference: &GrayPlane, half_px: f32) -> Lanes {
         let (core, step) = (CORE * half_px, step_px(half_px));
         let (mut at, mut values, mut found) = (self.from_px, [[0.0; LANES]; 1], [f32::NAN; LANES]);
         self.rays.read(difference, &[at], &mut values);
@@ -242,8 +242,8 @@ mod tests {
     use proptest::prelude::*;
 
     /// A rope up and down at x = 40, of this half-width and blur, as bright as a cosine and some stripes make it.
-    fn plane(half_px: f32, blur_px: f32, stripes: f32) -> Plane {
-        let mut plane = Plane::default();
+    fn plane(half_px: f32, blur_px: f32, stripes: f32) -> GrayPlane {
+        let mut plane = GrayPlane::default();
         plane.resize(80, 60);
         for y in 0..60 {
             for (x, byte) in plane.row_mut(y).iter_mut().enumerate() {

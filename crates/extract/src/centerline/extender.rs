@@ -4,12 +4,12 @@
 //! along the arc that it comes on, to where the rope's difference from the table falls to half, or to where the tip lies
 //! against another strand.
 
-use super::abut::Body;
+use super::extrapolate;
 use super::line::{Line, Sample};
-use super::onward;
 use super::source::Source;
+use super::tip_contact::Contact;
 use crate::graph::strands::Leg;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::statistics::quantile_of_positive;
 
 /// Memory of the step.
@@ -19,7 +19,7 @@ pub(crate) struct Extender {
     tip: Vec<Sample>,
     levels: Vec<f32>,
     /// The strands that the line's ends lie against.
-    bodies: [Option<Body>; 2],
+    contacts: [Option<Contact>; 2],
 }
 
 impl Extender {
@@ -31,19 +31,19 @@ impl Extender {
 
     /// Turns to the line of these legs.
     pub(crate) fn begin(&mut self, source: &Source, legs: &[Leg]) {
-        let body = |leg: Option<&Leg>, end| Body::at(leg?, end, source.graph, source.zones);
-        self.bodies = [body(legs.first(), 0), body(legs.last(), 1)];
+        let contact = |leg: Option<&Leg>, end| Contact::at(leg?, end, source.graph, source.zones);
+        self.contacts = [contact(legs.first(), 0), contact(legs.last(), 1)];
     }
 
     /// Whether each end lies against nothing.
     pub(crate) fn is_free(&self) -> [bool; 2] {
-        self.bodies.map(|body| body.is_none())
+        self.contacts.map(|contact| contact.is_none())
     }
 
     /// Cuts `cut_px` from each visible end and runs on to the tip.
     pub(crate) fn extend(
         &mut self,
-        difference: &Plane,
+        difference: &GrayPlane,
         line: &mut Line,
         half_px: f32,
         step_px: f32,
@@ -59,7 +59,7 @@ impl Extender {
     /// Works on the first (0) or the last (1) end of the line.
     fn extend_end(
         &mut self,
-        difference: &Plane,
+        difference: &GrayPlane,
         line: &mut Line,
         end: usize,
         [half_px, step_px, cut_px]: [f32; 3],
@@ -72,20 +72,20 @@ impl Extender {
         let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
         let back = back.clamp(1, (last / 3).max(1)).min(last);
         let places = [last, last - back, last.saturating_sub(2 * back)].map(|i| sample(i).at);
-        let path = onward::arc(places, last >= 2 * back);
+        let path = extrapolate::arc(places, last >= 2 * back);
         // The rope's own contrast: the median along the piece that the direction comes from.
         self.levels.clear();
         let piece = (last - back..=last).map(|i| difference.sample(sample(i).at));
         self.levels.extend(piece);
         let level = 0.5 * quantile_of_positive(&mut self.levels, 0.5).max(2.0);
         let limit_px = cut_px + 4.0 * half_px + 4.0;
-        let (far, border) = match self.bodies[end] {
-            Some(body) => {
+        let (far, border) = match self.contacts[end] {
+            Some(contact) => {
                 let rope = (half_px, level, limit_px);
-                let far = body.tip(difference, &path, rope, &mut self.levels);
+                let far = contact.tip(difference, &path, rope, &mut self.levels);
                 (far, false)
             }
-            None => onward::tip(difference, &path, level, limit_px),
+            None => extrapolate::tip(difference, &path, level, limit_px),
         };
         line.border[end] = border;
         let count = (far / step_px).ceil() as usize;

@@ -2,7 +2,7 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::ray::LANES;
 use crate::vec2::{self, Vec2};
 
@@ -55,7 +55,7 @@ impl Line {
     }
 
     /// Cuts off what lies outside of the image at either end.
-    pub(crate) fn cut_to(&mut self, image: &Plane) {
+    pub(crate) fn cut_to(&mut self, image: &GrayPlane) {
         let leaves = |sample: Option<&Sample>| sample.is_some_and(|s| !image.holds(s.at));
         if leaves(self.samples.last()) {
             self.cut_last_to(image);
@@ -67,7 +67,7 @@ impl Line {
         }
     }
 
-    fn cut_last_to(&mut self, image: &Plane) {
+    fn cut_last_to(&mut self, image: &GrayPlane) {
         while let [.., before, last] = self.samples[..] {
             if image.holds(last.at) || self.samples.len() <= 2 {
                 break;

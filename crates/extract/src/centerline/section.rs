@@ -13,7 +13,7 @@ use super::contrast::Contrast;
 use super::edge::{self, Seek, Sought};
 use super::line::{Line, Sample};
 use super::shading::Shading;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
 use crate::statistics::median;
 use crate::vec2::{self, Vec2};
@@ -104,7 +104,7 @@ impl Part {
 struct Finding<'a> {
     sections: &'a mut Sections,
     line: &'a Line,
-    difference: &'a Plane,
+    difference: &'a GrayPlane,
     how: Measure,
     part: Part,
 }
@@ -142,7 +142,7 @@ impl Sections {
 
     /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
     /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
-    pub(crate) fn measure(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
+    pub(crate) fn measure(&mut self, line: &mut Line, difference: &GrayPlane, how: Measure) {
         let tip = (TIP * how.half_px / how.step_px) as usize + 1;
         let all = Part::all(0..line.samples.len(), if line.closed { 0 } else { tip });
         self.measure_part(line, difference, how, all);
@@ -152,7 +152,7 @@ impl Sections {
     pub(crate) fn measure_ends(
         &mut self,
         line: &mut Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         how: Measure,
         count: usize,
     ) {
@@ -163,7 +163,7 @@ impl Sections {
         }
     }
 
-    fn measure_part(&mut self, line: &mut Line, difference: &Plane, how: Measure, part: Part) {
+    fn measure_part(&mut self, line: &mut Line, difference: &GrayPlane, how: Measure, part: Part) {
         if part.range.is_empty() {
             return;
         }
@@ -182,7 +182,7 @@ impl Sections {
     pub(crate) fn center(
         &mut self,
         line: &mut Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         how: Measure,
     ) -> Option<f32> {
         let (_, every) = Contrast::reach(how);
@@ -232,7 +232,7 @@ impl Sections {
     }
 
     /// Fills `found` with the plausible sections of a part of the line.
-    fn find(&mut self, line: &Line, difference: &Plane, how: Measure, part: Part) {
+    fn find(&mut self, line: &Line, difference: &GrayPlane, how: Measure, part: Part) {
         Arch::new().dispatch(Finding {
             sections: self,
             line,
@@ -247,7 +247,7 @@ impl Sections {
         &mut self,
         simd: S,
         line: &Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         how: Measure,
         part: Part,
     ) {
@@ -295,7 +295,7 @@ impl Sections {
         &mut self,
         group: &mut Group,
         line: &Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         how: Measure,
         tip: usize,
     ) {
@@ -351,7 +351,7 @@ impl Sections {
 
     /// Seeks the edges that were not where they were expected.
     #[inline(always)]
-    fn seek(&mut self, line: &Line, difference: &Plane, half_px: f32) {
+    fn seek(&mut self, line: &Line, difference: &GrayPlane, half_px: f32) {
         for group in self.sought.chunks(LANES) {
             let mut sought = Sought::default();
             for l in 0..LANES {

@@ -10,7 +10,7 @@ use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::line::Line;
 use super::section::Measure;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
 
 /// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
@@ -45,7 +45,7 @@ impl Shading {
 
     /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
     /// narrow to tell.
-    pub(crate) fn measure(line: &Line, difference: &Plane, how: Measure) -> Self {
+    pub(crate) fn measure(line: &Line, difference: &GrayPlane, how: Measure) -> Self {
         let mut mean = Profile::new(how);
         Arch::new().dispatch(Reading {
             mean: &mut mean,
@@ -110,7 +110,7 @@ struct Group {
 struct Reading<'a> {
     mean: &'a mut Profile,
     line: &'a Line,
-    difference: &'a Plane,
+    difference: &'a GrayPlane,
     how: Measure,
 }
 
@@ -136,7 +136,7 @@ impl Profile {
 
     /// Reads some of the line's sections outside of crossings, evenly spread.
     #[inline(always)]
-    fn read(&mut self, line: &Line, difference: &Plane, how: Measure) {
+    fn read(&mut self, line: &Line, difference: &GrayPlane, how: Measure) {
         let reach = how.tangent_reach();
         let stride = line.samples.len().div_ceil(SECTIONS).max(1);
         let mut group = Group::default();
@@ -161,7 +161,7 @@ impl Profile {
 
     /// Adds the sections of the group, and empties it.
     #[inline(always)]
-    fn add(&mut self, group: &mut Group, difference: &Plane) {
+    fn add(&mut self, group: &mut Group, difference: &GrayPlane) {
         group.rays.unify();
         let count = std::mem::take(&mut group.count);
         let widest_px = group.half_px[..count]

@@ -3,12 +3,12 @@
 use crate::graph::Graph;
 use crate::graph::strands::Leg;
 use crate::graph::zones::Zones;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::skeleton::Skeleton;
 
 /// What a strand is made of.
 pub(crate) struct Source<'a> {
-    pub(crate) difference: &'a Plane,
+    pub(crate) difference: &'a GrayPlane,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) graph: &'a Graph,
     pub(crate) zones: &'a Zones,

@@ -11,8 +11,8 @@ use crate::occlusion::bridge::Gap;
 use crate::options::Method;
 use crate::scene::Curve;
 use crate::statistics::median;
-use crate::tracking::follow::{self, Follower};
 use crate::tracking::part::part;
+use crate::tracking::refit::{self, Refitter};
 use crate::tracking::tips;
 use crate::tracking::track::Look;
 
@@ -82,11 +82,12 @@ impl Extractor {
         count
     }
 
-    /// Gives those of the first `count` lines of which a tip lies upon another strand, or under a cover, their rope's length.
+    /// Gives those of the first `count` lines of which a tip lies upon another strand, or under an occluder, their rope's
+    /// length.
     pub(super) fn lengthen(&mut self, count: usize) {
-        let cover = &self.cover.plane;
+        let occluder = &self.occluder.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
-            let planes = [&self.masker.mask, cover];
+            let planes = [&self.masker.mask, occluder];
             let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
             let gaps = &mut self.bridger.gaps;
             if before_px + after_px == 0.0 {
@@ -100,7 +101,7 @@ impl Extractor {
                 gap.to_px += before_px;
             }
             let length_px = line.length_px();
-            Follower::covered(line, cover, |from_px, to_px| {
+            Refitter::covered(line, occluder, |from_px, to_px| {
                 if from_px < before_px || to_px > length_px - after_px {
                     gaps.push(Gap {
                         line: l,
@@ -112,28 +113,28 @@ impl Extractor {
         }
     }
 
-    /// Takes the ropes of the last image, followed into this one, where the first `count` lines
+    /// Takes the ropes of the last image, refitted to this one, where the first `count` lines
     /// contradict them; returns how many lines there are then.
-    pub(super) fn follow(&mut self, image: &Image, count: usize) -> usize {
-        let scene = follow::Scene {
+    pub(super) fn refit(&mut self, image: &Image, count: usize) -> usize {
+        let scene = refit::Scene {
             past: &self.zones.past,
             difference: &self.masker.difference,
             mask: &self.masker.mask,
-            cover: &self.cover.plane,
+            occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
         // Where no strands meet and nothing lies over them, one image leaves nothing open.
         let ring = self.strands.strands.iter().any(|strand| strand.closed);
-        let open = self.zones.has_meeting() || self.cover.any() || ring;
-        if !open || !self.follower.follow(&self.lines[..count], &scene) {
+        let open = self.zones.has_meeting() || self.occluder.any() || ring;
+        if !open || !self.refitter.refit(&self.lines[..count], &scene) {
             return count;
         }
-        let count = self.follower.take(&mut self.lines, count);
+        let count = self.refitter.take(&mut self.lines, count);
         self.colors.clear();
         self.bridger.gaps.clear();
         for (l, line) in self.lines[..count].iter().enumerate() {
             self.colors.push(mean_color(image, line));
-            Follower::covered(line, &self.cover.plane, |from_px, to_px| {
+            Refitter::covered(line, &self.occluder.plane, |from_px, to_px| {
                 self.bridger.gaps.push(Gap {
                     line: l,
                     from_px,
@@ -167,7 +168,7 @@ impl Extractor {
             let reach_px = 0.7 * curve.width_px + 3.0;
             let is_covered = |end: usize, at: Option<&[f32; 2]>| {
                 let free = !curve.closed && !curve.border[end];
-                free && at.is_some_and(|&at| self.cover.is_near(at, reach_px))
+                free && at.is_some_and(|&at| self.occluder.is_near(at, reach_px))
             };
             let covered = [
                 is_covered(0, curve.points.first()),

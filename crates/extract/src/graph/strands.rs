@@ -2,7 +2,7 @@
 
 use super::pairing::{Pairing, cost};
 use super::zones::{Arm, Zones};
-use super::{Graph, lens};
+use super::{Graph, double_crossing};
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 
@@ -65,7 +65,7 @@ impl Strands {
             self.pair_zone(yuv, from, &zones.arms[from..to], &zones.past);
             from = to;
         }
-        lens::untangle(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
+        double_crossing::resolve(&mut self.link, &self.arm, (graph, skeleton, zones), yuv);
         self.walk(graph, zones);
         // Each round opens one ring.
         for _ in 0..MOST_RINGS {

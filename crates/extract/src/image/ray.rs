@@ -1,7 +1,7 @@
 //! Reading a plane along straight lines that lie well inside of it: no clamping, and positions in 1/256 px, which
 //! the sum with a power of two leaves in the lowest bits of a float. One line at a time, or one in each lane of a register.
 
-use super::plane::Plane;
+use super::gray::GrayPlane;
 use crate::vec2::Vec2;
 
 /// Added to a position below it, the lowest bit of the sum stands for 1/256: 2¹⁵ has 8 binary places in an `f32`.
@@ -29,7 +29,12 @@ impl<'a> Ray<'a> {
     /// The line through `from` in the direction `along`, a unit; nothing when it may leave the plane within `reach_px`
     /// to either side.
     #[inline(always)]
-    pub(crate) fn new(plane: &'a Plane, from: Vec2, along: Vec2, reach_px: f32) -> Option<Self> {
+    pub(crate) fn new(
+        plane: &'a GrayPlane,
+        from: Vec2,
+        along: Vec2,
+        reach_px: f32,
+    ) -> Option<Self> {
         // The pixel to the right and the rounding stay inside, too.
         let right = (plane.width() as f32).min(FIX) - 2.0;
         let bottom = (plane.height() as f32).min(FIX) - 2.0;
@@ -112,7 +117,7 @@ impl Rays {
 
     /// Which of the lines stay within the plane to `reach_px` to either side.
     #[inline(always)]
-    pub(crate) fn are_inside(&self, plane: &Plane, reach_px: f32) -> [bool; LANES] {
+    pub(crate) fn are_inside(&self, plane: &GrayPlane, reach_px: f32) -> [bool; LANES] {
         let right = (plane.width() as f32).min(FIX) - 2.0;
         let bottom = (plane.height() as f32).min(FIX) - 2.0;
         let mut inside = [false; LANES];
@@ -129,7 +134,7 @@ impl Rays {
     #[inline(always)]
     pub(crate) fn read<const K: usize>(
         &self,
-        plane: &Plane,
+        plane: &GrayPlane,
         far_px: &[Lanes; K],
         values: &mut [Lanes; K],
     ) {
@@ -186,8 +191,8 @@ mod tests {
     use crate::vec2;
     use proptest::prelude::*;
 
-    fn plane() -> Plane {
-        let mut plane = Plane::default();
+    fn plane() -> GrayPlane {
+        let mut plane = GrayPlane::default();
         plane.resize(61, 47);
         for y in 0..47 {
             for (x, byte) in plane.row_mut(y).iter_mut().enumerate() {

@@ -9,8 +9,8 @@ mod planes;
 use super::background::Background;
 use super::threshold::Levels;
 use crate::bitmap::bits::BitPlane;
+use crate::image::gray::GrayPlane;
 use crate::image::kernels::{self, Band, Kernels, Look};
-use crate::image::plane::Plane;
 use crate::image::{Image, PixelFormat, color};
 use std::ops::Range;
 
@@ -76,7 +76,7 @@ impl Differencer {
         image: &Image,
         background: &Background,
         least: u8,
-        out: &mut Plane,
+        out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
     ) {
@@ -106,7 +106,7 @@ impl Differencer {
     }
 
     /// Works out what [`run`](Self::run) left 0, and leaves what has been lifted since.
-    pub(crate) fn fill(&mut self, image: &Image, background: &Background, out: &mut Plane) {
+    pub(crate) fn fill(&mut self, image: &Image, background: &Background, out: &mut GrayPlane) {
         if self.kept.is_empty() {
             return;
         }
@@ -127,7 +127,7 @@ impl Differencer {
         &mut self,
         scene: Scene,
         kernel: Option<fn(Band)>,
-        out: &mut Plane,
+        out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
     ) {
@@ -174,7 +174,7 @@ impl Differencer {
         scene: Scene,
         look: fn(Look),
         kernel: fn(Band),
-        out: &mut Plane,
+        out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
     ) {
@@ -230,7 +230,7 @@ impl Differencer {
         scene: Scene,
         band: usize,
         kernel: fn(Band),
-        out: &mut Plane,
+        out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
     ) {
@@ -375,7 +375,7 @@ mod tests {
     fn made(
         by: &mut Differencer,
         (image, background, least): (&Image, &Background, u8),
-        out: &mut Plane,
+        out: &mut GrayPlane,
     ) -> (Vec<u8>, Vec<u8>, BitPlane, String) {
         let (mut faint, mut levels) = <(BitPlane, Levels)>::default();
         by.run(image, background, least, out, &mut faint, &mut levels);
@@ -402,7 +402,7 @@ mod tests {
             };
             let kernels = Kernels { look: None, ..Kernels::detect() };
             let (mut sparse, mut whole) = (Differencer::default(), Differencer { kernels, ..Differencer::default() });
-            let (mut out, mut other) = <(Plane, Plane)>::default();
+            let (mut out, mut other) = <(GrayPlane, GrayPlane)>::default();
             let fewer = &spots[..spots.len() / 2];
             let formats = [PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Uyvy];
             for (format, spots) in formats.into_iter().zip([&spots[..], fewer, fewer]) {

@@ -6,7 +6,7 @@
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::components::Components;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::statistics::median;
 
 /// Blocks along the shorter side of the image: some three across a rope of a fortieth of it.
@@ -37,7 +37,7 @@ pub(crate) struct Faint {
 
 impl Faint {
     /// Whether more blocks stand out than the table's noise explains.
-    pub(crate) fn is_there(&mut self, difference: &Plane, components: &mut Components) -> bool {
+    pub(crate) fn is_there(&mut self, difference: &GrayPlane, components: &mut Components) -> bool {
         let (columns, rows) = self.average(difference);
         self.respond(columns, rows);
         if self.responses.is_empty() {
@@ -69,7 +69,7 @@ impl Faint {
     }
 
     /// The mean difference of each block; how many blocks there are each way.
-    fn average(&mut self, difference: &Plane) -> (usize, usize) {
+    fn average(&mut self, difference: &GrayPlane) -> (usize, usize) {
         let side = (difference.width().min(difference.height()) / BLOCKS).max(2);
         let (columns, rows) = (difference.width() / side, difference.height() / side);
         self.blocks.clear();

@@ -2,16 +2,16 @@
 
 use super::background::Background;
 use super::cast::{Cast, Shadows};
+use super::diagnosis::{Diagnosis, Evidence};
 use super::difference::Differencer;
-use super::doubt::{Doubter, Evidence};
 use super::hsv::Selector;
+use super::hysteresis::Hysteresis;
 use super::threshold::{self, Cut, Levels};
-use super::whole::Mender;
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::neighbors::{self, Around, Rule};
 use crate::bitmap::strips::{Shape, Strips};
+use crate::image::gray::GrayPlane;
 use crate::image::kernels::Kernels;
-use crate::image::plane::Plane;
 use crate::image::unpack::Unpacker;
 use crate::image::{Image, PixelFormat};
 use crate::notice::Notice;
@@ -52,14 +52,14 @@ pub(crate) struct Masker {
     differencer: Differencer,
     levels: Levels,
     selector: Selector,
-    mender: Mender,
+    hysteresis: Hysteresis,
     smoothed: Strips,
-    doubter: Doubter,
+    diagnosis: Diagnosis,
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
-    pub(crate) difference: Plane,
+    pub(crate) difference: GrayPlane,
     /// The mask, row by row and in strips.
     pub(crate) mask: BitPlane,
     pub(crate) strips: Strips,
@@ -80,16 +80,16 @@ impl Masker {
             Mask::Auto => {
                 self.background.estimate(image);
                 let noise = self.background.noise;
-                let (difference, faint) = (&mut self.difference, &mut self.mender.faint);
+                let (difference, faint) = (&mut self.difference, &mut self.hysteresis.faint);
                 let least = threshold::faint(noise);
                 let levels = &mut self.levels;
                 (self.differencer).run(image, &self.background, least, difference, faint, levels);
                 let cut = threshold::choose(levels, noise);
                 let (kernels, strips) = (&self.kernels, &mut self.strips);
                 threshold::apply_within(kernels, difference, cut.rope, faint, strips);
-                // The rows are written when it is mended.
+                // The rows are written when it is extended.
                 self.mask.resize(image.width(), image.height());
-                self.mend(image, cut);
+                self.extend(image, cut);
                 chosen = Some(cut);
             }
             Mask::Hsv(ranges) => {
@@ -148,8 +148,8 @@ impl Masker {
             cut,
             mask: &self.strips,
         };
-        let components = &mut self.mender.pieces.components;
-        self.doubter.judge(&evidence, components)
+        let components = &mut self.hysteresis.pieces.components;
+        self.diagnosis.notice(&evidence, components)
     }
 
     /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
@@ -192,13 +192,13 @@ impl Masker {
         }
     }
 
-    /// Takes what is set in `cover` out of the mask and the difference, as if the table lay there.
-    pub(crate) fn take_out(&mut self, cover: &BitPlane) {
+    /// Takes what is set in `occluder` out of the mask and the difference, as if the table lay there.
+    pub(crate) fn take_out(&mut self, occluder: &BitPlane) {
         for y in 0..self.mask.height() {
-            let words = self.mask.row_mut(y).iter_mut().zip(cover.row(y));
+            let words = self.mask.row_mut(y).iter_mut().zip(occluder.row(y));
             words.for_each(|(word, &out)| *word &= !out);
             for (x, level) in self.difference.row_mut(y).iter_mut().enumerate() {
-                if cover.row(y)[x / 64] >> (x % 64) & 1 == 1 {
+                if occluder.row(y)[x / 64] >> (x % 64) & 1 == 1 {
                     *level = 0;
                 }
             }
@@ -208,7 +208,7 @@ impl Masker {
     }
 
     /// Adds what the cut left out of the ropes.
-    fn mend(&mut self, image: &Image, cut: Cut) {
+    fn extend(&mut self, image: &Image, cut: Cut) {
         self.smooth();
         let pixels = self.mask.width() * self.mask.height();
         let area = self.strips.count();
@@ -218,7 +218,7 @@ impl Masker {
             self.strips.tighten();
             let (table, difference) = (&self.background, &mut self.difference);
             let mask = (&mut self.strips, &self.mask);
-            self.mender.mend(image, table, cut, difference, mask);
+            self.hysteresis.extend(image, table, cut, difference, mask);
         }
     }
 
@@ -234,7 +234,7 @@ impl Masker {
         let square = self.width_px * self.width_px;
         // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
-        let pieces = &mut self.mender.pieces;
+        let pieces = &mut self.hysteresis.pieces;
         pieces.drop_specks(&mut self.strips, speck).is_ok()
             && pieces.fill_holes(&mut self.strips, hole).is_ok()
     }

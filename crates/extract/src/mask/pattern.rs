@@ -6,7 +6,7 @@
 
 use super::background::Background;
 use super::threshold;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 
 /// Samples along each side of the grid.
@@ -60,7 +60,7 @@ pub(crate) fn deviation(table: &Table) -> Deviation {
 pub(crate) struct Table<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
-    pub(crate) difference: &'a Plane,
+    pub(crate) difference: &'a GrayPlane,
     /// Below this difference a pixel is table.
     pub(crate) cut: u8,
 }

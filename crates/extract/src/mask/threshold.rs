@@ -8,8 +8,8 @@
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::{BLOCK, Shape, Strips};
+use crate::image::gray::GrayPlane;
 use crate::image::kernels::{Kernels, Patch};
-use crate::image::plane::Plane;
 use lariat_portable::Arch;
 
 /// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
@@ -196,7 +196,7 @@ fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
 }
 
 /// One bit a pixel: difference ≥ cut.
-pub(crate) fn apply(kernels: &Kernels, difference: &Plane, cut: u8, mask: &mut BitPlane) {
+pub(crate) fn apply(kernels: &Kernels, difference: &GrayPlane, cut: u8, mask: &mut BitPlane) {
     mask.resize(difference.width(), difference.height());
     for y in 0..difference.height() {
         (kernels.at_least)(difference.row(y), cut, mask.row_mut(y));
@@ -206,7 +206,7 @@ pub(crate) fn apply(kernels: &Kernels, difference: &Plane, cut: u8, mask: &mut B
 /// The same, where all pixels that can be rope lie in `faint`.
 pub(crate) fn apply_within(
     kernels: &Kernels,
-    difference: &Plane,
+    difference: &GrayPlane,
     cut: u8,
     faint: &BitPlane,
     mask: &mut Strips,

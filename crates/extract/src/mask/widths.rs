@@ -1,8 +1,8 @@
 //! How wide the ropes of a mask are, taken at places along them, and how much wider with their faint edges.
 
 use crate::bitmap::bits::BitPlane;
-use crate::bitmap::clearance::Clearance;
 use crate::bitmap::components::for_each_run;
+use crate::bitmap::edge_distance::EdgeDistance;
 use crate::bitmap::strips::Strips;
 
 /// Rows from one that the width is taken in to the next, and the most widths that are taken.
@@ -16,8 +16,8 @@ const WIDEST_PX: usize = 128;
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Widths {
-    sure: Clearance,
-    all: Clearance,
+    sure: EdgeDistance,
+    all: EdgeDistance,
     /// Where widths are taken, each with the pixels that it stands for: their share of the ropes' area.
     places: Vec<([usize; 2], f32)>,
     /// Widths along the ropes and what faint pixels add to them, weighted by area.
@@ -105,8 +105,8 @@ impl lariat_portable::NullaryFnOnce for Measure<'_> {
 /// The width of the rope about a pixel in its middle. An even number of pixels has none there: half a pixel is lacking
 /// then, a quarter in the mean.
 #[inline(always)]
-fn width_at(clearance: &Clearance, rows: &BitPlane, [x, y]: [usize; 2]) -> f32 {
-    2.0 * clearance.half_px(rows, x as u16, y as u16) + 0.25
+fn width_at(edge_distance: &EdgeDistance, rows: &BitPlane, [x, y]: [usize; 2]) -> f32 {
+    2.0 * edge_distance.half_px(rows, x as u16, y as u16) + 0.25
 }
 
 /// The middle of a straight rope near the set pixel (x, y): that of its row's or its column's run, the shorter of the two.

@@ -278,7 +278,7 @@ fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
 mod tests {
     use super::*;
     use crate::bitmap::bits::BitPlane;
-    use crate::image::plane::Plane;
+    use crate::image::gray::GrayPlane;
 
     fn straight(from: Vec2, to: Vec2) -> Line {
         let count = vec2::distance(from, to) as usize;
@@ -297,15 +297,15 @@ mod tests {
         }
     }
 
-    fn join(lines: &mut [Line], past: &Past, cover: bool) -> (usize, Vec<Gap>) {
-        let mut difference = Plane::default();
+    fn join(lines: &mut [Line], past: &Past, is_hidden: bool) -> (usize, Vec<Gap>) {
+        let mut difference = GrayPlane::default();
         difference.resize(400, 200);
-        (0..200).for_each(|y| difference.row_mut(y).fill(if cover { 90 } else { 0 }));
+        (0..200).for_each(|y| difference.row_mut(y).fill(if is_hidden { 90 } else { 0 }));
         let scenery = Scenery {
             past,
             difference: &difference,
             level: 20.0,
-            cover: &BitPlane::default(),
+            occluder: &BitPlane::default(),
             yuv: false,
         };
         let mut colors = vec![[50.0; 3]; lines.len()];
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn strangers_are_joined_over_a_cover_and_not_over_the_table() {
+    fn strangers_are_joined_over_an_occluder_and_not_over_the_table() {
         let pieces = || {
             [
                 straight([20.0, 100.0], [120.0, 100.0]),

@@ -2,7 +2,7 @@
 
 use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::past::{Past, Trace, Traces};
 use crate::vec2::{self, Vec2};
 
@@ -43,11 +43,11 @@ pub(crate) struct End {
 pub(crate) struct Scenery<'a> {
     pub(crate) past: &'a Past,
     /// How unlike the table each pixel is.
-    pub(crate) difference: &'a Plane,
+    pub(crate) difference: &'a GrayPlane,
     /// From this difference on something lies there.
     pub(crate) level: f32,
     /// What was found to be no rope.
-    pub(crate) cover: &'a BitPlane,
+    pub(crate) occluder: &'a BitPlane,
     pub(crate) yuv: bool,
 }
 
@@ -115,7 +115,7 @@ fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
     let hits = (1..ASKED).filter(|&k| {
         let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
-        let covered = scenery.cover.get(at[0] as i32, at[1] as i32);
+        let covered = scenery.occluder.get(at[0] as i32, at[1] as i32);
         covered || scenery.difference.sample(at) >= scenery.level
     });
     hits.count() as f32 / (ASKED - 1) as f32

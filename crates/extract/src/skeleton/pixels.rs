@@ -1,7 +1,7 @@
 //! The skeleton as a list: each pixel's position, neighbors and distance to the rope's edge.
 
 use crate::bitmap::bits::BitPlane;
-use crate::bitmap::clearance::Clearance;
+use crate::bitmap::edge_distance::EdgeDistance;
 use crate::bitmap::strips::{BLOCK, Strips};
 
 /// No pixel, node, edge or arm.
@@ -19,7 +19,7 @@ pub(crate) struct Skeleton {
     held: Vec<u32>,
     /// Strips that have any in the rows that are listed.
     filled: Vec<u32>,
-    clearance: Clearance,
+    edge_distance: EdgeDistance,
     pub(crate) pixels: Vec<Pixel>,
 }
 
@@ -45,7 +45,7 @@ impl Pixel {
 impl Skeleton {
     /// Lists the pixels of `thin`, the skeleton of `mask`, which stands in `rows`, too. An image that is noise gets none.
     pub(crate) fn list(&mut self, thin: &Strips, mask: &Strips, rows: &BitPlane) {
-        self.clearance.take(mask);
+        self.edge_distance.take(mask);
         lariat_portable::Arch::new().dispatch(List {
             skeleton: self,
             thin,
@@ -85,7 +85,7 @@ impl Skeleton {
                         self.pixels.push(Pixel {
                             x,
                             y,
-                            half_px: self.clearance.half_px(mask, x, y),
+                            half_px: self.edge_distance.half_px(mask, x, y),
                             neighbors: [NONE; 5],
                             degree: 0,
                         });

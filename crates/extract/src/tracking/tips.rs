@@ -53,7 +53,7 @@ struct Place<'a> {
 
 /// Lengthens the line at the ends at which a tip of its rope is out of sight. Returns by how much, at
 /// each end.
-pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) -> [f32; 2] {
+pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane; 2]) -> [f32; 2] {
     let Some(place) = place(line, past) else {
         return [0.0; 2];
     };
@@ -79,7 +79,7 @@ pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 
         }
         // Whether the rope's last point, not its first, is the one at this end.
         let at_last = (end == 1) != reversed;
-        added[end] = extend(line, rope, at_last, most_px, [mask, cover]);
+        added[end] = extend(line, rope, at_last, most_px, [mask, occluder]);
         if end == 0 {
             line.samples.reverse();
         }
@@ -147,7 +147,7 @@ fn extend(
     rope: &Rope,
     at_last: bool,
     most_px: f32,
-    [mask, cover]: [&BitPlane; 2],
+    [mask, occluder]: [&BitPlane; 2],
 ) -> f32 {
     let n = line.samples.len();
     let length_px = line.length_px();
@@ -179,7 +179,7 @@ fn extend(
         let to_tip_px = tip_px * (1.0 - k as f32 / steps as f32);
         let [x, y] = vec2::sub(known(to_tip_px), known(tip_px));
         let at = vec2::add(anchor, [cos * x - sin * y, sin * x + cos * y]);
-        if is_rope(at, mask) || is_rope(at, cover) {
+        if is_rope(at, mask) || is_rope(at, occluder) {
             (bare, good) = (0, k);
         } else {
             bare += 1;
@@ -224,7 +224,7 @@ fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
 
 /// Shortens the line at the end that lies upon something, if it is longer than its rope and the other
 /// end lies freely: a rope that slides along itself shows that only at its free end.
-pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2]) {
+pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane; 2]) {
     let n = line.samples.len();
     if line.closed || line.border.contains(&true) || n < 8 {
         return;
@@ -245,7 +245,7 @@ pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, cover]: [&BitPlane; 2
     let back = ((rope.width_px / step_px) as usize).clamp(1, n / 4);
     let free = [[0, back], [n - 1, n - 1 - back]].map(|ends| {
         let [tip, inner] = ends.map(|i| line.samples[i].at);
-        is_free(tip, inner, rope.width_px, mask) && !is_rope(tip, cover)
+        is_free(tip, inner, rope.width_px, mask) && !is_rope(tip, occluder)
     });
     let count = ((length_px - rope.usual_px) / step_px).round() as usize;
     match free {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tip_under_a_cover_is_where_the_ropes_length_says() {
+    fn a_tip_under_an_occluder_is_where_the_ropes_length_says() {
         let mut line = read(20, 120);
         let added = lengthen(
             &mut line,
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn a_followed_rope_that_is_too_long_ends_sooner_where_it_lies_upon_a_strand() {
+    fn a_refitted_rope_that_is_too_long_ends_sooner_where_it_lies_upon_a_strand() {
         let mut line = read(20, 150);
         let mask = mask([20, 151], [140, 190]);
         shorten(&mut line, &past(), [&mask, &BitPlane::default()]);

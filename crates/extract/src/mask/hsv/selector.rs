@@ -5,7 +5,7 @@ use super::contains;
 use super::cube::Cube;
 use super::kernels::Kernels;
 use crate::bitmap::bits::BitPlane;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::options::HsvRange;
 
@@ -34,7 +34,7 @@ impl Selector {
         &mut self,
         image: &Image,
         ranges: &[HsvRange],
-        inside: &mut Plane,
+        inside: &mut GrayPlane,
         mask: &mut BitPlane,
     ) {
         let (width, height) = (image.width(), image.height());
@@ -52,7 +52,7 @@ impl Selector {
 }
 
 /// The definition.
-fn one_by_one(image: &Image, ranges: &[HsvRange], inside: &mut Plane, mask: &mut BitPlane) {
+fn one_by_one(image: &Image, ranges: &[HsvRange], inside: &mut GrayPlane, mask: &mut BitPlane) {
     for y in 0..image.height() {
         let (bytes, words) = (inside.row_mut(y), mask.row_mut(y));
         // Neighbors on a table are mostly equal: the last answer is often the next.
@@ -82,8 +82,8 @@ mod tests {
         let bytes: Vec<u8> = (0..stride * (height + height.div_ceil(2)))
             .map(|i| ((i % stride * 7 / 16) ^ (i / stride * (1 + i % 4))) as u8)
             .collect();
-        let (mut selector, mut inside, mut mask) = <(Selector, Plane, BitPlane)>::default();
-        let (mut expected, mut expected_mask) = <(Plane, BitPlane)>::default();
+        let (mut selector, mut inside, mut mask) = <(Selector, GrayPlane, BitPlane)>::default();
+        let (mut expected, mut expected_mask) = <(GrayPlane, BitPlane)>::default();
         for ranges in &examples()[..2] {
             use PixelFormat::*;
             for format in [Rgb8, Gray8, Bgr8, Yuyv, Uyvy, Nv12] {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// One byte a pixel, rows one after the other.
 #[derive(Debug, Default)]
-pub(crate) struct Plane {
+pub(crate) struct GrayPlane {
     bytes: Vec<u8>,
     width: usize,
     height: usize,
@@ -15,7 +15,7 @@ pub(crate) struct Plane {
 /// Rows of a block, and its pixels along them.
 const BLOCK: [usize; 2] = [8, 64];
 
-impl Plane {
+impl GrayPlane {
     /// Takes this size, keeping the memory it has; the bytes are whatever they were.
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
         if (self.width, self.height) == (width, height) {

@@ -1,22 +1,22 @@
-//! The ropes of the last image followed into this one, where reading this one alone contradicts them.
+//! The ropes of the last image refitted to this one, where reading this one alone contradicts them.
 //!
 //! Strands that touch, ends that lie on strands: a single image may show them as something else than
 //! two images do. A rope does not tear or exchange its strands; so its last centerline is laid over the
 //! image, each sample looks across for the middle of the rope, and the moves, not the places, are
-//! smoothed along it: where nothing is measured (crossings, overlaps, covers) the shape is kept and
+//! smoothed along it: where nothing is measured (crossings, overlaps, occluders) the shape is kept and
 //! carried along. What comes out counts only if the image bears it out: every sample on rope or under
-//! a cover, and hardly any rope left that is not accounted for.
+//! an occluder, and hardly any rope left that is not accounted for.
 
 mod reach;
 
 use super::tips;
 use crate::bitmap::bits::BitPlane;
+use crate::centerline::extrapolate;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
-use crate::centerline::onward;
 use crate::centerline::section::{Measure, Sections};
 use crate::centerline::shading::Shading;
 use crate::centerline::smooth::Smoother;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::past::{Past, Rope};
 use crate::skeleton::Skeleton;
 use crate::statistics::quantile;
@@ -30,11 +30,11 @@ const STIFF_WIDTHS: f32 = 2.0;
 /// Widths by which points may have moved, beside twice the ropes' mean motion, in a reading that does
 /// not contradict the past; and the share of the points that must keep to it.
 const AGREES: (f32, f32) = (1.5, 0.95);
-/// The largest share of a followed rope that may lie on the bare table.
+/// The largest share of a refitted rope that may lie on the bare table.
 const BARE: f32 = 0.04;
 /// Widths of it that may lie there at one place: over more, the rope is not there any more.
 const BARE_WIDTHS: f32 = 0.75;
-/// The least share of the skeleton that followed ropes must account for.
+/// The least share of the skeleton that refitted ropes must account for.
 const EXPLAINED: f32 = 0.95;
 /// Widths of the skeleton that may be left over at most: more is a tip that has come out.
 const LEFT_WIDTHS: f32 = 1.0;
@@ -47,14 +47,14 @@ const COMPARED: usize = 40;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
-pub(crate) struct Follower {
+pub(crate) struct Refitter {
     sections: Sections,
     smoother: Smoother,
     moves: Line,
     before: Vec<Vec2>,
     spaced: Vec<Sample>,
     levels: Vec<f32>,
-    /// The followed ropes; the first `count` are of this image.
+    /// The refitted ropes; the first `count` are of this image.
     lines: Vec<Line>,
     /// What is near to each.
     reaches: Vec<Reach>,
@@ -63,16 +63,16 @@ pub(crate) struct Follower {
     new: Vec<Option<Reach>>,
 }
 
-/// What ropes are followed through.
+/// What ropes are refitted to.
 pub(crate) struct Scene<'a> {
     pub(crate) past: &'a Past,
-    pub(crate) difference: &'a Plane,
+    pub(crate) difference: &'a GrayPlane,
     pub(crate) mask: &'a BitPlane,
-    pub(crate) cover: &'a BitPlane,
+    pub(crate) occluder: &'a BitPlane,
     pub(crate) skeleton: &'a Skeleton,
 }
 
-impl Follower {
+impl Refitter {
     /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
     /// the image.
     pub(crate) fn rehearse(&mut self, ropes: usize, samples: usize, scene: &Scene) {
@@ -106,9 +106,9 @@ impl Follower {
         self.lines[0] = line;
     }
 
-    /// Follows the ropes of the past if `lines` contradict them. Returns whether they are to be taken
+    /// Refits the ropes of the past if `lines` contradict them. Returns whether they are to be taken
     /// instead of the lines that lie along them.
-    pub(crate) fn follow(&mut self, lines: &[Line], scene: &Scene) -> bool {
+    pub(crate) fn refit(&mut self, lines: &[Line], scene: &Scene) -> bool {
         let live = || scene.past.live();
         if live().next().is_none()
             || live().all(|rope| self.agrees(rope, lines, scene.past))
@@ -207,8 +207,8 @@ impl Follower {
                 line.border.swap(0, 1);
             }
         }
-        tips::shorten(line, scene.past, [scene.mask, scene.cover]);
-        tips::lengthen(line, scene.past, [scene.mask, scene.cover]);
+        tips::shorten(line, scene.past, [scene.mask, scene.occluder]);
+        tips::lengthen(line, scene.past, [scene.mask, scene.occluder]);
         let count = (line.length_px() / step_px).ceil().max(8.0) as usize;
         line.resample(count, &mut self.spaced);
         std::mem::swap(&mut line.samples, &mut self.spaced);
@@ -229,7 +229,7 @@ impl Follower {
     }
 
     /// Moves each sample toward the middle of the rope there, those without one as their neighbors.
-    fn shift(&mut self, line: &mut Line, difference: &Plane, how: Measure) {
+    fn shift(&mut self, line: &mut Line, difference: &GrayPlane, how: Measure) {
         self.before.clear();
         self.before.extend(line.samples.iter().map(|s| s.at));
         line.samples.iter_mut().for_each(|s| s.weight = 1.0);
@@ -261,7 +261,7 @@ impl Follower {
     fn find_tip(
         &mut self,
         line: &mut Line,
-        difference: &Plane,
+        difference: &GrayPlane,
         [half_px, step_px, room_px]: [f32; 3],
     ) {
         let n = line.samples.len();
@@ -279,7 +279,7 @@ impl Follower {
         let level = 0.5 * quantile(&mut self.levels, 0.5).max(2.0);
         let limit_px = 6.0 * half_px;
         let (far, border) =
-            onward::tip(difference, |d| vec2::along(inner, out, d), level, limit_px);
+            extrapolate::tip(difference, |d| vec2::along(inner, out, d), level, limit_px);
         line.border[1] = border;
         let more_px = far - back as f32 * step_px;
         if more_px <= half_px.min(room_px + 0.5 * half_px) {
@@ -315,7 +315,7 @@ impl Follower {
                 continue;
             }
             asked += 1.0;
-            known += f32::from(self.is_followed(pixel.at()));
+            known += f32::from(self.is_refitted(pixel.at()));
         }
         let width_px = |line: &Line| line.samples.first().map_or(1.0, |s| s.width_px);
         let widest_px = self.lines[..self.count]
@@ -326,24 +326,24 @@ impl Follower {
         known >= EXPLAINED * asked && left_px <= LEFT_WIDTHS * widest_px
     }
 
-    /// Whether a line is accounted for by the followed ropes, for more than half of it.
+    /// Whether a line is accounted for by the refitted ropes, for more than half of it.
     pub(crate) fn lies_along(&self, line: &Line) -> bool {
         let stride = (line.samples.len() / COMPARED).max(1);
         let (mut asked, mut known) = (0, 0);
         for sample in line.samples.iter().step_by(stride) {
             asked += 1;
-            known += usize::from(self.is_followed(sample.at));
+            known += usize::from(self.is_refitted(sample.at));
         }
         2 * known >= asked
     }
 
-    /// Whether a place is accounted for by one of the followed ropes.
-    fn is_followed(&self, at: Vec2) -> bool {
+    /// Whether a place is accounted for by one of the refitted ropes.
+    fn is_refitted(&self, at: Vec2) -> bool {
         let mut ropes = self.lines[..self.count].iter().zip(&self.reaches);
         ropes.any(|(rope, reach)| reach.holds(rope, at))
     }
 
-    /// Takes the followed ropes and those of the first `count` lines that are none of them to the front
+    /// Takes the refitted ropes and those of the first `count` lines that are none of them to the front
     /// of `lines`, the longest first; returns how many they are.
     pub(crate) fn take(&mut self, lines: &mut Vec<Line>, count: usize) -> usize {
         let mut kept = 0;
@@ -364,12 +364,12 @@ impl Follower {
         count
     }
 
-    /// Calls back for each stretch of a line, in arc length, that lies under a cover.
-    pub(crate) fn covered(line: &Line, cover: &BitPlane, mut found: impl FnMut(f32, f32)) {
+    /// Calls back for each stretch of a line, in arc length, that lies under an occluder.
+    pub(crate) fn covered(line: &Line, occluder: &BitPlane, mut found: impl FnMut(f32, f32)) {
         let step_px = line.length_px() / (line.samples.len().max(2) - 1) as f32;
         let mut from = None;
         for (i, sample) in line.samples.iter().enumerate() {
-            let under = cover.get(sample.at[0] as i32, sample.at[1] as i32);
+            let under = occluder.get(sample.at[0] as i32, sample.at[1] as i32);
             let along_px = i as f32 * step_px;
             match (from, under) {
                 (None, true) => from = Some(along_px),
@@ -392,5 +392,5 @@ const CARRIED: f32 = 0.05;
 /// Whether a place shows the table.
 fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
     let (x, y) = ((x + 0.5) as i32, (y + 0.5) as i32);
-    !scene.mask.get(x, y) && !scene.cover.get(x, y)
+    !scene.mask.get(x, y) && !scene.occluder.get(x, y)
 }

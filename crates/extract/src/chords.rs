@@ -36,7 +36,7 @@ const CROSSING: usize = 4;
 
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
-pub(crate) struct Pursuer {
+pub(crate) struct ChordFollower {
     sweep: Sweep,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
@@ -49,7 +49,7 @@ pub(crate) struct Pursuer {
     cut: u8,
 }
 
-impl Pursuer {
+impl ChordFollower {
     /// Whether there are ropes that may be followed into the next image.
     pub(crate) fn is_ready(&self) -> bool {
         self.count > 0 && self.frames < MOST_FRAMES
@@ -89,7 +89,7 @@ impl Pursuer {
 
     /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
     /// has to be extracted whole; then they mean nothing.
-    pub(crate) fn pursue(
+    pub(crate) fn follow(
         &mut self,
         image: &Image,
         background: &Background,

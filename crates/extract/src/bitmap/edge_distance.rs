@@ -17,12 +17,12 @@ const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Memory of the step.
 #[derive(Debug)]
-pub(crate) struct Clearance {
+pub(crate) struct EdgeDistance {
     /// The pixels of the image that are not set.
     bare: Strips,
 }
 
-impl Default for Clearance {
+impl Default for EdgeDistance {
     fn default() -> Self {
         Self {
             bare: Strips::of_ground(),
@@ -30,7 +30,7 @@ impl Default for Clearance {
     }
 }
 
-impl Clearance {
+impl EdgeDistance {
     /// Takes a mask.
     pub(crate) fn take(&mut self, mask: &Strips) {
         self.bare.complement(mask);
@@ -187,12 +187,12 @@ mod tests {
             }
             let mut mask = Strips::default();
             mask.take(&rows);
-            let mut clearance = Clearance::default();
-            clearance.take(&mask);
+            let mut edge_distance = EdgeDistance::default();
+            edge_distance.take(&mask);
             for y in (0..height).step_by(2) {
                 for x in (0..width).step_by(3) {
                     let by_rows = half_width(&rows, x as i32, y as i32);
-                    prop_assert_eq!(clearance.half_px(&rows, x as u16, y as u16), by_rows);
+                    prop_assert_eq!(edge_distance.half_px(&rows, x as u16, y as u16), by_rows);
                 }
             }
         }

@@ -1,11 +1,11 @@
-//! A rope made whole: what the cut left out of it because its color comes near the table's there.
+//! Hysteresis: what the cut left out of a rope because its color comes near the table's there.
 //!
 //! A highlight as light as the table splits a dark rope lengthwise; the dark dashes of a coarse twist are
 //! bitten out of its side. Such places are narrower than the rope is elsewhere, and that is what is looked for:
-//! around them, and only there, fainter pixels (those that stand out of the table's noise at all) count as rope too,
-//! and slits between them are closed: hysteresis, as Canny's edges have it, "A computational approach to edge
-//! detection" (1986). Of that stays what gives the rope its own width back. A rope that is as wide everywhere is left as
-//! it is, so that blurred edges and shadows beside it, which are faint too, stay out.
+//! around them, and only there, fainter pixels (those that stand out of the table's noise at all) count as rope too, as
+//! in Canny's edges ("A computational approach to edge detection", 1986), and slits between them are closed. Of that
+//! stays what gives the rope its own width back. A rope that is as wide everywhere is left as it is, so that blurred
+//! edges and shadows beside it, which are faint too, stay out.
 
 use super::background::Background;
 use super::shadow;
@@ -16,7 +16,7 @@ use crate::bitmap::morphology::Morphology;
 use crate::bitmap::pieces::Pieces;
 use crate::bitmap::strips::{Blocks, Strips};
 use crate::image::Image;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 
 /// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
 const MIDDLE: f32 = 0.5;
@@ -27,12 +27,12 @@ const USUAL: f32 = 0.3;
 const THIN: f32 = 0.86;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
-/// Ropes wider than this are not mended, in pixels: the widest that thinning brings to rest.
+/// Ropes wider than this are left as they are, in pixels: the widest that thinning brings to rest.
 const WIDEST_PX: f32 = 128.0;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
-pub(crate) struct Mender {
+pub(crate) struct Hysteresis {
     morphology: Morphology,
     pub(crate) pieces: Pieces,
     widths: Widths,
@@ -47,15 +47,15 @@ pub(crate) struct Mender {
     window: Blocks,
 }
 
-impl Mender {
+impl Hysteresis {
     /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack, and lifts the difference of that to the
     /// ropes' mean, so that their outer edges are found. In `rows` stands what the mask is before that.
-    pub(crate) fn mend(
+    pub(crate) fn extend(
         &mut self,
         image: &Image,
         background: &Background,
         cut: Cut,
-        difference: &mut Plane,
+        difference: &mut GrayPlane,
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
         self.reserve(mask);
@@ -153,7 +153,7 @@ impl Mender {
 }
 
 /// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
-fn lift(difference: &mut Plane, added: &Strips, level: u8) {
+fn lift(difference: &mut GrayPlane, added: &Strips, level: u8) {
     added.for_each_word(|y, strip, mut word| {
         let row = difference.row_mut(y);
         while word != 0 {

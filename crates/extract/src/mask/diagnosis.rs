@@ -11,7 +11,7 @@ use super::pattern::{self, Deviation, Table};
 use super::threshold::Cut;
 use crate::bitmap::components::Components;
 use crate::bitmap::strips::{BLOCK, Strips};
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::notice::Notice;
 use crate::scene::MOST_CROSSINGS;
@@ -37,7 +37,7 @@ const WHOLE: f32 = 0.99;
 pub(crate) struct Evidence<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
-    pub(crate) difference: &'a Plane,
+    pub(crate) difference: &'a GrayPlane,
     /// The least cut that the table's noise allows, in levels of difference.
     pub(crate) floor: f32,
     /// The cut that was taken, and what it covers.
@@ -46,15 +46,15 @@ pub(crate) struct Evidence<'a> {
     pub(crate) mask: &'a Strips,
 }
 
-/// Memory of the judgement.
+/// Memory of the step.
 #[derive(Debug, Default)]
-pub(crate) struct Doubter {
+pub(crate) struct Diagnosis {
     faint: Faint,
 }
 
-impl Doubter {
+impl Diagnosis {
     /// What to say about the mask; nothing when it is sure.
-    pub(crate) fn judge(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
+    pub(crate) fn notice(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
         let cut = of.cut.rope;
         if of.cut.covered > MOST_COVERED {
             let seen = Seen::of(of.difference, cut);
@@ -106,7 +106,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(difference: &Plane, cut: u8) -> Self {
+    fn of(difference: &GrayPlane, cut: u8) -> Self {
         let (width, height) = (difference.width(), difference.height());
         let (columns, rows) = (GRID.min(width), GRID.min(height));
         let near = (0.6 * f32::from(cut)) as u8;

@@ -33,7 +33,7 @@ const MOST: usize = 6;
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
-pub(crate) struct Cover {
+pub(crate) struct Occluder {
     halves: Vec<f32>,
     channel: Vec<f32>,
     alike: BitPlane,
@@ -45,7 +45,7 @@ pub(crate) struct Cover {
     found: bool,
 }
 
-impl Cover {
+impl Occluder {
     /// Whether one of the things lies within `reach_px` of a place.
     pub(crate) fn is_near(&self, [x, y]: [f32; 2], reach_px: f32) -> bool {
         let reach = reach_px as i32;

@@ -7,7 +7,7 @@
 use crate::graph::Graph;
 use crate::graph::strands::Leg;
 use crate::graph::zones::Zones;
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::statistics::quantile;
 use crate::vec2::{self, Vec2};
 
@@ -25,13 +25,13 @@ const LEAST_STEP: f32 = 4.0;
 
 /// The strand that a tip lies against: a straight band.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Body {
+pub(crate) struct Contact {
     on: Vec2,
     along: Vec2,
     half_px: f32,
 }
 
-impl Body {
+impl Contact {
     /// The strand against which leg `leg` ends: at its first end (0) or its last (1), that of the rope. Nothing when it
     /// ends freely.
     pub(crate) fn at(leg: &Leg, end: u8, graph: &Graph, zones: &Zones) -> Option<Self> {
@@ -53,16 +53,16 @@ impl Body {
                 if from + i == own || from + j == own || !better {
                     continue;
                 }
-                let body = Self {
+                let contact = Self {
                     on: a.at,
                     along: vec2::unit_or(vec2::sub(b.at, a.at), a.into),
                     half_px: 0.5 * (a.half_px + b.half_px),
                 };
-                best = Some((opposite, body));
+                best = Some((opposite, contact));
             }
         }
         best.filter(|&(opposite, _)| opposite < -0.5)
-            .map(|(_, body)| body)
+            .map(|(_, contact)| contact)
     }
 
     fn holds(&self, at: Vec2) -> bool {
@@ -73,7 +73,7 @@ impl Body {
     /// most `limit_px`. `scratch` is memory.
     pub(crate) fn tip(
         &self,
-        difference: &Plane,
+        difference: &GrayPlane,
         path: &impl Fn(f32) -> Vec2,
         (half_px, level, limit_px): (f32, f32, f32),
         scratch: &mut Vec<f32>,

@@ -18,7 +18,7 @@ type Side = [usize; 2];
 
 /// Exchanges the partners of the two sides of each gap at both of its ends where the strands then bend less. `link` is,
 /// for each end of each edge, the end that it goes on to; `arm` its arm.
-pub(crate) fn untangle(
+pub(crate) fn resolve(
     link: &mut [u32],
     arm: &[u32],
     (graph, skeleton, zones): (&Graph, &Skeleton, &Zones),

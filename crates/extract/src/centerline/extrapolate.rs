@@ -1,6 +1,6 @@
 //! How a rope runs on beyond what is known of it, and where it ends there.
 
-use crate::image::plane::Plane;
+use crate::image::gray::GrayPlane;
 use crate::vec2::{self, Vec2};
 
 /// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
@@ -49,7 +49,7 @@ fn sin_cos(x: f32) -> (f32, f32) {
 /// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
 /// the distance of the tip, and whether the image's border cuts it.
 pub(crate) fn tip(
-    difference: &Plane,
+    difference: &GrayPlane,
     at: impl Fn(f32) -> Vec2,
     level: f32,
     limit_px: f32,
