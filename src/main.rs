@@ -37,6 +37,7 @@ mod output;
 mod paper;
 mod pick;
 mod picture;
+mod pipeline;
 mod plane_file;
 mod record;
 mod recording;

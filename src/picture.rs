@@ -8,7 +8,7 @@ use lariat_wire::PixelFormat;
 use std::fs::File;
 use std::path::Path;
 
-use crate::stages::extract::pixel_format;
+use crate::pipeline::pixel_format;
 
 /// A decoded picture. That of a file is grey if the file is, else RGB, 8 bits a channel.
 pub(crate) struct Picture {

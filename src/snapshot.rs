@@ -16,8 +16,8 @@ use lariat_extract::{Image, PixelFormat};
 use lariat_wire::now_ns;
 
 use crate::output::{Existing, Output};
+use crate::pipeline::pixel_format;
 use crate::settings::{Flags, Settings, USUAL_FPS, duration};
-use crate::stages;
 use crate::stop::Stop;
 
 /// How long a camera's exposure and white balance take to settle, most often: some 30 frames.
@@ -118,7 +118,7 @@ fn frame_after(
 /// A frame as the bytes of a PNG: grey if it is, else colours.
 fn png(frame: &Frame, bytes: &[u8]) -> Result<Vec<u8>> {
     let (width, height, stride) = (frame.width, frame.height, frame.stride);
-    let format = stages::extract::pixel_format(frame.format);
+    let format = pixel_format(frame.format);
     let seen = Image::new(
         bytes,
         width as usize,

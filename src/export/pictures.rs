@@ -2,8 +2,8 @@
 
 use super::{Part, Written};
 use crate::output::of_the_system;
+use crate::pipeline::FrameView;
 use crate::recording::{Decoder, Pixels};
-use crate::stages::extract::image;
 use anyhow::{Context, Result, bail};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -135,7 +135,7 @@ fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) ->
             (&rgb[..], ExtendedColorType::Rgb8)
         }
         Some(format) if format == PixelFormat::Bgra8 || is_mosaic(format) => {
-            *rgb = image(header, bytes)?.to_rgb();
+            *rgb = FrameView::new(header, bytes).image()?.to_rgb();
             (&rgb[..], ExtendedColorType::Rgb8)
         }
         _ => bail!(

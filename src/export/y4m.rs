@@ -2,9 +2,9 @@
 //! RGB is rounded to YUV, and Bayer patterns are filled in before.
 
 use super::{Part, Written};
+use crate::pipeline::FrameView;
 use crate::recording::{Decoder, Pixels};
 use crate::settings::USUAL_FPS;
-use crate::stages::extract::image;
 use anyhow::{Context, Result, bail};
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Write;
@@ -125,7 +125,7 @@ fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) -> Result<()> 
         Some(PixelFormat::Rgb8) => rgb(rows(), width, [0, 1, 2], to),
         Some(PixelFormat::Bgr8) => rgb(rows(), width, [2, 1, 0], to),
         Some(format) => {
-            let pixels = image(header, bytes)?.to_rgb();
+            let pixels = FrameView::new(header, bytes).image()?.to_rgb();
             if format == PixelFormat::Gray16 {
                 to.extend(pixels.iter().step_by(3));
             } else {

@@ -1,9 +1,8 @@
-//! Extract and fit without shared memory: the chain's own shells, handed recorded messages.
+//! Extract and fit without shared memory: the pipeline, handed recorded messages.
 
+use crate::pipeline::{CurveFitter, FrameExtractor, FrameView};
 use crate::recording::{Decoder, Gathered};
 use crate::settings::Settings;
-use crate::stages::extract::{Eye, Seen, Warned};
-use crate::stages::fit::{self, CurveFitter};
 use anyhow::{Context, Result};
 use lariat_extract::Mask;
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace};
@@ -12,9 +11,8 @@ use std::time::{Duration, Instant};
 /// Both stages.
 pub(super) struct Stages {
     settings: Settings,
-    eye: Eye,
+    extractor: FrameExtractor,
     curves: CurveFitter,
-    unfitted: Warned,
     pub(super) centerlines: Box<Centerlines>,
     pub(super) descriptors: Box<Descriptors>,
     pub(super) extract_time: Duration,
@@ -86,10 +84,9 @@ impl Stages {
     /// As the chain makes them.
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
-            eye: Eye::new(settings)?,
+            extractor: FrameExtractor::prepared(settings)?,
             curves: CurveFitter::new(settings)?,
             settings: settings.clone(),
-            unfitted: Warned::default(),
             centerlines: Box::new(Centerlines::EMPTY),
             descriptors: Box::new(Descriptors::EMPTY),
             extract_time: Duration::ZERO,
@@ -104,7 +101,7 @@ impl Stages {
 
     /// Extract, as it is when it has just been started.
     pub(super) fn restart_extract(&mut self) -> Result<()> {
-        self.eye = Eye::new(&self.settings)?;
+        self.extractor = FrameExtractor::prepared(&self.settings)?;
         Ok(())
     }
 
@@ -118,10 +115,10 @@ impl Stages {
     pub(super) fn extract(&mut self, frame: &Prepared, trace: Trace) {
         let begin = Instant::now();
         let mask = frame.mask.as_ref().filter(|_| self.needs_masks());
-        let mask = mask.map(|(header, bytes)| Seen::new(header, bytes));
+        let mask = mask.map(|(header, bytes)| FrameView::new(header, bytes));
         self.centerlines.trace = trace;
-        let seen = Seen::new(&frame.header, frame.bytes);
-        self.eye.look(seen, mask, &mut self.centerlines);
+        let view = FrameView::new(&frame.header, frame.bytes);
+        self.extractor.answer(view, mask, &mut self.centerlines);
         self.extract_time = begin.elapsed();
     }
 
@@ -129,13 +126,7 @@ impl Stages {
     pub(super) fn fit(&mut self, seen: &Centerlines, trace: Trace) {
         let begin = Instant::now();
         self.descriptors.trace = trace;
-        let Self {
-            descriptors,
-            curves,
-            unfitted,
-            ..
-        } = self;
-        fit::fill(descriptors, seen, curves, unfitted);
+        self.curves.answer(seen, &mut self.descriptors);
         self.fit_time = begin.elapsed();
     }
 
@@ -143,14 +134,7 @@ impl Stages {
     pub(super) fn fit_seen(&mut self, trace: Trace) {
         let begin = Instant::now();
         self.descriptors.trace = trace;
-        let Self {
-            centerlines,
-            descriptors,
-            curves,
-            unfitted,
-            ..
-        } = self;
-        fit::fill(descriptors, centerlines, curves, unfitted);
+        self.curves.answer(&self.centerlines, &mut self.descriptors);
         self.fit_time = begin.elapsed();
     }
 }

@@ -70,7 +70,7 @@ use Takes::{Control, Name, Nothing, Number, Paths, Size, Text, Time, Toml, Whole
 const FLAGS: &[Flag] = flags! {
     "Source" {
         "--source" capture.source Paths, "capture snapshot", "Camera, pictures, video, recording, external or -";
-        "--fps" capture.fps Number("NUMBER"), "capture sink snapshot", "Frames per second, `max` or `auto`";
+        "--fps" capture.fps Number("NUMBER"), "capture sink snapshot trace", "Frames per second, `max` or `auto`";
         "--size" capture.size Text("WxH"), "capture snapshot trace", "Size of a camera's, rendered or raw picture";
         "--seed" capture.seed Whole("NUMBER"), "capture snapshot", "Which of all rendered or simulated ropes";
         "--from" capture.from Whole("PLACE"), "capture trace", "Begin with this frame, or time such as 2.5s";
@@ -104,7 +104,7 @@ const FLAGS: &[Flag] = flags! {
         "--ridge" fit.ridge Number("NUMBER"), SHAPES, "What a bend of the control polygon costs";
         "--pin-ends" fit.pin_ends Nothing, SHAPES, "Begin and end at the centerline's ends";
         "--robust" fit.robust Nothing, SHAPES, "Let points far off the curve weigh less";
-        "--filter" fit.filter Nothing, "fit replay", "Filter the control points in time";
+        "--filter" fit.filter Nothing, "fit trace replay", "Filter the control points in time";
         "--solver" fit.solver Name("NAME", || names(&meaning::SOLVERS)), SHAPES, "How the curve is computed";
     }
     "Millimetres" {

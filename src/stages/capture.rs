@@ -3,16 +3,16 @@
 use std::os::fd::AsFd;
 
 use anyhow::Context;
-use lariat_capture::{Frame, FrameSource, Next, Pacer, Source, Until};
+use lariat_capture::{Frame, FrameSource, Next, Source, Until};
 use lariat_wire::{
-    Centerlines, Command, CommandReader, Delivery, Domain, FrameHeader, SourceKind, TRUTH, Trace,
-    Writer, now_ns,
+    Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
 };
 
 use super::arrangement::{Rest, precise_timer};
 use super::feed::{self, Feed};
 use super::status::Sent;
 use super::{Seat, Station};
+use crate::pipeline::{Schedule, frame_header};
 use crate::settings::{Fps, Settings};
 use crate::stop::Stop;
 
@@ -35,7 +35,6 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         }
         _ => None,
     };
-    let pacer = Pacer::new(settings.capture.pace())?;
     let Station {
         domain,
         rig,
@@ -52,10 +51,10 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     let mut sender = Sender {
         feed: Feed::new(source, &frames)?,
         truth: truth.as_ref(),
-        pacer,
-        keeps_own_pace: settings.capture.fps == Fps::Auto,
-        lossless: matches!(delivery, Delivery::Lossless { .. }),
-        missed: 0,
+        schedule: Schedule::new(
+            &settings.capture,
+            matches!(delivery, Delivery::Lossless { .. }),
+        )?,
         sent: Sent::default(),
         lasts_ns: settings.run.duration_ns(),
         end_ns: None,
@@ -102,13 +101,7 @@ fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameS
 struct Sender<'w> {
     feed: Feed<'w>,
     truth: Option<&'w Writer<Centerlines>>,
-    pacer: Pacer,
-    /// Whether frames that have a pace of their own come at it.
-    keeps_own_pace: bool,
-    /// Whether each frame is sent, however late.
-    lossless: bool,
-    /// Moments that passed without a frame, as the source was too slow.
-    missed: u64,
+    schedule: Schedule,
     sent: Sent,
     /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
     lasts_ns: Option<u64>,
@@ -158,20 +151,8 @@ impl Sender<'_> {
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
-        let own_ns = self.feed.source.due_after_ns();
-        let own_ns = own_ns.filter(|_| self.keeps_own_pace);
-        let due_ns = frame.exposed_ns.unwrap_or_else(|| {
-            let ready_ns = now_ns();
-            if let Some(after_ns) = own_ns {
-                let (due_ns, missed) = self.pacer.own_due_ns(ready_ns, after_ns, !self.lossless);
-                self.missed += missed;
-                return due_ns;
-            }
-            if !self.lossless {
-                self.missed += self.pacer.give_up(ready_ns);
-            }
-            self.pacer.next_due_ns(ready_ns)
-        });
+        let after_ns = self.feed.source.due_after_ns();
+        let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
         let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
         let is_over = self
             .lasts_ns
@@ -181,8 +162,7 @@ impl Sender<'_> {
             return Ok(false);
         }
         self.sent.count += 1;
-        // A moment without a frame is a frame lost at the source.
-        self.sent.last_sequence = frame.sequence + self.missed;
+        self.sent.last_sequence = self.schedule.sequence(frame);
         let trace = Trace {
             sequence: self.sent.last_sequence,
             captured: self.sent.count,
@@ -190,15 +170,7 @@ impl Sender<'_> {
             captured_ns: now_ns(),
             ..Trace::EMPTY
         };
-        *slot.header_mut() = FrameHeader {
-            trace,
-            width: frame.width,
-            height: frame.height,
-            stride: frame.stride,
-            pixel_format: frame.format as u32,
-            source: self.feed.source.kind() as u32,
-            reserved: [0; 7],
-        };
+        *slot.header_mut() = frame_header(frame, self.feed.source.kind(), trace);
         slot.send()?;
         if let Some(mut slot) = truth_slot {
             slot.trace = trace;

@@ -1,6 +1,7 @@
 //! Frames of a video, a recording or standard input, each as a picture with a name.
 
 use crate::picture::Picture;
+use crate::pipeline::Schedule;
 use crate::settings::Settings;
 use crate::trace::TraceArgs;
 use anyhow::{Context, Result};
@@ -12,6 +13,16 @@ pub(super) fn names_frames(path: &Path) -> bool {
     let is_video =
         (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
     path == Path::new("-") || names_a_recording(path) || (is_video && !path.is_dir())
+}
+
+/// A picture that is shown.
+pub(super) struct Shown {
+    pub(super) name: PathBuf,
+    pub(super) picture: Picture,
+    /// When it was exposed, if that is known.
+    pub(super) exposed_ns: Option<u64>,
+    /// How long after the first it comes at its source's own pace, if that has one.
+    pub(super) after_ns: Option<u64>,
 }
 
 /// A picture, or frame after frame.
@@ -32,29 +43,39 @@ impl Input {
         Ok(Self::Frames(Frames {
             path: path.to_owned(),
             source: lariat_capture::open(&settings.source())?,
+            schedule: Some(Schedule::new(&settings.capture, true)?),
         }))
     }
 
-    /// Whether its pictures go on from each other.
-    pub(super) fn is_one_scene(&self) -> bool {
-        matches!(self, Self::Frames(_))
+    /// When its pictures come, if they go on from each other; once.
+    pub(super) fn take_schedule(&mut self) -> Option<Schedule> {
+        match self {
+            Self::File(_) => None,
+            Self::Frames(frames) => frames.schedule.take(),
+        }
     }
 
-    /// The next picture, and its name; `None` at the end. `complain`: is told of what is lost.
+    /// The next picture; `None` at the end. `complain`: is told of what is lost.
     ///
     /// # Errors
     /// What ends it.
     pub(super) fn next(
         &mut self,
         complain: &mut impl FnMut(anyhow::Error),
-    ) -> Result<Option<(PathBuf, Picture)>> {
-        match self {
-            Self::Frames(frames) => frames.next(complain),
-            Self::File(path) => match path.take() {
-                Some(path) => Picture::load(&path).map(|picture| Some((path, picture))),
-                None => Ok(None),
-            },
-        }
+    ) -> Result<Option<Shown>> {
+        let name = match self {
+            Self::Frames(frames) => return frames.next(complain),
+            Self::File(path) => path.take(),
+        };
+        let shown = |name: PathBuf| -> Result<Shown> {
+            Ok(Shown {
+                picture: Picture::load(&name)?,
+                name,
+                exposed_ns: None,
+                after_ns: None,
+            })
+        };
+        name.map(shown).transpose()
     }
 }
 
@@ -62,14 +83,12 @@ impl Input {
 pub(super) struct Frames {
     path: PathBuf,
     source: Box<dyn FrameSource>,
+    schedule: Option<Schedule>,
 }
 
 impl Frames {
     /// A frame is called by its number in the part that is shown, as if the source were a folder.
-    fn next(
-        &mut self,
-        complain: &mut impl FnMut(anyhow::Error),
-    ) -> Result<Option<(PathBuf, Picture)>> {
+    fn next(&mut self, complain: &mut impl FnMut(anyhow::Error)) -> Result<Option<Shown>> {
         loop {
             let frame = self.source.next();
             while let Some(warning) = self.source.take_warning() {
@@ -88,8 +107,12 @@ impl Frames {
             }
             let mut pixels = vec![0; frame.bytes()];
             self.source.write(&mut pixels);
-            let name = self.path.join(frame.sequence.to_string());
-            return Ok(Some((name, Picture::of(&frame, pixels))));
+            return Ok(Some(Shown {
+                name: self.path.join(frame.sequence.to_string()),
+                picture: Picture::of(&frame, pixels),
+                exposed_ns: frame.exposed_ns,
+                after_ns: self.source.due_after_ns(),
+            }));
         }
     }
 }

@@ -3,8 +3,8 @@
 
 use crate::descriptor_json::{Descriptor, Quality};
 use crate::output::{Existing, Output, OutputFolder};
-use crate::picture::Picture;
 use crate::trace::canvas::{Canvas, Ink};
+use crate::trace::frames::Shown;
 use crate::trace::report::{CurveReport, Report};
 use anyhow::{Context, Result};
 use image::{ImageFormat, RgbImage};
@@ -61,25 +61,24 @@ impl Overlays {
         })
     }
 
-    /// Draws what was found over the picture at `path` and writes it as a PNG of the same name.
+    /// Draws what was found over the picture and writes it as a PNG of the same name.
     ///
     /// # Errors
     /// The file cannot be written, or would replace one of the pictures.
     pub(super) fn write(
         &mut self,
-        path: &Path,
-        picture: Picture,
+        shown: Shown,
         report: &Report,
         mapping: Option<&Mapping>,
     ) -> Result<()> {
-        let target = self.folder.path().join(name(path, &mut self.taken));
+        let target = self.folder.path().join(name(&shown.name, &mut self.taken));
         let output = Output::new(
             &target,
             self.existing,
             self.inputs.iter().map(PathBuf::as_path),
         )?;
         let mut png = Vec::new();
-        draw(picture.into_rgb(), report, mapping)
+        draw(shown.picture.into_rgb(), report, mapping)
             .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
             .with_context(|| format!("cannot encode {}", target.display()))?;
         output.write(&png)

@@ -1,8 +1,10 @@
 //! What is printed about a picture: a JSON object a line for programs, a table for people.
 
 use crate::descriptor_json::{Descriptor, thousandths};
+use crate::doubts;
 use crate::layout::{self, Column, hanging};
-use lariat_extract::Status;
+use crate::trace::frames::Shown;
+use lariat_extract::{Crossing, CrossingSequence, Scene, Status};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -100,7 +102,7 @@ impl Timing {
 }
 
 /// How a curve's status is written.
-pub(super) fn status_name(status: Status) -> &'static str {
+fn status_name(status: Status) -> &'static str {
     match status {
         Status::Ok => "ok",
         Status::Partial => "partial",
@@ -110,6 +112,37 @@ pub(super) fn status_name(status: Status) -> &'static str {
 }
 
 impl Report {
+    /// What was seen in a picture, of which the extractor's own begins at `origin`, with a descriptor of each curve.
+    pub(super) fn of(
+        shown: &Shown,
+        scene: &Scene,
+        origin: [usize; 2],
+        descriptors: Vec<Descriptor>,
+        timing_us: Timing,
+    ) -> Self {
+        let curves = descriptors.into_iter().enumerate();
+        let crossings = scene.crossings.iter();
+        let origin = origin.map(|c| c as f32);
+        Self {
+            image: shown.name.display().to_string(),
+            width: shown.picture.width(),
+            height: shown.picture.height(),
+            curves: curves
+                .map(|(index, descriptor)| curve_report(scene, origin, index, descriptor))
+                .collect(),
+            crossings: crossings
+                .map(|crossing| crossing_report(scene, origin, crossing))
+                .collect(),
+            notices: (scene.notice.into_iter())
+                .map(|notice| NoticeReport {
+                    kind: notice.name(),
+                    text: doubts::sentence(notice),
+                })
+                .collect(),
+            timing_us,
+        }
+    }
+
     pub(super) fn write_json(&self, output: &mut impl Write) -> io::Result<()> {
         serde_json::to_writer(&mut *output, self)?;
         output.write_all(b"\n")
@@ -121,6 +154,53 @@ impl Report {
             [crossing.over.track, crossing.under.track].contains(&track)
         };
         self.crossings.iter().filter(is_one).count()
+    }
+}
+
+/// `origin` is where in the picture the extractor's own begins.
+fn curve_report(
+    scene: &Scene,
+    origin: [f32; 2],
+    index: usize,
+    descriptor: Descriptor,
+) -> CurveReport {
+    let curve = &scene.curves[index];
+    let sequence = CrossingSequence::of(scene, index);
+    let rounded = |x: &f32| thousandths((*x).into());
+    CurveReport {
+        track: curve.track,
+        status: status_name(curve.status),
+        closed: curve.closed,
+        border: curve.border,
+        length_px: rounded(&curve.length_px),
+        width_px: rounded(&curve.width_px),
+        points: curve
+            .points
+            .iter()
+            .map(|p| [0, 1].map(|axis| rounded(&(p[axis] + origin[axis]))))
+            .collect(),
+        widths_px: curve.widths_px.iter().map(rounded).collect(),
+        hidden: (0..curve.points.len())
+            .filter(|&i| curve.hidden.get(i) == Some(&true))
+            .collect(),
+        age_ms: curve.age_ns as f64 / 1e6,
+        crossing_sequence: sequence.to_string(),
+        pulls_straight: sequence.pulls_straight(),
+        descriptor,
+    }
+}
+
+fn crossing_report(scene: &Scene, origin: [f32; 2], crossing: &Crossing) -> CrossingReport {
+    let strand = |curve: usize, rho: f32| StrandReport {
+        track: scene.curves[curve].track,
+        // To a tenth of a pixel of a rope of a thousand.
+        rho: (f64::from(rho) * 1e4).round() / 1e4,
+    };
+    CrossingReport {
+        at: [0, 1].map(|axis| thousandths((crossing.at[axis] + origin[axis]).into())),
+        over: strand(crossing.over, crossing.over_rho),
+        under: strand(crossing.under, crossing.under_rho),
+        confidence: thousandths(crossing.confidence.into()),
     }
 }
 

@@ -9,3 +9,4 @@ mod contents;
 mod faults;
 mod recording;
 mod rings;
+mod traced;

@@ -98,7 +98,7 @@ fn look(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()
     let mut message = Box::new(Centerlines::EMPTY);
     let mut bytes = Vec::new();
     while let Some(header) = encoding::read_frame(&mut from, &mut pixels)? {
-        eye.look(&header, &pixels, &mut message)?;
+        eye.look(&header, &pixels, &mut message);
         encoding::write(&mut to, &mut bytes, |bytes| {
             encoding::put_centerlines(bytes, &message);
         })?;

@@ -3,17 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use lariat_capture::{FrameSource, Pacer};
-use lariat_extract::Extractor;
+use lariat_capture::FrameSource;
 use lariat_sink::{FinalCounts, Sink};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace, now_ns};
 
 use crate::output::{Existing, OutputFolder};
+use crate::pipeline::{CurveFitter, FrameExtractor, FrameView, Schedule, frame_header};
 use crate::run_files::write_report;
 use crate::settings::{Fps, Settings};
 use crate::stages::arrangement::precise_timer;
-use crate::stages::extract::Warned;
-use crate::stages::{extract, fit};
 use crate::stop::Stop;
 
 /// What a rival is told.
@@ -66,7 +64,7 @@ impl Task {
 /// The first stage: the rendered rope, each frame drawn before it is due.
 pub(super) struct Camera {
     source: Box<dyn FrameSource>,
-    pacer: Pacer,
+    schedule: Schedule,
     end_ns: Option<u64>,
     duration_ns: u64,
     captured: u64,
@@ -77,7 +75,7 @@ impl Camera {
         precise_timer();
         Ok(Self {
             source: lariat_capture::open(&settings.source())?,
-            pacer: Pacer::new(settings.capture.pace())?,
+            schedule: Schedule::new(&settings.capture, false)?,
             end_ns: None,
             duration_ns: settings.run.duration_ns().unwrap_or(0),
             captured: 0,
@@ -95,79 +93,60 @@ impl Camera {
             return Ok(None);
         };
         self.source.write(pixels);
-        let due_ns = self.pacer.next_due_ns(now_ns());
+        let after_ns = self.source.due_after_ns();
+        let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
         let end_ns = *self.end_ns.get_or_insert(due_ns + self.duration_ns);
         if due_ns >= end_ns || !stop.sleep_until(due_ns) {
             return Ok(None);
         }
         self.captured += 1;
-        Ok(Some(FrameHeader {
-            trace: Trace {
-                sequence: frame.sequence,
-                captured: self.captured,
-                exposed_ns: due_ns,
-                captured_ns: now_ns(),
-                ..Trace::EMPTY
-            },
-            width: frame.width,
-            height: frame.height,
-            stride: frame.stride,
-            pixel_format: frame.format as u32,
-            source: self.source.kind() as u32,
-            reserved: [0; 7],
-        }))
+        let trace = Trace {
+            sequence: self.schedule.sequence(&frame),
+            captured: self.captured,
+            exposed_ns: due_ns,
+            captured_ns: now_ns(),
+            ..Trace::EMPTY
+        };
+        Ok(Some(frame_header(&frame, self.source.kind(), trace)))
     }
 }
 
 /// The second stage.
 pub(super) struct Eye {
-    extractor: Extractor,
+    extractor: FrameExtractor,
     extracted: u64,
 }
 
 impl Eye {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
-        let mut extractor = Extractor::new(settings.extract.options())?;
-        let [width, height] = settings.capture.likely_size().map(|side| side as usize);
-        extractor.prepare(width, height);
         Ok(Self {
-            extractor,
+            extractor: FrameExtractor::prepared(settings)?,
             extracted: 0,
         })
     }
 
     /// Fills in what is seen in a frame that is just in hand.
-    pub(super) fn look(
-        &mut self,
-        header: &FrameHeader,
-        pixels: &[u8],
-        message: &mut Centerlines,
-    ) -> Result<()> {
+    pub(super) fn look(&mut self, header: &FrameHeader, pixels: &[u8], message: &mut Centerlines) {
         message.trace = header.trace;
         message.trace.extract_started_ns = now_ns();
-        (message.width, message.height) = (header.width, header.height);
-        let image = extract::image(header, pixels)?;
-        self.extractor.at(header.trace.exposed_ns);
-        extract::fill(message, &self.extractor.extract(&image), [0, 0]);
+        self.extractor
+            .answer(FrameView::new(header, pixels), None, message);
         self.extracted += 1;
         message.trace.extracted = self.extracted;
         message.trace.extracted_ns = now_ns();
-        Ok(())
     }
 }
 
 /// The third stage.
 pub(super) struct Hand {
-    curves: fit::CurveFitter,
-    unfitted: Warned,
+    curves: CurveFitter,
     fitted: u64,
 }
 
 impl Hand {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
-            curves: fit::CurveFitter::new(settings)?,
-            unfitted: Warned::default(),
+            curves: CurveFitter::new(settings)?,
             fitted: 0,
         })
     }
@@ -176,7 +155,7 @@ impl Hand {
     pub(super) fn fit(&mut self, seen: &Centerlines, message: &mut Descriptors) {
         message.trace = seen.trace;
         message.trace.fit_started_ns = now_ns();
-        fit::fill(message, seen, &mut self.curves, &mut self.unfitted);
+        self.curves.answer(seen, message);
         self.fitted += 1;
         message.trace.fitted = self.fitted;
         message.trace.fitted_ns = now_ns();

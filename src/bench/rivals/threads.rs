@@ -162,7 +162,7 @@ fn look(
         let Some(mut message) = centerlines.buffer() else {
             break;
         };
-        eye.look(&frame.header, &frame.pixels, &mut message)?;
+        eye.look(&frame.header, &frame.pixels, &mut message);
         frames.give_back(frame);
         centerlines.send(message);
     }

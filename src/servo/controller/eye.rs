@@ -12,9 +12,9 @@ use lariat_wire::{
 };
 
 use super::METRIC_ROWS;
+use crate::pipeline::CurveFitter;
 use crate::servo::job::{Features, Job, RAW_POINTS};
 use crate::settings::Settings;
-use crate::stages::fit::CurveFitter;
 
 /// What is known of the rope.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,11 +2,11 @@ use std::sync::mpsc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use lariat_capture::{LentSlot, Pace, SourceError};
+use lariat_capture::{LentSlot, SourceError};
 use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver, Rig};
 
 use super::*;
-use crate::settings::Arrangement;
+use crate::settings::{Arrangement, Capture};
 
 const SIDE: u32 = 16;
 const BYTES: usize = (SIDE * SIDE) as usize;
@@ -145,15 +145,20 @@ fn with_sender<T>(
         feed: Feed::new(source, &frames).expect("slots"),
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.
-        pacer: Pacer::new(Pace::Fps(1e-7)).expect("a pace"),
-        keeps_own_pace: false,
-        lossless: false,
-        missed: 0,
+        schedule: schedule(Fps::PerSecond(1e-7), false),
         sent: Sent::default(),
         lasts_ns,
         end_ns: None,
     };
     test(&mut sender, &reader)
+}
+
+fn schedule(fps: Fps, lossless: bool) -> Schedule {
+    let settings = Capture {
+        fps,
+        ..Capture::default()
+    };
+    Schedule::new(&settings, lossless).expect("a pace")
 }
 
 fn rest() -> Rest {
@@ -169,7 +174,7 @@ fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_anew() {
             Box::new(Filled::new(wanted)),
             None,
             |sender, reader| {
-                sender.pacer = Pacer::new(Pace::Max).expect("a pace");
+                sender.schedule = schedule(Fps::Max, false);
                 let (stop, _stopper) = Stop::by_another().expect("a stop");
                 // More than there are slots in the channel's whole shared memory.
                 for sequence in 1..=60 {
@@ -262,8 +267,7 @@ fn moments_that_a_slow_source_lets_pass_are_frames_lost_at_the_source() {
     for lossless in [false, true] {
         let rig = format!("slow{}", u8::from(lossless));
         with_sender(&rig, Box::new(Slow(0)), None, |sender, reader| {
-            sender.lossless = lossless;
-            sender.pacer = Pacer::new(Pace::Fps(1000.0)).expect("a pace");
+            sender.schedule = schedule(Fps::PerSecond(1000.0), lossless);
             let (stop, _stopper) = Stop::by_another().expect("a stop");
             let mut sequences = [0; 2];
             for (sent, sequence) in (1..).zip(&mut sequences) {

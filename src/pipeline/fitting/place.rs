@@ -42,6 +42,11 @@ impl Placer {
         self.calibrated.unit()
     }
 
+    /// The way for the frames' size, once that is known and fits.
+    pub(super) fn mapping(&self) -> Option<&Mapping> {
+        self.mapping.as_ref()
+    }
+
     /// Turns to frames of this size; `true` if they are of another than the last.
     ///
     /// # Errors

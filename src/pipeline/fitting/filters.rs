@@ -36,6 +36,11 @@ impl Filters {
         })
     }
 
+    /// The ropes that come are others.
+    pub(super) fn forget(&mut self) {
+        self.ropes.forget();
+    }
+
     /// Replaces a descriptor's control points by the filtered ones, if its rope is seen.
     pub(super) fn apply(
         &mut self,

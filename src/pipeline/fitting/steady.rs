@@ -6,18 +6,18 @@ use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, SteadySize};
 
 /// A rope as fitting needs to know it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rope {
-    pub(crate) track: u32,
-    pub(crate) closed: bool,
+pub(super) struct Rope {
+    pub(super) track: u32,
+    pub(super) closed: bool,
     /// In the unit of its points, and how long a pixel is there.
-    pub(crate) width: f64,
-    pub(crate) unit_per_px: f64,
+    pub(super) width: f64,
+    pub(super) unit_per_px: f64,
     /// When it was seen so.
-    pub(crate) seen_ns: u64,
+    pub(super) seen_ns: u64,
 }
 
 /// Fitters of open and of closed curves, and which size each rope's has.
-pub(crate) struct RopeFitter {
+pub(super) struct RopeFitter {
     settings: settings::Fit,
     pub(super) open: Fitter,
     pub(super) closed: Fitter,
@@ -30,7 +30,7 @@ pub(crate) struct RopeFitter {
 impl RopeFitter {
     /// # Errors
     /// As [`Fitter::new`].
-    pub(crate) fn new(settings: &settings::Fit, points: usize) -> Result<Self, FitterError> {
+    pub(super) fn new(settings: &settings::Fit, points: usize) -> Result<Self, FitterError> {
         Ok(Self {
             open: Fitter::new(settings.options(points, false))?,
             closed: Fitter::new(settings.options(points, true))?,
@@ -43,12 +43,12 @@ impl RopeFitter {
     }
 
     /// How many points the fitters are for.
-    pub(crate) fn points(&self) -> usize {
+    pub(super) fn points(&self) -> usize {
         self.open.options().points
     }
 
     /// The fitter of such curves.
-    pub(crate) fn fitter(&mut self, closed: bool) -> &mut Fitter {
+    pub(super) fn fitter(&mut self, closed: bool) -> &mut Fitter {
         if closed {
             &mut self.closed
         } else {
@@ -57,7 +57,7 @@ impl RopeFitter {
     }
 
     /// The ropes that come are others.
-    pub(crate) fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.sizes.forget();
         self.last_track = None;
     }
@@ -66,7 +66,7 @@ impl RopeFitter {
     ///
     /// # Errors
     /// As [`Fitter::fit`].
-    pub(crate) fn fit(&mut self, rope: Rope, line: &Line) -> Result<Judged, FitError> {
+    pub(super) fn fit(&mut self, rope: Rope, line: &Line) -> Result<Judged, FitError> {
         if !rope.closed && self.last_track.replace(rope.track) != Some(rope.track) {
             self.open.forget();
         }

@@ -3,7 +3,7 @@
 use lariat_wire::MAX_CURVES;
 
 /// Something for each of as many ropes as a frame can have.
-pub(crate) struct Ropes<T> {
+pub(super) struct Ropes<T> {
     ropes: Vec<Kept<T>>,
 }
 

@@ -510,8 +510,8 @@ fn a_rope_beyond_the_horizon_is_left_out_and_the_others_are_not() {
     let mut seen = Box::new(Centerlines::EMPTY);
     (seen.width, seen.height, seen.count) = (640, 480, 2);
     (seen.curves[0], seen.curves[1]) = (slanting_rope(), rope());
-    let (mut message, mut unfitted) = (Box::new(Descriptors::EMPTY), Warned::default());
-    fill(&mut message, &seen, &mut curves, &mut unfitted);
+    let mut message = Box::new(Descriptors::EMPTY);
+    curves.answer(&seen, &mut message);
     assert_eq!((message.count, message.unit()), (1, Some(Unit::Millimeter)));
     assert!(message.curves[0].length > 238.0);
     assert_eq!(message.centerlines().len(), 1);
@@ -524,10 +524,10 @@ fn frames_of_another_shape_than_the_calibrations_have_no_curves() {
     let mut seen = Box::new(Centerlines::EMPTY);
     (seen.width, seen.height, seen.count) = (640, 360, 1);
     seen.curves[0] = rope();
-    let (mut message, mut unfitted) = (Box::new(Descriptors::EMPTY), Warned::default());
+    let mut message = Box::new(Descriptors::EMPTY);
     for (height, count) in [(360, 0), (480, 1), (360, 0)] {
         seen.height = height;
-        fill(&mut message, &seen, &mut curves, &mut unfitted);
+        curves.answer(&seen, &mut message);
         assert_eq!(message.count, count);
     }
 }

@@ -1,0 +1,197 @@
+//! The pipeline, handed pictures, with a clock that times its steps.
+
+use crate::descriptor_json::{Descriptor, Measure, Quality, unit_name};
+use crate::exit::wrong_use;
+use crate::pipeline::{CurveFitter, FrameExtractor, Part, Schedule};
+use crate::settings::{self, Settings};
+use crate::trace::frames::{Input, Shown};
+use crate::trace::masks::Masks;
+use crate::trace::report::{NoticeReport, Report, Timing};
+use anyhow::{Context, Result};
+use lariat_camera::Mapping;
+use lariat_extract::{Image, Mask, Scene, Step};
+use lariat_wire::{Centerlines, Unit};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// From picture to picture where no pace is set, ns.
+const FRAME_NS: u64 = 1_000_000_000 / 30;
+
+/// The pipeline, made once.
+pub(super) struct Tracer {
+    extractor: FrameExtractor,
+    curves: CurveFitter,
+    settings: settings::Fit,
+    masks: Option<Masks>,
+    /// Whether a picture goes on from the one before.
+    is_one_scene: bool,
+    /// When the pictures are exposed.
+    schedule: Schedule,
+    exposed_ns: u64,
+    centerlines: Box<Centerlines>,
+}
+
+impl Tracer {
+    /// `masks`: the folder that masks are in, if they come from elsewhere.
+    ///
+    /// # Errors
+    /// Settings that make no sense, or files of theirs that cannot be read.
+    pub(super) fn new(settings: &Settings, masks: Option<&Path>) -> Result<Self> {
+        if settings.extract.mask == Mask::External && masks.is_none() {
+            wrong_use!(
+                "the settings say mask = \"external\": name the masks' folder with --masks DIR"
+            );
+        }
+        Ok(Self {
+            extractor: FrameExtractor::new(&settings.extract)?,
+            curves: CurveFitter::new(settings)?,
+            settings: settings.fit.clone(),
+            masks: masks.map(Masks::new).transpose()?,
+            is_one_scene: false,
+            schedule: Schedule::new(&settings.capture, true)?,
+            exposed_ns: 0,
+            centerlines: Box::new(Centerlines::EMPTY),
+        })
+    }
+
+    /// What descriptors come in.
+    pub(super) fn unit(&self) -> Unit {
+        self.curves.unit()
+    }
+
+    /// The way to where points lie, for the last picture's size.
+    pub(super) fn mapping(&self) -> Option<&Mapping> {
+        self.curves.mapping()
+    }
+
+    /// Where the mask of the picture at `path` would be, if masks come from elsewhere.
+    pub(super) fn mask_of(&self, path: &Path) -> Option<PathBuf> {
+        Some(self.masks.as_ref()?.name(path))
+    }
+
+    /// The pictures that come are of this input. `is_video`: also those of files are of one scene.
+    pub(super) fn begin(&mut self, input: &mut Input, is_video: bool) {
+        let schedule = input.take_schedule();
+        self.is_one_scene = is_video || schedule.is_some();
+        if let Some(schedule) = schedule {
+            self.schedule = schedule;
+            self.forget();
+        }
+    }
+
+    /// What comes is another scene.
+    fn forget(&mut self) {
+        self.extractor.forget();
+        self.curves.forget();
+    }
+
+    /// The ropes in a picture, which was begun with at a moment.
+    ///
+    /// # Errors
+    /// The picture or its mask cannot be read, or a rope cannot be fitted.
+    pub(super) fn trace(&mut self, shown: &Shown, begin: Instant) -> Result<Report> {
+        let about = || shown.name.display().to_string();
+        let picture = &shown.picture;
+        let whole = picture.image().with_context(about)?;
+        let part = self.extractor.part(whole).with_context(about)?;
+        let size = [picture.width(), picture.height()];
+        self.curves.turn_to(size).with_context(about)?;
+        let mask = match &self.masks {
+            Some(masks) => Some(masks.of(&shown.name)?),
+            None => None,
+        };
+        let mut timing = Timing {
+            decode: since(begin),
+            ..Timing::default()
+        };
+        if !self.is_one_scene {
+            self.forget();
+        }
+        let ready_ns = self.exposed_ns + FRAME_NS;
+        self.exposed_ns = (self.schedule).due_ns(ready_ns, shown.exposed_ns, shown.after_ns);
+        self.centerlines.trace.exposed_ns = self.exposed_ns;
+
+        let (extractor, seen) = (&mut self.extractor, &mut *self.centerlines);
+        let scene = match &mask {
+            None => extract(extractor, &part, None, seen, &mut timing),
+            Some((name, mask)) => mask
+                .image()
+                .map_err(Into::into)
+                .and_then(|mask| extract(extractor, &part, Some(mask), seen, &mut timing))
+                .with_context(|| name.display().to_string()),
+        }?;
+        let fitting = Instant::now();
+        let (descriptors, coarse) =
+            describe(&mut self.curves, &self.settings, seen).with_context(about)?;
+        timing.fit = since(fitting);
+        timing.total = since(begin);
+        let mut report = Report::of(shown, &scene, part.origin(), descriptors, timing.rounded());
+        report.notices.extend(coarse);
+        Ok(report)
+    }
+}
+
+/// Extracts a picture's centerlines, and times the steps.
+fn extract<'a>(
+    extractor: &'a mut FrameExtractor,
+    part: &Part,
+    mask: Option<Image>,
+    message: &mut Centerlines,
+    timing: &mut Timing,
+) -> Result<Scene<'a>> {
+    let exposed_ns = message.trace.exposed_ns;
+    let mut last = Instant::now();
+    let mut watch = |step| {
+        let spent = match step {
+            Step::Follow => &mut timing.follow,
+            Step::Mask => &mut timing.mask,
+            Step::Skeleton => &mut timing.skeleton,
+            Step::Graph => &mut timing.graph,
+            Step::Points => &mut timing.points,
+        };
+        *spent += since(last);
+        last = Instant::now();
+    };
+    extractor.extract(part, mask, exposed_ns, &mut watch, message)
+}
+
+/// The descriptors of all curves, and what is to be said of those that do not lie on their points.
+fn describe(
+    curves: &mut CurveFitter,
+    settings: &settings::Fit,
+    seen: &Centerlines,
+) -> Result<(Vec<Descriptor>, Vec<NoticeReport>)> {
+    let unit = unit_name(curves.unit());
+    let mut described = lariat_wire::Descriptor::EMPTY;
+    let mut descriptors = Vec::with_capacity(seen.curves().len());
+    let mut coarse = Vec::new();
+    for curve in seen.curves() {
+        let judged = curves.describe(curve, seen.trace.exposed_ns, &mut described)?;
+        let fit = curves.last_fit(curve);
+        let quality = Quality::of(fit, judged.is_good, described.width);
+        if !judged.is_good {
+            let Quality {
+                rms_widths,
+                worst_widths,
+                ..
+            } = quality;
+            let said = settings.coarse(rms_widths, worst_widths, fit.control_points.len());
+            coarse.push(NoticeReport {
+                kind: "coarse-curve",
+                text: format!("rope {}: {said}", curve.track),
+            });
+        }
+        let mut descriptor = Descriptor::of(fit);
+        descriptor.control_points = described.control_points().to_vec();
+        descriptor.quality = Some(quality);
+        let length = described.length;
+        descriptor.measure = Some(Measure { unit, length });
+        descriptors.push(descriptor.rounded());
+    }
+    Ok((descriptors, coarse))
+}
+
+/// Microseconds since `begin`.
+fn since(begin: Instant) -> f64 {
+    begin.elapsed().as_secs_f64() * 1e6
+}
