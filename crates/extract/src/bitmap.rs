@@ -6,6 +6,7 @@ pub(crate) mod components;
 pub(crate) mod edge_distance;
 pub(crate) mod morphology;
 pub(crate) mod neighbors;
+mod octagon;
 pub(crate) mod pieces;
 pub(crate) mod strips;
 mod tiles;

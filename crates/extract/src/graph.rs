@@ -1,5 +1,6 @@
 //! The third step: from the skeleton to strands, each rope's edges in order through its crossings and overlaps.
 
+mod arm;
 mod double_crossing;
 mod edges;
 pub(crate) mod necks;

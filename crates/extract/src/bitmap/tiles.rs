@@ -4,8 +4,8 @@
 //! row of nothing between, and each tile knows where its neighbors to the left and to the right lie. What is outside of
 //! the picture is set while the rope is eroded, and unset while it grows back.
 
-use super::morphology::{Cross, Square, ToBottomRight, is_square};
 use super::neighbors::{Around, Rule, apply_to_tile};
+use super::octagon::{Cross, Square, ToBottomRight, is_square};
 use super::strips::{BLOCK, Blocks, Strips, block, block_mut};
 
 /// Where a tile of nothing lies, and one of which all is set; about both the same.

@@ -5,8 +5,9 @@
 //! direction of their own. Over the whole length the strands that bend less tell.
 
 use super::Graph;
+use super::arm::Arm;
 use super::pairing::{bending, color_cost};
-use super::zones::{Arm, Zones};
+use super::zones::Zones;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::{self, Vec2};
 

@@ -8,9 +8,10 @@
 //! around.
 
 use super::Graph;
+use super::arm::Arm;
 use super::pairing::{ALONE, ALONE_TOO, Pairing};
 use super::unroll::Unroll;
-use super::zones::{Arm, Zones};
+use super::zones::Zones;
 use crate::image::{Image, color};
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};

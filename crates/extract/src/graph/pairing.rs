@@ -6,7 +6,7 @@
 //! pairings of a zone are tried; an arm may stay alone, as the end of a rope that lies there. Where
 //! the last image knows which strand went where, that weighs in.
 
-use super::zones::Arm;
+use super::arm::Arm;
 use crate::image::color;
 use crate::past::Past;
 use crate::vec2::{self, Vec2};

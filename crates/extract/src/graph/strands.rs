@@ -1,7 +1,8 @@
 //! Edges joined through crossings: each rope as a list of edges in their order.
 
+use super::arm::Arm;
 use super::pairing::{Pairing, cost};
-use super::zones::{Arm, Zones};
+use super::zones::Zones;
 use super::{Graph, double_crossing};
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};

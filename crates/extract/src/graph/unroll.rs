@@ -2,8 +2,8 @@
 //! strands bend together.
 
 use super::Graph;
+use super::arm::Arm;
 use super::necks::Necks;
-use super::zones::Arm;
 use crate::skeleton::Skeleton;
 use crate::vec2::{self, Vec2};
 

@@ -1,0 +1,62 @@
+//! The structuring element of the morphology: an octagon of crosses and squares of 3×3, one after the other, in the order
+//! that keeps its corners nearest to a circle (Adams, "Radial decomposition of discs and spheres", CVGIP 55, 1993).
+
+use super::neighbors::{Around, Rule};
+
+/// Squares among the steps of an octagon whose diagonals are as long as its axes: s of r steps with
+/// s·√2 + (r − s)·√2/2 = r.
+const SQUARES: f32 = std::f32::consts::SQRT_2 - 1.0;
+
+/// Whether step `step` of an octagon is a square.
+pub(super) fn is_square(step: usize) -> bool {
+    let squares = |steps: usize| (SQUARES * steps as f32).round();
+    squares(step + 1) > squares(step)
+}
+
+/// Dilation by a pixel and its neighbors by a side.
+pub(super) struct Cross;
+
+impl Rule for Cross {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let &Around {
+            here, n, s, w, e, ..
+        } = around;
+        here | n | s | w | e
+    }
+}
+
+/// Dilation by a square of 3×3.
+pub(super) struct Square;
+
+impl Rule for Square {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { nw, ne, sw, se, .. } = around;
+        Cross.word(around) | nw | ne | sw | se
+    }
+}
+
+/// Dilation by a square of 2×2, half a pixel to the right and below.
+pub(super) struct ToBottomRight;
+
+impl Rule for ToBottomRight {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { here, n, w, nw, .. } = around;
+        here | n | w | nw
+    }
+}
+
+/// The same by that square turned around: eroding by it undoes the other's shift.
+#[cfg(test)]
+pub(super) struct ToTopLeft;
+
+#[cfg(test)]
+impl Rule for ToTopLeft {
+    #[inline(always)]
+    fn word(&self, around: &Around) -> u64 {
+        let Around { here, s, e, se, .. } = around;
+        here | s | e | se
+    }
+}
