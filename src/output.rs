@@ -3,6 +3,19 @@
 //! `-` is standard output. A device or a pipe is written into. A link is followed. A file that is there is kept, unless `--force`
 //! says otherwise, and one that the same command reads is kept in any case. A file is there whole or not at all: it grows under another
 //! name beside its place. What stands against it is said before the work begins.
+//!
+//! # How it works
+//!
+//! `src/output.rs` decides for every file of every command. `-` is standard output; what is no regular file is opened and written
+//! into; links are followed. A regular file that is there is refused, or replaced with `--force`, its permissions kept; one that the same command reads
+//! (by device and inode) is refused always. A file grows beside its place under another name and is put there whole. All this,
+//! and whether the folder can be written to, is asked before the work begins: of `run` by the chain's own process, before it starts any other. What is
+//! printed beside a file that goes to standard output goes to standard error.
+//!
+//! A **closed pipe** (`| head`) ends the command in order, with exit code 1, as something was not printed: a chain says so, any other ends without a word. Rust has SIGPIPE ignored,
+//! so the write fails, and nothing is cut off in the middle: cameras get their controls back, shared memory is swept. Any other failure to
+//! write standard output is said, and the exit code is 1. A chain goes on while a full disk swallows its live line, as it has a
+//! robot to serve, and says it at its end. Standard error that nobody reads is nothing (the macros in `main.rs`).
 
 mod folder;
 mod stdout;

@@ -6,6 +6,34 @@
 //! same whenever they are read, and looks by itself before a buffer can overflow ([`nap`]). A `--lossless` chain is the
 //! exception: it waits for each of its readers to take up its end, and then for the slowest, so there all of them are
 //! woken, and it is said.
+//!
+//! # How it works
+//!
+//! `lariat topic` and `lariat top` are readers like any other, and take one of a channel's places. What a reader costs the chain is
+//! to be woken (5 to 20 µs a message, in the writer); so they are not, but for `echo` and `delay --in-hand`. (By `strace -c`, fit
+//! makes one `sendto` a message with sink alone, beside `hz` and beside `top`, and two beside `echo`.) Stamps and counters
+//! are the same whenever a message is read: rates, intervals, losses and the steps' times come from these alone, with the ledger
+//! and the steps of `crates/sink`. `hz` and `bw` look again before a buffer is full, at a pace that follows the channel's
+//! (`topic/nap`); `top` takes what waits ten times a second, a part of the messages at a high rate, and loses nothing by it but
+//! percentiles' samples. What was sent and not read by the one who looks is counted apart (`here`).
+//!
+//! A reader holds its channel open as it is. So one that only looks goes when the writer goes, and comes back with the next one:
+//! else a chain that is started anew with `--lossless`, or of another release, would be refused for its sake. A lossless writer
+//! waits for each of its readers to take up its end, and then for the slowest: there they are woken, and say so.
+//!
+//! Who is at the ends of a channel is read from the transport's own tables (`Domain::channels`, `crates/wire/src/survey.rs`): a
+//! channel is opened for the moment of the look, as a node without a port, and nothing is made that was not there. A channel of
+//! another release is told by its type names alone.
+//!
+//! A process that is killed while it makes a channel leaves it half made, which the transport takes for one that is being made, for ever.
+//! So processes of lariat make and open channels one at a time, under a lock on the domain's folder that no death outlives
+//! (`crates/wire/src/making.rs`), and who has the lock removes what hangs.
+//!
+//! Left over (`lariat doctor`, `crates/wire/src/leftovers.rs`) is a domain's shared memory if its folder is here and none of the
+//! locks in it is held, no process has it mapped, and none of it was made in the last two seconds: a process makes its first
+//! file before its lock can be seen. All four, as each alone can be wrong: in a container that shares only `/dev/shm` there
+//! are no locks, another user's mappings cannot be read. `--clean` also removes the folders of domains in which nobody is, as another
+//! user could not use a domain of that name, and what older releases left in `/tmp/iceoryx2`.
 
 mod bandwidth;
 mod delay;

@@ -3,6 +3,42 @@
 //!
 //! Everything is measured in rounds, one thing after the other, and again: what drifts on a machine drifts for all.
 //! A figure is the median of its rounds; between the least and the greatest round lies its noise.
+//!
+//! # How it works
+//!
+//! `lariat bench` (`src/bench/`) measures everything in rounds (`plan`): floors, the chain, rivals, and again, so that what
+//! drifts on a machine drifts for all; a figure is the median of its rounds, a ratio is taken within each round. What it starts
+//! are programs of the same executable (`lariat bench-part …`, hidden) in a domain, a folder and a process group of their own.
+//! Each is started through `bench-part guard` (`guard`), which asks the kernel to end it with the bench, puts it on its core
+//! and under FIFO if so asked, and then becomes it: a Ctrl-C, an error or a `kill -9` of the bench leaves nothing
+//! running.
+//!
+//! | module | what |
+//! |---|---|
+//! | `choice`, `plan`, `job` | what the user can choose, what is measured in which order and for how long, one measurement |
+//! | `floors` | reading and copying the frame, a wake on a futex and an eventfd on one core and across, lateness of a timer, as other programs have it and under FIFO: no chain's 99.9th percentile is better than that one's for long |
+//! | `relay` | four processes that pass 64 bytes on over bare iceoryx2 (`wire`'s `relay`), in each arrangement; the best of a run is its floor |
+//! | `chain` | `lariat run` as users start it. What it says itself is read from its `--out`; the share of a core is looked up over the middle of the run (`usage`), memory in a run of its own, as a look at a process's pages holds it up |
+//! | `rivals/` | the same stages' work (`steps`) as threads with channels, and over Unix sockets (`encoding`); the scripts of `bench/rivals`, which are in the executable |
+//! | `figures`, `targets` | rounds merged; what is to be reached |
+//! | `table`, `plot`, `report`, `summary` | what is shown: text, SVG, HTML, JSON |
+//!
+//! *Overhead* is the way of a frame from its due moment into the reader's hands without the time extract and fit worked on it,
+//! frame by frame (`overhead.hgrm`); *links* the same without how late capture was. The floor of 64 bytes counts from the due
+//! moment, too.
+//!
+//! **Where the tail is** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a virtual machine). Up to
+//! about 0.8 ms it is extraction: one frame in some tens is looked at whole, 0.5 to 0.75 ms of work with caches that following
+//! has left cold, where the median frame takes 0.1 ms in all. Beyond that it is the host: stages that stay on their core for
+//! 2 to 25 ms without the kernel's own ticks in between, which says that the core itself stood still, and phases of 0.1 s in
+//! which every stage takes ten to thirty times as long. The chain itself waits for nothing there: in the minute stages were put
+//! off their core twenty times, by the kernel's own workers, and the longest from a wake to the woken's first step was 3 ms,
+//! within such a phase. Drawing the rope is half of the work at
+//! that rate, all on the one core, so that each such pause takes three times its length to catch up with.
+//!
+//! `lariat-bench day` shows the film of a rope for a day by the frames' own clock, through extraction, fit and filter (2.6
+//! million frames in two minutes): the last hour costs what the first did, in time, memory and descriptors. Sink has a test of
+//! as many messages.
 
 mod chain;
 mod choice;

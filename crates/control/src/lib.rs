@@ -66,6 +66,34 @@
 //! The loop is that of D. Navarro-Alarcon and others (*Automatic 3-D manipulation of soft objects by robotic arms with an adaptive
 //! deformation model*, IEEE T-RO 32, 2016; with Y. Liu, *Fourier-based shape servoing*, IEEE T-RO 34, 2018), after K. Hosoda and
 //! M. Asada (*Versatile visual servoing without knowledge of true Jacobian*, IROS 1994). Each module cites what it rests on.
+//!
+//! # How it works
+//!
+//! `crates/control`: what docs/control.md (`docs/control.md`) says of a loop, as a library that is lifted out whole. It is told images and the
+//! time, and answers with velocities; it has neither clock nor thread, and allocates nothing once made (its memory is of fixed size:
+//! 32 points, two grippers of x, y, θ; some 80 KB, most of it the way of the grippers). In the order in which an image goes through:
+//!
+//! - **Is it to be gone by** (`servo/sight`): as many numbers as the target, all of them places in a picture, a time that does not go back, an
+//!   image not too old. If not, velocity 0 in the same call, with the reason, and nothing else has changed.
+//! - **Where the grippers were** when it was exposed (`history`): the commanded velocities, integrated, at some thousand moments. A robot that
+//!   measures its place corrects it (`robot_is_at`). Angles are px-like from there on, by a lever.
+//! - **What it teaches** (`explore`, `pairs`, `estimator`). At the start each input goes out and back; its column of `J` is the slope of all
+//!   images of that time over where the input was at their exposures. After that pairs of images teach, far enough apart in `r` for their
+//!   difference to be three times its noise: not each image and the next, between which at 500 frames/s the grippers move by a fifth of a
+//!   pixel. Broyden's rule and the Kalman filter differ in the gain alone; one covariance serves all rows of `J`, since in the metric's
+//!   coordinates all have the same noise.
+//! - **What counts** (`metric`, `weighing`): distance is that of curves, `M = BᵀB/N`, not of control points. The law's `W` is `M`,
+//!   scaled by how each point's variance differs from what even noise would make of it: `Σ⁻¹` by the same model that readers have
+//!   (`lariat-wire`'s `covariance`).
+//! - **Where the rope is now**: `s + J (r(now) − r(exposed))`. On a linear rope with 100 ms of delay and λ = 8/s the overshoot is 34 % without
+//!   it, which is that of the delayed equation, and none with it (`crates/control/tests/loops.rs` holds both).
+//! - **The law** (`law`, `eigen`): damped least squares by the eigenvectors of `JᵀWJ`, more damped near a singularity. An input that a
+//!   border of its workspace blocks is taken out and the rest solved again, so that a gripper slides along the border.
+//! - **What the robot may do** (`limits`): the whole vector is scaled, its direction kept; then acceleration, borders, and two grippers that
+//!   must not pull their rope taut. A property test feeds it numbers of every kind: no command is above a limit.
+//! - **What it is at** (`servo`, `progress`): exploring, steering, arrived (the shape still there some time after it stood still), holding. A hold
+//!   is at once and ends by a ramp. A loop that gets no nearer for a second explores anew, a few times at most; time in which the limits
+//!   leave little of what the law asks for counts less.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

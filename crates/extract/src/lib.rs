@@ -62,6 +62,81 @@
 //! What strands and crossings cost is by their number, not by that of their pairs. The slowest pictures found, of nets
 //! from border to border of 640×480 pixels with hundreds of crossings, take some 25 times as long as one rope; stripes 8
 //! times; eight real ropes, or one that crosses itself ten times, 4 to 5 times.
+//!
+//! # How it works
+//!
+//! image → mask → skeleton → graph → points, each step timed by itself in `lariat trace`.
+//!
+//! | step | modules of `crates/extract/src` | method |
+//! |---|---|---|
+//! | mask | `mask/`: `background`, `difference`, `threshold`; or `hsv`; then `hysteresis` (`widths`, `shadow`); `diagnosis` (`pattern`, `faint`); `cast`. `bitmap/`: `pieces` (`components`), `morphology` (`octagon`, `tiles`) | `auto`: the table is a quadratic surface a channel, fitted robustly to a sparse grid; a pixel's difference is the largest over the channels, in the camera's own format (YUYV and NV12 are not converted; BGRA, gray of 16 bits and Bayer patterns are unpacked once a frame, into RGB and gray: `image/unpack`), and what is asked of every pixel is asked while its row is in reach: first, whether a block of 64 × 8 leaves the table's noise at all. Only such blocks and those within eight pixels are worked out, the others are 0 (in doubt they are filled in later); the cut is Ridler and Calvard's, above a floor from the table's noise. Specks dropped, pinholes filled by runs |
+//! | skeleton | `skeleton/`: `thin`, `pixels`; `bitmap/edge_distance` | Guo and Hall's thinning (1989), only where it still changes. All kernels on bits run over `bitmap/strips` (`neighbors`): 64 pixels wide, a word a row, rows one after the other, so that a rope fills the widest registers whichever way it runs, and only blocks of eight rows that hold something are visited |
+//! | graph | `graph/`: `edges`, `zones` (`arm`), `overlaps`, `unroll`, `necks`, `pairing`, `strands`, `double_crossing` | ends and junctions joined by edges; spurs pruned by the local width. Two strands that cross at a flat angle make two junctions: the geometry of the inscribed circles says which belong to one crossing. The arms of a crossing are paired by least bending energy over all pairings, with width and colour; an arm may stay alone, as an end. Where strands lie along each other they change sides at the necks of their overlap, where the mask is one rope wide; without a neck they only touch. The two crossings at the ends of a narrow gap are judged at once, by what the strands bend over its whole length |
+//! | points | `centerline/`: `source`, `path`, `line`, `centerliner`, `section` (`edge`, `contrast`, `shading`), `extender` (`extrapolate`, `tip_contact`), `smooth`; `image/gray`, `image/ray` | the strand's pixels smoothed without shrinking (Whittaker 1923), each sample moved to the middle of its cross-section, between the places where the difference is half of what the rope shows at its rim: how a round rope darkens toward its edges is fitted to its middle, Lambert's law (half of the contrast in the middle drew ropes 0.4 px too narrow). At the image's border one edge and the width tell. Bridged through crossings by the curve of least bending; tips run on along a parabola to half difference, then measured as well; a tip against a strand ends at its cut or at the strand's near edge; N equal steps of arc length |
+//! | clusterings, in the place of skeleton and points | `clustering/`: `clusterer`, `nerve`, `cells`; `kmeans`, `som`, `mixture`, `fuzzy`; `ordering` | with `method` other than `skeleton`, each piece of the mask gets its own N centers, from those of the last frame that lie on it. Their nerve (which cells touch, and which three meet: Martinetz and Schulten's induced Delaunay triangulation) is drawn and thinned, so that graph, zones and strands find the ropes through it as through the mask's skeleton; then the line of least bending is laid through the centers along each strand, each by its pixels. Only the tips are measured in the image, the widths in the mask. Nothing is followed from the last frame |
+//! | time | `past`; `occlusion/`: `occluder`, `bridge` (`ends`); `tracking/`: `part`, `tips`, `refit`; `matching`, `track` (`complete`, `turn`) | The last frame's ropes are a map: where a crossing can be read two ways, the strands go where they went; an end that was known is no spur; ropes that touch by their ends are parted. What is far wider than the ropes, in a color of its own, is a gripper or a hand and is taken out; the pieces that it leaves are joined where the last frame had the rope run from the one to the other, the hidden points marked. Where all this still contradicts the last frame, its centerlines are laid over the image, each sample looking across for the rope's middle, the moves smoothed along it; taken if the image bears it out. The curves that agree best give number and direction. A rope out of sight is `Lost` for `keep_lost_s` and comes back as itself |
+//! | crossings | `crossings/`: `meet`, `over`, `place` | where the finished curves meet, an odd number of meetings within one overlap being one crossing, an even one none; a few lines along each strand are predicted through the crossing from what is seen on them before and after it, and looked at for change in the middle of it; the strand that surprises less is the upper one: its surface goes on, the other's is cut by edges, shadow and shading. How much less becomes the confidence, calibrated on drawn crossings |
+//!
+//! **Following** (`chords`, `chords/`). Between two frames of a camera a rope moves by less than its width, and mostly nothing
+//! else happens; then none of these steps is taken. Where a row or a column of pixels runs through the rope, the middle of
+//! that chord lies on its centerline, at whatever angle: one chord at each of the N points, along the row or column that cuts
+//! the rope more steeply, moves the point along its normal. How chords read there, how far beside the centerline and how
+//! wide, is learnt in the image that the rope was last extracted from whole, and taken off afterwards, so that what is
+//! followed agrees with what is extracted (in the drawn films the mean distance from the truth is the same to a hundredth of
+//! a pixel). Where a strand crosses, nothing is read and the rope bends least; before a tip it runs on in an arc, and ends
+//! where the difference falls to half, less what that said too much when it was learnt. Every 64th row of the rest of the
+//! image is looked at, other rows in each frame. Anything unexpected leaves the image to a whole extraction: chords that are
+//! missing, too wide or of another contrast, a tip that jumped or came against something, a crossing that is gone, something
+//! new elsewhere, a change of size or format. So does every 30th frame, and so do ropes that this cannot tell: closed ones,
+//! those that leave the image, thinner than 3 px or wider than 36, those with points more than two widths apart, any that is
+//! partly hidden, and a rope that, followed into the very image it was extracted from, does not stay where it is.
+//! `Scene::followed` says which of the two a scene comes from. Sixteen chords are worked on side by side (`narrow`): only
+//! their pixels are brought together one chord after the other, no farther than five pixels beyond where its edges are
+//! expected, and by gathers into one register where the machine has AVX-512 (`profile`, beside the plain loops that define
+//! it). What is not found so near is looked for as far as a rope may move.
+//!
+//! **Knots** (`knot`, `knot/`). A rope's crossings with itself, in their order, are a signed Gauss code; together with the
+//! signs it fixes the diagram's faces, and Euler's formula says whether it fits into a plane (if not, a crossing was missed
+//! or misread, and nothing is said). The model of pulling: each end is lifted over everything and carried off (Turaev's
+//! knotoids, closed over the rest). *Straight* is said when Reidemeister's moves, and ends that slip out from above, take
+//! every crossing away; *knotted* when the Alexander polynomial at −1 (the determinant), 2, 3 or 5 is not ±tᵏ. A crossing
+//! of less confidence than 0.1 counts both ways, and both must agree. Other ropes are left out.
+//!
+//! **Picking colours** (`pick`, `pick/`). What is rope is known first: from the automatic mask, each of its pixels given to
+//! the nearest curve and curves of one colour to one class; or, at a point that it does not cover, from the region of like
+//! colour before the greatest leap of its size over growing tolerances. Then a box in hue, saturation and value is sought by
+//! coordinate ascent of the intersection over union, and each side put half-way between the rope and the first others.
+//!
+//! **Doubt** (`mask/`: `diagnosis`, `pattern`, `faint`; `notice`). The automatic mask is sure where a gap parts the table's levels from
+//! the rope's, so that the cut lies above the floor that the table's noise sets. Where the cut lies on the floor, or nothing
+//! was found, the cause is sought: deviations from the table's surface that covary over a few pixels are a pattern, noise is
+//! not (and what covaries over an eighth of the image is light and shade); strips that stand out in the means over blocks,
+//! where noise shrinks, are a rope too like the table. More than three tenths covered, or more holes than 32 crossings make, is
+//! no picture of ropes. A sure picture costs a look at a grid of pixels and a count of the mask's holes; the rest is only
+//! done in doubt.
+//!
+//! **False ropes** (`mask/cast`, `tracking/plausible`). A shadow has the table's colour in less light, as a gray rope has, and is a copy of its rope
+//! moved by one step. So the mask is parted by colour (or by light, where dark ropes have the table's colour too), and the step is
+//! sought that carries four fifths of the one part onto the other, and nine tenths of the other onto shade. If no step a width off
+//! does nearly as well, which takes a rope that bends, that is shadow and leaves the mask; else its curve is `Doubtful`: a rope
+//! parallel to another keeps its distance, not the step. Doubted too are a straight short thing, small things, a border-to-border
+//! line and an ellipse beside a longer or known rope that they are unlike in colour or width; a straight line with another surface
+//! on each side; a strip along the image's border. What was taken for a rope over ten frames outweighs a doubt. None of this
+//! is asked of a mask that the user gave.
+//!
+//! What it takes is bounded whatever the bytes are: a mask of more than 60 % of the image is no picture of ropes, a
+//! skeleton of more than 131 072 pixels is noise. Both give no rope. All lines together get some 6 000 samples, the longest
+//! strands first. An HSV mask is looked up: the ranges are asked once for each of the 256³ colors of the camera's own color
+//! space (2 MiB; when the stage starts, and anew with the first frame if that is YUV; box by box, most of which lie in a range or
+//! outside of it as a whole: some milliseconds), and before that table three small
+//! ones that registers hold tell 64 pixels at a time which can be in a range at all (`mask/hsv/`). With an HSV mask there is no
+//! difference to find edges in, so the sub-pixel place comes from the mask's own edge; with a mask from elsewhere its bytes
+//! are the difference, so that probabilities are as good between pixels as an image. Memory is kept from frame to frame, and the stage has the
+//! extractor work on a drawn picture full of crossings first (`extractor/rehearse`), so that the first crossing in a motion allocates
+//! nothing. The thinning has a scalar twin in its tests, which is the definition: equal bit for bit on random input. Loops
+//! over all pixels are compiled for the widest registers the machine turns out to have (`portable`), with no build flags, and give the same in all; the few
+//! that a compiler does not make fast by itself (`image/kernels`: three interleaved bytes a pixel to one, bytes to bits) are
+//! written for AVX-512 and AVX2 beside the plain loop that defines them, and held to it bit for bit by property tests.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

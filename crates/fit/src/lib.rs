@@ -61,6 +61,56 @@
 //!
 //! So a Bezier curve of high order is drawn rightly, but its control points are not a feature to servo on; a B-spline's
 //! are, whatever their number.
+//!
+//! # How it works
+//!
+//! A centerline's N points at ρᵢ = i/(N − 1) are regressed on Bernstein polynomials of order n (F. Chen,
+//! [arXiv 2312.16502](https://arxiv.org/abs/2312.16502), equations 5 to 8):
+//!
+//! ```text
+//! s = (BᵀB)⁻¹ Bᵀ c̄,   B is N × (n + 1),  Bᵢⱼ = Bⱼₙ(ρᵢ)
+//! ```
+//!
+//! and so is every other basis, but for rational curves: one `Fitter`, one `B`, x and y two right-hand sides (the dimension
+//! is a parameter). When it is stable, and how much noise gains, is said in the head of `crates/fit/src/lib.rs`.
+//!
+//! | module | what |
+//! |---|---|
+//! | `basis`, `functions`, `bezier` | the families, and their functions at one ρ: a row of B |
+//! | `condition`, `checked` | B on the even grid, its condition number, and which requests can be met |
+//! | `matrix`, `factor` | small dense matrices; QR, Cholesky, triangles, singular values by the textbook, with sums in a fixed order |
+//! | `system`, `solve`, `linear` | ridge and pinned ends as a least-squares problem A s = c̄; its three solvers; P with s = P c̄, the covariance C = PPᵀ, the degrees of freedom ‖I − BP‖² |
+//! | `folded`, `kernel` | the fit itself: a grid read backwards has its control points backwards, so sums and differences of mirrored points decouple: half the multiply-adds. Two products in the widest registers, the second for the residuals of all points |
+//! | `weighted`, `robust`, `arc_length`, `adaptive` | where the algebra changes with the points: weights, Huber's option, measured ρ. Normal equations in the coordinates a = R s of B's own QR, where they are nearly the identity, so that Cholesky is exact enough at any order |
+//! | `tolerance`, `choice`, `placed` | the fewest control points that keep a curve within a tolerance of its points, and that size kept while the rope moves; knots where it bends |
+//! | `rational` | variable projection over the log-weights, a trust region from the last frame's weights or a linearized start, a prior that keeps at 1 what the data do not tell |
+//! | `filter` | a constant-velocity Kalman filter on the control points; white acceleration acts on the curve, not on control points, so that no change of shape lags behind another |
+//! | `curve`, `convert` | what control laws ask of a curve (every polynomial basis as Bezier pieces), and its other forms |
+//!
+//! | solver | kept | a fit is | refused above cond(B) |
+//! |---|---|---|---|
+//! | `pinv` (default) | (BᵀB)⁻¹Bᵀ = R⁻¹Qᵀ | one product | 4.5·10⁹ |
+//! | `cholesky` | L of BᵀB = LLᵀ | a product and two triangular solves | 6.7·10⁴ |
+//! | `qr` | Householder QR of B | Qᵀc̄ and one triangular solve | 4.5·10⁹ |
+//!
+//! The limits are where rounding would reach a millionth of the control points; a request beyond them is refused with the
+//! number and the largest curve of its family that is allowed. All of the algebra
+//! is our own (`matrix`, `factor`): what a library does depends on the vectors that it finds (see The same bits (`crates/portable/src/lib.rs`)),
+//! and at these sizes (9 × 120) a general product costs several times as much (`cargo bench -p lariat-bench --bench fit`). faer
+//! is the oracle of its tests. The ridge
+//! is on second differences of the control points, not on the points themselves: a ridge toward the picture's corner would make
+//! a moved rope another shape.
+//!
+//! In the chain (`src/pipeline/fitting`): open curves have the basis of the settings; closed ones are truncated Fourier series of
+//! n/2 harmonics, at ρᵢ = i/N. The basis `auto` is a cubic B-spline of 4 to 32 control points (of 4 a Bezier curve), or a series of 1 to 15
+//! harmonics. All sizes are computed when the stage starts, and each rope keeps its own (`fitting/steady`): a frame costs one fit. A
+//! size is chosen at half of the tolerance, so that it lasts while the rope bends on, and given up after a second, by exposure
+//! times, in which the curve did not fit; never for a smaller one while it does, and never while the rope is out of sight. Where 32 even
+//! pieces do not do, the rope gets knots of its own, moved eight times to where the points are missed, and the algebra for them: the
+//! one thing that is computed, and allocated, at a rope's start. Every curve, of whatever basis, is then held against its points
+//! (`fit` in the descriptor): those that were seen, at their own ρ, which is never less than the distance to the nearest point of the
+//! curve, and right for `point_at` too. With `robust` hidden points weigh nothing, unless what is seen does not determine the curve: then
+//! the bridged points count like the others. With `filter` each rope has a filter of its own; what is lost is not filtered.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -54,6 +54,50 @@
 //! The rest is the contract between lariat's own processes, for who writes a stage, or looks in at other channels: a process
 //! opens a [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the [`Channel`]s of a [`Rig`]. This crate is the only one
 //! that knows the transport (iceoryx2).
+//!
+//! # Readers
+//!
+//! `crates/wire/src/reader.rs` and what it lends: a frame, of it what is known of a rope (`frame`, `seen`), the rope and its
+//! prediction (`rope`), its curve (`shape/`). `crates/c` puts C's names before it, with structs of the messages' own layout, held to
+//! it field by field when it is compiled.
+//!
+//! - **The newest stays in the reader's hands**, in shared memory, until the next comes: a look with nothing new is some
+//!   atomics and the clock. One message waits for such a reader, not eight: with overflow there is then none to be skipped. On
+//!   a lossless channel eight wait for it as for others.
+//! - **Age** is from the exposure to the moment of the question, each time anew. An exposure later than the fit's own stamp counts
+//!   as that stamp: no message stays young for ever.
+//! - **Runs.** A new writer is a new run of the chain, and so is an `extracted` that goes back, or goes on by less than `fitted`
+//!   (an extract that was started anew by hand). Tracks belong to a run.
+//! - **Unsure** comes before covered and after lost: a curve that misses its points (`fit`), or a status `doubtful`, is not to be
+//!   steered by, whatever is hidden. A writer that does not judge (`fit` 0) is trusted, so that writers of one's own are not shut out.
+//!   A coarse curve passes where the loop says so when it opens the reader; a doubtful rope is taken by its name only.
+//! - **The centerline** is read in place like all else, joined by straight lines: of 120 points on a bend of radius r with steps h they are
+//!   off by h²/8r at most, far less than a width. `Shape::nearest` looks along the curve in even steps and finds the foot of the
+//!   perpendicular by Newton's method in each valley (`shape/nearest`).
+//! - **A message is only bytes**: numbers of control points, knots, weights, points and coordinates are checked before anything is
+//!   evaluated (`shape/form`). What does not fit is `Unreadable`, not a rope.
+//! - **Curves** are rows of the fit's `B` and its derivatives (`shape/rows`): one recurrence serves Bezier curves, B-splines and
+//!   rational ones. `lariat-fit` evaluates by other recurrences; the tests hold the two together.
+//! - **Covariance.** The message has a block for each control point; how two of them err together is `(BᵀB)⁻¹`, worked out from
+//!   basis, knots and N by Givens's rotations and kept for the last two kinds of curve in each thread (`shape/inverse`,
+//!   `shape/covariance`).
+//! - **Prediction** adds to each variance what the chain's filter would: the velocity's variance and its covariance with the
+//!   position, which the message lacks, follow from the position's in the filter's steady state (`shape/growth`). A test holds it
+//!   to the filter itself at 30 to 1000 Hz.
+//! - **Waiting** is that of all receivers, above. A descriptor for one's own `poll` comes with the rule that makes it safe:
+//!   `before_poll` empties the bell, looks for messages after it, and says how long the sleep may be.
+//! - A reader may go to another thread, whole; two threads use two. No panic crosses into C: each function catches it, and says
+//!   `LARIAT_ERROR_FAULT`.
+//! - **Python** (`python/`) is PyO3 over `wire`'s reader. The other way, ctypes over iceoryx2's own wheel, was measured beside it, in turns on
+//!   one chain, and reads views of the slot itself (`python python/bench/readers.py`; p50 and p99 in µs): a new message 5.0 and 8.0 against 25 and 67,
+//!   its control points as an array 3.1 and 5.2 against 8.2 and 14, a point of the curve 2.8 and 4.1 against 26 and 52, from sent to in
+//!   hand 43 against 77 (p50); only a look at nothing new is slower, 1.8 against 0.6.
+//!   Beyond that, ages, runs, the checks and the way of waiting would have to be written twice. The two do not go together: a reader is cut
+//!   off from its channel when the wheel joins its domain in the same process.
+//! - **A frame in Python is a copy** of what the message means, made once when it is looked at (4 KB a rope, 0.4 µs; all 44 KB would take 1.5), and its arrays are views
+//!   of that. Views of the slot would need rules that Python cannot keep for its users: a reader is lent two messages, so that a
+//!   list of arrays would end the reading; and the transport counts its samples without atomics, while Python drops an object in whichever thread
+//!   is the last to hold it. So there is no limit to what is kept, and no thread that it belongs to.
 
 mod centerline;
 mod channel;
