@@ -1,4 +1,4 @@
-"""Reference values by OpenCV, for tests/opencv.rs.
+"""Reference values by OpenCV, for tests/all/opencv.rs.
 
     python3 crates/camera/tests/opencv.py > crates/camera/tests/opencv.json
 

@@ -86,7 +86,7 @@
 //!   scaled by how each point's variance differs from what even noise would make of it: `Σ⁻¹` by the same model that readers have
 //!   (`lariat-wire`'s `covariance`).
 //! - **Where the rope is now**: `s + J (r(now) − r(exposed))`. On a linear rope with 100 ms of delay and λ = 8/s the overshoot is 34 % without
-//!   it, which is that of the delayed equation, and none with it (`crates/control/tests/loops.rs` holds both).
+//!   it, which is that of the delayed equation, and none with it (`crates/control/tests/all/loops.rs` holds both).
 //! - **The law** (`law`, `eigen`): damped least squares by the eigenvectors of `JᵀWJ`, more damped near a singularity. An input that a
 //!   border of its workspace blocks is taken out and the rest solved again, so that a gripper slides along the border.
 //! - **What the robot may do** (`limits`): the whole vector is scaled, its direction kept; then acceleration, borders, and two grippers that

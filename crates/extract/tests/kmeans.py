@@ -1,4 +1,4 @@
-"""Reference clusterings by scikit-learn, for tests/kmeans.rs.
+"""Reference clusterings by scikit-learn, for tests/all/kmeans.rs.
 
     python3 crates/extract/tests/kmeans.py > crates/extract/tests/kmeans.json
 

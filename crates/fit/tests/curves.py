@@ -1,4 +1,4 @@
-"""Reference values by SciPy and geomdl, for tests/curves.rs.
+"""Reference values by SciPy and geomdl, for tests/all/curves.rs.
 
     python3 crates/fit/tests/curves.py > crates/fit/tests/curves.json
 

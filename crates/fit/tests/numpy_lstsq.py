@@ -1,4 +1,4 @@
-"""Reference fits by NumPy, for tests/numpy_lstsq.rs.
+"""Reference fits by NumPy, for tests/all/numpy_lstsq.rs.
 
     python3 crates/fit/tests/numpy_lstsq.py > crates/fit/tests/numpy_lstsq.json
 

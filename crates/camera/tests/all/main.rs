@@ -1,0 +1,6 @@
+//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+
+mod files;
+mod lens;
+mod opencv;
+mod sizes;

@@ -1,0 +1,186 @@
+//! What lies beside ropes and looks like one: doubted where it may be none, and true ropes never.
+
+use crate::drawing;
+
+use drawing::{Rope, Table, Vec2};
+use lariat_extract::{
+    Extractor, HsvRange, Image, Mask, Notice, Options, PixelFormat, Scene, Status,
+};
+
+const SIZE: [usize; 2] = [480, 360];
+const LIGHT: [f32; 3] = [205.0, 200.0, 190.0];
+const RED: [f32; 3] = [150.0, 40.0, 45.0];
+const BLUE: [f32; 3] = [40.0, 60.0, 150.0];
+const GRAY: [f32; 3] = [110.0, 107.0, 102.0];
+const BLACK: [f32; 3] = [25.0, 25.0, 24.0];
+
+fn wave(t: f32) -> Vec2 {
+    [60.0 + 360.0 * t, 130.0 + 55.0 * (6.0 * t).sin()]
+}
+
+fn rope(color: [f32; 3]) -> Rope {
+    Rope::along(10.0, color, wave)
+}
+
+/// Beside [`rope`], so far from it everywhere.
+fn parallel(color: [f32; 3], apart_px: f32) -> Rope {
+    Rope::along(10.0, color, move |t| {
+        let slope = 55.0 * 6.0 * (6.0 * t).cos() / 360.0;
+        let length = (1.0 + slope * slope).sqrt();
+        let [x, y] = wave(t);
+        [x - apart_px * slope / length, y + apart_px / length]
+    })
+}
+
+fn pen(color: [f32; 3], y: f32) -> Rope {
+    Rope::along(14.0, color, move |t| [150.0 + 180.0 * t, y + 30.0 * t])
+}
+
+fn draw(ropes: &[Rope], seed: u64) -> Vec<u8> {
+    let table = Table {
+        noise: 2.0,
+        gradient: 0.1,
+        seed,
+        ..Table::new(SIZE[0], SIZE[1], LIGHT)
+    };
+    table.draw(ropes)
+}
+
+/// The curves' lengths and statuses, and what is said.
+fn seen(extractor: &mut Extractor, pixels: &[u8]) -> (Vec<(f32, Status)>, Option<Notice>) {
+    let [width, height] = SIZE;
+    let image = Image::new(pixels, width, height, 3 * width, PixelFormat::Rgb8);
+    let scene: Scene = extractor.extract(&image.expect("a whole image"));
+    let curves = scene.curves.iter();
+    (
+        curves
+            .map(|curve| (curve.length_px, curve.status))
+            .collect(),
+        scene.notice,
+    )
+}
+
+fn seen_once(ropes: &[Rope]) -> (Vec<(f32, Status)>, Option<Notice>) {
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    seen(&mut extractor, &draw(ropes, 1))
+}
+
+#[test]
+fn ropes_that_lie_parallel_are_all_ropes() {
+    let colors = [RED, BLUE, GRAY, BLACK];
+    for (i, first) in colors.into_iter().enumerate() {
+        for (k, second) in colors.into_iter().enumerate() {
+            for apart_px in [14.0, 20.0, 32.0] {
+                let (curves, notice) = seen_once(&[rope(first), parallel(second, apart_px)]);
+                let what = format!("{i} beside {k} at {apart_px}: {curves:?} {notice:?}");
+                assert_eq!(curves.len(), 2, "{what}");
+                assert!(curves.iter().all(|curve| curve.1 == Status::Ok), "{what}");
+                assert_eq!(notice, None, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_black_ropes_shadow_is_told_by_its_light() {
+    let [width, height] = SIZE;
+    let step = [17.0, 12.0];
+    let shadow = LIGHT.map(|level| 0.55 * level);
+    let cast = Rope::along(10.0, shadow, |t| {
+        [wave(t)[0] + step[0], wave(t)[1] + step[1]]
+    });
+    let pixels = draw(&[cast, rope(BLACK)], 1);
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    let (curves, notice) = seen(&mut extractor, &pixels);
+    assert_eq!((curves.len(), notice), (1, Some(Notice::OwnShadow)));
+    // In gray pictures, too.
+    let gray: Vec<u8> = pixels.chunks_exact(3).map(|pixel| pixel[1]).collect();
+    let image = Image::new(&gray, width, height, width, PixelFormat::Gray8);
+    extractor.reset();
+    let scene = extractor.extract(image.as_ref().expect("a whole image"));
+    assert_eq!(scene.notice, Some(Notice::OwnShadow));
+    assert_eq!(scene.curves.len(), 1);
+}
+
+#[test]
+fn a_straight_copy_of_a_rope_is_doubted_and_not_dropped() {
+    let line = |color, x: f32, y: f32| {
+        Rope::along(10.0, color, move |t| {
+            [60.0 + x + 340.0 * t, 100.0 + y + 60.0 * t]
+        })
+    };
+    let (curves, notice) = seen_once(&[line(RED, 0.0, 0.0), line(GRAY, 10.0, 30.0)]);
+    let doubtful = curves.iter().filter(|curve| curve.1 == Status::Doubtful);
+    assert_eq!((curves.len(), doubtful.count()), (2, 1), "{curves:?}");
+    assert_eq!(notice, Some(Notice::MaybeShadow));
+}
+
+#[test]
+fn a_pen_is_doubted_beside_a_rope_and_a_rope_by_itself() {
+    let (curves, notice) = seen_once(&[rope(BLUE), pen(BLACK, 260.0)]);
+    assert_eq!(curves.len(), 2);
+    assert_eq!([curves[0].1, curves[1].1], [Status::Ok, Status::Doubtful]);
+    assert_eq!(notice, Some(Notice::LikeAPen));
+    let (curves, notice) = seen_once(&[pen(BLACK, 260.0)]);
+    assert_eq!((curves.len(), curves[0].1, notice), (1, Status::Ok, None));
+}
+
+#[test]
+fn a_piece_of_the_same_rope_is_a_rope() {
+    let piece = Rope::along(10.0, BLUE, |t| [150.0 + 110.0 * t, 290.0]);
+    let (curves, notice) = seen_once(&[rope(BLUE), piece]);
+    assert_eq!(curves.len(), 2);
+    assert!(
+        curves.iter().all(|curve| curve.1 == Status::Ok),
+        "{curves:?}"
+    );
+    assert_eq!(notice, None);
+}
+
+#[test]
+fn a_mask_that_the_user_gave_is_not_doubted() {
+    let dark = HsvRange {
+        hue_deg: [0.0, 360.0],
+        saturation: [0.0, 1.0],
+        value: [0.0, 0.65],
+    };
+    let mut extractor = Extractor::new(Options {
+        mask: Mask::Hsv(vec![dark]),
+        ..Options::default()
+    })
+    .expect("a valid range");
+    let (curves, notice) = seen(&mut extractor, &draw(&[rope(BLUE), pen(BLACK, 260.0)], 1));
+    assert_eq!(curves.len(), 2);
+    assert!(
+        curves.iter().all(|curve| curve.1 == Status::Ok),
+        "{curves:?}"
+    );
+    assert_eq!(notice, None);
+}
+
+#[test]
+fn a_rope_that_was_one_for_a_while_stays_one_and_a_new_thing_is_doubted() {
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    let mut last = |ropes: &[Rope], seeds: std::ops::Range<u64>| {
+        let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)).0);
+        frames.last().expect("some frames")
+    };
+    // Short and straight, and then a long one comes to lie beside it.
+    let short = last(&[pen(BLACK, 260.0)], 1..40);
+    assert_eq!(short[0].1, Status::Ok);
+    let both = last(&[pen(BLACK, 260.0), rope(BLUE)], 40..44);
+    assert!(both.iter().all(|curve| curve.1 == Status::Ok), "{both:?}");
+    // Beside a rope that is known a pen is none, and keeps being none.
+    extractor.reset();
+    let mut last = |ropes: &[Rope], seeds: std::ops::Range<u64>| {
+        let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)).0);
+        frames.last().expect("some frames")
+    };
+    last(&[rope(BLUE)], 1..20);
+    for seed in 20..60 {
+        let both = last(&[pen(BLACK, 260.0), rope(BLUE)], seed..seed + 1);
+        assert_eq!(both.len(), 2, "{seed}");
+        let doubtful = both.iter().filter(|curve| curve.1 == Status::Doubtful);
+        assert_eq!(doubtful.count(), 1, "{seed}: {both:?}");
+    }
+}

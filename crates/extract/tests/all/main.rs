@@ -1,0 +1,23 @@
+//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+
+#[path = "../drawing/mod.rs"]
+mod drawing;
+
+mod byte_order;
+mod classes;
+mod clusterings;
+mod false_ropes;
+mod follow;
+mod hostile;
+mod kmeans;
+mod masks;
+mod methods;
+mod notices;
+mod over_under;
+mod pick;
+mod random;
+mod region;
+mod ropes;
+mod time;
+mod time_films;
+mod time_hidden;

@@ -1,0 +1,14 @@
+//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+
+#[path = "../any_curve/mod.rs"]
+mod any_curve;
+
+mod choice;
+mod curve_measure;
+mod curve_shape;
+mod curves;
+mod families;
+mod numpy_lstsq;
+mod propagation;
+mod properties;
+mod splines;

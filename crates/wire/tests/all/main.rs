@@ -1,0 +1,10 @@
+//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+
+mod channels;
+mod commands;
+mod image_writer;
+mod nearest;
+mod prediction;
+mod reader;
+mod shape;
+mod survey;
