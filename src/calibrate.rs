@@ -70,7 +70,7 @@ impl PlaneArgs {
 /// Runs `lariat calibrate`.
 ///
 /// # Errors
-/// Points that determine no plane, a calibration that is none, files that cannot be read or written.
+/// Points that determine no plane, an invalid calibration, files that cannot be read or written.
 pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     let What::Plane(args) = args.what;
     let camera = args.calibration.as_deref().map(read_camera).transpose()?;

@@ -71,7 +71,7 @@ impl Calibrated {
 /// Reads a lens calibration.
 ///
 /// # Errors
-/// It cannot be read, or is none.
+/// It cannot be read, or is not a calibration.
 pub(crate) fn read_camera(path: &Path) -> Result<Camera> {
     let shown = path.display();
     let text = std::fs::read_to_string(path)

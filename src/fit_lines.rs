@@ -178,7 +178,7 @@ impl Fitters {
                 entry.insert(Fitter::new(options).map_err(|error| error.to_string())?)
             }
         };
-        // A width that is not given is none: it leaves the limit in pixels.
+        // Without a width only the limit in pixels holds.
         let width = line.width.unwrap_or(f64::NAN);
         let tolerance = self.settings.fit.tolerance(width, 1.0);
         let points = Line {

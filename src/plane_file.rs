@@ -175,7 +175,7 @@ mod tests {
             ("rotation = [0, 0, 0]", "either a homography, or a pose"),
             (
                 "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\ntranslation_mm = [0, 0, 5]",
-                "rotation is none",
+                "invalid rotation",
             ),
         ] {
             let error = format!("{:#}", parse(text, Some(&camera())).unwrap_err());

@@ -67,7 +67,7 @@ fn ask_to_flush(rig: &str) -> Result<ExitCode> {
     let mut asked = 0;
     for recorder in recorders.filter(|recorder| about::keeps_a_ring(&recorder.settings)) {
         let pid = i32::try_from(recorder.pid).ok().and_then(Pid::from_raw);
-        let pid = pid.context("a recorder has a process id that is none")?;
+        let pid = pid.context("a recorder has no valid process id")?;
         kill_process(pid, Signal::USR1)
             .with_context(|| format!("recorder {} could not be told", recorder.pid))?;
         eprintln!(

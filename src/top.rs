@@ -42,7 +42,7 @@ const TICK: Duration = Duration::from_millis(100);
 pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
     if !std::io::stdout().is_terminal() {
         bail!(
-            "lariat top draws on a terminal, and standard output is none: for scripts and logs there are `lariat topic hz`, \
+            "lariat top draws on a terminal, and standard output is not a terminal: for scripts and logs there are `lariat topic hz`, \
              `delay` and `echo` with --json"
         );
     }

@@ -19,7 +19,7 @@ impl Schedule {
     /// A schedule that begins with the first frame.
     ///
     /// # Errors
-    /// The pace is none.
+    /// The pace is zero or negative.
     pub(crate) fn new(settings: &Capture, lossless: bool) -> Result<Self, PaceError> {
         Ok(Self {
             pacer: Pacer::new(settings.pace())?,

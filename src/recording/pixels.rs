@@ -40,7 +40,7 @@ impl Decoder {
     /// RGB), a JPEG becomes RGB or gray.
     ///
     /// # Errors
-    /// There are no pixels, or the picture is none.
+    /// There are no pixels, or the picture cannot be decoded.
     pub(crate) fn decode<'a>(
         &'a mut self,
         header: &FrameHeader,

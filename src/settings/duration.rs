@@ -14,7 +14,7 @@ const UNITS_S: [(&str, f64); 8] = [
     ("", 1.0),
 ];
 
-/// A time longer than nothing, or why `text` is none.
+/// A positive time, or why `text` is not one.
 pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     from_s(seconds(text)?)
 }

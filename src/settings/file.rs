@@ -23,7 +23,7 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     }
 }
 
-/// The settings in the file at `path`; what is none goes to `problems`.
+/// The settings in the file at `path`; what is not a valid setting goes to `problems`.
 ///
 /// # Errors
 /// The file cannot be read.

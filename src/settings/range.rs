@@ -137,7 +137,7 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
         if capture.is_camera() && name.code.is_none() {
             return Some((
                 "pixel_format",
-                format!("{named} is none of a camera's codes: `lariat devices` lists them"),
+                format!("{named} is not a pixel format code: `lariat devices` lists them"),
             ));
         }
         if capture.is_piped() && name.raw.is_none() {

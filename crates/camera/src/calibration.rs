@@ -163,10 +163,7 @@ fn lens(file: &Node) -> Result<Lens, CalibrationError> {
         }
     };
     if numbers.iter().any(|c| c.abs() > 1e6) {
-        return wrong(
-            key,
-            "a coefficient above a million is none: look at the file",
-        );
+        return wrong(key, "invalid coefficient above a million: look at the file");
     }
     let name = match model {
         Some((_, Node::Scalar(name))) => name.trim().to_ascii_lowercase(),

@@ -9,14 +9,14 @@ use thiserror::Error;
 /// Why numbers make no camera.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CameraError {
-    /// A focal length that is none.
-    #[error("focal lengths of {} and {} px are none: give two positive numbers of pixels", .0[0], .0[1])]
+    /// An invalid focal length.
+    #[error("invalid focal lengths of {} and {} px: both must be positive", .0[0], .0[1])]
     Focal([f64; 2]),
-    /// A principal point that is none.
-    #[error("a principal point at ({}, {}) is none: give two numbers of pixels", .0[0], .0[1])]
+    /// An invalid principal point.
+    #[error("invalid principal point ({}, {}): both coordinates must be finite, in pixels", .0[0], .0[1])]
     Center([f64; 2]),
-    /// An image size that is none.
-    #[error("{}×{} pixels is no image: both sides must be from 1 to 65535", .0[0], .0[1])]
+    /// An invalid image size.
+    #[error("invalid image size of {}×{} pixels: both sides must be from 1 to 65535", .0[0], .0[1])]
     Size([u32; 2]),
 }
 

@@ -19,9 +19,9 @@ pub enum PlaneError {
     /// A number that is not finite.
     #[error("a number of the plane is not finite: write all of them out")]
     NotFinite,
-    /// A rotation that is none.
+    /// An invalid rotation.
     #[error(
-        "the rotation is none: its columns must have length 1 and stand at right angles, right-handed, as those of \
+        "invalid rotation: its columns must have length 1 and stand at right angles, right-handed, as those of \
          cv2.Rodrigues do"
     )]
     Rotation,

@@ -97,7 +97,7 @@ pub enum Why {
     },
     /// A coordinate is no number, or farther off than 10⁶ px.
     NotAShape,
-    /// Weights that are none: too few, negative, no numbers.
+    /// Invalid weights: too few, negative, or not finite.
     Weights,
     /// A time before one that was given, or an image of the future.
     Clock,
@@ -119,7 +119,7 @@ impl fmt::Display for Why {
                 )
             }
             Self::NotAShape => f.write_str("a coordinate is no place in a picture"),
-            Self::Weights => f.write_str("the weights are none"),
+            Self::Weights => f.write_str("invalid weights: each must be finite and not negative"),
             Self::Clock => f.write_str("time went back, or the image is of the future"),
             Self::Told => f.write_str("told to"),
         }

@@ -32,7 +32,7 @@ pub enum ServoError {
         axis: &'static str,
     },
     /// The target is no stack of points.
-    #[error("a target of {given} coordinates is none: give x and y of 1 to {MAX_POINTS} points")]
+    #[error("invalid target of {given} coordinates: give x and y of 1 to {MAX_POINTS} points")]
     TargetSize {
         /// How many coordinates came.
         given: usize,

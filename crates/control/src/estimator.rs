@@ -45,7 +45,7 @@ impl Learner {
             Self::Kalman(kalman) => kalman.gain(&pair.dr, pair.noise_px2),
         };
         let surprise = jacobian.surprise(&pair.dr, &pair.ds);
-        // Numbers that are none make a sum that is none, and that is not below.
+        // A NaN makes the sum NaN, and that is not below.
         let size: f64 = surprise.iter().map(|s| s * s).sum();
         if (size * square(&gain)).sqrt() < MOST_CHANGE {
             jacobian.add(&surprise, &gain);

@@ -79,7 +79,7 @@ impl Servo {
     /// A servo for shapes of as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px.
     ///
     /// # Errors
-    /// An option out of range, a target that is none, a metric of another number of points.
+    /// An option out of range, an invalid target, a metric of another number of points.
     pub fn new(options: Options, target: &[f64]) -> Result<Self, ServoError> {
         options.check()?;
         let size = target.len();
@@ -141,7 +141,7 @@ impl Servo {
     /// Another target, of as many points. What is known of the rope stays.
     ///
     /// # Errors
-    /// A target that is none, or of another size.
+    /// An invalid target, or one of another size.
     pub fn aim(&mut self, target: &[f64]) -> Result<(), ServoError> {
         if target.len() != self.size {
             return Err(ServoError::OtherTarget {

@@ -63,7 +63,7 @@ pub enum FitterError {
         nearest: Option<Basis>,
     },
     /// λ is negative or no number.
-    #[error("a ridge of {ridge} is none: choose 0 or a positive number")]
+    #[error("invalid ridge {ridge}: it must be 0 or positive")]
     Ridge {
         /// What was asked for.
         ridge: f64,

@@ -312,7 +312,7 @@ impl<const D: usize> Fitter<D> {
     /// seen.
     ///
     /// # Errors
-    /// As [`Fitter::fit`]; a fitter made without weights; weights that are none.
+    /// As [`Fitter::fit`]; a fitter made without weights; invalid weights.
     pub fn fit_weighted(
         &mut self,
         points: &[[f64; D]],
@@ -482,12 +482,12 @@ fn are_places<const D: usize>(points: &[[f64; D]]) -> bool {
     points.as_flattened().iter().all(is_coordinate)
 }
 
-/// NaN is none.
+/// NaN is not.
 fn is_coordinate(c: &f64) -> bool {
     c.abs() < MAX_COORDINATE_PX
 }
 
-/// The error that names the first coordinate that is none.
+/// The error that names the first coordinate that is not finite.
 fn misplaced<const D: usize>(points: &[[f64; D]]) -> FitError {
     let mut coordinates = points.as_flattened().iter();
     let place = coordinates.position(|c| !is_coordinate(c)).unwrap_or(0);

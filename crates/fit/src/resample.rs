@@ -16,7 +16,7 @@ pub enum ResampleError {
     /// Fewer than two, or more than there is room for.
     #[error("{0} points make no line to walk along: give 2 to {MAX_POINTS}")]
     Count(usize),
-    /// Two neighbours in one place, or a coordinate that is none.
+    /// Two neighbours in one place, or a coordinate that is not finite.
     #[error("point {0} lies where the next one does, or nowhere: there is no way between them")]
     NoStep(usize),
 }

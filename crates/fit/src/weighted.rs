@@ -194,7 +194,7 @@ impl<const D: usize> Weighted<D> {
     /// The curve of least weighted squares. Allocates nothing.
     ///
     /// # Errors
-    /// A weight that is none, fewer points that weigh than control points, or points that do not determine the
+    /// An invalid weight, fewer points that weigh than control points, or points that do not determine the
     /// curve. `control_points` are then as they were.
     ///
     /// # Panics

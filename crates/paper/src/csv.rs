@@ -40,7 +40,7 @@ impl Csv {
 pub(crate) enum Cell<'a> {
     /// Words.
     Text(&'a str),
-    /// A number to six digits; what is none is left empty.
+    /// A number to six digits; a missing one is left empty.
     Number(f64),
     /// A whole number.
     Count(usize),

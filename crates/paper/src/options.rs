@@ -123,7 +123,7 @@ pub enum PaperError {
     /// Points that cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// A curve that is none.
+    /// An invalid curve.
     #[error(transparent)]
     Curve(#[from] CurveError),
     /// A filter's options.

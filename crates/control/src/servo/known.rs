@@ -12,7 +12,7 @@ const KNOWN_VARIANCE: f64 = 0.04;
 
 impl Servo {
     /// The robot says where its grippers were at a moment of the last second or so: what was commanded since then counts from
-    /// there. Without it they are where the commands have led them. Numbers that are none, and moments that are not yet, are passed over.
+    /// there. Without it they are where the commands have led them. Values that are not finite, and moments that are not yet, are passed over.
     pub fn robot_is_at(&mut self, poses: &[[f64; 3]; 2], at_ns: u64) {
         let near = |c: &f64| c.abs() <= FARTHEST_PX;
         if !poses.as_flattened().iter().all(near) {

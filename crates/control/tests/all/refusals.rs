@@ -77,14 +77,14 @@ fn options_out_of_range_are_refused_by_name() {
 }
 
 #[test]
-fn targets_that_are_none_are_refused() {
+fn invalid_targets_are_refused() {
     for (target, sentence) in [
         (
             vec![],
-            "a target of 0 coordinates is none: give x and y of 1 to 32 points",
+            "invalid target of 0 coordinates: give x and y of 1 to 32 points",
         ),
-        (vec![1.0; 3], "a target of 3 coordinates"),
-        (vec![1.0; 66], "a target of 66 coordinates"),
+        (vec![1.0; 3], "invalid target of 3 coordinates"),
+        (vec![1.0; 66], "invalid target of 66 coordinates"),
         (vec![1.0, f64::NAN], "coordinate 1 of the target is NaN"),
     ] {
         let refusal = refusal(Options::default(), &target);

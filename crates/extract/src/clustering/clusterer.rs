@@ -164,7 +164,7 @@ impl Clusterer {
 
     /// Whether the pixel at a place is one of those taken.
     fn is_on_piece(&self, [x, y]: [f32; 2]) -> bool {
-        // Numbers that are none, or lie outside, become some pixel's.
+        // Coordinates that are not finite, or lie outside, become some pixel's.
         let (x, y) = (x.round() as u16, y.round() as u16);
         let runs = self.pixels.runs();
         let behind = runs.partition_point(|run| (run.y, run.from) <= (y, x));

@@ -12,7 +12,7 @@ use crate::statistics::{quantile, quantile_of_positive};
 
 /// The share of the skeleton that is narrower than the ropes usually are.
 const USUAL: f32 = 0.35;
-/// Times as wide as a rope, and pixels more, that a thing is which is none.
+/// Times as wide as a rope, and pixels more, that a thing is which is no rope.
 const WIDE: (f32, f32) = (2.6, 2.0);
 /// Times as wide as a rope that a thing of the rope's own color is: no strands lie so close.
 const WIDE_ALIKE: f32 = 5.0;

@@ -116,7 +116,7 @@ pub enum UpdateError {
     },
     /// A variance, or an entry of a covariance, that is NaN, infinite or absurdly large.
     #[error(
-        "the variance or covariance {value} px² is none: all must be finite and at most {limit:e} px² in size, and variances not negative"
+        "invalid variance or covariance {value} px²: all must be finite and at most {limit:e} px² in size, and variances not negative"
     )]
     NotAVariance {
         /// The number.

@@ -293,10 +293,7 @@ fn options_without_use_are_refused_with_what_to_do() {
     .err()
     .unwrap()
     .to_string();
-    assert_eq!(
-        text,
-        "a ridge of NaN is none: choose 0 or a positive number"
-    );
+    assert_eq!(text, "invalid ridge NaN: it must be 0 or positive");
 }
 
 /// Independent standard normal numbers.

@@ -118,7 +118,7 @@ fn shapes_that_cannot_be_taken_in_say_why_and_change_nothing() {
     );
     assert_eq!(
         refusal(2000, &space, &SHAPE, Noise::Even { variance_px2: -0.5 }),
-        "the variance or covariance -0.5 px² is none: all must be finite and at most 1e18 px² in size, and variances not negative"
+        "invalid variance or covariance -0.5 px²: all must be finite and at most 1e18 px² in size, and variances not negative"
     );
     assert_eq!(
         refusal(2000, &space, &SHAPE, Noise::Covariance(&[1.0; 8])),

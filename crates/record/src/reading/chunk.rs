@@ -77,7 +77,7 @@ impl Unpacker {
             }
             _ => return Err(damaged("there should be a chunk")),
         };
-        let about = ChunkHead::read(chunk).ok_or_else(|| damaged("a chunk's head is none"))?;
+        let about = ChunkHead::read(chunk).ok_or_else(|| damaged("a chunk's head is not valid"))?;
         let packed = usize::try_from(about.packed)
             .ok()
             .and_then(|packed| chunk[about.length..].get(..packed))
