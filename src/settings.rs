@@ -19,7 +19,7 @@ mod simulation;
 mod table;
 mod view;
 
-pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Wake};
+pub(crate) use arrangement::{Arrangement, Cpus, STAGES, Stage, Wake};
 pub(crate) use camera::CameraSettings;
 pub(crate) use curve::{Family, Fit, Order};
 pub(crate) use flags::Flags;

@@ -14,10 +14,11 @@ use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
+use super::Part;
 use crate::settings::Settings;
 use crate::stages::Seat;
 use crate::stages::arrangement::Lacks;
-use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken};
+use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken, Word};
 use crate::stop::{Stop, Stopper};
 
 /// How a stage ended.
@@ -56,7 +57,7 @@ impl fmt::Display for Ending {
 }
 
 /// What a stage does until it is told to stop.
-pub(crate) type Stage = fn(&Settings, Seat) -> anyhow::Result<()>;
+pub(super) type Run = fn(&Settings, Seat) -> anyhow::Result<()>;
 
 /// What a stage runs in.
 enum Host {
@@ -70,7 +71,7 @@ enum Host {
 
 /// A stage that was started.
 pub(crate) struct Child {
-    pub(crate) stage: &'static str,
+    pub(super) part: Part,
     host: Host,
     /// What it says; `None` once it has ended.
     line: Option<std::fs::File>,
@@ -91,58 +92,54 @@ pub(crate) struct Child {
 impl Child {
     /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with. One alone may read
     /// the chain's standard input.
-    pub(crate) fn start(
-        stage: &'static str,
-        arguments: &[OsString],
-        reads: bool,
-    ) -> anyhow::Result<Self> {
-        let starting = || format!("{stage} could not be started");
+    pub(crate) fn start(part: Part, arguments: &[OsString], reads: bool) -> anyhow::Result<Self> {
+        let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
         rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
         // The child's end is inherited; nothing else starts a process here meanwhile.
         fcntl_setfd(&its_end, FdFlags::empty()).with_context(starting)?;
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
         let process = Command::new(itself)
-            .arg(stage)
+            .arg(part.name())
             .args(arguments)
             .env(STATUS_FD, its_end.as_raw_fd().to_string())
             .env(CHAIN_PID, std::process::id().to_string())
-            .stdin(match stage {
-                "sink" | "recorder" => Stdio::piped(),
-                _ if reads => Stdio::inherit(),
-                _ => Stdio::null(),
+            .stdin(match part.is_told_the_last_word() {
+                true => Stdio::piped(),
+                false if reads => Stdio::inherit(),
+                false => Stdio::null(),
             })
             .process_group(0)
             .spawn()
             .with_context(starting)?;
-        Ok(Self::new(stage, Host::Process(process), line))
+        Ok(Self::new(part, Host::Process(process), line))
     }
 
     /// Starts a stage as a thread of this process. It says what a process would, on a line of its own, and is told to stop
     /// by itself, in its turn.
     pub(crate) fn start_here(
-        stage: &'static str,
-        run: Stage,
+        part: Part,
+        run: Run,
         settings: &Arc<Settings>,
     ) -> anyhow::Result<Self> {
-        let starting = || format!("{stage} could not be started");
+        let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
         rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
         let (stop, stopper) = Stop::by_another()?;
         let settings = settings.clone();
         let status = Status::on(its_end);
         let outcome = std::thread::Builder::new()
-            .name(stage.to_owned())
+            .name(part.name().to_owned())
             // The end of the line is dropped with the seat, also by a panic.
             .spawn(move || run(&settings, Seat { stop, status }))
             .with_context(starting)?;
         let outcome = Some(outcome);
-        Ok(Self::new(stage, Host::Thread { outcome, stopper }, line))
+        Ok(Self::new(part, Host::Thread { outcome, stopper }, line))
     }
 
-    fn new(stage: &'static str, host: Host, line: OwnedFd) -> Self {
+    fn new(part: Part, host: Host, line: OwnedFd) -> Self {
         Self {
-            stage,
+            part,
             host,
             line: Some(line.into()),
             unread: Vec::new(),
@@ -247,36 +244,16 @@ impl Child {
     fn take_note(&mut self) {
         while let Some(end) = self.unread.iter().position(|&byte| byte == b'\n') {
             let line: Vec<u8> = self.unread.drain(..=end).collect();
-            let line = String::from_utf8_lossy(&line);
-            let mut words = line.split_whitespace();
-            if let Some(lacking) = line.strip_prefix("lacks ") {
-                self.lacks = Lacks::of_words(lacking.split_whitespace());
-            }
-            match (words.next(), words.next(), words.next()) {
-                (Some("ready"), ..) => self.ready = true,
-                (Some("done"), ..) => self.done = true,
-                (Some("unread"), ..) => self.unread_output = true,
-                (Some("ending"), ..) => self.told_by_another |= !self.told_to_stop,
-                (Some("late"), Some(count), None) => self.masks_late = count.parse().ok(),
-                (Some("taken"), Some(sequence), Some(captured)) => {
-                    let number =
-                        |word: Option<&str>| word.and_then(|word| word.parse().ok()).unwrap_or(0);
-                    self.taken = Some(Taken {
-                        before_first: [number(Some(sequence)), number(Some(captured))],
-                        last: Sent {
-                            count: number(words.next()),
-                            last_sequence: number(words.next()),
-                        },
-                    });
-                }
-                (Some("sent"), Some(count), Some(last)) => {
-                    let number = |word: &str| word.parse().unwrap_or(0);
-                    self.sent = Some(Sent {
-                        count: number(count),
-                        last_sequence: number(last),
-                    });
-                }
-                _ => {}
+            match String::from_utf8_lossy(&line[..end]).parse() {
+                Ok(Word::Lacks(lacks)) => self.lacks = lacks,
+                Ok(Word::Ready) => self.ready = true,
+                Ok(Word::Done) => self.done = true,
+                Ok(Word::Ending) => self.told_by_another |= !self.told_to_stop,
+                Ok(Word::Unread) => self.unread_output = true,
+                Ok(Word::Late(count)) => self.masks_late = Some(count),
+                Ok(Word::Taken(taken)) => self.taken = Some(taken),
+                Ok(Word::Sent(sent)) => self.sent = Some(sent),
+                Err(why) => tracing::warn!("{}: {why}", self.part.name()),
             }
         }
     }

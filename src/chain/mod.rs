@@ -8,28 +8,70 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use lariat_sink::FinalCounts;
 use lariat_wire::Domain;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::run_files::RunFiles;
-use crate::settings::{STAGES, Settings};
+use crate::settings::{Settings, Stage};
 use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
+use crate::stages::status::LastWord;
 use crate::stop::Stop;
-use child::{Child, Ending, Stage};
+use child::{Child, Ending, Run};
 
-/// Those that can be threads of the chain's own process: all but the one that reports on them.
-const FUSED: [Stage; 3] = [stages::capture::run, stages::extract::run, stages::fit::run];
-const CAPTURE: usize = 0;
-const EXTRACT: usize = 1;
-const FIT: usize = 2;
-const SINK: usize = 3;
-/// Beside the stages, if there is a recording: it starts before those that send and ends after them, so that all is in it.
-const RECORDER: usize = 4;
-const CHILDREN: [&str; 5] = [STAGES[0], STAGES[1], STAGES[2], STAGES[3], "recorder"];
-/// From the end to the beginning, so that every message finds its reader there. Readers of a channel are woken in the order
-/// in which they came: the sink is not to wait for the recorder.
-const START_ORDER: [usize; CHILDREN.len()] = [SINK, RECORDER, FIT, EXTRACT, CAPTURE];
+/// What the chain starts, in the order of the data. Beside the stages, if there is a recording, the recorder: it starts before
+/// those that send and ends after them, so that all is in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Capture,
+    Extract,
+    Fit,
+    Sink,
+    Recorder,
+}
+
+impl Part {
+    const ALL: [Self; 5] = {
+        use Part::{Capture, Extract, Fit, Recorder, Sink};
+        [Capture, Extract, Fit, Sink, Recorder]
+    };
+    /// From the end to the beginning, so that every message finds its reader there. Readers of a channel are woken in the order
+    /// in which they came: the sink is not to wait for the recorder.
+    const START_ORDER: [Self; Self::ALL.len()] = {
+        use Part::{Capture, Extract, Fit, Recorder, Sink};
+        [Sink, Recorder, Fit, Extract, Capture]
+    };
+
+    /// As the command line names it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Capture => Stage::Capture.name(),
+            Self::Extract => Stage::Extract.name(),
+            Self::Fit => Stage::Fit.name(),
+            Self::Sink => Stage::Sink.name(),
+            Self::Recorder => "recorder",
+        }
+    }
+
+    /// What it does as a thread of the chain's own process, if it can be one: all can but those that report on the others.
+    fn fused(self) -> Option<Run> {
+        match self {
+            Self::Capture => Some(stages::capture::run),
+            Self::Extract => Some(stages::extract::run),
+            Self::Fit => Some(stages::fit::run),
+            Self::Sink | Self::Recorder => None,
+        }
+    }
+
+    /// Whether it is told at its end what the others sent.
+    pub(crate) fn is_told_the_last_word(self) -> bool {
+        match self {
+            Self::Capture | Self::Extract | Self::Fit => false,
+            Self::Sink | Self::Recorder => true,
+        }
+    }
+}
 
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
@@ -51,23 +93,22 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
     let mut chain = Chain::default();
-    let places = START_ORDER.iter().filter(|&&place| match place {
-        RECORDER => settings.run.record.is_some(),
+    let parts = Part::START_ORDER.into_iter().filter(|part| match part {
+        Part::Recorder => settings.run.record.is_some(),
         // Frames are written by a process of the user's.
-        CAPTURE => !settings.capture.is_external(),
-        _ => true,
+        Part::Capture => !settings.capture.is_external(),
+        Part::Extract | Part::Fit | Part::Sink => true,
     });
-    for &place in places {
-        let stage = CHILDREN[place];
-        let child = match FUSED.get(place) {
-            Some(run) if settings.run.fuse => Child::start_here(stage, *run, &settings)?,
+    for part in parts {
+        let child = match part.fused() {
+            Some(run) if settings.run.fuse => Child::start_here(part, run, &settings)?,
             _ => {
-                let reads = place == CAPTURE && settings.capture.is_piped();
-                Child::start(stage, arguments, reads)?
+                let reads = part == Part::Capture && settings.capture.is_piped();
+                Child::start(part, arguments, reads)?
             }
         };
-        chain.children[place] = Some(child);
-        if !chain.wait_until_ready(place, &stop)? {
+        chain.children[part as usize] = Some(child);
+        if !chain.wait_until_ready(part, &stop)? {
             chain.stop_in_order(true);
             return Ok(chain.verdict());
         }
@@ -90,9 +131,9 @@ pub(crate) fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<
 
 #[derive(Default)]
 struct Chain {
-    children: [Option<Child>; CHILDREN.len()],
+    children: [Option<Child>; Part::ALL.len()],
     /// The first that ended when it should not have.
-    fallen: Option<usize>,
+    fallen: Option<Part>,
     /// All stages are up.
     began: bool,
     /// The recorder ended when it should not have, and the chain went on.
@@ -104,11 +145,15 @@ impl Chain {
         self.children.iter().flatten()
     }
 
+    fn child(&self, part: Part) -> Option<&Child> {
+        self.children[part as usize].as_ref()
+    }
+
     fn introduce(&self) -> String {
-        let name = |child: &Child| format!("{} {}", child.stage, child.id());
-        let (stages, beside) = self.children.split_at(RECORDER);
+        let name = |child: &Child| format!("{} {}", child.part.name(), child.id());
+        let (stages, beside) = self.children.split_at(Part::Recorder as usize);
         let mut stages: Vec<String> = stages.iter().flatten().map(name).collect();
-        if self.children[CAPTURE].is_none() {
+        if self.child(Part::Capture).is_none() {
             stages.insert(0, "external".to_owned());
         }
         let beside = beside.iter().flatten().map(name);
@@ -117,7 +162,7 @@ impl Chain {
     }
 
     /// `false` if the chain is to end before it began.
-    fn wait_until_ready(&mut self, place: usize, stop: &Stop) -> anyhow::Result<bool> {
+    fn wait_until_ready(&mut self, part: Part, stop: &Stop) -> anyhow::Result<bool> {
         let begin = Instant::now();
         let deadline = begin + START_TIMEOUT;
         loop {
@@ -125,17 +170,17 @@ impl Chain {
             if stop.asked() || self.fallen.is_some() {
                 return Ok(false);
             }
-            if self.children[place].as_ref().is_some_and(Child::is_ready) {
-                tracing::debug!("{} was ready after {:?}", CHILDREN[place], begin.elapsed());
+            if self.child(part).is_some_and(Child::is_ready) {
+                tracing::debug!("{} was ready after {:?}", part.name(), begin.elapsed());
                 return Ok(true);
             }
             if Instant::now() >= deadline {
                 eprintln!(
                     "lariat: {} was not ready after {} s",
-                    CHILDREN[place],
+                    part.name(),
                     START_TIMEOUT.as_secs()
                 );
-                self.fallen = Some(place);
+                self.fallen = Some(part);
                 return Ok(false);
             }
         }
@@ -172,22 +217,22 @@ impl Chain {
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
             Err(cause) => return Err(cause.into()),
         }
-        for (place, child) in self.children.iter_mut().enumerate() {
+        for (part, child) in Part::ALL.into_iter().zip(&mut self.children) {
             let Some(child) = child else { continue };
             child.listen();
             match child.ending() {
                 Some(Ending::Well) if child.is_done() || child.was_told_to_stop() => {}
                 None if !child.was_told_by_another() => {}
                 // A chain is there for its robot: without a recording it goes on.
-                Some(ending) if place == RECORDER && self.began => {
+                Some(ending) if part == Part::Recorder && self.began => {
                     if !std::mem::replace(&mut self.recording_lost, true) {
                         eprintln!("lariat: the recorder {ending}; the chain goes on without it");
                     }
                 }
                 // It wants no more than the word that it would be given at the end.
-                None if place == RECORDER => child.tell(""),
+                None if part == Part::Recorder => child.tell(""),
                 _ => {
-                    self.fallen.get_or_insert(place);
+                    self.fallen.get_or_insert(part);
                 }
             }
         }
@@ -197,61 +242,51 @@ impl Chain {
     /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
     /// worked off. `never`: the chain never came up, and there is nothing to report.
     fn stop_in_order(&mut self, never: bool) {
-        for place in 0..CHILDREN.len() {
-            let word = match place {
-                SINK | RECORDER if never => "never\n".into(),
-                SINK | RECORDER => self.counts(),
-                _ => String::new(),
+        for part in Part::ALL {
+            let word = match part.is_told_the_last_word() {
+                true if never => LastWord::Never.to_string(),
+                true => LastWord::Counts(self.counts()).to_string(),
+                false => String::new(),
             };
-            if let Some(child) = &mut self.children[place] {
+            if let Some(child) = &mut self.children[part as usize] {
                 child.tell(&word);
                 child.tell_to_stop();
             }
-            let timeout = if place == RECORDER {
-                RECORDER_STOP_TIMEOUT
-            } else {
-                STOP_TIMEOUT
+            let timeout = match part {
+                Part::Recorder => RECORDER_STOP_TIMEOUT,
+                Part::Capture | Part::Extract | Part::Fit | Part::Sink => STOP_TIMEOUT,
             };
             let deadline = Instant::now() + timeout;
-            while self.children[place]
-                .as_ref()
+            while self
+                .child(part)
                 .is_some_and(|child| child.ending().is_none())
             {
                 if Instant::now() >= deadline || self.listen(Some(deadline), None).is_err() {
-                    let Some(child) = &mut self.children[place] else {
+                    let Some(child) = &mut self.children[part as usize] else {
                         break;
                     };
-                    eprintln!("lariat: {} did not end and was killed", child.stage);
+                    eprintln!("lariat: {} did not end and was killed", part.name());
                     child.kill();
-                    self.fallen.get_or_insert(place);
+                    self.fallen.get_or_insert(part);
                 }
             }
         }
     }
 
-    /// What each stage said it sent in all.
-    fn counts(&self) -> String {
-        let mut word = String::new();
-        for (name, child) in ["captured", "extracted", "fitted"]
-            .iter()
-            .zip(&self.children)
-        {
-            if let Some(sent) = child.as_ref().and_then(Child::sent) {
-                word += &format!("{name} {}\n", sent.count);
-            }
+    /// What each stage said it sent in all. Of frames from elsewhere, extract knows what capture would.
+    fn counts(&self) -> FinalCounts {
+        let sent = |part| self.child(part).and_then(Child::sent);
+        let extract = self.child(Part::Extract);
+        let taken = extract.and_then(Child::taken);
+        let of_source = taken.map(|taken| taken.last).or(sent(Part::Capture));
+        FinalCounts {
+            before_first: taken.map(|taken| taken.before_first),
+            last_sequence: of_source.map(|sent| sent.last_sequence),
+            captured: of_source.map(|sent| sent.count),
+            extracted: sent(Part::Extract).map(|sent| sent.count),
+            fitted: sent(Part::Fit).map(|sent| sent.count),
+            masks_late: extract.and_then(Child::masks_late),
         }
-        if let Some(late) = self.children[EXTRACT].as_ref().and_then(Child::masks_late) {
-            word += &format!("late {late}\n");
-        }
-        if let Some(sent) = self.children[CAPTURE].as_ref().and_then(Child::sent) {
-            word += &format!("sequence {}\n", sent.last_sequence);
-        }
-        if let Some(taken) = self.children[EXTRACT].as_ref().and_then(Child::taken) {
-            let ([sequence, captured], last) = (taken.before_first, taken.last);
-            word += &format!("before {sequence} {captured}\ncaptured {}\n", last.count);
-            word += &format!("sequence {}\n", last.last_sequence);
-        }
-        word
     }
 
     /// How it went. Sweeps up after a stage that was killed.
@@ -262,15 +297,16 @@ impl Chain {
         if let Ok(domain) = Domain::open() {
             domain.sweep();
         }
-        let fallen = self
-            .fallen
-            .and_then(|fallen| self.children[fallen].as_ref());
+        let fallen = self.fallen.and_then(|part| self.child(part));
         if let Some(fallen) = fallen
             && let Some(ending) = fallen.ending()
             // What fails in its turn at the end has stopped nothing.
             && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
         {
-            eprintln!("lariat: {} {ending}; the chain was stopped", fallen.stage);
+            eprintln!(
+                "lariat: {} {ending}; the chain was stopped",
+                fallen.part.name()
+            );
         }
         ExitCode::FAILURE
     }

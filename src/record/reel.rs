@@ -11,7 +11,7 @@ use lariat_extract::Mask;
 use lariat_record::{
     Clock, Ended, Existing, Flushed, Head, Losses, Options, Recorder, RingOptions, Writer,
 };
-use lariat_sink::Ledger;
+use lariat_sink::{FinalCounts, Ledger};
 use lariat_wire::{FRAMES, now_ns};
 use signal_hook::consts::SIGUSR1;
 
@@ -20,7 +20,8 @@ use super::channels::{Channels, Counters};
 use super::{STAGE, report};
 use crate::run_files::check_recording;
 use crate::settings::Settings;
-use crate::stages::{Seat, Station, arrangement, sink};
+use crate::stages::status::{LastWord, Word};
+use crate::stages::{Seat, Station, arrangement};
 
 /// What was lost is written down this often, if it is more than before.
 const LOSSES_EVERY: Duration = Duration::from_secs(1);
@@ -30,7 +31,7 @@ pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCo
     check_recording(settings, file)?;
     // Before any thread is made: all are kept where this one is.
     arrangement::keep_apart(&settings.run.arrangement);
-    let mut station = Station::open(settings, STAGE, seat)?;
+    let mut station = Station::beside(settings, STAGE, seat)?;
     let supervised = station.status.is_supervised();
     // A rig of others may have its masks made elsewhere.
     let masks = !supervised || settings.extract.mask == Mask::External;
@@ -52,13 +53,16 @@ pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCo
         reel.rig.attach(&mut reel.recorder)?;
     }
     let flush = flush_on_signal(settings)?;
-    station.announce_ready(STAGE);
+    station.ready()?;
     station.say_who_is_missing(FRAMES.name());
     let outcome = reel.turn(settings, &station, supervised, file, &flush);
-    station.status.ending();
+    station.status.say(Word::Ending);
     if outcome.is_ok() {
-        let counts = supervised.then(sink::last_word).flatten();
-        reel.ledger.finish(counts.unwrap_or_default());
+        reel.ledger
+            .finish(match supervised.then(LastWord::of_the_chain) {
+                Some(LastWord::Counts(counts)) => counts,
+                Some(LastWord::Never) | None => FinalCounts::default(),
+            });
         // Fails only where the recording has ended, which is said below.
         let _ = reel.write_losses(true);
     }

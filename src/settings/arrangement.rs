@@ -4,8 +4,34 @@ use crate::settings::meaning;
 use std::time::Duration;
 use toml::Value;
 
-/// The stages in the order of the data, as the file names them.
-pub(crate) const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
+/// A stage of the chain; in the order of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Capture,
+    Extract,
+    Fit,
+    Sink,
+}
+
+impl Stage {
+    /// As the file, the command line and other processes name it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Capture => "capture",
+            Self::Extract => "extract",
+            Self::Fit => "fit",
+            Self::Sink => "sink",
+        }
+    }
+}
+
+/// The stages' names in the order of the data.
+pub(crate) const STAGES: [&str; 4] = [
+    Stage::Capture.name(),
+    Stage::Extract.name(),
+    Stage::Fit.name(),
+    Stage::Sink.name(),
+];
 
 /// The largest core number that Linux's own set of cores has room for.
 const MAX_CORE: i64 = 1023;

@@ -72,7 +72,7 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-use crate::settings::{Arrangement, Cpus, STAGES, Wake};
+use crate::settings::{Arrangement, Cpus, STAGES, Stage, Wake};
 
 /// Memory that a stage may come to map after it has locked what it has: the channels of readers yet to come, other sizes
 /// of frames. With a limit below that a later mapping would fail, which is worse than a page that is not locked.
@@ -125,18 +125,18 @@ impl Lacks {
         words.collect::<Vec<_>>().join(" ")
     }
 
-    /// As [`words`](Self::words) says it.
-    pub(crate) fn of_words<'a>(words: impl Iterator<Item = &'a str>) -> Self {
+    /// As [`words`](Self::words) says it; none of other words.
+    pub(crate) fn of_words(words: &str) -> Option<Self> {
         let mut lacks = Self::default();
-        for word in words {
+        for word in words.split_ascii_whitespace() {
             match word {
                 "priority" => lacks.priority = true,
                 "memory" => lacks.memory = true,
                 "core" => lacks.core = true,
-                _ => {}
+                _ => return None,
             }
         }
-        lacks
+        Some(lacks)
     }
 }
 
@@ -192,19 +192,19 @@ pub(crate) fn check(wanted: &Arrangement) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Arranges this thread as the stage at this place; says what it does not have of it.
+/// Arranges this thread as a stage; says what it does not have of it.
 ///
 /// # Errors
 /// The settings name a core that is not there.
-pub(crate) fn apply(wanted: &Arrangement, place: usize) -> anyhow::Result<Lacks> {
+pub(crate) fn apply(wanted: &Arrangement, stage: Stage) -> anyhow::Result<Lacks> {
     let mut lacks = Lacks {
-        priority: wanted.is_fifo() && !run_before_others(wanted.priority + place as u8),
+        priority: wanted.is_fifo() && !run_before_others(wanted.priority + stage as u8),
         memory: wanted.locks_memory() && !lock_memory(),
         core: false,
     };
     match wanted.cpus {
         Cpus::Cores(cores) => {
-            if let Some(core) = cores[place] {
+            if let Some(core) = cores[stage as usize] {
                 pin(core)?;
             }
         }
@@ -388,7 +388,7 @@ mod tests {
                 memory: bits & 2 != 0,
                 core: bits & 4 != 0,
             };
-            assert_eq!(Lacks::of_words(lacks.words().split_whitespace()), lacks);
+            assert_eq!(Lacks::of_words(&lacks.words()), Some(lacks));
             assert_eq!(lacks.any(), bits != 0);
         }
     }

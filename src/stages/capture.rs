@@ -10,15 +10,15 @@ use lariat_wire::{
 
 use super::arrangement::{Rest, precise_timer};
 use super::feed::{self, Feed};
-use super::status::Sent;
+use super::status::{Sent, Word};
 use super::{Seat, Station};
 use crate::pipeline::{Schedule, frame_header};
-use crate::settings::{Fps, Settings};
+use crate::settings::{Fps, Settings, Stage};
 use crate::stop::Stop;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "capture", seat)?;
+    let mut station = Station::open(settings, Stage::Capture, seat)?;
     let mut source = open(settings, &station)?;
     let first = match source.largest_frame_bytes() {
         // What room the frames need is known with the first.
@@ -26,9 +26,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
             station.ready()?;
             let Some(first) = wait_for_first(settings, source.as_mut(), &station)? else {
                 if !station.stop.asked() {
-                    station.status.done();
+                    station.status.say(Word::Done);
                 }
-                station.status.sent(Sent::default());
+                station.status.say(Word::Sent(Sent::default()));
                 return Ok(());
             };
             Some(first)
@@ -73,9 +73,9 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     // A camera is stopped, a thread joined, before the last word.
     drop(sender);
     if outcome.is_ok() && !station.stop.asked() {
-        station.status.done();
+        station.status.say(Word::Done);
     }
-    station.status.sent(sent);
+    station.status.say(Word::Sent(sent));
     outcome
 }
 

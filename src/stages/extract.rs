@@ -4,14 +4,14 @@ use lariat_wire::{CENTERLINES, Centerlines, FRAMES, Writer, now_ns};
 
 use super::external::External;
 use super::masks::Masks;
-use super::status::Sent;
+use super::status::{Sent, Word};
 use super::{Came, Inbox, Seat, Station};
 use crate::pipeline::{FrameExtractor, FrameView};
-use crate::settings::Settings;
+use crate::settings::{Settings, Stage};
 
 /// Extracts until a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "extract", seat)?;
+    let mut station = Station::open(settings, Stage::Extract, seat)?;
     let mut extractor = FrameExtractor::prepared(settings)?;
     let mut masks = Masks::open(settings, &station)?;
     let Station {
@@ -71,14 +71,14 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         }
     }
     if let Some(masks) = masks {
-        station.status.late(masks.late());
+        station.status.say(Word::Late(masks.late()));
     }
     if let Some(external) = external {
         if !station.stop.asked() {
-            station.status.done();
+            station.status.say(Word::Done);
         }
-        station.status.taken(external.taken());
+        station.status.say(Word::Taken(external.taken()));
     }
-    station.status.sent(sent);
+    station.status.say(Word::Sent(sent));
     Ok(())
 }

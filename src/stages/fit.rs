@@ -2,14 +2,14 @@
 
 use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
 
-use super::status::Sent;
+use super::status::{Sent, Word};
 use super::{Inbox, Seat, Station};
 use crate::pipeline::CurveFitter;
-use crate::settings::Settings;
+use crate::settings::{Settings, Stage};
 
 /// Fits until a signal comes.
 pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, "fit", seat)?;
+    let mut station = Station::open(settings, Stage::Fit, seat)?;
     let mut curves = CurveFitter::new(settings)?;
     let Station {
         domain,
@@ -33,6 +33,6 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         slot.trace.fitted_ns = now_ns();
         slot.send()?;
     }
-    station.status.sent(sent);
+    station.status.say(Word::Sent(sent));
     Ok(())
 }

@@ -16,15 +16,14 @@ use std::cell::Cell;
 use std::os::fd::AsFd;
 use std::time::Instant;
 
-use anyhow::Context;
 use lariat_wire::{
     Announcement, Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns,
 };
 
-use crate::settings::{Arrangement, STAGES, Settings};
+use crate::settings::{Arrangement, Settings, Stage};
 use crate::stop::Stop;
 use arrangement::Rest;
-use status::Status;
+use status::{Status, Word};
 
 /// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
 pub(crate) struct Station {
@@ -34,8 +33,10 @@ pub(crate) struct Station {
     pub(crate) stop: Stop,
     pub(crate) status: Status,
     arrangement: Arrangement,
-    /// Which of [`STAGES`] it is, if it is one.
-    place: Option<usize>,
+    /// Which stage it is, if it is one.
+    stage: Option<Stage>,
+    /// What it is called among those that run on a rig.
+    name: &'static str,
     /// What it says of itself to others on the machine.
     settings: String,
     /// The channel that it was made a reader of.
@@ -60,11 +61,24 @@ impl Seat {
 }
 
 impl Station {
-    /// `stage`: one of [`STAGES`], or what stands beside them.
-    pub(crate) fn open(settings: &Settings, stage: &str, seat: Seat) -> anyhow::Result<Self> {
+    /// Of a stage.
+    pub(crate) fn open(settings: &Settings, stage: Stage, seat: Seat) -> anyhow::Result<Self> {
+        let station = Self::beside(settings, stage.name(), seat)?;
+        Ok(Self {
+            stage: Some(stage),
+            ..station
+        })
+    }
+
+    /// Of what stands beside the stages, under a name, and has no place of its own on the machine.
+    pub(crate) fn beside(
+        settings: &Settings,
+        name: &'static str,
+        seat: Seat,
+    ) -> anyhow::Result<Self> {
         let Seat { stop, status } = seat;
-        for (name, value) in settings.changed() {
-            tracing::debug!("{stage}: {name} = {value}");
+        for (key, value) in settings.changed() {
+            tracing::debug!("{name}: {key} = {value}");
         }
         let delivery = if settings.run.lossless {
             Delivery::Lossless { stop: stop.flag() }
@@ -78,38 +92,34 @@ impl Station {
             stop,
             status,
             arrangement: settings.run.arrangement.clone(),
-            place: STAGES.iter().position(|name| *name == stage),
+            stage: None,
+            name,
             settings: settings.text(),
             reads: Cell::new(None),
             announcement: None,
         })
     }
 
-    /// The stage can receive, and all its threads are there: it takes its place on the machine, and says so.
+    /// It can receive, and all its threads are there: it takes its place on the machine, if it has one, and says so.
     pub(crate) fn ready(&mut self) -> anyhow::Result<()> {
-        let place = self
-            .place
-            .context("what is no stage has no place on the machine")?;
-        let lacks = arrangement::apply(&self.arrangement, place)?;
-        if lacks.any() {
-            self.status.lacks(lacks);
+        if let Some(stage) = self.stage {
+            let lacks = arrangement::apply(&self.arrangement, stage)?;
+            if lacks.any() {
+                self.status.say(Word::Lacks(lacks));
+            }
         }
-        self.announce_ready(STAGES[place]);
-        if let Some(channel) = self.reads.get() {
-            self.say_who_is_missing(channel);
-        }
-        Ok(())
-    }
-
-    /// The same, for what is no stage and has no place of its own: under this name.
-    pub(crate) fn announce_ready(&mut self, name: &str) {
+        let name = self.name;
         match self.domain.announce(&self.rig, name, &self.settings) {
             Ok(announcement) => self.announcement = Some(announcement),
             Err(cause) => tracing::warn!(
                 "{name} is not seen by `lariat doctor` and recorders, as its entry could not be written: {cause}"
             ),
         }
-        self.status.ready();
+        self.status.say(Word::Ready);
+        if let Some(channel) = self.reads.get() {
+            self.say_who_is_missing(channel);
+        }
+        Ok(())
     }
 
     /// Has the stage rest when it must.

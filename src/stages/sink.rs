@@ -1,7 +1,7 @@
 //! Sink as a process: reads what the chain made, counts it, and says how it went.
 
 use std::fmt;
-use std::io::{self, ErrorKind, IsTerminal, Read, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
@@ -9,10 +9,11 @@ use anyhow::Context;
 use lariat_sink::{FinalCounts, Machine, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
+use super::status::{LastWord, Word};
 use super::{Seat, Station};
 use crate::layout;
 use crate::run_files::RunFiles;
-use crate::settings::Settings;
+use crate::settings::{Settings, Stage};
 
 /// How often the live line is renewed in place on a terminal.
 const ON_TERMINAL: Duration = Duration::from_millis(100);
@@ -24,7 +25,7 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
     let files = RunFiles::open(settings)?;
-    let mut station = Station::open(settings, "sink", seat)?;
+    let mut station = Station::open(settings, Stage::Sink, seat)?;
     let supervised = station.status.is_supervised();
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();
@@ -54,7 +55,7 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         let was_read = !line.unread;
         line.show_if_due(&mut sink);
         if was_read && line.unread {
-            station.status.unread();
+            station.status.say(Word::Unread);
         }
         rest.if_due(now_ns());
         let due = [line.due(), end].into_iter().flatten().min();
@@ -64,15 +65,12 @@ pub(crate) fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         line.say(format_args!("\n"));
     }
     // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
-    station.status.ending();
-    let word = if supervised {
-        last_word()
-    } else {
-        Some(FinalCounts::default())
-    };
-    let Some(counts) = word else {
-        // The chain never came up: there is nothing to report.
-        return Ok(());
+    station.status.say(Word::Ending);
+    let counts = match supervised.then(LastWord::of_the_chain) {
+        None => FinalCounts::default(),
+        Some(LastWord::Counts(counts)) => counts,
+        // There is nothing to report.
+        Some(LastWord::Never) => return Ok(()),
     };
     sink.finish(counts);
     let report = sink.report_on(machine);
@@ -146,32 +144,6 @@ impl Channels {
         }
         Ok(())
     }
-}
-
-/// What the chain says at the end, on standard input: what each stage sent; `None` if it never came up.
-///
-/// A chain that was killed says nothing, and the report stands on the messages alone.
-pub(crate) fn last_word() -> Option<FinalCounts> {
-    let mut word = String::new();
-    let _ = std::io::stdin().lock().read_to_string(&mut word);
-    let mut counts = FinalCounts::default();
-    for line in word.lines() {
-        let mut fields = line.split(' ');
-        let name = fields.next();
-        let mut number = || fields.next().and_then(|field| field.parse().ok());
-        let count = number();
-        match name {
-            Some("never") => return None,
-            Some("before") => counts.before_first = count.zip(number()).map(<[u64; 2]>::from),
-            Some("sequence") => counts.last_sequence = count,
-            Some("captured") => counts.captured = count,
-            Some("extracted") => counts.extracted = count,
-            Some("fitted") => counts.fitted = count,
-            Some("late") => counts.masks_late = count,
-            _ => {}
-        }
-    }
-    Some(counts)
 }
 
 /// What is said while it runs and at its end: a line of figures, in place on a terminal, a line a second elsewhere; the report.

@@ -1,16 +1,17 @@
-//! The line from a stage to the chain that started it: when it is ready, and what it sent in all.
+//! What a stage and the chain that started it say to each other: a line a word, here as one type in each direction.
 //!
-//! A pipe, whose number stands in `LARIAT_STATUS_FD`. It says `lacks WORD…` if the stage may not have all that was wanted
-//! of the machine, `ready` once, `done` if the source has ended,
-//! `ending` if a signal came, `unread` if nobody reads any more what it prints, and `sent COUNT LAST_SEQUENCE` last (extract before it `late COUNT`, if it
-//! waited for masks, and `taken`, with what capture would say, if frames come from elsewhere); its own end says that the process is gone, however it went.
+//! The stage says [`Word`]s on a pipe whose number stands in `LARIAT_STATUS_FD`; its own end says that the process is gone,
+//! however it went. The chain says its [`LastWord`] on the standard input of sink and recorder.
 
+use std::fmt;
 use std::fs::File;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::os::fd::OwnedFd;
+use std::str::FromStr;
 
 use super::arrangement::Lacks;
 use anyhow::Context;
+use lariat_sink::FinalCounts;
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
 /// The variable that holds the pipe's number.
@@ -32,6 +33,154 @@ pub(crate) struct Taken {
     pub(crate) before_first: [u64; 2],
     /// What its writer had sent in all when the last one came.
     pub(crate) last: Sent,
+}
+
+/// What a stage says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Word {
+    /// It may not have all that was wanted of the machine, and does without this.
+    Lacks(Lacks),
+    /// It can receive: what is sent to it from now on arrives.
+    Ready,
+    /// The source has ended, or as much of it was sent as was asked.
+    Done,
+    /// A signal has ended its work, and its last word is to come.
+    Ending,
+    /// Nobody reads any more what it prints.
+    Unread,
+    /// So many frames were skipped, as their masks came too late.
+    Late(u64),
+    /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
+    Taken(Taken),
+    /// Its last word: what it sent in all.
+    Sent(Sent),
+}
+
+impl fmt::Display for Word {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            Self::Lacks(lacks) => write!(f, "lacks {}", lacks.words()),
+            Self::Ready => write!(f, "ready"),
+            Self::Done => write!(f, "done"),
+            Self::Ending => write!(f, "ending"),
+            Self::Unread => write!(f, "unread"),
+            Self::Late(count) => write!(f, "late {count}"),
+            Self::Taken(Taken { before_first, last }) => {
+                let [sequence, captured] = before_first;
+                let (count, last_sequence) = (last.count, last.last_sequence);
+                write!(f, "taken {sequence} {captured} {count} {last_sequence}")
+            }
+            Self::Sent(sent) => write!(f, "sent {} {}", sent.count, sent.last_sequence),
+        }
+    }
+}
+
+/// What another release may say.
+fn unknown(line: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "`{line}` is no word between a stage and its chain: use the same release for all stages"
+    )
+}
+
+/// A line's name, and the whole numbers behind it.
+fn parts(line: &str) -> anyhow::Result<(&str, Vec<u64>)> {
+    let (name, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let numbers = rest.split_ascii_whitespace().map(str::parse);
+    let numbers = numbers.collect::<Result<_, _>>();
+    Ok((name, numbers.map_err(|_| unknown(line))?))
+}
+
+impl FromStr for Word {
+    type Err = anyhow::Error;
+
+    fn from_str(line: &str) -> anyhow::Result<Self> {
+        if let Some(words) = line.strip_prefix("lacks ") {
+            let lacks = Lacks::of_words(words).map(Self::Lacks);
+            return lacks.ok_or_else(|| unknown(line));
+        }
+        let (name, numbers) = parts(line)?;
+        let sent = |count, last_sequence| Sent {
+            count,
+            last_sequence,
+        };
+        Ok(match (name, &numbers[..]) {
+            ("ready", []) => Self::Ready,
+            ("done", []) => Self::Done,
+            ("ending", []) => Self::Ending,
+            ("unread", []) => Self::Unread,
+            ("late", &[count]) => Self::Late(count),
+            ("taken", &[sequence, captured, count, last]) => Self::Taken(Taken {
+                before_first: [sequence, captured],
+                last: sent(count, last),
+            }),
+            ("sent", &[count, last]) => Self::Sent(sent(count, last)),
+            _ => return Err(unknown(line)),
+        })
+    }
+}
+
+/// What the chain says at its end: what each stage sent, a line for each number that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LastWord {
+    /// It never came up.
+    Never,
+    Counts(FinalCounts),
+}
+
+impl LastWord {
+    /// The word of the chain that started this process, read from standard input to its end. A chain that was killed knows
+    /// nothing.
+    pub(crate) fn of_the_chain() -> Self {
+        let mut text = String::new();
+        let _ = std::io::stdin().lock().read_to_string(&mut text);
+        text.parse()
+            .unwrap_or_else(|_| Self::Counts(FinalCounts::default()))
+    }
+}
+
+impl fmt::Display for LastWord {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self::Counts(counts) = self else {
+            return writeln!(f, "never");
+        };
+        if let Some([sequence, captured]) = counts.before_first {
+            writeln!(f, "before {sequence} {captured}")?;
+        }
+        for (name, number) in [
+            ("sequence", counts.last_sequence),
+            ("captured", counts.captured),
+            ("extracted", counts.extracted),
+            ("fitted", counts.fitted),
+            ("late", counts.masks_late),
+        ] {
+            if let Some(number) = number {
+                writeln!(f, "{name} {number}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for LastWord {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let mut counts = FinalCounts::default();
+        for line in text.lines() {
+            let (name, numbers) = parts(line)?;
+            match (name, &numbers[..]) {
+                ("never", []) => return Ok(Self::Never),
+                ("before", &[sequence, count]) => counts.before_first = Some([sequence, count]),
+                ("sequence", &[number]) => counts.last_sequence = Some(number),
+                ("captured", &[count]) => counts.captured = Some(count),
+                ("extracted", &[count]) => counts.extracted = Some(count),
+                ("fitted", &[count]) => counts.fitted = Some(count),
+                ("late", &[count]) => counts.masks_late = Some(count),
+                _ => return Err(unknown(line)),
+            }
+        }
+        Ok(Self::Counts(counts))
+    }
 }
 
 /// The stage's end of the line. Says nothing if the stage was started by hand.
@@ -69,58 +218,85 @@ impl Status {
         self.0.is_some()
     }
 
-    /// The stage can receive: what is sent to it from now on arrives.
-    pub(crate) fn ready(&mut self) {
-        self.say("ready\n");
-    }
-
-    /// The stage does without this. Started by hand, it tells the user; else the chain does, for all of them.
-    pub(crate) fn lacks(&mut self, lacks: Lacks) {
-        if self.is_supervised() {
-            self.say(&format!("lacks {}\n", lacks.words()));
-        } else {
-            tracing::warn!("{lacks}");
-        }
-    }
-
-    /// The source has ended, or as much of it was sent as was asked.
-    pub(crate) fn done(&mut self) {
-        self.say("done\n");
-    }
-
-    /// A signal has ended the stage's work, and its last word is to come.
-    pub(crate) fn ending(&mut self) {
-        self.say("ending\n");
-    }
-
-    /// Nobody reads any more what the stage prints.
-    pub(crate) fn unread(&mut self) {
-        self.say("unread\n");
-    }
-
-    /// So many frames were skipped, as their masks came too late.
-    pub(crate) fn late(&mut self, count: u64) {
-        self.say(&format!("late {count}\n"));
-    }
-
-    /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
-    pub(crate) fn taken(&mut self, taken: Taken) {
-        let ([sequence, captured], last) = (taken.before_first, taken.last);
-        self.say(&format!(
-            "taken {sequence} {captured} {} {}\n",
-            last.count, last.last_sequence
-        ));
-    }
-
-    /// The stage's last word.
-    pub(crate) fn sent(&mut self, sent: Sent) {
-        self.say(&format!("sent {} {}\n", sent.count, sent.last_sequence));
-    }
-
-    fn say(&mut self, line: &str) {
-        if let Some(pipe) = &mut self.0 {
+    /// Says a word. What a stage lacks is for the user, whom a stage that was started by hand tells itself; else the chain does,
+    /// for all of them.
+    pub(crate) fn say(&mut self, word: Word) {
+        match (&mut self.0, word) {
             // A chain that is gone cannot be told; its death signal is on the way.
-            let _ = pipe.write_all(line.as_bytes());
+            (Some(pipe), _) => drop(pipe.write_all(format!("{word}\n").as_bytes())),
+            (None, Word::Lacks(lacks)) => tracing::warn!("{lacks}"),
+            (None, _) => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_comes_back() {
+        let lacks = Lacks {
+            priority: true,
+            core: true,
+            ..Lacks::default()
+        };
+        let last = Sent {
+            count: 3,
+            last_sequence: u64::MAX,
+        };
+        let taken = Taken {
+            before_first: [1, 2],
+            last,
+        };
+        for (word, line) in [
+            (Word::Lacks(lacks), "lacks priority core"),
+            (Word::Ready, "ready"),
+            (Word::Done, "done"),
+            (Word::Ending, "ending"),
+            (Word::Unread, "unread"),
+            (Word::Late(7), "late 7"),
+            (Word::Taken(taken), "taken 1 2 3 18446744073709551615"),
+            (Word::Sent(last), "sent 3 18446744073709551615"),
+        ] {
+            assert_eq!(word.to_string(), line);
+            assert_eq!(line.parse::<Word>().unwrap(), word);
+        }
+    }
+
+    #[test]
+    fn the_last_word_comes_back() {
+        let counts = FinalCounts {
+            before_first: Some([4, 5]),
+            last_sequence: Some(9),
+            captured: Some(8),
+            fitted: Some(0),
+            ..FinalCounts::default()
+        };
+        for word in [
+            LastWord::Never,
+            LastWord::Counts(counts),
+            LastWord::Counts(FinalCounts::default()),
+        ] {
+            assert_eq!(word.to_string().parse::<LastWord>().unwrap(), word);
+        }
+    }
+
+    #[test]
+    fn half_a_word_is_none() {
+        for line in [
+            "",
+            "sent",
+            "sent 3",
+            "sent 3 x",
+            "sent 1 2 3",
+            "late",
+            "lacks all",
+            "Ready",
+            "taken 1 2",
+        ] {
+            assert!(line.parse::<Word>().is_err(), "{line}");
+        }
+        assert!("captured many".parse::<LastWord>().is_err());
     }
 }
