@@ -31,7 +31,16 @@ const COMMANDS: [&[&str]; 6] = [
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    let recorded = bench.run(&["run", "--fps", "max", "--frames", "3", "--record", "a.mcap"]);
+    let recorded = bench.run(&[
+        "run",
+        "--fps",
+        "max",
+        "--frames",
+        "3",
+        "--lossless",
+        "--record",
+        "a.mcap",
+    ]);
     assert!(recorded.status.success(), "{}", said(&recorded));
     let drawn = bench.run(&["snapshot", "rope.png", "--source", "rendered"]);
     assert!(drawn.status.success(), "{}", said(&drawn));
