@@ -22,6 +22,8 @@ const SOME: f32 = 0.06;
 /// rope that is lit from one side spreads evenly, and has three quarters.
 const APART: f32 = 0.15;
 const PARTED: f32 = 0.85;
+/// The least share of ropes, one in so many, that is inside of their edges.
+const INSIDE: usize = 2;
 /// Places of either part that are held against the other.
 const PLACES: usize = 256;
 /// The steps looked for, in widths of the rope.
@@ -97,7 +99,13 @@ impl Shadows {
                 continue;
             }
             shrink(&self.body, &mut self.spare);
-            gather(&self.spare, body_area, &mut self.bodies);
+            // Their inside, unless they are too thin to have one.
+            match self.spare.count() {
+                inside if INSIDE * inside < body_area => {
+                    gather(&self.body, body_area, &mut self.bodies)
+                }
+                inside => gather(&self.spare, inside, &mut self.bodies),
+            }
             gather(&self.plane, pale_area, &mut self.pales);
             let width_px = width_px(&self.body, body_area);
             let is_dim = |at| is_dim(image, background, at);
@@ -184,7 +192,7 @@ impl Shadows {
                 dim += i32::from(is_dim(at));
                 pale += i32::from(self.plane.get(at[0], at[1]));
             }
-            if SEEN * all < self.bodies.len() as i32 {
+            if all == 0 || SEEN * all < self.bodies.len() as i32 {
                 return (0.0, 0.0);
             }
             (dim as f32 / all as f32, pale as f32 / all as f32)

@@ -66,6 +66,20 @@ fn seen_once(ropes: &[Rope]) -> (Vec<(f32, Status)>, Option<Notice>) {
 }
 
 #[test]
+fn ropes_without_an_inside_are_no_shadow_of_each_other() {
+    for width_px in [1.6, 2.0, 2.4] {
+        for apart_px in [6.0, 9.0, 14.0] {
+            let thin = |rope: Rope| Rope { width_px, ..rope };
+            let ropes = [thin(rope(RED)), thin(parallel(GRAY, apart_px))];
+            let (curves, notice) = seen_once(&ropes);
+            let what = format!("{width_px} px wide at {apart_px}: {curves:?} {notice:?}");
+            assert_eq!(curves.len(), 2, "{what}");
+            assert_eq!(notice, None, "{what}");
+        }
+    }
+}
+
+#[test]
 fn ropes_that_lie_parallel_are_all_ropes() {
     let colors = [RED, BLUE, GRAY, BLACK];
     for (i, first) in colors.into_iter().enumerate() {
