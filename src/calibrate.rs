@@ -3,16 +3,16 @@
 mod page;
 mod points;
 
-use crate::calibrated::read_camera;
-use crate::exit::wrong_use;
-use crate::layout::{self, Column, Table, hanging};
-use crate::output::{Existing, Output, print};
-use crate::picture::Picture;
-use crate::plane_file;
-use crate::settings;
 use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand};
 use lariat_camera::{Camera, Mapping, Pair, Plane};
+use lariat_chain::calibrated::read_camera;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::layout::{self, Column, Table, hanging};
+use lariat_chain::output::{Existing, Output, print};
+use lariat_chain::picture::Picture;
+use lariat_chain::plane_file;
+use lariat_chain::settings;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

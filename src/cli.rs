@@ -26,13 +26,13 @@ use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
 use crate::servo::{self, ControllerArgs, ServoArgs};
-use crate::settings::{Flags, Settings, nearest};
 use crate::snapshot::{self, SnapshotArgs};
-use crate::stages::Seat;
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
-use crate::{chain, exit, layout, stages};
+use lariat_chain::settings::{Flags, Settings, nearest};
+use lariat_chain::stages::Seat;
+use lariat_chain::{exit, launcher, layout, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
@@ -134,7 +134,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         None => {
             let settings = Settings::resolve(&Flags::default())?;
             settings.check_frames()?;
-            chain::run(
+            launcher::run(
                 &[&SHOW.map(OsString::from)[..], &verbosity.words()].concat(),
                 settings,
             )
@@ -143,7 +143,7 @@ pub(crate) fn run() -> Result<ExitCode> {
             // Resolved here too, so that a mistake is told once and not by four processes.
             let settings = Settings::resolve(&flags)?;
             settings.check_frames()?;
-            chain::run(&[flags.words(), verbosity.words()].concat(), settings)
+            launcher::run(&[flags.words(), verbosity.words()].concat(), settings)
         }
         Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
         Some(Command::Extract(flags)) => stage(&flags, stages::extract::run),

@@ -17,8 +17,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use lariat_sink::Figure as Digits;
 
-use crate::layout::{self, Column, Table, hanging, wrapped};
-use crate::output::print;
+use lariat_chain::layout::{self, Column, Table, hanging, wrapped};
+use lariat_chain::output::print;
 use read::{Kind, Measured};
 use verdict::{Verdict, verdict};
 

@@ -1,9 +1,9 @@
 //! `lariat config`: write a settings file, read one critically, show what holds.
 
-use crate::output::{Existing, Output, print};
-use crate::settings::{FILE_NAME, Flags, Resolved, Settings, template};
 use anyhow::Result;
 use clap::{Args, Subcommand};
+use lariat_chain::output::{Existing, Output, print};
+use lariat_chain::settings::{FILE_NAME, Flags, Resolved, Settings, template};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -14,7 +14,7 @@ use lariat_capture::{
 };
 use serde::Serialize;
 
-use crate::output::print;
+use lariat_chain::output::print;
 
 /// The cameras of this machine: names, formats, sizes, rates and controls
 #[derive(Debug, Args)]

@@ -20,8 +20,8 @@ use rustix::process::geteuid;
 use rustix::thread::{CpuSet, sched_getaffinity};
 use serde::Serialize;
 
-use crate::output::print;
 use checks::{Finding, Verdict};
+use lariat_chain::output::print;
 
 /// Say what of this machine makes lariat slower than it could be, and what to type
 #[derive(Debug, Args)]

@@ -1,10 +1,10 @@
 //! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
 
 use crate::descriptor_json::{Descriptor, Quality};
-use crate::exit::wrong_use;
-use crate::settings::{Family, Flags, Settings};
 use anyhow::{Context, Result};
 use clap::Args;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::settings::{Family, Flags, Settings};
 use lariat_fit::{Fitter, Line, MAX_POINTS, Weights};
 use serde::Deserialize;
 use std::collections::HashMap;

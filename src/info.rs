@@ -1,10 +1,10 @@
 //! `lariat info`: what a recording holds, told from its index.
 
-use crate::layout::{self, Column, Table, hanging};
-use crate::output::print;
 use crate::recording::{CALIBRATION, PLANE, RecordedSettings, RecordingArgs, shown};
 use anyhow::{Context, Result};
 use clap::Args;
+use lariat_chain::layout::{self, Column, Table, hanging};
+use lariat_chain::output::print;
 use lariat_record::{Entry, Losses, Recording, Span};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -1,10 +1,10 @@
 //! `lariat paper`: the experiments of arXiv 2312.16502 again, as one page with figures and as tables of numbers.
 
-use crate::inputs;
-use crate::output::{Existing, OutputFolder, print};
-use crate::picture::Picture;
 use anyhow::Result;
 use clap::Args;
+use lariat_chain::inputs;
+use lariat_chain::output::{Existing, OutputFolder, print};
+use lariat_chain::picture::Picture;
 use lariat_paper::{Effort, Options, Ropes, repeat};
 use lariat_sink::Machine;
 use std::io::{IsTerminal, stderr};

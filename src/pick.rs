@@ -1,11 +1,11 @@
 //! `lariat pick`: the colours of the ropes in a picture, as the setting to paste and as a picture of the mask they make.
 
-use crate::output::{Existing, Output, print};
-use crate::picture::Picture;
-use crate::settings::mask_text;
 use anyhow::{Context, Result};
 use clap::Args;
 use image::{GrayImage, ImageFormat};
+use lariat_chain::output::{Existing, Output, print};
+use lariat_chain::picture::Picture;
+use lariat_chain::settings::mask_text;
 use lariat_extract::{Mask, doubt_pick, mask_of, pick};
 use std::io::Cursor;
 use std::path::PathBuf;

@@ -14,9 +14,9 @@ use clap::Args;
 use lariat_wire::members;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::exit::wrong_use;
-use crate::settings::{Flags, Settings};
-use crate::stages::Seat;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::settings::{Flags, Settings};
+use lariat_chain::stages::Seat;
 
 /// What it is called among those that run on a rig.
 const STAGE: &str = "record";

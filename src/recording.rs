@@ -6,10 +6,10 @@ mod pixels;
 pub(crate) use gather::{Gather, Gathered};
 pub(crate) use pixels::{Decoder, Pixels};
 
-use crate::settings::{Flags, Settings};
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_capture::Position;
+use lariat_chain::settings::{Flags, Settings};
 use lariat_record::{Place, Recording, Span};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -7,11 +7,11 @@ mod distance;
 mod stages;
 mod table;
 
-use crate::exit::wrong_use;
 use crate::recording::RecordingArgs;
-use crate::settings::Flags;
 use anyhow::Result;
 use clap::Args;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::settings::Flags;
 use std::process::ExitCode;
 
 /// Compute a recording again

@@ -40,11 +40,11 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use crate::output::{Existing, Output, OutputFolder, print};
-use crate::settings::duration;
-use crate::stop::Stop;
 use cases::{Case, Target};
 pub(crate) use controller::{ControllerArgs, run as run_controller};
+use lariat_chain::output::{Existing, Output, OutputFolder, print};
+use lariat_chain::settings::duration;
+use lariat_chain::stop::Stop;
 use lariat_sink::Machine;
 use report::{Row, Study};
 

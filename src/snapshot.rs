@@ -15,10 +15,10 @@ use lariat_capture::{Frame, FrameSource, Next, Until};
 use lariat_extract::{Image, PixelFormat};
 use lariat_wire::now_ns;
 
-use crate::output::{Existing, Output};
-use crate::pipeline::pixel_format;
-use crate::settings::{Flags, Settings, USUAL_FPS, duration};
-use crate::stop::Stop;
+use lariat_chain::output::{Existing, Output};
+use lariat_chain::pipeline::pixel_format;
+use lariat_chain::settings::{Flags, Settings, USUAL_FPS, duration};
+use lariat_chain::stop::Stop;
 
 /// How long a camera's exposure and white balance take to settle, most often: some 30 frames.
 const SETTLING: Duration = Duration::from_secs(1);

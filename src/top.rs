@@ -20,8 +20,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use lariat_wire::{Domain, Rig, now_ns};
 
-use crate::stop::Stop;
 use gather::Gatherer;
+use lariat_chain::stop::Stop;
 use screen::{Key, Screen};
 
 /// Show a running chain live on the terminal: stages, latency, losses, the ropes

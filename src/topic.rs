@@ -51,9 +51,9 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, Subcommand, ValueEnum};
 use lariat_wire::{ChannelState, Domain, Rig};
 
-use crate::exit::wrong_use;
-use crate::layout::{self, Column, Table};
-use crate::settings::duration;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::layout::{self, Column, Table};
+use lariat_chain::settings::duration;
 
 /// Look at what passes on the channels of a running chain
 #[derive(Debug, Args)]

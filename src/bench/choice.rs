@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::BenchArgs;
 use super::plan::{FPS, SIZE};
-use crate::settings::Flags;
+use lariat_chain::settings::Flags;
 
 /// Frames a second; `None`: as fast as it goes.
 pub(crate) type Rate = Option<f64>;

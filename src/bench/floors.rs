@@ -13,8 +13,8 @@ use rustix::event::{EventfdFlags, eventfd};
 use rustix::thread::futex;
 
 use super::figures::Outcome;
-use crate::stages::arrangement::{pin, precise_timer, run_before_others};
-use crate::stop::Stop;
+use lariat_chain::stages::arrangement::{pin, precise_timer, run_before_others};
+use lariat_chain::stop::Stop;
 
 /// Wakes that are not counted: threads start, caches fill.
 const WARM_UP: usize = 20;

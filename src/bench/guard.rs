@@ -14,8 +14,8 @@ use rustix::process::{
     Pid, PidfdFlags, Signal, getppid, kill_process, pidfd_open, set_parent_process_death_signal,
 };
 
-use crate::stages::arrangement;
-use crate::stop::Stop;
+use lariat_chain::stages::arrangement;
+use lariat_chain::stop::Stop;
 
 /// How long a program may take to end when it is asked to.
 const PATIENCE: Duration = Duration::from_secs(5);

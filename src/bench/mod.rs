@@ -65,8 +65,8 @@ use std::time::Instant;
 use anyhow::{Result, bail, ensure};
 use clap::{Args, Subcommand};
 
-use crate::output::{Existing, OutputFolder, print};
-use crate::stop::Stop;
+use lariat_chain::output::{Existing, OutputFolder, print};
+use lariat_chain::stop::Stop;
 use plan::Plan;
 pub(crate) use summary::KIND;
 use workplace::Workplace;

@@ -12,8 +12,8 @@ use lariat_wire::{Domain, RelayReceiver, RelaySender, now_ns};
 use super::figures::Outcome;
 use super::guard::{Guarded, Seat, end_all};
 use super::workplace::Workplace;
-use crate::stages::arrangement::precise_timer;
-use crate::stop::Stop;
+use lariat_chain::stages::arrangement::precise_timer;
+use lariat_chain::stop::Stop;
 
 /// Processes in a row.
 const PROCESSES: usize = 4;

@@ -10,7 +10,7 @@ use super::plan::Plan;
 use super::plot::{Line, escaped, percentiles};
 use super::summary::Summary;
 use super::table;
-use crate::output::OutputFolder;
+use lariat_chain::output::OutputFolder;
 
 const STYLE: &str = "body{font:15px sans-serif;max-width:1120px;margin:2em auto;padding:0 1em;color:#222}\
 pre{overflow-x:auto;font-size:12px;line-height:1.35}table{border-collapse:collapse;font-size:13px}\

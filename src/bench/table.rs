@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use lariat_sink::Figure as Digits;
 
-use crate::layout::{self, Column, Table, hanging};
+use lariat_chain::layout::{self, Column, Table, hanging};
 
 use super::figures::{Figure, Group, Item};
 use super::plan::Plan;

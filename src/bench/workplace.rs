@@ -11,7 +11,7 @@ use rustix::thread::CpuSet;
 use tempfile::TempDir;
 
 use super::guard::{self, Guarded, Seat};
-use crate::stop::Stop;
+use lariat_chain::stop::Stop;
 
 /// A domain, a folder, and what every measurement needs.
 pub(super) struct Workplace {
@@ -55,7 +55,7 @@ impl Workplace {
             // Of the folder it works in no settings are read.
             .current_dir(self.folder.path())
             .env("LARIAT_DOMAIN", &self.domain)
-            .env_remove(crate::stages::status::STATUS_FD)
+            .env_remove(lariat_chain::stages::status::STATUS_FD)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());

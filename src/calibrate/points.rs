@@ -1,8 +1,8 @@
 //! Pairs of points as text.
 
-use crate::exit::wrong_use;
 use anyhow::{Result, bail};
 use lariat_camera::Pair;
+use lariat_chain::exit::wrong_use;
 
 /// `x,y=X,Y` with spaces or semicolons between them.
 ///

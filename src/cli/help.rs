@@ -3,8 +3,8 @@
 //! clap wraps by a feature that brings another crate and asks standard output alone; so the texts are wrapped here, by what
 //! wraps all else.
 
-use crate::layout::wrapped;
 use clap::{Arg, ArgAction, Command};
+use lariat_chain::layout::wrapped;
 
 /// Where a line of `--help` begins below its flag, and the least room for a line of `-h` beside it.
 const LONG_INDENT: usize = 10;

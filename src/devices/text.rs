@@ -5,7 +5,7 @@ use lariat_capture::{
 };
 
 use super::rates;
-use crate::layout::{self, hanging};
+use lariat_chain::layout::{self, hanging};
 
 /// More sizes or rates than these on a line, or formats that lariat does not read, are only counted.
 const MOST_RATES: usize = 8;

@@ -8,8 +8,8 @@ use serde::Serialize;
 
 pub(super) use rig::{leftover, rights, versions};
 
-use crate::layout::{self, hanging};
-use crate::stages::arrangement::core_list;
+use lariat_chain::layout::{self, hanging};
+use lariat_chain::stages::arrangement::core_list;
 
 /// How a thing is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

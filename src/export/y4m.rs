@@ -2,10 +2,10 @@
 //! RGB is rounded to YUV, and Bayer patterns are filled in before.
 
 use super::{Part, Written};
-use crate::pipeline::FrameView;
 use crate::recording::{Decoder, Pixels};
-use crate::settings::USUAL_FPS;
 use anyhow::{Context, Result, bail};
+use lariat_chain::pipeline::FrameView;
+use lariat_chain::settings::USUAL_FPS;
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Write;
 

@@ -11,7 +11,7 @@ use lariat_wire::{Member, members, now_ns};
 use toml::{Table, Value};
 
 use super::STAGE;
-use crate::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings};
+use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings};
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
 const FILES: [(&str, &str, &str); 2] = [

@@ -11,7 +11,7 @@ use lariat_wire::{
 };
 
 use super::looks::Looks;
-use crate::stages::Station;
+use lariat_chain::stages::Station;
 
 /// A lossless recorder is woken for every message, and looks this often at what else it was asked.
 const LOOKS_UP: Duration = Duration::from_millis(500);

@@ -18,10 +18,10 @@ use signal_hook::consts::SIGUSR1;
 use super::about::{self, Rig};
 use super::channels::{Channels, Counters};
 use super::{STAGE, report};
-use crate::run_files::check_recording;
-use crate::settings::Settings;
-use crate::stages::status::{LastWord, Word};
-use crate::stages::{Seat, Station, arrangement};
+use lariat_chain::run_files::check_recording;
+use lariat_chain::settings::Settings;
+use lariat_chain::stages::status::{LastWord, Word};
+use lariat_chain::stages::{Seat, Station, arrangement};
 
 /// What was lost is written down this often, if it is more than before.
 const LOSSES_EVERY: Duration = Duration::from_secs(1);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use lariat_record::{Drops, Flushed, Losses, Topic, Written};
 
-use crate::settings::Recording;
+use lariat_chain::settings::Recording;
 
 const MB: f64 = 1e6;
 

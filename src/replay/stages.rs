@@ -1,9 +1,9 @@
 //! Extract and fit without shared memory: the pipeline, handed recorded messages.
 
-use crate::pipeline::{CurveFitter, FrameExtractor, FrameView};
 use crate::recording::{Decoder, Gathered};
-use crate::settings::Settings;
 use anyhow::{Context, Result};
+use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
+use lariat_chain::settings::Settings;
 use lariat_extract::Mask;
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace};
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! A comparison as people read it.
 
 use super::compare::Comparison;
-use crate::layout::{self, Column, Table};
+use lariat_chain::layout::{self, Column, Table};
 use std::fmt::Write;
 
 /// How a row's numbers are written, and their change.

@@ -6,10 +6,10 @@ mod golden;
 
 use super::stages::{Prepared, Stages};
 use crate::recording::SETTINGS;
-use crate::settings::Settings;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_capture::{RenderOptions, Source, open};
+use lariat_chain::settings::Settings;
 use lariat_record::{
     Compression, Existing, Head, Record, Recording, Topic, Writer, encode_compressed_image,
     encode_image,

@@ -11,8 +11,8 @@ use super::episode::{Driven, Episode};
 use super::job::{Features, Job, Learner, RAW_POINTS, Robot};
 use super::judge::Outcome;
 use super::report::{Group, Row};
-use crate::exit::wrong_use;
-use crate::stop::Stop;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::stop::Stop;
 
 /// Points of a target.
 const TARGET_POINTS: usize = 120;

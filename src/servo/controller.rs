@@ -15,10 +15,10 @@ use lariat_control::{
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
 use super::job::{Job, Learner};
-use crate::output::print;
-use crate::settings::{Flags, Settings};
-use crate::stop::Stop;
 use eye::{Eye, Sight};
+use lariat_chain::output::print;
+use lariat_chain::settings::{Flags, Settings};
+use lariat_chain::stop::Stop;
 
 /// A robot is told something this often at least, so that its watchdog stays quiet.
 const BEAT: Duration = Duration::from_millis(20);

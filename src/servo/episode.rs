@@ -16,7 +16,7 @@ use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use super::camera::Camera;
 use super::job::Job;
 use super::judge::{Judge, Moment, Outcome, REACHED_PX};
-use crate::stop::Stop;
+use lariat_chain::stop::Stop;
 
 /// How long the rope must stay at its target for the case to be closed.
 const STAYS_S: f64 = 1.5;

@@ -13,7 +13,7 @@ use super::processes::Processes;
 use super::recent::Recent;
 use super::view::{Losses, Rope, Seen, Shape, StageRow, View};
 use crate::descriptor_json::unit_name;
-use crate::stop::Stop;
+use lariat_chain::stop::Stop;
 
 /// How often the processes are looked at, and which rigs there are.
 const ROSTER_NS: u64 = 1_000_000_000;

@@ -8,7 +8,7 @@ use lariat_wire::Member;
 use super::view::StageRow;
 
 /// The stages in the order of the way; others stand behind them.
-const ORDER: [&str; 4] = crate::settings::STAGES;
+const ORDER: [&str; 4] = lariat_chain::settings::STAGES;
 
 /// Looks at the processes of a rig about once a second.
 #[derive(Debug, Default)]

@@ -6,10 +6,10 @@ use anyhow::{Result, bail};
 use lariat_wire::{ChannelState, Domain, Member, members};
 use serde::Serialize;
 
-use crate::output::print;
+use lariat_chain::output::print;
 
 use super::{ListArgs, nothing_runs};
-use crate::layout::{self, Column, Table, hanging};
+use lariat_chain::layout::{self, Column, Table, hanging};
 
 #[derive(Serialize)]
 struct List<'a> {

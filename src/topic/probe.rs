@@ -11,7 +11,7 @@ use lariat_wire::{
 
 use super::nap::Nap;
 use super::{ChannelName, Place, with_a_hint};
-use crate::stop::Stop;
+use lariat_chain::stop::Stop;
 
 /// A message of some channel.
 #[derive(Debug, Clone, Copy)]

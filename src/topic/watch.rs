@@ -11,8 +11,8 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::probe::{Any, Probe, sleep_for};
 use super::{CommonArgs, Place};
-use crate::output::print;
-use crate::stop::Stop;
+use lariat_chain::output::print;
+use lariat_chain::stop::Stop;
 
 /// How often it is looked whether the writer is still there, and whether anyone still reads what is printed.
 const CHECK: Duration = Duration::from_millis(500);

@@ -1,11 +1,11 @@
 //! Frames of a video, a recording or standard input, each as a picture with a name.
 
-use crate::picture::Picture;
-use crate::pipeline::Schedule;
-use crate::settings::Settings;
 use crate::trace::TraceArgs;
 use anyhow::{Context, Result};
 use lariat_capture::{FrameSource, names_a_recording};
+use lariat_chain::picture::Picture;
+use lariat_chain::pipeline::Schedule;
+use lariat_chain::settings::Settings;
 use std::path::{Path, PathBuf};
 
 /// Whether a path is that of many frames in one.

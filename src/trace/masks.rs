@@ -1,7 +1,7 @@
 //! Masks from elsewhere, as pictures in a folder: each of the name of the picture it belongs to.
 
-use crate::picture::Picture;
 use anyhow::{Result, bail};
+use lariat_chain::picture::Picture;
 use std::path::{Path, PathBuf};
 
 /// A folder of masks.

@@ -2,13 +2,13 @@
 //! picture.
 
 use crate::descriptor_json::{Descriptor, Quality};
-use crate::output::{Existing, Output, OutputFolder};
 use crate::trace::canvas::{Canvas, Ink};
 use crate::trace::frames::Shown;
 use crate::trace::report::{CurveReport, Report};
 use anyhow::{Context, Result};
 use image::{ImageFormat, RgbImage};
 use lariat_camera::Mapping;
+use lariat_chain::output::{Existing, Output, OutputFolder};
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! What is printed about a picture: a JSON object a line for programs, a table for people.
 
 use crate::descriptor_json::{Descriptor, thousandths};
-use crate::doubts;
-use crate::layout::{self, Column, hanging};
 use crate::trace::frames::Shown;
+use lariat_chain::doubts;
+use lariat_chain::layout::{self, Column, hanging};
 use lariat_extract::{Crossing, CrossingSequence, Scene, Status};
 use serde::Serialize;
 use std::io::{self, Write};

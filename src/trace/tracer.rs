@@ -1,14 +1,14 @@
 //! The pipeline, handed pictures, with a clock that times its steps.
 
 use crate::descriptor_json::{Descriptor, Measure, Quality, unit_name};
-use crate::exit::wrong_use;
-use crate::pipeline::{CurveFitter, FrameExtractor, Part, Schedule};
-use crate::settings::{self, Settings};
 use crate::trace::frames::{Input, Shown};
 use crate::trace::masks::Masks;
 use crate::trace::report::{NoticeReport, Report, Timing};
 use anyhow::{Context, Result};
 use lariat_camera::Mapping;
+use lariat_chain::exit::wrong_use;
+use lariat_chain::pipeline::{CurveFitter, FrameExtractor, Part, Schedule};
+use lariat_chain::settings::{self, Settings};
 use lariat_extract::{Image, Mask, Scene, Step};
 use lariat_wire::{Centerlines, Unit};
 use std::path::{Path, PathBuf};

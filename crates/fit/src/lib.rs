@@ -101,7 +101,7 @@
 //! is on second differences of the control points, not on the points themselves: a ridge toward the picture's corner would make
 //! a moved rope another shape.
 //!
-//! In the chain (`src/pipeline/fitting`): open curves have the basis of the settings; closed ones are truncated Fourier series of
+//! In the chain (`crates/chain/src/pipeline/fitting`): open curves have the basis of the settings; closed ones are truncated Fourier series of
 //! n/2 harmonics, at ρᵢ = i/N. The basis `auto` is a cubic B-spline of 4 to 32 control points (of 4 a Bezier curve), or a series of 1 to 15
 //! harmonics. All sizes are computed when the stage starts, and each rope keeps its own (`fitting/steady`): a frame costs one fit. A
 //! size is chosen at half of the tolerance, so that it lasts while the rope bends on, and given up after a second, by exposure

@@ -15,7 +15,7 @@ use crate::bench::chain;
 use crate::bench::figures::Outcome;
 use crate::bench::guard::{Guarded, Seat, end_all};
 use crate::bench::workplace::Workplace;
-use crate::stop::Stop;
+use lariat_chain::stop::Stop;
 
 /// Runs the four processes, each with the socket before it as its standard input and the one after it as its output.
 pub(in crate::bench) fn measure(

@@ -7,12 +7,12 @@ use lariat_capture::FrameSource;
 use lariat_sink::{FinalCounts, Sink};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace, now_ns};
 
-use crate::output::{Existing, OutputFolder};
-use crate::pipeline::{CurveFitter, FrameExtractor, FrameView, Schedule, frame_header};
-use crate::run_files::write_report;
-use crate::settings::{Fps, Settings};
-use crate::stages::arrangement::precise_timer;
-use crate::stop::Stop;
+use lariat_chain::output::{Existing, OutputFolder};
+use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView, Schedule, frame_header};
+use lariat_chain::run_files::write_report;
+use lariat_chain::settings::{Fps, Settings};
+use lariat_chain::stages::arrangement::precise_timer;
+use lariat_chain::stop::Stop;
 
 /// What a rival is told.
 #[derive(Debug, Clone, clap::Args)]

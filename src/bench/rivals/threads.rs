@@ -12,8 +12,8 @@ use crate::bench::chain;
 use crate::bench::figures::Outcome;
 use crate::bench::guard::Seat;
 use crate::bench::workplace::Workplace;
-use crate::settings::Settings;
-use crate::stop::Stop;
+use lariat_chain::settings::Settings;
+use lariat_chain::stop::Stop;
 
 /// Messages that may wait for a stage, as on the chain's channel of frames.
 const WAITING: usize = 3;

@@ -4,12 +4,16 @@ use super::Making;
 use crate::recording::RecordedSettings;
 use crate::replay::compare::{Comparison, Race};
 use crate::replay::table;
-use crate::settings::Flags;
+use clap::{Args, Command, FromArgMatches};
+use lariat_chain::settings::Flags;
 
 fn compare(made: &Making, flags: &[&str]) -> Comparison {
     let recording = made.make().open();
     let recorded = RecordedSettings::of(&recording).unwrap().unwrap();
-    let settings = recorded.changed(&Flags::of_words(flags)).unwrap();
+    let command = Flags::augment_args(Command::new("run"));
+    let words = command.get_matches_from([&["run"], flags].concat());
+    let flags = Flags::from_arg_matches(&words).unwrap();
+    let settings = recorded.changed(&flags).unwrap();
     let mut race = Race::new(&recorded.settings, &settings, &recording).unwrap();
     race.whole(&recording).unwrap();
     race.finish()

@@ -12,9 +12,9 @@ use lariat_wire::{
 };
 
 use super::METRIC_ROWS;
-use crate::pipeline::CurveFitter;
 use crate::servo::job::{Features, Job, RAW_POINTS};
-use crate::settings::Settings;
+use lariat_chain::pipeline::CurveFitter;
+use lariat_chain::settings::Settings;
 
 /// What is known of the rope.
 #[derive(Debug, Clone, PartialEq)]

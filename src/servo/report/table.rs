@@ -2,8 +2,8 @@
 
 use super::summary::Summary;
 use super::{Group, Study};
-use crate::layout::{self, Column, Table, wrapped};
 use crate::servo::judge::REACHED_PX;
+use lariat_chain::layout::{self, Column, Table, wrapped};
 
 /// What stands above each number, in the table's order.
 pub(super) const HEAD: [&str; 7] = [

@@ -4,8 +4,8 @@ use lariat_sink::{Figure, Step};
 use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, FitQuality, Trace};
 
 use super::{basis, fit, pixel_format, source, status, unit};
-use crate::layout::{self, flowed, hanging};
 use crate::topic::probe::Any;
+use lariat_chain::layout::{self, flowed, hanging};
 
 /// The message as a paragraph, with an empty line behind it.
 pub(super) fn paragraph(channel: &str, message: Any) -> String {

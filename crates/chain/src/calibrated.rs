@@ -1,0 +1,80 @@
+//! What `[camera]` names, read: the lens, the plane, and the unit that descriptors come in.
+
+use crate::plane_file;
+use crate::settings;
+use anyhow::{Context, Result, bail};
+use lariat_camera::{Camera, Mapping, Plane};
+use lariat_wire::Unit;
+use std::path::Path;
+
+/// A lens, a plane, or both.
+#[derive(Debug, Clone)]
+pub struct Calibrated {
+    camera: Option<Camera>,
+    plane: Option<Plane>,
+    unit: Unit,
+}
+
+impl Calibrated {
+    /// Reads the files that the settings name; `None` if points are to stay where they are seen.
+    ///
+    /// # Errors
+    /// A file that cannot be read or says what cannot be; millimetres without a plane.
+    pub fn load(settings: &settings::Camera) -> Result<Option<Self>> {
+        let camera = settings
+            .calibration
+            .as_deref()
+            .map(read_camera)
+            .transpose()?;
+        // What is in it is looked at even if it is not used now.
+        let plane = match &settings.plane {
+            Some(path) => Some(plane_file::read(path, camera.as_ref())?),
+            None => None,
+        };
+        let mm = settings.unit.unwrap_or(if plane.is_some() {
+            settings::Unit::Mm
+        } else {
+            settings::Unit::Px
+        }) == settings::Unit::Mm;
+        let (plane, unit) = match plane {
+            None if mm => bail!(
+                "unit = \"mm\" needs the plane that the rope lies on: make it with `lariat calibrate plane`, and name it \
+                 (--plane FILE)"
+            ),
+            Some(plane) if mm => (Some(plane), Unit::Millimeter),
+            _ if camera.is_none() => return Ok(None),
+            _ => (None, Unit::IdealPixel),
+        };
+        Ok(Some(Self {
+            camera,
+            plane,
+            unit,
+        }))
+    }
+
+    /// What points come in.
+    pub fn unit(&self) -> Unit {
+        self.unit
+    }
+
+    /// The way of points of frames of this size.
+    ///
+    /// # Errors
+    /// The calibration or the plane is for other images.
+    pub fn mapping(&self, [width, height]: [u32; 2]) -> Result<Mapping> {
+        Mapping::new(self.camera.as_ref(), self.plane.as_ref(), [width, height]).with_context(
+            || format!("the calibration does not fit frames of {width}×{height} pixels"),
+        )
+    }
+}
+
+/// Reads a lens calibration.
+///
+/// # Errors
+/// It cannot be read, or is not a calibration.
+pub fn read_camera(path: &Path) -> Result<Camera> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the calibration {shown}"))?;
+    Camera::from_yaml(&text).with_context(|| shown.to_string())
+}

@@ -1,0 +1,88 @@
+//! What the automatic mask is unsure of, told to the user: with the command that helps, and not in every frame.
+
+use lariat_extract::Notice;
+
+/// Frames for which a notice has to hold before it is told: a hand that passes is no reason.
+const HOLD: u32 = 10;
+/// Frames without it after which the same notice is told again, some ten seconds of a camera: one that comes and goes
+/// would fill the screen.
+const FORGET: u32 = 300;
+
+/// The notice as a sentence, with the command that does what it advises.
+pub fn sentence(notice: Notice) -> String {
+    match notice {
+        Notice::Black | Notice::White => notice.to_string(),
+        _ => format!("{notice} (lariat pick finds it)"),
+    }
+}
+
+/// Notices of one frame after the other, and which of them to tell.
+#[derive(Debug, Default)]
+pub struct Doubts {
+    /// What the last frames said, and how many did.
+    last: Option<Notice>,
+    held: u32,
+    told: Option<Notice>,
+}
+
+impl Doubts {
+    /// Takes the next frame's; what to tell now, once for as long as it holds.
+    pub fn next(&mut self, notice: Option<Notice>) -> Option<Notice> {
+        if notice != self.last {
+            (self.last, self.held) = (notice, 0);
+        }
+        self.held = self.held.saturating_add(1);
+        match notice {
+            None if self.held == FORGET => self.told = None,
+            Some(_) if self.held == HOLD && notice != self.told => {
+                self.told = notice;
+                return notice;
+            }
+            _ => {}
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Notice::{Black, CheckeredTable};
+
+    /// What is told in runs of so many frames of each notice.
+    fn told(runs: &[(Option<Notice>, u32)]) -> Vec<Notice> {
+        let mut doubts = Doubts::default();
+        let frames = runs
+            .iter()
+            .flat_map(|&(notice, frames)| (0..frames).map(move |_| notice));
+        frames.filter_map(|notice| doubts.next(notice)).collect()
+    }
+
+    #[test]
+    fn a_doubt_that_lasts_is_told_once() {
+        assert_eq!(told(&[(Some(CheckeredTable), 2000)]), [CheckeredTable]);
+    }
+
+    #[test]
+    fn a_doubt_that_passes_is_not_told() {
+        let passing = [(Some(Black), HOLD - 1), (None, 1)].repeat(50);
+        assert_eq!(told(&passing), []);
+    }
+
+    #[test]
+    fn a_doubt_that_comes_and_goes_is_told_once() {
+        let flicker = [(Some(CheckeredTable), 20), (None, 20)].repeat(50);
+        assert_eq!(told(&flicker), [CheckeredTable]);
+    }
+
+    #[test]
+    fn another_doubt_is_told_and_a_new_one_after_a_while() {
+        let runs = [
+            (Some(Black), 20),
+            (Some(CheckeredTable), 20),
+            (None, FORGET),
+            (Some(CheckeredTable), 20),
+        ];
+        assert_eq!(told(&runs), [Black, CheckeredTable, CheckeredTable]);
+    }
+}

@@ -1,0 +1,288 @@
+//! Text for a terminal: tables and paragraphs that fit its width.
+//!
+//! Where standard output is no terminal a line has 80 columns, or as many as `COLUMNS` says: what people read in a pipe or
+//! a log is as narrow, and programs have `--json`.
+
+use rustix::termios::tcgetwinsize;
+use std::borrow::Cow;
+use std::io::{IsTerminal, stderr, stdout};
+
+/// Columns where nobody says how many there are.
+const USUAL_WIDTH: usize = 80;
+/// A narrower terminal is taken to have as many, and wraps by itself.
+const LEAST_WIDTH: usize = 40;
+
+/// How many columns there are on standard output.
+pub fn width() -> usize {
+    let said = std::env::var("COLUMNS")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    let seen = || {
+        let size = tcgetwinsize(stdout()).ok()?;
+        Some(usize::from(size.ws_col)).filter(|&columns| columns > 0)
+    };
+    said.or_else(seen).unwrap_or(USUAL_WIDTH).max(LEAST_WIDTH)
+}
+
+/// Whether colours may be written to standard error.
+pub fn has_colours() -> bool {
+    let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|text| !text.is_empty());
+    stderr().is_terminal() && !is_unwanted
+}
+
+/// A paragraph in lines of at most `width` columns, if its words let it.
+pub fn wrapped(text: &str, width: usize) -> String {
+    flowed(text.split_whitespace(), width)
+}
+
+/// What is said on standard error: its long lines are folded where that is a terminal, which would break them within words.
+pub fn said(text: &str) -> Cow<'_, str> {
+    if !stderr().is_terminal() {
+        return text.into();
+    }
+    let width = width();
+    let lines = text.lines().map(|line| match columns(line) > width {
+        true => hanging(line, 2, width),
+        false => line.to_owned(),
+    });
+    lines.collect::<Vec<_>>().join("\n").into()
+}
+
+/// The same below a first line that stands out by so many columns.
+pub fn hanging(text: &str, indent: usize, width: usize) -> String {
+    let lines = wrapped(text, width.saturating_sub(indent));
+    lines.replace('\n', &format!("\n{:indent$}", ""))
+}
+
+/// What is not to be broken itself, as many a line as fit.
+pub fn flowed<T: AsRef<str>>(items: impl IntoIterator<Item = T>, width: usize) -> String {
+    let mut lines = String::new();
+    let mut column = 0;
+    for item in items {
+        let item = item.as_ref();
+        let length = columns(item);
+        if column > 0 && column + 1 + length > width {
+            lines.push('\n');
+            column = 0;
+        } else if column > 0 {
+            lines.push(' ');
+            column += 1;
+        }
+        lines += item;
+        column += length;
+    }
+    lines
+}
+
+/// The end of a text that is longer than `width`: of a path, what tells it from its neighbours.
+fn end_of(text: &str, width: usize) -> Cow<'_, str> {
+    let excess = columns(text).saturating_sub(width);
+    match excess {
+        0 => text.into(),
+        _ => format!("…{}", text.chars().skip(excess + 1).collect::<String>()).into(),
+    }
+}
+
+fn columns(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// A column of a table.
+#[derive(Debug, Clone)]
+pub struct Column {
+    heading: String,
+    is_words: bool,
+    /// Which columns go first where there is no room for all; 0 stays.
+    rank: u8,
+    width: usize,
+}
+
+impl Column {
+    /// Figures, which end below each other. The heading may have several lines.
+    pub fn figures(heading: impl Into<String>) -> Self {
+        let heading = heading.into();
+        Self {
+            width: heading.lines().map(columns).max().unwrap_or(0),
+            heading,
+            is_words: false,
+            rank: 0,
+        }
+    }
+
+    /// Words, which begin below each other. The first and the last column of a table are shortened if need be.
+    pub fn words(heading: impl Into<String>) -> Self {
+        Self {
+            is_words: true,
+            ..Self::figures(heading)
+        }
+    }
+
+    /// Its cells have up to so many columns, as far as is known before they come.
+    pub fn wide(mut self, width: usize) -> Self {
+        self.width = self.width.max(width);
+        self
+    }
+
+    /// Goes before those of a lower rank where there is no room.
+    pub fn rank(mut self, rank: u8) -> Self {
+        self.rank = rank;
+        self
+    }
+
+    fn cell(&self, text: &str) -> String {
+        let width = self.width;
+        match self.is_words {
+            true => format!("{:<width$}", end_of(text, width)),
+            false => format!("{text:>width$}"),
+        }
+    }
+}
+
+/// A table whose lines are written one by one, fitted to a width.
+#[derive(Debug)]
+pub struct Table {
+    columns: Vec<Column>,
+    is_shown: Vec<bool>,
+}
+
+impl Table {
+    /// Between two columns.
+    const GAP: usize = 2;
+    /// No column of words is shortened to less.
+    const LEAST_WORDS: usize = 14;
+
+    /// A table for rows that come one by one, in the columns' own widths.
+    pub fn new(columns: Vec<Column>, width: usize) -> Self {
+        let is_shown = vec![true; columns.len()];
+        let mut table = Self { columns, is_shown };
+        table.narrow(width);
+        table
+    }
+
+    /// A whole table of rows that are there, with its heading.
+    pub fn text(mut columns: Vec<Column>, rows: &[Vec<String>], width: usize) -> String {
+        for row in rows {
+            for (column, cell) in columns.iter_mut().zip(row) {
+                column.width = column.width.max(self::columns(cell));
+            }
+        }
+        let table = Self::new(columns, width);
+        rows.iter()
+            .fold(table.head(), |text, row| text + &table.row(row))
+    }
+
+    /// The headings, in as many lines as the tallest has.
+    pub fn head(&self) -> String {
+        let shown = self
+            .columns
+            .iter()
+            .zip(&self.is_shown)
+            .filter(|(_, is_shown)| **is_shown);
+        let lines = shown
+            .map(|(column, _)| column.heading.lines().count())
+            .max()
+            .unwrap_or(0);
+        let line = |line: usize| {
+            // The last lines stand side by side.
+            let of = |column: &Column| {
+                let above = lines.saturating_sub(column.heading.lines().count());
+                let part = line
+                    .checked_sub(above)
+                    .and_then(|line| column.heading.lines().nth(line));
+                part.unwrap_or_default().to_owned()
+            };
+            self.row(self.columns.iter().map(of))
+        };
+        (0..lines).map(line).collect()
+    }
+
+    /// One row.
+    pub fn row<T: AsRef<str>>(&self, cells: impl IntoIterator<Item = T>) -> String {
+        let cells = self.columns.iter().zip(cells).zip(&self.is_shown);
+        let shown = cells.filter(|(_, is_shown)| **is_shown);
+        let cells: Vec<String> = shown
+            .map(|((column, cell), _)| column.cell(cell.as_ref()))
+            .collect();
+        let gap = " ".repeat(Self::GAP);
+        cells.join(&gap).trim_end().to_owned() + "\n"
+    }
+
+    /// Leaves columns out and shortens words until it fits, as far as it can.
+    fn narrow(&mut self, width: usize) {
+        let ends = [0, self.columns.len().saturating_sub(1)];
+        let least = |place: usize, column: &Column| match column.is_words && ends.contains(&place) {
+            true => column
+                .width
+                .min(Self::LEAST_WORDS.max(columns(&column.heading))),
+            false => column.width,
+        };
+        loop {
+            let shown = || (0..self.columns.len()).filter(|&place| self.is_shown[place]);
+            let gaps = Self::GAP * shown().count().saturating_sub(1);
+            let needed: usize = shown()
+                .map(|place| least(place, &self.columns[place]))
+                .sum();
+            let last = shown().max_by_key(|&place| self.columns[place].rank);
+            match last.filter(|&place| self.columns[place].rank > 0 && needed + gaps > width) {
+                Some(place) => self.is_shown[place] = false,
+                None => {
+                    let mut spare = width.saturating_sub(needed + gaps);
+                    for place in shown().collect::<Vec<_>>() {
+                        let column = &mut self.columns[place];
+                        let least = least(place, column);
+                        let more = spare.min(column.width - least);
+                        column.width = least + more;
+                        spare -= more;
+                    }
+                    return;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_never_wider_than_it_may_be() {
+        let text = "a rope that lies over itself, in one sentence";
+        for width in 10..50 {
+            let lines = hanging(text, 2, width);
+            assert!(lines.lines().all(|line| columns(line) <= width), "{lines}");
+            assert_eq!(lines.split_whitespace().collect::<Vec<_>>().join(" "), text);
+        }
+        assert_eq!(wrapped("unbreakable", 3), "unbreakable");
+    }
+
+    #[test]
+    fn what_matters_least_goes_first_and_the_end_of_a_long_name_stays() {
+        let columns = || {
+            vec![
+                Column::words("image"),
+                Column::figures("length"),
+                Column::figures("time").rank(1),
+                Column::figures("size").rank(2),
+            ]
+        };
+        let rows = [["a/long/way/to/rope.png", "451.7", "3.9", "640"]
+            .map(String::from)
+            .to_vec()];
+        let wide = Table::text(columns(), &rows, 80);
+        assert_eq!(
+            wide,
+            "image                   length  time  size\na/long/way/to/rope.png   451.7   3.9   640\n"
+        );
+        let narrow = Table::text(columns(), &rows, 30);
+        assert_eq!(
+            narrow,
+            "image             length  time\n…way/to/rope.png   451.7   3.9\n"
+        );
+        let least = Table::text(columns(), &rows, 22);
+        assert!(
+            least.lines().all(|line| line.chars().count() <= 22),
+            "{least}"
+        );
+    }
+}

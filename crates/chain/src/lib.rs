@@ -1,0 +1,46 @@
+//! The chain: its four processes, what starts them, their settings, and what every command of lariat shares.
+//!
+//! | room | what |
+//! |---|---|
+//! | [`settings`] | every setting once: flags, `lariat.toml`, defaults |
+//! | [`pipeline`] | from a frame to the shapes in it, without transport, clock or waiting |
+//! | [`stages`] | the processes around it: what each reads, computes and sends |
+//! | [`launcher`] | `lariat run`: starts the stages, watches them, stops them in order |
+//! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
+//! | [`output`], [`run_files`] | files written whole or not at all |
+//! | [`inputs`], [`picture`] | the pictures that a user named |
+//! | [`calibrated`], [`plane_file`] | camera and plane as files have them |
+//! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
+
+/// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
+#[macro_export]
+macro_rules! eprintln {
+    ($($text:tt)*) => {{
+        let text = format!($($text)*);
+        let line = format_args!("{}\n", $crate::layout::said(&text));
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), line);
+    }};
+}
+
+/// Likewise, without the line's end.
+#[macro_export]
+macro_rules! eprint {
+    ($($text:tt)*) => {{
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!($($text)*));
+    }};
+}
+
+pub mod calibrated;
+pub mod doubts;
+pub mod exit;
+pub mod inputs;
+pub mod launcher;
+pub mod layout;
+pub mod output;
+pub mod picture;
+pub mod pipeline;
+pub mod plane_file;
+pub mod run_files;
+pub mod settings;
+pub mod stages;
+pub mod stop;

@@ -1,0 +1,110 @@
+//! A picture, decoded: a file, or a frame of any source.
+
+use anyhow::{Context, Result};
+use image::{DynamicImage, RgbImage};
+use lariat_capture::{Frame, StillPicture};
+use lariat_extract::{Image, ImageError};
+use lariat_wire::PixelFormat;
+use std::fs::File;
+use std::path::Path;
+
+use crate::pipeline::pixel_format;
+
+/// A decoded picture. That of a file is grey if the file is, else RGB, 8 bits a channel.
+pub struct Picture {
+    width: u32,
+    height: u32,
+    stride: u32,
+    format: PixelFormat,
+    pixels: Vec<u8>,
+}
+
+impl Picture {
+    /// Reads a picture file, whatever its name says, as the chain sees it.
+    ///
+    /// # Errors
+    /// There is no such file, it is no picture, or it is cut off or damaged.
+    pub fn load(path: &Path) -> Result<Self> {
+        let shown = path.display();
+        File::open(path).with_context(|| format!("cannot open the picture {shown}"))?;
+        let StillPicture {
+            width,
+            height,
+            format,
+            pixels,
+        } = StillPicture::load(path)?;
+        Ok(Self {
+            width,
+            height,
+            stride: format.row_bytes(width) as u32,
+            format,
+            pixels,
+        })
+    }
+
+    /// A frame, and its bytes.
+    pub fn of(frame: &Frame, pixels: Vec<u8>) -> Self {
+        Self {
+            width: frame.width,
+            height: frame.height,
+            stride: frame.stride,
+            format: frame.format,
+            pixels,
+        }
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The picture as the extractor takes it.
+    ///
+    /// # Errors
+    /// It is larger than the extractor takes.
+    pub fn image(&self) -> Result<Image<'_>, ImageError> {
+        let [width, height, stride] =
+            [self.width, self.height, self.stride].map(|length| length as usize);
+        Image::new(
+            &self.pixels,
+            width,
+            height,
+            stride,
+            pixel_format(self.format),
+        )
+    }
+
+    /// As one byte a pixel.
+    pub fn into_gray(self) -> Self {
+        if self.format == PixelFormat::Gray8 {
+            return self;
+        }
+        let gray = DynamicImage::ImageRgb8(self.into_rgb()).into_luma8();
+        Self {
+            width: gray.width(),
+            height: gray.height(),
+            stride: gray.width(),
+            format: PixelFormat::Gray8,
+            pixels: gray.into_raw(),
+        }
+    }
+
+    /// As red, green and blue.
+    pub fn into_rgb(self) -> RgbImage {
+        let (width, height) = (self.width, self.height);
+        let pixels = match self.format {
+            // Those of files are of any size.
+            PixelFormat::Rgb8 if self.stride == 3 * width => self.pixels,
+            PixelFormat::Gray8 if self.stride == width => {
+                self.pixels.iter().flat_map(|&level| [level; 3]).collect()
+            }
+            _ => self.image().map(|image| image.to_rgb()).unwrap_or_default(),
+        };
+        RgbImage::from_raw(width, height, pixels).unwrap_or_else(|| RgbImage::new(width, height))
+    }
+}

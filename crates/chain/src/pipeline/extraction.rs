@@ -1,0 +1,303 @@
+//! A frame's image → the centerlines of the ropes in it.
+
+use crate::doubts::{self, Doubts};
+use crate::settings::{self, Settings};
+use anyhow::Result;
+use lariat_extract::{Extractor, Image, PixelFormat, Region, Scene, Status, Step};
+use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
+
+use super::Warned;
+
+/// A frame, or its mask, wherever it lies: in shared memory or in a recording.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameView<'a> {
+    header: &'a FrameHeader,
+    bytes: &'a [u8],
+}
+
+impl<'a> FrameView<'a> {
+    /// `bytes` as the header describes them; none of a blank frame.
+    pub fn new(header: &'a FrameHeader, bytes: &'a [u8]) -> Self {
+        Self { header, bytes }
+    }
+
+    /// The frame as the extractor takes it.
+    ///
+    /// # Errors
+    /// A pixel format that is not known, or fewer bytes than the header says.
+    pub fn image(self) -> Result<Image<'a>> {
+        let Self { header, bytes } = self;
+        let Some(format) = header.format() else {
+            anyhow::bail!(
+                "frames come in pixel format {}, which this release does not know: use the same release for all stages",
+                header.pixel_format
+            )
+        };
+        let [width, height, stride] =
+            [header.width, header.height, header.stride].map(|length| length as usize);
+        Ok(Image::new(
+            bytes,
+            width,
+            height,
+            stride,
+            pixel_format(format),
+        )?)
+    }
+}
+
+/// The part of a frame that is read.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    whole: Image<'a>,
+    region: Region,
+    image: Image<'a>,
+}
+
+impl<'a> Part<'a> {
+    /// # Errors
+    /// Nothing of the frame lies in the region.
+    fn of(whole: Image<'a>, region: Option<Region>) -> Result<Self> {
+        let all = Region {
+            x: 0,
+            y: 0,
+            width: whole.width(),
+            height: whole.height(),
+        };
+        let asked = region.unwrap_or(all);
+        let view = asked
+            .within(&whole)
+            .and_then(|region| Some((region, whole.region(region)?)));
+        let Some((region, image)) = view else {
+            anyhow::bail!(
+                "the region begins at {}, {} and the image has {}×{} pixels: nothing of it is left (roi = [x, y, width, height])",
+                asked.x,
+                asked.y,
+                all.width,
+                all.height
+            )
+        };
+        Ok(Self {
+            whole,
+            region,
+            image,
+        })
+    }
+
+    /// Where in the frame it begins.
+    pub fn origin(&self) -> [usize; 2] {
+        [self.region.x, self.region.y]
+    }
+
+    /// The same part of the frame's mask. Of a frame that is read whole the mask is as it came: the extractor says what is wrong
+    /// with it.
+    ///
+    /// # Errors
+    /// Its size is not the frame's.
+    fn of_mask<'m>(&self, mask: Image<'m>) -> Result<Image<'m>> {
+        let (width, height) = (self.whole.width(), self.whole.height());
+        if (self.region.width, self.region.height) == (width, height) {
+            return Ok(mask);
+        }
+        let fits = (mask.width(), mask.height()) == (width, height);
+        fits.then(|| mask.region(self.region)).flatten().ok_or_else(|| {
+            anyhow::anyhow!(
+                "the mask is {}×{} pixels: it must have its image's size, {width}×{height}, also where only a region of it is read",
+                mask.width(),
+                mask.height()
+            )
+        })
+    }
+}
+
+/// Extracts the centerlines of one frame after the other.
+pub struct FrameExtractor {
+    extractor: Extractor,
+    /// What of the frames is read, if not all.
+    region: Option<Region>,
+    /// Where in the last frame the extractor looked.
+    origin: [usize; 2],
+    /// What the extractor's buffers were made for ahead of need.
+    prepared: Option<[usize; 2]>,
+    unreadable: Warned,
+    doubts: Doubts,
+}
+
+impl FrameExtractor {
+    /// One that makes its buffers as frames need them.
+    ///
+    /// # Errors
+    /// Options that make no sense.
+    pub fn new(settings: &settings::Extract) -> Result<Self> {
+        Ok(Self {
+            extractor: Extractor::new(settings.options())?,
+            region: settings.roi,
+            origin: [0; 2],
+            prepared: None,
+            unreadable: Warned::default(),
+            doubts: Doubts::default(),
+        })
+    }
+
+    /// One whose buffers are made for the size that frames most likely have, so that none has to wait for them. Those of another
+    /// are made with its first frame.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn prepared(settings: &Settings) -> Result<Self> {
+        let mut made = Self::new(&settings.extract)?;
+        let mut size = settings.capture.likely_size().map(|side| side as usize);
+        if let Some(region) = made.region {
+            size[0] = region.width.min(size[0].saturating_sub(region.x)).max(1);
+            size[1] = region.height.min(size[1].saturating_sub(region.y)).max(1);
+        }
+        made.prepare(size);
+        Ok(made)
+    }
+
+    fn prepare(&mut self, size: [usize; 2]) {
+        if self.prepared.replace(size) != Some(size) {
+            self.extractor.prepare(size[0], size[1]);
+        }
+    }
+
+    /// The next frame is of another scene.
+    pub fn forget(&mut self) {
+        self.extractor.reset();
+    }
+
+    /// What is read of a frame.
+    ///
+    /// # Errors
+    /// Nothing of it.
+    pub fn part<'a>(&self, whole: Image<'a>) -> Result<Part<'a>> {
+        Part::of(whole, self.region)
+    }
+
+    /// Extracts the next frame of the scene, exposed at a moment of whatever clock, into a message; its trace is left as it is.
+    /// `after`: is called when a step is finished.
+    ///
+    /// # Errors
+    /// The mask does not fit the frame.
+    pub fn extract(
+        &mut self,
+        part: &Part,
+        mask: Option<Image>,
+        exposed_ns: u64,
+        after: &mut dyn FnMut(Step),
+        message: &mut Centerlines,
+    ) -> Result<Scene<'_>> {
+        let mask = mask.map(|mask| part.of_mask(mask)).transpose()?;
+        self.origin = part.origin();
+        [message.width, message.height] =
+            [part.whole.width(), part.whole.height()].map(|side| side as u32);
+        self.extractor.at(exposed_ns);
+        let scene = match mask {
+            None => self.extractor.extract_observed(&part.image, after),
+            Some(mask) => self
+                .extractor
+                .extract_masked_observed(&part.image, &mask, after)?,
+        };
+        fill(message, &scene, self.origin);
+        Ok(scene)
+    }
+
+    /// The same for a stage, which never goes silent while frames come in: a frame that cannot be read shows nothing, one without
+    /// an image what is known without. Warns of both what cannot be read and what is doubtful.
+    pub fn answer(&mut self, frame: FrameView, mask: Option<FrameView>, message: &mut Centerlines) {
+        let header = frame.header;
+        (message.width, message.height) = (header.width, header.height);
+        if header.is_blank() {
+            self.extractor.at(header.trace.exposed_ns);
+            return fill(message, &self.extractor.blank(), self.origin);
+        }
+        if let Err(cause) = self.try_to_answer(frame, mask, message) {
+            self.unreadable.once(&cause);
+            (message.count, message.crossing_count) = (0, 0);
+        }
+    }
+
+    fn try_to_answer(
+        &mut self,
+        frame: FrameView,
+        mask: Option<FrameView>,
+        message: &mut Centerlines,
+    ) -> Result<()> {
+        let part = self.part(frame.image()?)?;
+        let mask = mask.map(FrameView::image).transpose()?;
+        self.prepare([part.image.width(), part.image.height()]);
+        let exposed_ns = frame.header.trace.exposed_ns;
+        let scene = self.extract(&part, mask, exposed_ns, &mut |_| {}, message)?;
+        let notice = scene.notice;
+        if let Some(notice) = self.doubts.next(notice) {
+            tracing::warn!("{}", doubts::sentence(notice));
+        }
+        Ok(())
+    }
+}
+
+/// The extractor's own name for a pixel format.
+pub fn pixel_format(format: lariat_wire::PixelFormat) -> PixelFormat {
+    use lariat_wire::PixelFormat as Wire;
+    match format {
+        Wire::Gray8 => PixelFormat::Gray8,
+        Wire::Rgb8 => PixelFormat::Rgb8,
+        Wire::Bgr8 => PixelFormat::Bgr8,
+        Wire::Yuyv => PixelFormat::Yuyv,
+        Wire::Uyvy => PixelFormat::Uyvy,
+        Wire::Nv12 => PixelFormat::Nv12,
+        Wire::Bgra8 => PixelFormat::Bgra8,
+        Wire::Gray16 => PixelFormat::Gray16,
+        Wire::BayerRggb8 => PixelFormat::BayerRggb8,
+        Wire::BayerBggr8 => PixelFormat::BayerBggr8,
+        Wire::BayerGrbg8 => PixelFormat::BayerGrbg8,
+        Wire::BayerGbrg8 => PixelFormat::BayerGbrg8,
+    }
+}
+
+/// Writes what was seen into a message; `origin` is where in the frame it was looked for.
+fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
+    let origin = origin.map(|c| c as f32);
+    let moved = |p: [f32; 2]| [p[0] + origin[0], p[1] + origin[1]];
+    let curves = scene.curves.len().min(MAX_CURVES);
+    message.count = curves as u32;
+    for (to, from) in message.curves.iter_mut().zip(scene.curves) {
+        let points = from.points.len().min(MAX_POINTS);
+        to.track = from.track;
+        to.status = match from.status {
+            Status::Ok => lariat_wire::Status::Ok,
+            Status::Partial => lariat_wire::Status::Partial,
+            Status::Lost => lariat_wire::Status::Lost,
+            Status::Doubtful => lariat_wire::Status::Doubtful,
+        } as u32;
+        to.closed = from.closed.into();
+        to.border = u32::from(from.border[0]) | u32::from(from.border[1]) << 1;
+        to.count = points as u32;
+        to.width_px = from.width_px;
+        to.length_px = from.length_px;
+        to.reserved = 0;
+        to.age_ns = from.age_ns;
+        to.set_hidden(from.hidden.iter().copied());
+        for (to, from) in to.points[..points].iter_mut().zip(&from.points) {
+            *to = moved(*from);
+        }
+        to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
+    }
+    // A crossing may name a curve that had no room.
+    let known =
+        |crossing: &&lariat_extract::Crossing| crossing.over < curves && crossing.under < curves;
+    let crossings = scene.crossings.iter().filter(known).take(MAX_CROSSINGS);
+    let mut count = 0;
+    for (to, from) in message.crossings.iter_mut().zip(crossings) {
+        *to = Crossing {
+            at: moved(from.at),
+            over: from.over as u32,
+            under: from.under as u32,
+            over_rho: from.over_rho,
+            under_rho: from.under_rho,
+            confidence: from.confidence,
+            reserved: 0,
+        };
+        count += 1;
+    }
+    message.crossing_count = count;
+}

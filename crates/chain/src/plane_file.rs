@@ -1,0 +1,185 @@
+//! `plane.toml`: the plane that the rope lies on, as `lariat calibrate plane` writes it or a user does.
+//!
+//! Either a homography from ideal pixels to millimetres, with the size of the images and, if a lens was taken off, the
+//! intrinsics of its camera; or a pose, `rotation` (a vector of Rodrigues, or three rows) and `translation_mm`.
+
+use crate::settings::number_text;
+use anyhow::{Context, Result, bail};
+use lariat_camera::{Camera, Plane};
+use serde::Deserialize;
+use std::path::Path;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    homography: Option<[[f64; 3]; 3]>,
+    image_size: Option<[u32; 2]>,
+    /// Focal lengths and principal point of the camera whose lens was taken off, px.
+    undistorted_by: Option<[f64; 4]>,
+    rotation: Option<Rotation>,
+    translation_mm: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Rotation {
+    Vector([f64; 3]),
+    Rows([[f64; 3]; 3]),
+}
+
+/// Reads the plane in a file.
+///
+/// # Errors
+/// It cannot be read, says neither or both, says what cannot be, or is a pose and no camera is given.
+pub fn read(path: &Path, camera: Option<&Camera>) -> Result<Plane> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).with_context(|| {
+        format!("cannot read the plane {shown}: `lariat calibrate plane` makes one")
+    })?;
+    parse(&text, camera).with_context(|| shown.to_string())
+}
+
+fn parse(text: &str, camera: Option<&Camera>) -> Result<Plane> {
+    let file: File = toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+        let message = error.message().replace('\n', ", ");
+        anyhow::anyhow!(
+            "line {line}: {message}. A plane has homography (three rows of three numbers), image_size and undistorted_by, or \
+             rotation and translation_mm"
+        )
+    })?;
+    let plane = match (file.homography, file.rotation, file.translation_mm) {
+        (Some(homography), None, None) => {
+            let mut plane = Plane::from_homography(homography)?;
+            if let Some(intrinsics) = file.undistorted_by {
+                plane = plane.undistorted_by(intrinsics);
+            }
+            plane
+        }
+        (None, Some(rotation), Some(translation)) => {
+            let Some(camera) = camera else {
+                bail!(
+                    "a pose needs the camera's matrix: name its calibration too (--calibration FILE)"
+                );
+            };
+            match rotation {
+                Rotation::Vector(vector) => Plane::from_pose(vector, translation, camera)?,
+                Rotation::Rows(rows) => Plane::from_rotation(rows, translation, camera)?,
+            }
+        }
+        _ => bail!(
+            "a plane is either a homography, or a pose of both rotation and translation_mm: `lariat calibrate plane` writes \
+             the former"
+        ),
+    };
+    Ok(match file.image_size {
+        Some(size) if size.contains(&0) => {
+            bail!("image_size = {size:?}: both sides must be at least 1")
+        }
+        Some(size) => plane.in_images_of(size),
+        None => plane,
+    })
+}
+
+/// The text of a plane's file.
+pub fn text(
+    homography: [[f64; 3]; 3],
+    image_size: [u32; 2],
+    camera: Option<&Camera>,
+    about: &str,
+) -> String {
+    let numbers = |numbers: &[f64]| {
+        numbers
+            .iter()
+            .map(|x| number_text(*x))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let rows = homography.map(|row| format!("    [{}],\n", numbers(&row)));
+    let mut text = format!(
+        "# {about}\n# From pixels to millimetres; the third coordinate is positive where the table is.\nhomography = [\n{}]\n\
+         image_size = [{}, {}]\n",
+        rows.concat(),
+        image_size[0],
+        image_size[1]
+    );
+    if let Some(camera) = camera {
+        let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
+        text.push_str(&format!(
+            "# The pixels are those of this camera without its lens's distortion: fx, fy, cx, cy.\nundistorted_by = [{}]\n",
+            numbers(&[fx, fy, cx, cy])
+        ));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lariat_camera::Mapping;
+
+    const H: [[f64; 3]; 3] = [
+        [0.9, 0.1, -200.0],
+        [-0.05, 1.3, -300.0],
+        [1e-4, 1e-3, 1.0 / 3.0],
+    ];
+
+    fn camera() -> Camera {
+        Camera::from_yaml("K: [600, 0, 320, 0, 600.5, 240, 0, 0, 1]\nD: [0.1, 0, 0, 0]").unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_read_to_the_last_bit() {
+        let plane = parse(
+            &text(H, [640, 480], Some(&camera()), "Made by a test."),
+            Some(&camera()),
+        )
+        .unwrap();
+        assert_eq!(plane.homography(), H);
+        assert!(Mapping::new(Some(&camera()), Some(&plane), [640, 480]).is_ok());
+        assert!(Mapping::new(None, Some(&plane), [640, 480]).is_err());
+        assert!(Mapping::new(Some(&camera()), Some(&plane), [640, 360]).is_err());
+    }
+
+    #[test]
+    fn a_pose_may_be_a_vector_or_three_rows() {
+        let vector = parse(
+            "rotation = [0, 0, 0]\ntranslation_mm = [1, 2, 500]",
+            Some(&camera()),
+        )
+        .unwrap();
+        let rows = "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\ntranslation_mm = [1, 2, 500]";
+        assert_eq!(parse(rows, Some(&camera())).unwrap(), vector);
+        assert!(
+            parse(rows, None)
+                .unwrap_err()
+                .to_string()
+                .contains("--calibration")
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (text, words) in [
+            ("", "either a homography, or a pose"),
+            ("homography = [[1, 2], [3, 4]]", "line 1"),
+            ("\nhomografy = 3", "line 2: unknown field"),
+            (
+                "homography = [[1, 2, 3], [2, 4, 6], [0, 0, 1]]",
+                "onto a line or a point",
+            ),
+            (
+                "homography = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nimage_size = [0, 480]",
+                "at least 1",
+            ),
+            ("rotation = [0, 0, 0]", "either a homography, or a pose"),
+            (
+                "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\ntranslation_mm = [0, 0, 5]",
+                "invalid rotation",
+            ),
+        ] {
+            let error = format!("{:#}", parse(text, Some(&camera())).unwrap_err());
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! What is asked of a camera: `[capture]`'s pixel format and controls, and how it is read.
+
+use std::collections::BTreeMap;
+
+use lariat_capture::{ControlSettings, FourCc, Io};
+use lariat_wire::PixelFormat;
+use toml::Value;
+
+/// A pixel format by name.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FormatName {
+    /// What a camera calls so.
+    pub code: Option<FourCc>,
+    /// What raw frames may be.
+    pub raw: Option<PixelFormat>,
+}
+
+/// What only cameras have, but for the pixel format, which frames in a pipe have too.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CameraSettings {
+    /// The pixel format; without it, the best that a camera has.
+    pub pixel_format: Option<FormatName>,
+    /// How frames come from its driver.
+    pub io: Io,
+    /// Names of controls, and what to set them to.
+    pub controls: BTreeMap<String, String>,
+    /// Whether exposure, white balance, gain and focus stay as they are once the picture has settled.
+    pub lock: bool,
+    /// Whether controls are put back at the end.
+    pub restore: bool,
+}
+
+impl CameraSettings {
+    /// What to do with the controls.
+    pub fn controls(&self) -> ControlSettings {
+        ControlSettings {
+            values: self.controls.clone().into_iter().collect(),
+            lock: self.lock,
+            restore: self.restore,
+        }
+    }
+}
+
+/// The words for how frames come from a camera's driver.
+pub(super) const IO: [(&str, Io); 3] = [
+    ("auto", Io::Auto),
+    ("userptr", Io::UserPointer),
+    ("mmap", Io::Mapped),
+];
+
+pub(super) fn pixel_format(value: &Value) -> Result<Option<FormatName>, String> {
+    let asked = value.as_str().unwrap_or_default();
+    if asked == "auto" {
+        return Ok(None);
+    }
+    let name = FormatName {
+        code: asked.parse().ok(),
+        raw: PixelFormat::from_name(asked),
+    };
+    if name == FormatName::default() {
+        return Err(format!(
+            "a pixel format is a code of up to four letters, such as \"yuyv\", \"mjpg\" or \"grey\" (`lariat devices` lists \
+             the camera's), or \"auto\"; of raw frames on standard input {}",
+            raw_names()
+        ));
+    }
+    Ok(Some(name))
+}
+
+/// What raw frames may be, as words of a sentence.
+pub(super) fn raw_names() -> String {
+    let names = PixelFormat::ALL.map(PixelFormat::name);
+    let [others @ .., last] = &names;
+    format!("{} or {last}", others.join(", "))
+}
+
+pub(super) fn pixel_format_value(format: Option<FormatName>) -> Value {
+    let name = match format {
+        None => "auto".to_owned(),
+        Some(FormatName { raw: Some(raw), .. }) => raw.name().to_owned(),
+        Some(FormatName { code, .. }) => code.map_or_else(String::new, |code| code.to_string()),
+    };
+    Value::String(name.to_ascii_lowercase())
+}
+
+/// Adds to the controls, or overrules those that have a value already.
+pub(super) fn add_controls(
+    value: &Value,
+    controls: &mut BTreeMap<String, String>,
+) -> Result<(), String> {
+    let Some(table) = value.as_table() else {
+        return Err("controls are names and values: { auto_exposure = 1, gain = 20 }".to_owned());
+    };
+    for (name, value) in table {
+        let text = match value {
+            Value::Integer(number) => number.to_string(),
+            Value::Boolean(yes) => if *yes { "on" } else { "off" }.to_owned(),
+            Value::String(text) => text.clone(),
+            _ => {
+                return Err(format!(
+                    "the control {name} is set to a whole number, to true or false, or to a menu's item as text"
+                ));
+            }
+        };
+        controls.insert(name.clone(), text);
+    }
+    Ok(())
+}
+
+/// The controls as the file has them; `None` if there are none.
+pub(super) fn controls_value(controls: &BTreeMap<String, String>) -> Option<Value> {
+    let value = |text: &String| {
+        text.parse()
+            .map_or_else(|_| Value::String(text.clone()), Value::Integer)
+    };
+    let table: toml::Table = controls
+        .iter()
+        .map(|(name, text)| (name.clone(), value(text)))
+        .collect();
+    (!table.is_empty()).then_some(Value::Table(table))
+}
+
+/// A flag's `NAME=VALUE`, as the file would have it.
+pub(super) fn control(text: &str) -> Result<Value, String> {
+    let named = text.split_once('=');
+    let named = named.map(|(name, value)| (name.trim(), value.trim()));
+    match named.filter(|(name, value)| !name.is_empty() && !value.is_empty()) {
+        Some((name, value)) => {
+            let value = Value::String(value.to_owned());
+            Ok(Value::Table(
+                [(name.to_owned(), value)].into_iter().collect(),
+            ))
+        }
+        None => Err("a control is set as NAME=VALUE, for instance exposure_auto=1".to_owned()),
+    }
+}

@@ -1,0 +1,194 @@
+//! `[fit]`: the curve.
+
+use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
+use std::fmt;
+
+/// Of a basis that is named without its order: the best of the paper's four.
+pub(super) const DEFAULT_ORDER: usize = 8;
+
+/// The family of an open rope's curve. A closed rope is always a Fourier series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// The fewest control points that keep the curve on the rope: a cubic Bezier curve or a cubic B-spline.
+    Auto,
+    /// Bernstein polynomials.
+    Bezier,
+    /// Clamped B-splines.
+    BSpline,
+    /// Rational Bernstein functions.
+    Rational,
+    /// For lines of points that are all closed; in the chain an open rope is then a Bezier curve.
+    Fourier,
+    /// Points of the centerline, joined by straight lines.
+    Points,
+    /// The mean of its points.
+    Mass,
+}
+
+impl Family {
+    pub(super) const ALL: [(&'static str, Self); 7] = [
+        ("auto", Self::Auto),
+        ("bezier", Self::Bezier),
+        ("bspline", Self::BSpline),
+        ("rational", Self::Rational),
+        ("fourier", Self::Fourier),
+        ("points", Self::Points),
+        ("mass", Self::Mass),
+    ];
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Self::ALL.iter().find(|(_, family)| family == self);
+        f.write_str(name.map_or("", |(name, _)| name))
+    }
+}
+
+/// How many control points, less one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// So many.
+    Named(usize),
+    /// As few as keep the curve on the rope.
+    Auto,
+}
+
+/// `[fit]`: the curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The family of curves.
+    pub basis: Family,
+    /// If it was named; 8 otherwise, but with the basis "auto", which has none. Named with that basis it is a Bezier
+    /// curve's.
+    pub order: Option<Order>,
+    /// How near the curve has to be to the points, in widths of the rope, and at most in pixels.
+    pub tolerance: f64,
+    /// The most of that, in pixels.
+    pub tolerance_px: f64,
+    /// The highest that `order = "auto"` chooses.
+    pub max_order: usize,
+    /// Of a B-spline's pieces.
+    pub degree: usize,
+    /// Where a B-spline's pieces meet.
+    pub knots: Knots,
+    /// How the regression is solved.
+    pub solver: Solver,
+    /// Weight that keeps control points small.
+    pub ridge: f64,
+    /// Whether the curve ends exactly where the rope's points do.
+    pub pin_ends: bool,
+    /// Where along the curve each point belongs.
+    pub rho: Rho,
+    /// Whether outliers count less.
+    pub robust: bool,
+    /// Whether control points are filtered in time.
+    pub filter: bool,
+    /// How strongly the filter thinks a rope accelerates.
+    pub acceleration_px_s2: f64,
+}
+
+impl Default for Fit {
+    fn default() -> Self {
+        Self {
+            basis: Family::Auto,
+            order: None,
+            tolerance: Tolerance::WIDTHS,
+            tolerance_px: Tolerance::LIMIT_PX,
+            max_order: 16,
+            degree: 3,
+            knots: Knots::Uniform,
+            solver: Solver::Pinv,
+            ridge: 0.0,
+            pin_ends: false,
+            rho: Rho::Even,
+            robust: false,
+            filter: false,
+            acceleration_px_s2: 2000.0,
+        }
+    }
+}
+
+impl Fit {
+    /// Why curves of these settings cannot be filtered in time, if they cannot.
+    pub(super) fn unfilterable(&self) -> Option<&'static str> {
+        match (self.filter, self.basis) {
+            (true, Family::Rational) => Some(
+                "rational curves cannot be filtered, as their weights change from frame to frame: choose another \
+                 basis, or leave the filter out",
+            ),
+            _ => None,
+        }
+    }
+
+    /// How near a curve has to be to the points of a rope of this width, in whatever unit both are.
+    pub fn tolerance(&self, width: f64, unit_per_px: f64) -> Tolerance {
+        Tolerance::of_width(width, self.tolerance, self.tolerance_px * unit_per_px)
+    }
+
+    /// What is said of a rope whose points are so far off the curve that these settings gave it, in widths.
+    pub fn coarse(&self, rms: f64, worst: f64, control_points: usize) -> String {
+        let remedy = match self.family() {
+            Family::Auto => "no curve here follows it better; steer by its centerline",
+            _ => {
+                "leave order and basis to lariat (basis = \"auto\"), and it takes a curve that fits"
+            }
+        };
+        format!(
+            "the curve of {control_points} control points is up to {worst:.1} widths of the rope beside its points \
+             (rms {rms:.2}): {remedy}"
+        )
+    }
+
+    /// The family, where an order alone names the paper's.
+    pub(super) fn family(&self) -> Family {
+        match (self.basis, self.order) {
+            (Family::Auto, Some(_)) => Family::Bezier,
+            (basis, _) => basis,
+        }
+    }
+
+    /// The fitter's own options for centerlines of `points` points.
+    pub fn options(&self, points: usize, closed: bool) -> Options {
+        let order = match self.order {
+            Some(Order::Named(order)) => order,
+            Some(Order::Auto) => self.max_order,
+            None => DEFAULT_ORDER,
+        };
+        let auto = Options::auto(points, closed);
+        let family = self.family();
+        let basis = match family {
+            Family::Auto => auto.basis,
+            // As many coefficients as an open curve of this order has control points, or one fewer.
+            _ if closed => Basis::Fourier {
+                harmonics: (order / 2).max(1),
+            },
+            Family::Bezier | Family::Fourier => Basis::Bezier { order },
+            Family::BSpline => Basis::BSpline {
+                degree: self.degree.min(order),
+                control_points: order + 1,
+                knots: self.knots,
+            },
+            Family::Rational => Basis::RationalBezier { order },
+            Family::Points => Basis::FeaturePoints { count: order + 1 },
+            Family::Mass => Basis::CenterOfMass,
+        };
+        Options {
+            basis,
+            choose_size: match family {
+                Family::Auto => auto.choose_size,
+                _ => self.order == Some(Order::Auto),
+            },
+            points,
+            solver: self.solver,
+            ridge: self.ridge,
+            // A closed curve has no ends.
+            pin_ends: self.pin_ends && !closed,
+            rho: self.rho,
+            weights: if self.robust {
+                Weights::Robust
+            } else {
+                Weights::Even
+            },
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! What a setting is, and what is asked of the table of all settings.
+
+use crate::settings::Settings;
+use toml::Value;
+
+pub(super) use crate::settings::table::KEYS;
+
+/// One setting.
+pub(super) struct Key {
+    pub(super) section: &'static str,
+    pub(super) name: &'static str,
+    /// What it does, for the comment above it in a new file.
+    pub(super) about: &'static str,
+    /// A value to show where the default is to have none.
+    pub(super) example: &'static str,
+    /// Takes a value over, or says why not.
+    pub(super) set: fn(&mut Settings, &Value) -> Result<(), String>,
+    /// The value, as the file has it; `None` where it is not set.
+    pub(super) get: fn(&Settings) -> Option<Value>,
+}
+
+/// What each section is about.
+const SECTIONS: [(&str, &str); 8] = [
+    ("run", "The chain as a whole."),
+    ("capture", "Where frames come from."),
+    (
+        "simulation",
+        "The rope that is simulated, with the source \"simulated\".",
+    ),
+    ("camera", "Where what is seen in them lies."),
+    (
+        "extract",
+        "What is a rope in them, and how its centerline is given.",
+    ),
+    ("fit", "The curve that describes the centerline."),
+    ("sink", "What is shown while the chain runs."),
+    ("record", "What a recording keeps, and how."),
+];
+
+/// Which of [`KEYS`] are of this section.
+pub(super) fn of_section(section: &str) -> impl Iterator<Item = usize> {
+    (0..KEYS.len()).filter(move |&index| KEYS[index].section == section)
+}
+
+/// Which of [`KEYS`] this is.
+pub(super) fn position(section: &str, name: &str) -> Option<usize> {
+    KEYS.iter()
+        .position(|key| key.section == section && key.name == name)
+}
+
+/// The names of the sections.
+pub(super) fn sections() -> impl Iterator<Item = &'static str> + Clone {
+    SECTIONS.iter().map(|(name, _)| *name)
+}
+
+impl Settings {
+    /// The settings that are other than the defaults: `section.name`, and the value as the file has it.
+    pub fn changed(&self) -> impl Iterator<Item = (String, String)> {
+        let defaults = Settings::default();
+        KEYS.iter().filter_map(move |key| {
+            let value = (key.get)(self);
+            let is_default = value == (key.get)(&defaults);
+            let value = value.map_or_else(|| "not set".to_owned(), |value| value.to_string());
+            (!is_default).then(|| (format!("{}.{}", key.section, key.name), value))
+        })
+    }
+}
+
+/// The text of a file with every section and, for each of its settings, what `entry` writes.
+pub(super) fn document(mut entry: impl FnMut(usize, &Key) -> String) -> String {
+    let mut text = String::new();
+    for (section, about) in SECTIONS {
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        text.push_str(&format!("[{section}]  # {about}\n"));
+        for (index, key) in KEYS.iter().enumerate() {
+            if key.section == section {
+                text.push_str(&entry(index, key));
+            }
+        }
+    }
+    text
+}
+
+/// A new settings file: every setting at its default, with its comment.
+pub fn template() -> String {
+    let defaults = Settings::default();
+    let settings = document(|_, key| {
+        let comment: String = key
+            .about
+            .lines()
+            .map(|line| format!("# {line}\n"))
+            .collect();
+        match (key.get)(&defaults) {
+            Some(value) => format!("\n{comment}{} = {value}\n", key.name),
+            None => format!("\n{comment}# {} = {}\n", key.name, key.example),
+        }
+    });
+    format!(
+        "# Settings of lariat. Flags on the command line win over this file.\n\
+         # `lariat config check` reads it critically, `lariat config show` prints what holds.\n\n{settings}"
+    )
+}

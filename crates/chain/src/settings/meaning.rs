@@ -1,0 +1,421 @@
+//! What a value means, or why it means nothing here: each answer is a sentence that says what to write.
+
+use crate::settings::curve::Order;
+use crate::settings::{Fps, duration};
+use lariat_extract::{HsvRange, Mask};
+use lariat_fit::{Knots, MAX_ORDER, Rho, Solver};
+use std::path::PathBuf;
+use std::time::Duration;
+use toml::Value;
+
+const NO_FPS: &str = "frames per second are a number such as 30, \"max\" or \"auto\"";
+
+/// More frames a second than any camera has.
+const MAX_FPS: f64 = 1e6;
+
+pub(super) fn yes_or_no(value: &Value) -> Result<bool, String> {
+    value
+        .as_bool()
+        .ok_or_else(|| "write true or false, without quotes".to_owned())
+}
+
+pub(super) fn text(value: &Value) -> Result<&str, String> {
+    match value.as_str() {
+        Some("") => Err("it must not be empty".to_owned()),
+        Some(text) => Ok(text),
+        None => Err("write it as text, in quotes".to_owned()),
+    }
+}
+
+/// The number that a value is, be it written with a point or without.
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Integer(n) => Some(*n as f64),
+        Value::Float(x) => Some(*x),
+        _ => None,
+    }
+}
+
+/// As few characters as say the number: `30`, not `30.0`.
+pub(super) fn number_value(x: f64) -> Value {
+    if x.fract() == 0.0 && x.abs() < 1e15 {
+        Value::Integer(x as i64)
+    } else {
+        Value::Float(x)
+    }
+}
+
+/// A number as the file has it, to the last bit, with a point.
+pub fn number_text(x: f64) -> String {
+    Value::Float(x).to_string()
+}
+
+pub(super) fn whole(value: &Value, low: i64, high: i64) -> Result<i64, String> {
+    let range = if high == i64::MAX {
+        format!("of at least {low}")
+    } else {
+        format!("from {low} to {high}")
+    };
+    match value {
+        Value::Integer(n) if (low..=high).contains(n) => Ok(*n),
+        Value::String(text) if text.trim().parse::<i64>().is_ok() => {
+            Err(format!("write the number without quotes: {}", text.trim()))
+        }
+        _ => Err(format!("choose a whole number {range}")),
+    }
+}
+
+/// A time in `unit`, of which one lasts `unit_s`.
+pub(super) fn time(value: &Value, unit_s: f64, unit: &str) -> Result<Duration, String> {
+    if let Some(number) = number(value) {
+        return duration::from_s(number * unit_s);
+    }
+    let why = format!("it is a number of {unit}, without a unit");
+    Err(match value.as_str().map(duration::parse) {
+        Some(Ok(time)) => {
+            // Rounded to what a person would write.
+            let count = (time.as_secs_f64() / unit_s * 1e6).round() / 1e6;
+            format!("{why}: write {}", number_value(count))
+        }
+        _ => why,
+    })
+}
+
+pub(super) fn rig(value: &Value) -> Result<String, String> {
+    let name = text(value)?;
+    let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
+    if name.len() <= 32 && name.chars().all(allowed) {
+        Ok(name.to_owned())
+    } else {
+        Err("a rig's name is 1 to 32 of a-z, 0-9, _ and -".to_owned())
+    }
+}
+
+pub(super) fn paths(value: &Value) -> Result<Vec<PathBuf>, String> {
+    let why = || {
+        "write \"rendered\", \"simulated\", \"external\", a path in quotes, or a list of paths"
+            .to_owned()
+    };
+    let one = |value: &Value| value.as_str().filter(|s| !s.is_empty()).map(PathBuf::from);
+    match value {
+        Value::Array(list) if !list.is_empty() => list.iter().map(one).collect(),
+        value => one(value).map(|path| vec![path]),
+    }
+    .ok_or_else(why)
+}
+
+pub(super) fn fps(value: &Value) -> Result<Fps, String> {
+    if let Some(fps) = number(value) {
+        return if fps > 0.0 && fps <= MAX_FPS {
+            Ok(Fps::PerSecond(fps))
+        } else {
+            Err(format!(
+                "frames per second must be more than 0 and at most {MAX_FPS}; as fast as possible is \
+                 \"max\""
+            ))
+        };
+    }
+    match value.as_str().map(str::trim) {
+        Some("max") => Ok(Fps::Max),
+        Some("auto") => Ok(Fps::Auto),
+        Some(text) => {
+            let digits: String = text
+                .chars()
+                .take_while(|c| c.is_ascii_digit() || *c == '.')
+                .collect();
+            let unit = text[digits.len()..].trim();
+            let Ok(number) = digits.parse::<f64>() else {
+                return Err(NO_FPS.to_owned());
+            };
+            Err(match unit {
+                "ms" | "us" | "s" => format!(
+                    "frames per second, not the time between two frames: write {}",
+                    number_value((1.0 / (number * unit_in_s(unit))).round())
+                ),
+                _ => format!(
+                    "frames per second are a number without a unit: write {}",
+                    number_value(number)
+                ),
+            })
+        }
+        None => Err(NO_FPS.to_owned()),
+    }
+}
+
+fn unit_in_s(unit: &str) -> f64 {
+    match unit {
+        "us" => 1e-6,
+        "ms" => 1e-3,
+        _ => 1.0,
+    }
+}
+
+pub(super) fn fps_value(fps: Fps) -> Value {
+    match fps {
+        Fps::PerSecond(number) => number_value(number),
+        Fps::Max => Value::String("max".to_owned()),
+        Fps::Auto => Value::String("auto".to_owned()),
+    }
+}
+
+pub(super) fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
+    if value.as_str() == Some("auto") {
+        return Ok(None);
+    }
+    let sides: Vec<Option<u32>> = match value {
+        Value::Array(sides) => sides
+            .iter()
+            .map(|side| u32::try_from(side.as_integer()?).ok())
+            .collect(),
+        Value::String(text) => text
+            .split(['x', 'X', '×'])
+            .map(|side| side.trim().parse().ok())
+            .collect(),
+        _ => Vec::new(),
+    };
+    match sides[..] {
+        [Some(width), Some(height)]
+            if (64..=8192).contains(&width) && (64..=8192).contains(&height) =>
+        {
+            Ok(Some([width, height]))
+        }
+        _ => Err(
+            "a size is width and height in pixels, each 64 to 8192: [640, 480] in the file, 640x480 as a \
+             flag; or \"auto\""
+            .to_owned(),
+        ),
+    }
+}
+
+pub(super) fn size_value(size: Option<[u32; 2]>) -> Value {
+    match size {
+        Some(size) => Value::Array(size.map(|side| Value::Integer(side.into())).into()),
+        None => Value::String("auto".to_owned()),
+    }
+}
+
+/// The size of images, as a flag has it.
+pub fn image_size(text: &str) -> Result<[u32; 2], String> {
+    size(&Value::String(text.to_owned()))?
+        .ok_or_else(|| "a size of its own is needed, as 640x480".to_owned())
+}
+
+pub(super) fn position(value: &Value) -> Result<[f32; 2], String> {
+    let of_flag = |text: &str| {
+        let (x, y) = text.split_once(',')?;
+        Some([x.trim().parse().ok()?, y.trim().parse().ok()?])
+    };
+    match pair(value).or(value.as_str().and_then(of_flag)) {
+        Some([x, y]) if x.abs() < 1e6 && y.abs() < 1e6 => Ok([x as f32, y as f32]),
+        _ => {
+            Err("a position is two numbers of pixels: [x, y] in the file, X,Y as a flag".to_owned())
+        }
+    }
+}
+
+/// Two finite numbers.
+fn pair(value: &Value) -> Option<[f64; 2]> {
+    match value.as_array().map(Vec::as_slice) {
+        Some([a, b]) => Some([number(a)?, number(b)?]).filter(|p| p.iter().all(|x| x.is_finite())),
+        _ => None,
+    }
+}
+
+pub(super) const SOLVERS: [(&str, Solver); 3] = [
+    ("pinv", Solver::Pinv),
+    ("cholesky", Solver::Cholesky),
+    ("qr", Solver::Qr),
+];
+
+pub(super) const KNOTS: [(&str, Knots); 2] =
+    [("uniform", Knots::Uniform), ("averaged", Knots::Averaged)];
+
+pub(super) const RHO: [(&str, Rho); 2] = [("even", Rho::Even), ("measured", Rho::Measured)];
+
+/// One of a few values that have names; `kind` is what they are called together.
+pub(super) fn named<T: Copy>(
+    kind: &str,
+    names: &[(&'static str, T)],
+    value: &Value,
+) -> Result<T, String> {
+    let given = value.as_str().unwrap_or_default();
+    if let Some((_, meant)) = names.iter().find(|(name, _)| *name == given) {
+        return Ok(*meant);
+    }
+    let guess = nearest(given, names.iter().map(|(name, _)| *name))
+        .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
+    let quoted: Vec<_> = names
+        .iter()
+        .map(|(name, _)| format!("\"{name}\""))
+        .collect();
+    let (last, others) = quoted.split_last().expect("a list of names is not empty");
+    Err(format!(
+        "{guess}The {kind} are {} and {last}",
+        others.join(", ")
+    ))
+}
+
+/// The name that a value has in the file.
+pub(super) fn name_of<T: PartialEq>(names: &[(&str, T)], value: T) -> Option<Value> {
+    let (name, _) = names.iter().find(|(_, other)| *other == value)?;
+    Some(Value::String((*name).to_owned()))
+}
+
+pub(super) fn order(value: &Value) -> Result<Order, String> {
+    match value.as_str() {
+        Some("auto") => Ok(Order::Auto),
+        Some(text) if text.trim().parse::<i64>().is_err() => Err(format!(
+            "an order is a whole number from 1 to {MAX_ORDER}, or \"auto\""
+        )),
+        _ => whole(value, 1, MAX_ORDER as i64).map(|n| Order::Named(n.unsigned_abs() as usize)),
+    }
+}
+
+pub(super) fn at_least_zero(value: &Value) -> Result<f64, String> {
+    number(value)
+        .filter(|x| *x >= 0.0 && x.is_finite())
+        .ok_or_else(|| "choose a number of at least 0".to_owned())
+}
+
+pub(super) fn above_zero(value: &Value) -> Result<f64, String> {
+    number(value)
+        .filter(|x| *x > 0.0 && x.is_finite())
+        .ok_or_else(|| "choose a number above 0".to_owned())
+}
+
+pub(super) fn mask(value: &Value) -> Result<Mask, String> {
+    match value {
+        Value::String(name) if name == "auto" => Ok(Mask::Auto),
+        Value::String(name) if name == "external" => Ok(Mask::External),
+        Value::Array(ranges) if !ranges.is_empty() => {
+            let ranges: Result<Vec<_>, _> = ranges.iter().map(hsv_range).collect();
+            Ok(Mask::Hsv(ranges?))
+        }
+        Value::Table(_) => Ok(Mask::Hsv(vec![hsv_range(value)?])),
+        _ => Err(
+            "write \"auto\", \"external\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
+             [0.2, 1] }] (a folder of masks is `lariat trace --masks DIR`)"
+                .to_owned(),
+        ),
+    }
+}
+
+/// The parts of a range and where each one's scale ends.
+const CHANNELS: [(&str, f64); 3] = [("hue_deg", 360.0), ("saturation", 1.0), ("value", 1.0)];
+
+fn hsv_range(value: &Value) -> Result<HsvRange, String> {
+    let Some(range) = value.as_table() else {
+        return Err(
+            "a range is { hue_deg = [a, b], saturation = [a, b], value = [a, b] }".to_owned(),
+        );
+    };
+    let names = || CHANNELS.iter().map(|(name, _)| *name);
+    if let Some(unknown) = range.keys().find(|key| !names().any(|name| name == *key)) {
+        let guess = nearest(unknown, names())
+            .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
+        return Err(format!(
+            "a range has no \"{unknown}\". {guess}It has hue_deg, saturation and value"
+        ));
+    }
+    // What is left out may be anything.
+    let bounds = |index: usize| {
+        let (name, limit) = CHANNELS[index];
+        range
+            .get(name)
+            .map_or(Ok([0.0, limit as f32]), |value| channel(index, value))
+    };
+    Ok(HsvRange {
+        hue_deg: bounds(0)?,
+        saturation: bounds(1)?,
+        value: bounds(2)?,
+    })
+}
+
+fn channel(index: usize, value: &Value) -> Result<[f32; 2], String> {
+    let (name, limit) = CHANNELS[index];
+    let Some([a, b]) = pair(value) else {
+        return Err(format!(
+            "{name} is a pair of numbers from 0 to {limit}: [a, b]"
+        ));
+    };
+    let is_hue = index == 0;
+    if a < 0.0 || b < 0.0 || a.max(b) > limit {
+        let opencv = a.min(b) >= 0.0 && a.max(b) <= 255.0;
+        return Err(if !is_hue && opencv {
+            let share = |x: f64| number_value((x / 255.0 * 100.0).round() / 100.0);
+            format!(
+                "{name} goes from 0 to 1: OpenCV's 0 to 255 is divided by 255, so write {name} = [{}, {}] \
+                 (and OpenCV's hue is doubled to degrees)",
+                share(a),
+                share(b)
+            )
+        } else {
+            format!("{name} goes from 0 to {limit}")
+        });
+    }
+    if a > b && !is_hue {
+        return Err(format!(
+            "{name} = [{a}, {b}] is turned around: put the smaller first, {name} = [{b}, {a}] (only a hue \
+             may go through its end)"
+        ));
+    }
+    Ok([a as f32, b as f32])
+}
+
+/// A mask as the file has it.
+pub fn mask_text(mask: &Mask) -> String {
+    mask_value(mask).to_string()
+}
+
+pub(super) fn mask_value(mask: &Mask) -> Value {
+    let ranges = match mask {
+        Mask::Auto => return Value::String("auto".to_owned()),
+        Mask::External => return Value::String("external".to_owned()),
+        Mask::Hsv(ranges) => ranges,
+    };
+    // Through decimal text, so that an f32's 0.3 is not shown with the digits it has as an f64.
+    let shown = |x: f32| number_value(x.to_string().parse().unwrap_or(f64::from(x)));
+    let bounds = |pair: [f32; 2]| Value::Array(pair.map(shown).into());
+    let range = |range: &HsvRange| {
+        Value::Table(toml::Table::from_iter([
+            ("hue_deg".to_owned(), bounds(range.hue_deg)),
+            ("saturation".to_owned(), bounds(range.saturation)),
+            ("value".to_owned(), bounds(range.value)),
+        ]))
+    };
+    Value::Array(ranges.iter().map(range).collect())
+}
+
+/// The name that was probably meant: one that begins alike, or differs by at most two letters.
+pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let given = given.to_lowercase();
+    known
+        .map(|name| {
+            let begins_alike =
+                given.len() >= 3 && (name.starts_with(&given) || given.starts_with(name));
+            let distance = match begins_alike {
+                true => 0,
+                false => edits(&given, &name.to_lowercase()),
+            };
+            (distance, name)
+        })
+        .filter(|(distance, name)| *distance <= 2 && *distance < name.len() - 1)
+        .min()
+        .map(|(_, name)| name)
+}
+
+/// How many letters must be changed, added or left out to make one word of the other (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(from != *to);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

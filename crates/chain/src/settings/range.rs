@@ -1,0 +1,173 @@
+//! Which part of a sequence of files is shown: `[capture]`'s `from`, `to` and `every`; and what of `[capture]` means nothing
+//! for the source that is named.
+
+use std::num::NonZeroU64;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use lariat_capture::{Position, names_a_recording};
+use toml::Value;
+
+use crate::settings::{Capture, camera, duration, meaning};
+
+/// A place in a sequence: a frame's number, or a time from its beginning.
+pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
+    const WHY: &str = "a place is a frame's number, from 1, such as 120, or a time from the beginning, with its unit, \
+                       such as \"2.5s\"";
+    let text = match value {
+        Value::Integer(number @ 1..) => {
+            return Ok(Some(Position::Frame(number.unsigned_abs())));
+        }
+        Value::String(text) => text.trim(),
+        _ => return Err(WHY.to_owned()),
+    };
+    // A number without a unit is no time here.
+    if !text.ends_with(char::is_alphabetic) {
+        return Err(WHY.to_owned());
+    }
+    // Nothing is a time too: that of the first frame.
+    let time = match duration::seconds(text)? {
+        0.0 => Duration::ZERO,
+        seconds => duration::from_s(seconds)?,
+    };
+    Ok(Some(Position::Time(time)))
+}
+
+/// The same, as a flag has it.
+pub fn position_of_flag(text: &str) -> Result<Position, String> {
+    let value = match text.parse() {
+        Ok(number) => Value::Integer(number),
+        Err(_) => Value::String(text.to_owned()),
+    };
+    // Only nothing is no place, and nothing is no flag.
+    position(&value)?.ok_or_else(|| "a place is a frame's number or a time".to_owned())
+}
+
+pub(super) fn position_value(position: Option<Position>) -> Option<Value> {
+    Some(match position? {
+        Position::Frame(number) => Value::Integer(i64::try_from(number).unwrap_or(i64::MAX)),
+        Position::Time(time) => Value::String(format!("{}s", time.as_secs_f64())),
+    })
+}
+
+pub(super) fn every(value: &Value) -> Result<NonZeroU64, String> {
+    let number = meaning::whole(value, 1, i64::MAX)?.unsigned_abs();
+    Ok(NonZeroU64::new(number).unwrap_or(NonZeroU64::MIN))
+}
+
+/// What kinds of sources there are to a setting.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Rendered,
+    Simulated,
+    Camera,
+    External,
+    Files,
+    Pipe,
+}
+
+impl Kind {
+    fn of(capture: &Capture) -> Self {
+        if capture.is_camera() {
+            Self::Camera
+        } else if capture.is_piped() {
+            Self::Pipe
+        } else if capture.source[..] == [PathBuf::from("rendered")] {
+            Self::Rendered
+        } else if capture.is_simulated() {
+            Self::Simulated
+        } else if capture.is_external() {
+            Self::External
+        } else {
+            Self::Files
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rendered => "the rendered rope",
+            Self::Simulated => "the simulated rope",
+            Self::Camera => "a camera",
+            Self::External => "a program of your own",
+            Self::Files => "pictures and videos",
+            Self::Pipe => "standard input",
+        }
+    }
+}
+
+/// The settings that are of one kind of source alone.
+const OF_ONE_KIND: [(&str, Kind); 11] = [
+    ("from", Kind::Files),
+    ("to", Kind::Files),
+    ("every", Kind::Files),
+    ("loop", Kind::Files),
+    ("follow", Kind::Files),
+    ("topic", Kind::Files),
+    ("pixel_format", Kind::Camera),
+    ("io", Kind::Camera),
+    ("controls", Kind::Camera),
+    ("lock", Kind::Camera),
+    ("restore", Kind::Camera),
+];
+
+/// The settings of `[capture]` that mean nothing for its source, each with a sentence.
+pub(super) fn meaningless(capture: &Capture) -> impl Iterator<Item = (&'static str, String)> {
+    let kind = Kind::of(capture);
+    let fits = move |name: &str, of| of == kind || (name == "pixel_format" && kind == Kind::Pipe);
+    let others = OF_ONE_KIND
+        .into_iter()
+        .filter(move |(name, of)| !fits(name, *of));
+    others.map(move |(name, of)| {
+        let why = format!("it is for {}, and the source is {}", of.name(), kind.name());
+        (name, why)
+    })
+}
+
+/// What cannot be had together: the setting, and a sentence.
+pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)> {
+    let is_recording = matches!(&capture.source[..], [path] if names_a_recording(path));
+    if capture.topic.is_some() && !is_recording {
+        return Some((
+            "topic",
+            "it chooses among the images of a recording: name one (.mcap) as the source".to_owned(),
+        ));
+    }
+    if let Some(name) = capture.camera.pixel_format {
+        let named = camera::pixel_format_value(Some(name));
+        if capture.is_camera() && name.code.is_none() {
+            return Some((
+                "pixel_format",
+                format!("{named} is not a pixel format code: `lariat devices` lists them"),
+            ));
+        }
+        if capture.is_piped() && name.raw.is_none() {
+            return Some((
+                "pixel_format",
+                format!("raw frames are in {}, not in {named}", camera::raw_names()),
+            ));
+        }
+    }
+    if capture.is_piped() && capture.size.is_some() != capture.camera.pixel_format.is_some() {
+        return Some((
+            if capture.size.is_some() { "size" } else { "pixel_format" },
+            "raw frames on standard input need both, size and pixel format; a Y4M video needs neither".to_owned(),
+        ));
+    }
+    if !capture.follow {
+        return None;
+    }
+    let why = |what: &str| format!("a folder that is followed {what}: choose one of the two");
+    if capture.source.len() != 1 {
+        return Some((
+            "follow",
+            "one folder can be followed: name it alone".to_owned(),
+        ));
+    }
+    if capture.looped {
+        return Some(("loop", why("does not end, and cannot begin again")));
+    }
+    let range = &capture.range;
+    let bound = [("from", range.from), ("to", range.to)];
+    let bound = bound.into_iter().find(|(_, position)| position.is_some());
+    bound.map(|(name, _)| (name, why("is shown as it grows, and has no part to choose")))
+}

@@ -1,0 +1,134 @@
+//! `[camera]`: where what a camera sees lies; and which part of its images is looked at.
+
+use crate::calibrated::Calibrated;
+use crate::inputs;
+use crate::picture::Picture;
+use crate::settings::Settings;
+use anyhow::{Result, bail};
+use lariat_extract::Region;
+use std::fmt;
+use std::path::PathBuf;
+use toml::Value;
+
+/// What descriptors are to come in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// Pixels of the image; with a lens calibration, of one without distortion.
+    Px,
+    /// Millimetres on the plane.
+    Mm,
+}
+
+pub(super) const UNITS: [(&str, Unit); 2] = [("px", Unit::Px), ("mm", Unit::Mm)];
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Px => "px",
+            Self::Mm => "mm",
+        })
+    }
+}
+
+/// `[camera]`: lens and plane.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Camera {
+    /// The lens's calibration.
+    pub calibration: Option<PathBuf>,
+    /// The plane that the rope lies on.
+    pub plane: Option<PathBuf>,
+    /// Millimetres where a plane is named, if the user says nothing.
+    pub unit: Option<Unit>,
+}
+
+impl Camera {
+    /// What is wrong with the files it names.
+    pub(super) fn problem(&self) -> Option<String> {
+        let error = Calibrated::load(self).err()?;
+        Some(format!("{error:#}"))
+    }
+}
+
+impl Settings {
+    /// Whether calibration and region are for the frames of the source, as far as those are known before they come. For a chain
+    /// that is started whole: a stage by itself does not know the source.
+    ///
+    /// # Errors
+    /// They are not.
+    pub fn check_frames(&self) -> Result<()> {
+        if self.camera == Camera::default() && self.extract.roi.is_none() {
+            return Ok(());
+        }
+        let Some(size) = known_size(self) else {
+            return Ok(());
+        };
+        if let Some(calibrated) = Calibrated::load(&self.camera)? {
+            calibrated.mapping(size)?;
+        }
+        if let Some(Region { x, y, .. }) = self.extract.roi
+            && (x >= size[0] as usize || y >= size[1] as usize)
+        {
+            bail!(
+                "the region begins at {x}, {y} and the image has {}×{} pixels: nothing of it is left",
+                size[0],
+                size[1]
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The frames' size, where it is known before they come: drawn ones', and the first picture's. What cannot be read is told of
+/// elsewhere.
+fn known_size(settings: &Settings) -> Option<[u32; 2]> {
+    let source = &settings.capture.source;
+    if source[..] == [PathBuf::from("rendered")] || settings.capture.is_simulated() {
+        return Some(settings.capture.likely_size());
+    }
+    // A camera has the size that was asked for, or refuses it.
+    if settings.capture.is_camera() {
+        return settings.capture.size;
+    }
+    let (pictures, _) = inputs::pictures(source);
+    let first = pictures.first().filter(|path| path.is_file())?;
+    let picture = Picture::load(first).ok()?;
+    Some([picture.width(), picture.height()])
+}
+
+/// A region: `[x, y, width, height]`, or `x,y,width,height`.
+pub(super) fn region(value: &Value) -> Result<Region, String> {
+    let numbers: Vec<Option<usize>> = match value {
+        Value::Array(numbers) => numbers
+            .iter()
+            .map(|n| usize::try_from(n.as_integer()?).ok())
+            .collect(),
+        Value::String(text) => text.split(',').map(|n| n.trim().parse().ok()).collect(),
+        _ => Vec::new(),
+    };
+    match numbers[..] {
+        [Some(x), Some(y), Some(width), Some(height)]
+            if width > 0 && height > 0 && [x, y, width, height].iter().all(|n| *n <= 65_536) =>
+        {
+            Ok(Region { x, y, width, height })
+        }
+        _ => Err(
+            "a region is four whole numbers of pixels, the place of its top left corner, its width and its height (from 1 on): \
+             [160, 120, 320, 240] in the file, 160,120,320,240 as a flag"
+                .to_owned(),
+        ),
+    }
+}
+
+pub(super) fn region_value(region: Region) -> Value {
+    let Region {
+        x,
+        y,
+        width,
+        height,
+    } = region;
+    Value::Array(
+        [x, y, width, height]
+            .map(|n| Value::Integer(n as i64))
+            .into(),
+    )
+}

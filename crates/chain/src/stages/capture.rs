@@ -1,0 +1,234 @@
+//! Capture as a process: a source's frames, written into shared memory and sent when they are due.
+
+use std::os::fd::AsFd;
+
+use anyhow::Context;
+use lariat_capture::{Frame, FrameSource, Next, Source, Until};
+use lariat_wire::{
+    Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
+};
+
+use super::arrangement::{Rest, precise_timer};
+use super::feed::{self, Feed};
+use super::status::{Sent, Word};
+use super::{Seat, Station};
+use crate::pipeline::{Schedule, frame_header};
+use crate::settings::{Fps, Settings, Stage};
+use crate::stop::Stop;
+
+/// Sends frames until the source or its time ends, or a signal comes.
+pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, Stage::Capture, seat)?;
+    let mut source = open(settings, &station)?;
+    let first = match source.largest_frame_bytes() {
+        // What room the frames need is known with the first.
+        0 => {
+            station.ready()?;
+            let Some(first) = wait_for_first(settings, source.as_mut(), &station)? else {
+                if !station.stop.asked() {
+                    station.status.say(Word::Done);
+                }
+                station.status.say(Word::Sent(Sent::default()));
+                return Ok(());
+            };
+            Some(first)
+        }
+        _ => None,
+    };
+    let Station {
+        domain,
+        rig,
+        delivery,
+        ..
+    } = &station;
+    let frames = feed::writer(domain, rig, delivery, source.as_ref())?;
+    let truth = source
+        .has_truth()
+        .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
+        .transpose()?;
+    tell_of_another_pace(settings, source.as_ref());
+    precise_timer();
+    let mut sender = Sender {
+        feed: Feed::new(source, &frames)?,
+        truth: truth.as_ref(),
+        schedule: Schedule::new(
+            &settings.capture,
+            matches!(delivery, Delivery::Lossless { .. }),
+        )?,
+        sent: Sent::default(),
+        lasts_ns: settings.run.duration_ns(),
+        end_ns: None,
+    };
+    if let Some(first) = first {
+        sender.send(&first, &mut |_| true)?;
+    } else {
+        station.ready()?;
+    }
+    let outcome = sender.send_all(
+        &station.stop,
+        &mut station.rest(),
+        settings.run.frames.unwrap_or(u64::MAX),
+    );
+    let sent = sender.sent;
+    // A camera is stopped, a thread joined, before the last word.
+    drop(sender);
+    if outcome.is_ok() && !station.stop.asked() {
+        station.status.say(Word::Done);
+    }
+    station.status.say(Word::Sent(sent));
+    outcome
+}
+
+/// Opens the source; a simulated robot takes its rig's commands.
+fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameSource>> {
+    let source = settings.source();
+    let Source::Simulated(options) = &source else {
+        return Ok(lariat_capture::open(&source)?);
+    };
+    let reader = CommandReader::open(Domain::open()?, &station.rig)?;
+    let mut is_broken = false;
+    let commands = move || -> Option<Command> {
+        reader.next().unwrap_or_else(|cause| {
+            if !std::mem::replace(&mut is_broken, true) {
+                tracing::warn!("the robot stands still, as its commands cannot be read: {cause}");
+            }
+            None
+        })
+    };
+    Ok(lariat_capture::open_simulated(options, Box::new(commands))?)
+}
+
+struct Sender<'w> {
+    feed: Feed<'w>,
+    truth: Option<&'w Writer<Centerlines>>,
+    schedule: Schedule,
+    sent: Sent,
+    /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
+    lasts_ns: Option<u64>,
+    /// When that is over.
+    end_ns: Option<u64>,
+}
+
+impl Sender<'_> {
+    /// Sends up to so many frames.
+    fn send_all(&mut self, stop: &Stop, rest: &mut Rest, most: u64) -> anyhow::Result<()> {
+        let began_ns = now_ns();
+        while self.sent.count < most && !stop.asked() {
+            rest.if_due(now_ns());
+            let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
+            let deadline_ns = self.end_ns.or(latest_ns);
+            let until = Until::new(deadline_ns, stop.as_fd());
+            let next = self.feed.source.advance(&until);
+            rest.has_waited(until.waited_ns());
+            tell(self.feed.source.as_mut());
+            match next.context("the source ended with a fault")? {
+                Next::Frame(frame) => {
+                    let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));
+                    if !self.send(&frame, &mut wait)? {
+                        break;
+                    }
+                }
+                Next::Nothing if deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns) => break,
+                Next::Nothing => {}
+                Next::End => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends one frame; `false` when its time is over, or a signal came.
+    ///
+    /// `wait`: sleeps until the frame is due; `false` if a signal came.
+    fn send(&mut self, frame: &Frame, wait: &mut impl FnMut(u64) -> bool) -> anyhow::Result<bool> {
+        // Everything is in its place before the frame is due: then only the sending is left.
+        let mut slot = self.feed.slot_of(frame)?;
+        let truth_slot = match self.truth {
+            None => None,
+            Some(writer) => {
+                let mut slot = writer.slot()?;
+                self.feed.source.truth(&mut slot).then_some(slot)
+            }
+        };
+        // A frame that was taken at a moment of its own is not waited for.
+        let is_live = frame.exposed_ns.is_some();
+        let after_ns = self.feed.source.due_after_ns();
+        let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
+        let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
+        let is_over = self
+            .lasts_ns
+            .map(end_ns)
+            .is_some_and(|end_ns| due_ns >= end_ns);
+        if is_over || !(is_live || wait(due_ns)) {
+            return Ok(false);
+        }
+        self.sent.count += 1;
+        self.sent.last_sequence = self.schedule.sequence(frame);
+        let trace = Trace {
+            sequence: self.sent.last_sequence,
+            captured: self.sent.count,
+            exposed_ns: due_ns,
+            captured_ns: now_ns(),
+            ..Trace::EMPTY
+        };
+        *slot.header_mut() = frame_header(frame, self.feed.source.kind(), trace);
+        slot.send()?;
+        if let Some(mut slot) = truth_slot {
+            slot.trace = trace;
+            slot.send()?;
+        }
+        // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader
+        // on the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
+        std::thread::yield_now();
+        self.feed.lend()?;
+        Ok(true)
+    }
+}
+
+/// The first frame of a source that has none yet; none if the chain's time is over or it is stopped before.
+fn wait_for_first(
+    settings: &Settings,
+    source: &mut dyn FrameSource,
+    station: &Station,
+) -> anyhow::Result<Option<Frame>> {
+    let lasts_ns = settings.run.duration_ns();
+    let deadline_ns = lasts_ns.map(|lasts_ns| now_ns().saturating_add(lasts_ns));
+    loop {
+        let next = source.advance(&Until::new(deadline_ns, station.stop.as_fd()));
+        tell(source);
+        match next.context("the source ended with a fault")? {
+            Next::Frame(frame) => return Ok(Some(frame)),
+            Next::Nothing => {
+                let is_over = deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns);
+                if is_over || station.stop.asked() {
+                    return Ok(None);
+                }
+            }
+            Next::End => return Ok(None),
+        }
+    }
+}
+
+/// Says what the source has to say.
+fn tell(source: &mut dyn FrameSource) {
+    while let Some(warning) = source.take_warning() {
+        tracing::warn!("{warning}");
+    }
+    while let Some(news) = source.take_news() {
+        tracing::info!("{news}");
+    }
+}
+
+/// A video that was made for another rate is shown at the one that is set; the user may not have known.
+fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
+    if let (Some(native), Fps::PerSecond(fps), SourceKind::Video) =
+        (source.native_fps(), settings.capture.fps, source.kind())
+        && (native - fps).abs() > 0.01 * fps
+    {
+        tracing::info!(
+            "the video was made for {native:.2} frames/s and is sent at {fps}: --fps {native:.2} shows it as it was"
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,254 @@
+//! The four stages as processes: thin shells that receive, call a library, and send.
+
+#[cfg(test)]
+mod allocation;
+pub mod arrangement;
+pub mod capture;
+mod external;
+pub mod extract;
+mod feed;
+pub mod fit;
+mod masks;
+pub mod sink;
+pub mod status;
+
+use std::cell::Cell;
+use std::os::fd::AsFd;
+use std::time::Instant;
+
+use lariat_wire::{
+    Announcement, Channel, Delivery, Domain, Message, Payload, Receiver, Rig, WireError, now_ns,
+};
+
+use crate::settings::{Arrangement, Settings, Stage};
+use crate::stop::Stop;
+use arrangement::Rest;
+use status::{Status, Word};
+
+/// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
+pub struct Station {
+    /// Where the rig lives.
+    pub domain: Domain,
+    /// Its channels.
+    pub rig: Rig,
+    /// Whether senders wait for readers.
+    pub delivery: Delivery,
+    /// What ends it.
+    pub stop: Stop,
+    /// Whom it tells how it is.
+    pub status: Status,
+    arrangement: Arrangement,
+    /// Which stage it is, if it is one.
+    stage: Option<Stage>,
+    /// What it is called among those that run on a rig.
+    name: &'static str,
+    /// What it says of itself to others on the machine.
+    settings: String,
+    /// The channel that it was made a reader of.
+    reads: Cell<Option<&'static str>>,
+    announcement: Option<Announcement>,
+}
+
+/// What ends a stage, and whom it tells how it is.
+pub struct Seat {
+    /// What ends it.
+    pub stop: Stop,
+    /// Whom it tells how it is.
+    pub status: Status,
+}
+
+impl Seat {
+    /// Of a stage that is this process.
+    pub fn of_this_process() -> anyhow::Result<Self> {
+        Ok(Self {
+            stop: Stop::on_signals()?,
+            status: Status::of_the_chain()?,
+        })
+    }
+}
+
+impl Station {
+    /// Of a stage.
+    pub fn open(settings: &Settings, stage: Stage, seat: Seat) -> anyhow::Result<Self> {
+        let station = Self::beside(settings, stage.name(), seat)?;
+        Ok(Self {
+            stage: Some(stage),
+            ..station
+        })
+    }
+
+    /// Of what stands beside the stages, under a name, and has no place of its own on the machine.
+    pub fn beside(settings: &Settings, name: &'static str, seat: Seat) -> anyhow::Result<Self> {
+        let Seat { stop, status } = seat;
+        for (key, value) in settings.changed() {
+            tracing::debug!("{name}: {key} = {value}");
+        }
+        let delivery = if settings.run.lossless {
+            Delivery::Lossless { stop: stop.flag() }
+        } else {
+            Delivery::NewestWins
+        };
+        Ok(Self {
+            domain: Domain::open()?,
+            rig: settings.run.rig.parse()?,
+            delivery,
+            stop,
+            status,
+            arrangement: settings.run.arrangement.clone(),
+            stage: None,
+            name,
+            settings: settings.text(),
+            reads: Cell::new(None),
+            announcement: None,
+        })
+    }
+
+    /// It can receive, and all its threads are there: it takes its place on the machine, if it has one, and says so.
+    pub fn ready(&mut self) -> anyhow::Result<()> {
+        if let Some(stage) = self.stage {
+            let lacks = arrangement::apply(&self.arrangement, stage)?;
+            if lacks.any() {
+                self.status.say(Word::Lacks(lacks));
+            }
+        }
+        let name = self.name;
+        match self.domain.announce(&self.rig, name, &self.settings) {
+            Ok(announcement) => self.announcement = Some(announcement),
+            Err(cause) => tracing::warn!(
+                "{name} is not seen by `lariat doctor` and recorders, as its entry could not be written: {cause}"
+            ),
+        }
+        self.status.say(Word::Ready);
+        if let Some(channel) = self.reads.get() {
+            self.say_who_is_missing(channel);
+        }
+        Ok(())
+    }
+
+    /// Has the stage rest when it must.
+    pub fn rest(&self) -> Rest {
+        Rest::new(&self.arrangement)
+    }
+
+    /// Becomes a reader that is woken as the settings say.
+    pub fn reader<P: Payload + ?Sized>(
+        &self,
+        channel: &Channel<P>,
+    ) -> Result<Receiver<P>, WireError> {
+        let mut reader = Receiver::create(&self.domain, &self.rig, channel, Some(&self.delivery))?;
+        reader.look_for(self.arrangement.spin());
+        self.reads.set(Some(channel.name()));
+        Ok(reader)
+    }
+
+    /// Started by hand, whoever waits says for what.
+    pub fn say_who_is_missing(&self, channel: &str) {
+        let state = self.domain.channel(&self.rig, channel);
+        let ends = state.and_then(|state| state.ends);
+        if !self.status.is_supervised() && ends.is_none_or(|ends| ends.writer.is_none()) {
+            eprintln!(
+                "lariat: waiting for {channel} of rig {} (`lariat run` starts a chain)",
+                self.rig
+            );
+        }
+    }
+}
+
+/// Watches the counter of the stage before for gaps.
+///
+/// A backlog is worked off in order. But a gap says that the backlog overflowed: what still waits is old then, and the
+/// newest message is worth more than the rest.
+#[derive(Default)]
+pub struct Backlog {
+    last: Option<u64>,
+}
+
+impl Backlog {
+    /// Takes the counter of a message just received; `true` if messages before it were lost.
+    pub fn overflowed(&mut self, count: u64) -> bool {
+        let gap = self.last.is_some_and(|last| count > last + 1);
+        self.last = Some(count);
+        gap
+    }
+}
+
+/// What a wait for a message ended with.
+pub enum Came<P: Payload + ?Sized> {
+    /// A message, and the moment it was in hand.
+    Message(Message<P>, u64),
+    /// The deadline.
+    Nothing,
+    /// The stage is to end, and nothing waits.
+    End,
+}
+
+/// Where a stage's messages come in.
+pub struct Inbox<P: Payload + ?Sized> {
+    reader: Receiver<P>,
+    channel: &'static str,
+    backlog: Backlog,
+    rest: Rest,
+    /// The counter of the stage before, in a message.
+    count: fn(&Message<P>) -> u64,
+}
+
+impl<P: Payload + ?Sized> Inbox<P> {
+    /// Opens the channel.
+    ///
+    /// # Errors
+    /// The transport refuses.
+    pub fn open(
+        station: &Station,
+        channel: &Channel<P>,
+        count: fn(&Message<P>) -> u64,
+    ) -> Result<Self, WireError> {
+        Ok(Self {
+            reader: station.reader(channel)?,
+            channel: channel.name(),
+            backlog: Backlog::default(),
+            rest: station.rest(),
+            count,
+        })
+    }
+
+    /// Receives the next message, sleeping until there is one; `None` when the stage is to end and nothing waits.
+    ///
+    /// Returns the message with the moment it was in hand.
+    pub fn receive(&mut self, stop: &Stop) -> Result<Option<(Message<P>, u64)>, WireError> {
+        Ok(match self.receive_by(stop, None)? {
+            Came::Message(message, now_ns) => Some((message, now_ns)),
+            Came::Nothing | Came::End => None,
+        })
+    }
+
+    /// The same, but no later than the deadline.
+    pub fn receive_by(
+        &mut self,
+        stop: &Stop,
+        deadline: Option<Instant>,
+    ) -> Result<Came<P>, WireError> {
+        loop {
+            // Asked before looking: what was sent before the signal is still received.
+            let last_look = stop.asked();
+            if let Some(mut message) = self.reader.next()? {
+                if self.backlog.overflowed((self.count)(&message)) {
+                    message = self.reader.newest_after(message)?;
+                    self.backlog.last = Some((self.count)(&message));
+                }
+                let now_ns = now_ns();
+                tracing::trace!("{} {} in hand", self.channel, (self.count)(&message));
+                self.rest.if_due(now_ns);
+                return Ok(Came::Message(message, now_ns));
+            }
+            if last_look {
+                return Ok(Came::End);
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Ok(Came::Nothing);
+            }
+            let reader = &self.reader;
+            self.rest
+                .while_waiting(|| reader.sleep(deadline, Some(stop.as_fd())))?;
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! What a stage and the chain that started it say to each other: a line a word, here as one type in each direction.
+//!
+//! The stage says [`Word`]s on a pipe whose number stands in `LARIAT_STATUS_FD`; its own end says that the process is gone,
+//! however it went. The chain says its [`LastWord`] on the standard input of sink and recorder.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::os::fd::OwnedFd;
+use std::str::FromStr;
+
+use super::arrangement::Lacks;
+use anyhow::Context;
+use lariat_sink::FinalCounts;
+use rustix::process::{Signal, getppid, set_parent_process_death_signal};
+
+/// The variable that holds the pipe's number.
+pub const STATUS_FD: &str = "LARIAT_STATUS_FD";
+/// The variable that holds the process id of the chain.
+pub const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
+
+/// How many frames a stage sent, and the number the source gave to the last of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Sent {
+    /// How many.
+    pub count: u64,
+    /// The source's number of the last.
+    pub last_sequence: u64,
+}
+
+/// What extract knows of frames that come from elsewhere.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Taken {
+    /// The source's number and the writer's count before the first frame.
+    pub before_first: [u64; 2],
+    /// What its writer had sent in all when the last one came.
+    pub last: Sent,
+}
+
+/// What a stage says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Word {
+    /// It may not have all that was wanted of the machine, and does without this.
+    Lacks(Lacks),
+    /// It can receive: what is sent to it from now on arrives.
+    Ready,
+    /// The source has ended, or as much of it was sent as was asked.
+    Done,
+    /// A signal has ended its work, and its last word is to come.
+    Ending,
+    /// Nobody reads any more what it prints.
+    Unread,
+    /// So many frames were skipped, as their masks came too late.
+    Late(u64),
+    /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
+    Taken(Taken),
+    /// Its last word: what it sent in all.
+    Sent(Sent),
+}
+
+impl fmt::Display for Word {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match *self {
+            Self::Lacks(lacks) => write!(f, "lacks {}", lacks.words()),
+            Self::Ready => write!(f, "ready"),
+            Self::Done => write!(f, "done"),
+            Self::Ending => write!(f, "ending"),
+            Self::Unread => write!(f, "unread"),
+            Self::Late(count) => write!(f, "late {count}"),
+            Self::Taken(Taken { before_first, last }) => {
+                let [sequence, captured] = before_first;
+                let (count, last_sequence) = (last.count, last.last_sequence);
+                write!(f, "taken {sequence} {captured} {count} {last_sequence}")
+            }
+            Self::Sent(sent) => write!(f, "sent {} {}", sent.count, sent.last_sequence),
+        }
+    }
+}
+
+/// What another release may say.
+fn unknown(line: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "`{line}` is no word between a stage and its chain: use the same release for all stages"
+    )
+}
+
+/// A line's name, and the whole numbers behind it.
+fn parts(line: &str) -> anyhow::Result<(&str, Vec<u64>)> {
+    let (name, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let numbers = rest.split_ascii_whitespace().map(str::parse);
+    let numbers = numbers.collect::<Result<_, _>>();
+    Ok((name, numbers.map_err(|_| unknown(line))?))
+}
+
+impl FromStr for Word {
+    type Err = anyhow::Error;
+
+    fn from_str(line: &str) -> anyhow::Result<Self> {
+        if let Some(words) = line.strip_prefix("lacks ") {
+            let lacks = Lacks::of_words(words).map(Self::Lacks);
+            return lacks.ok_or_else(|| unknown(line));
+        }
+        let (name, numbers) = parts(line)?;
+        let sent = |count, last_sequence| Sent {
+            count,
+            last_sequence,
+        };
+        Ok(match (name, &numbers[..]) {
+            ("ready", []) => Self::Ready,
+            ("done", []) => Self::Done,
+            ("ending", []) => Self::Ending,
+            ("unread", []) => Self::Unread,
+            ("late", &[count]) => Self::Late(count),
+            ("taken", &[sequence, captured, count, last]) => Self::Taken(Taken {
+                before_first: [sequence, captured],
+                last: sent(count, last),
+            }),
+            ("sent", &[count, last]) => Self::Sent(sent(count, last)),
+            _ => return Err(unknown(line)),
+        })
+    }
+}
+
+/// What the chain says at its end: what each stage sent, a line for each number that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LastWord {
+    /// It never came up.
+    Never,
+    /// What was sent.
+    Counts(FinalCounts),
+}
+
+impl LastWord {
+    /// The word of the chain that started this process, read from standard input to its end. A chain that was killed knows
+    /// nothing.
+    pub fn of_the_chain() -> Self {
+        let mut text = String::new();
+        let _ = std::io::stdin().lock().read_to_string(&mut text);
+        text.parse()
+            .unwrap_or_else(|_| Self::Counts(FinalCounts::default()))
+    }
+}
+
+impl fmt::Display for LastWord {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self::Counts(counts) = self else {
+            return writeln!(f, "never");
+        };
+        if let Some([sequence, captured]) = counts.before_first {
+            writeln!(f, "before {sequence} {captured}")?;
+        }
+        for (name, number) in [
+            ("sequence", counts.last_sequence),
+            ("captured", counts.captured),
+            ("extracted", counts.extracted),
+            ("fitted", counts.fitted),
+            ("late", counts.masks_late),
+        ] {
+            if let Some(number) = number {
+                writeln!(f, "{name} {number}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for LastWord {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let mut counts = FinalCounts::default();
+        for line in text.lines() {
+            let (name, numbers) = parts(line)?;
+            match (name, &numbers[..]) {
+                ("never", []) => return Ok(Self::Never),
+                ("before", &[sequence, count]) => counts.before_first = Some([sequence, count]),
+                ("sequence", &[number]) => counts.last_sequence = Some(number),
+                ("captured", &[count]) => counts.captured = Some(count),
+                ("extracted", &[count]) => counts.extracted = Some(count),
+                ("fitted", &[count]) => counts.fitted = Some(count),
+                ("late", &[count]) => counts.masks_late = Some(count),
+                _ => return Err(unknown(line)),
+            }
+        }
+        Ok(Self::Counts(counts))
+    }
+}
+
+/// The stage's end of the line. Says nothing if the stage was started by hand.
+pub struct Status(Option<File>);
+
+impl Status {
+    /// The line of a stage that is a thread of the chain's own process.
+    pub fn on(line: OwnedFd) -> Self {
+        Self(Some(line.into()))
+    }
+
+    /// Takes up the line, and asks the kernel to end this process with the chain's.
+    pub fn of_the_chain() -> anyhow::Result<Self> {
+        let Ok(number) = std::env::var(STATUS_FD) else {
+            return Ok(Self(None));
+        };
+        set_parent_process_death_signal(Some(Signal::TERM))
+            .context("the kernel was asked to end this stage with its chain, and refused")?;
+        let chain = std::env::var(CHAIN_PID).unwrap_or_default();
+        // The chain may have died before the kernel was asked.
+        let parent = getppid().map(|pid| pid.as_raw_nonzero().to_string());
+        anyhow::ensure!(
+            parent.as_deref() == Some(chain.as_str()),
+            "the chain that started this stage is gone"
+        );
+        let pipe = File::options()
+            .write(true)
+            .open(format!("/proc/self/fd/{number}"))
+            .with_context(|| format!("{STATUS_FD} names no pipe: unset it"))?;
+        Ok(Self(Some(pipe)))
+    }
+
+    /// Whether a chain started this stage.
+    pub fn is_supervised(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Says a word. What a stage lacks is for the user, whom a stage that was started by hand tells itself; else the chain does,
+    /// for all of them.
+    pub fn say(&mut self, word: Word) {
+        match (&mut self.0, word) {
+            // A chain that is gone cannot be told; its death signal is on the way.
+            (Some(pipe), _) => drop(pipe.write_all(format!("{word}\n").as_bytes())),
+            (None, Word::Lacks(lacks)) => tracing::warn!("{lacks}"),
+            (None, _) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_comes_back() {
+        let lacks = Lacks {
+            priority: true,
+            core: true,
+            ..Lacks::default()
+        };
+        let last = Sent {
+            count: 3,
+            last_sequence: u64::MAX,
+        };
+        let taken = Taken {
+            before_first: [1, 2],
+            last,
+        };
+        for (word, line) in [
+            (Word::Lacks(lacks), "lacks priority core"),
+            (Word::Ready, "ready"),
+            (Word::Done, "done"),
+            (Word::Ending, "ending"),
+            (Word::Unread, "unread"),
+            (Word::Late(7), "late 7"),
+            (Word::Taken(taken), "taken 1 2 3 18446744073709551615"),
+            (Word::Sent(last), "sent 3 18446744073709551615"),
+        ] {
+            assert_eq!(word.to_string(), line);
+            assert_eq!(line.parse::<Word>().unwrap(), word);
+        }
+    }
+
+    #[test]
+    fn the_last_word_comes_back() {
+        let counts = FinalCounts {
+            before_first: Some([4, 5]),
+            last_sequence: Some(9),
+            captured: Some(8),
+            fitted: Some(0),
+            ..FinalCounts::default()
+        };
+        for word in [
+            LastWord::Never,
+            LastWord::Counts(counts),
+            LastWord::Counts(FinalCounts::default()),
+        ] {
+            assert_eq!(word.to_string().parse::<LastWord>().unwrap(), word);
+        }
+    }
+
+    #[test]
+    fn half_a_word_is_none() {
+        for line in [
+            "",
+            "sent",
+            "sent 3",
+            "sent 3 x",
+            "sent 1 2 3",
+            "late",
+            "lacks all",
+            "Ready",
+            "taken 1 2",
+        ] {
+            assert!(line.parse::<Word>().is_err(), "{line}");
+        }
+        assert!("captured many".parse::<LastWord>().is_err());
+    }
+}

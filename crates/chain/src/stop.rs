@@ -1,0 +1,101 @@
+//! SIGINT and SIGTERM as a flag to look at and a descriptor to be woken by.
+
+use std::io::Write;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+use lariat_wire::now_ns;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+/// The wish of a signal that this process come to its end; or of a [`Stopper`] that a thread of it does.
+pub struct Stop {
+    asked: Arc<AtomicBool>,
+    /// Readable from the first signal on: it is never emptied.
+    pipe: UnixStream,
+}
+
+impl Stop {
+    /// From now on the two signals are a wish. Ctrl-C a second time ends the process at once.
+    pub fn on_signals() -> anyhow::Result<Self> {
+        let asked = Arc::new(AtomicBool::new(false));
+        let (pipe, write) = UnixStream::pair().context("no pipe for signals could be made")?;
+        for signal in [SIGINT, SIGTERM] {
+            let register = || -> std::io::Result<()> {
+                if signal == SIGINT {
+                    // Before the flag is registered, so that the first signal finds it unset.
+                    signal_hook::flag::register_conditional_shutdown(signal, 130, asked.clone())?;
+                }
+                signal_hook::flag::register(signal, asked.clone())?;
+                signal_hook::low_level::pipe::register(signal, write.try_clone()?)?;
+                Ok(())
+            };
+            register().context("signals could not be listened to")?;
+        }
+        Ok(Self { asked, pipe })
+    }
+
+    /// One that no signal touches, and who asks it.
+    pub fn by_another() -> anyhow::Result<(Self, Stopper)> {
+        let asked = Arc::new(AtomicBool::new(false));
+        let (pipe, write) =
+            UnixStream::pair().context("no pipe for the end of a stage could be made")?;
+        let stopper = Stopper {
+            asked: asked.clone(),
+            write,
+        };
+        Ok((Self { asked, pipe }, stopper))
+    }
+
+    /// Whether a signal came.
+    pub fn asked(&self) -> bool {
+        self.asked.load(Ordering::Relaxed)
+    }
+
+    /// The flag itself, for a lossless writer.
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        self.asked.clone()
+    }
+
+    /// Sleeps until a moment of [`now_ns`]; `false` if a signal came first.
+    pub fn sleep_until(&self, due_ns: u64) -> bool {
+        while !self.asked() {
+            let left_ns = due_ns.saturating_sub(now_ns());
+            if left_ns == 0 {
+                return true;
+            }
+            let left = Timespec {
+                tv_sec: (left_ns / 1_000_000_000) as i64,
+                tv_nsec: (left_ns % 1_000_000_000) as _,
+            };
+            // The result does not matter: the flag and the clock say what happened.
+            let _ = poll(&mut [PollFd::new(&self.pipe, PollFlags::IN)], Some(&left));
+        }
+        false
+    }
+}
+
+/// Asks a [`Stop`] of its own making.
+#[derive(Debug)]
+pub struct Stopper {
+    asked: Arc<AtomicBool>,
+    write: UnixStream,
+}
+
+impl Stopper {
+    /// Asks it.
+    pub fn stop(&mut self) {
+        self.asked.store(true, Ordering::Relaxed);
+        // A thread that has ended already need not be woken.
+        let _ = self.write.write_all(&[0]);
+    }
+}
+
+impl AsFd for Stop {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.pipe.as_fd()
+    }
+}
