@@ -3,7 +3,7 @@
 
 use arbitrary::Arbitrary;
 use lariat_capture::Mjpeg;
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 /// Bytes behind the memory lent, to see whether they stay as they are.
 const GUARD: [u8; 64] = [0xA5; 64];

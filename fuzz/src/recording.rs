@@ -12,7 +12,7 @@ use lariat_record::{
     COMPRESSED_IMAGE, ENCODING, Entry, Frame, IMAGE, Losses, Pixels, Place, Record, Recording,
     SCHEMA_ENCODING, Schema, Span, encode_compressed_image, encode_image,
 };
-use lariat_wire::{Centerlines, Descriptors, FrameHeader, PixelFormat, Trace};
+use lariat_message::{Centerlines, Descriptors, FrameHeader, PixelFormat, Trace};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 

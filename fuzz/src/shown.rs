@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use lariat_capture::{Source, open};
-use lariat_wire::{Centerlines, PixelFormat};
+use lariat_message::{Centerlines, PixelFormat};
 
 /// A file that is gone when it is dropped.
 pub(crate) struct ScratchFile(PathBuf);

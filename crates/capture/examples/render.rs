@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use image::{RgbImage, imageops};
 use lariat_capture::{FrameSource, RenderOptions, Source, open};
-use lariat_wire::Centerlines;
+use lariat_message::Centerlines;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

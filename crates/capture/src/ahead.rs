@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use std::thread::JoinHandle;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
-use lariat_wire::{Centerlines, PixelFormat, SourceKind};
+use lariat_message::{Centerlines, PixelFormat, SourceKind};
 
 use crate::lent::LentSlot;
 use crate::source::{Frame, FrameSource, Next, SourceError};

@@ -13,7 +13,7 @@ use std::os::fd::AsFd;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use lariat_wire::{SourceKind, now_ns};
+use lariat_message::{SourceKind, now_ns};
 use rustix::event::PollFlags;
 
 use crate::ahead::Layout;

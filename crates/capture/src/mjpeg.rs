@@ -12,7 +12,7 @@
 mod head;
 mod tables;
 
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 use thiserror::Error;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
 use crate::orientation;

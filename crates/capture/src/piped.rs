@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{self, IsTerminal, Read};
 use std::os::fd::AsFd;
 
-use lariat_wire::{PixelFormat, SourceKind, now_ns};
+use lariat_message::{PixelFormat, SourceKind, now_ns};
 use rustix::event::PollFlags;
 
 use crate::ahead::Layout;

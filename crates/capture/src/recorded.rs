@@ -7,8 +7,8 @@ mod lookahead;
 
 use std::path::{Path, PathBuf};
 
+use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 use lariat_record::{Entry, Messages, Pixels, Place, Recording, Span};
-use lariat_wire::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 
 use crate::ahead::{Ahead, Decode, Layout, Moment, Plan, Step};
 use crate::picture::PictureDecoder;

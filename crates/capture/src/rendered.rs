@@ -11,7 +11,7 @@ pub(crate) mod portable;
 pub(crate) mod table;
 pub(crate) mod truth;
 
-use lariat_wire::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};
+use lariat_message::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};
 
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::Until;

@@ -11,8 +11,8 @@ mod scene;
 
 use std::collections::VecDeque;
 
+use lariat_message::{Centerlines, Command, MAX_POINTS, PixelFormat, SourceKind, now_ns};
 use lariat_simulation::{OptionsError, STEP_NS, Simulation};
-use lariat_wire::{Centerlines, Command, MAX_POINTS, PixelFormat, SourceKind, now_ns};
 
 use crate::pace::{Pace, Pacer};
 use crate::rendered::truth;

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use lariat_wire::{Centerlines, PixelFormat, SourceKind};
+use lariat_message::{Centerlines, PixelFormat, SourceKind};
 
 use crate::lent::{LentSlot, SlotKey};
 use crate::picture::PICTURES;
@@ -24,7 +24,7 @@ pub struct Frame {
     pub stride: u32,
     /// How the bytes make pixels.
     pub format: PixelFormat,
-    /// When the image was taken, on the clock of [`now_ns`](lariat_wire::now_ns); `None`: whoever shows it says when it
+    /// When the image was taken, on the clock of [`now_ns`](lariat_message::now_ns); `None`: whoever shows it says when it
     /// is due.
     pub exposed_ns: Option<u64>,
     /// The slot that holds the pixels already; `None`: they are [written](FrameSource::write) when they are asked for.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
 
-use lariat_wire::now_ns;
+use lariat_message::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 /// What ends a wait for the next frame.

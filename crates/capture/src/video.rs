@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use lariat_wire::SourceKind;
+use lariat_message::SourceKind;
 
 use crate::ahead::{Ahead, Decode, Plan, Step};
 use crate::open::FileOptions;

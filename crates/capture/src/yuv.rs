@@ -1,6 +1,6 @@
 //! From the planes of a video to the formats that travel.
 
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
 

@@ -9,7 +9,7 @@ use std::cell::Cell;
 
 use jpeg::{Coding, encode};
 use lariat_capture::{Mjpeg, RenderOptions, Source, open};
-use lariat_wire::Centerlines;
+use lariat_message::Centerlines;
 
 mod jpeg;
 

@@ -3,8 +3,8 @@
 use lariat_capture::scenes::{self, Class, SceneError, Still};
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_extract::{Extractor, Options, Status};
+use lariat_message::Centerlines;
 use lariat_plot::spread::median;
-use lariat_wire::Centerlines;
 use std::time::Instant;
 
 use crate::polyline::{at, even, rms_apart_px};

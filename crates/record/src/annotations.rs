@@ -1,6 +1,6 @@
 //! What Foxglove draws over the image: the ropes as they were seen, and the curves that stand for them.
 
-use lariat_wire::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Unit};
+use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Unit};
 
 use crate::cdr::{Cdr, Encoder};
 use crate::images::put_time;

@@ -1,6 +1,6 @@
 //! Images, in the schemas that ROS 2 and Foxglove show: `sensor_msgs/Image` and `sensor_msgs/CompressedImage`.
 
-use lariat_wire::{FrameHeader, PixelFormat};
+use lariat_message::{FrameHeader, PixelFormat};
 
 use crate::cdr::{Cdr, CdrError, Decoder, Encoder};
 use crate::schema::{Schema, schema};

@@ -1,6 +1,6 @@
 //! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
 
-use lariat_wire::{
+use lariat_message::{
     Basis, CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader,
     MAX_POINTS, Trace,
 };

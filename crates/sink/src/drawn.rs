@@ -1,7 +1,7 @@
 //! A descriptor's curve as points: to draw it, or to hold it against others.
 
 use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
-use lariat_wire::{self as wire, Descriptor};
+use lariat_message::{self as wire, Descriptor};
 
 /// Fills `points` with points of the curve that a descriptor means, at even steps of ρ from 0 to 1, in its message's unit.
 /// `false` if it means none that this version knows.

@@ -9,7 +9,7 @@ use crate::polyline::{Point, Polyline, Polylines, between};
 use crate::summary::Distances;
 use crate::times::histogram;
 use hdrhistogram::Histogram;
-use lariat_wire::MAX_POINTS;
+use lariat_message::MAX_POINTS;
 
 /// The histograms count thousandths of a pixel, up to 100 000 px.
 const PER_PX: f64 = 1000.0;

@@ -6,7 +6,7 @@
 
 use crate::step::Step;
 use crate::times::{LONGEST_NS, Times};
-use lariat_wire::Trace;
+use lariat_message::Trace;
 
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use lariat_sink::{FinalCounts, Options, Sink};
-//! use lariat_wire::{Descriptors, now_ns};
+//! use lariat_message::{Descriptors, now_ns};
 //!
 //! let mut sink = Sink::new(Options { from_start: true, ..Options::default() });
 //! let mut message = Box::new(Descriptors::EMPTY); // from a reader

@@ -119,7 +119,7 @@ impl Live {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lariat_wire::Trace;
+    use lariat_message::Trace;
 
     fn receive(live: &mut Live, ledger: &mut Ledger, number: u64, received_ns: u64) {
         ledger.received(&Trace {

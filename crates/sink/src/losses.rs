@@ -10,7 +10,7 @@
 //! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
 
 use crate::{FinalCounts, Lost};
-use lariat_wire::Trace;
+use lariat_message::Trace;
 
 /// How often each stage was seen to begin anew.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

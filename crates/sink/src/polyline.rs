@@ -1,7 +1,7 @@
 //! Distances from a true centerline.
 
 use crate::truth::is_seen;
-use lariat_wire::{Centerlines, MAX_CURVES, MAX_POINTS};
+use lariat_message::{Centerlines, MAX_CURVES, MAX_POINTS};
 
 /// A point, `[x, y]` in pixels.
 pub(crate) type Point = [f64; 2];

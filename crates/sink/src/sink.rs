@@ -9,7 +9,7 @@ use crate::timeline::Timeline;
 use crate::times::to_hundredths;
 use crate::truth::{Truth, is_seen};
 use crate::{FinalCounts, Machine, Options, Report};
-use lariat_wire::{Centerlines, Descriptors};
+use lariat_message::{Centerlines, Descriptors};
 
 /// Counts, times and checks what comes out of a chain.
 ///

@@ -1,6 +1,6 @@
 //! The steps of a frame's way, each between two stamps that lie next to each other.
 
-use lariat_wire::Trace;
+use lariat_message::Trace;
 
 /// A step of the way, or the whole of it. Those from [`Capture`](Self::Capture) on add up to
 /// [`Received`](Self::Received).

@@ -3,7 +3,7 @@
 
 use std::io::{self, Write};
 
-use lariat_wire::Trace;
+use lariat_message::Trace;
 
 /// How many frames are kept.
 const KEPT: usize = 1000;

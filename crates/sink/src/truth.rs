@@ -7,7 +7,7 @@
 use crate::drawn::points_along;
 use crate::error::{Comparison, Frame};
 use crate::polyline::{Point, Polylines};
-use lariat_wire::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
+use lariat_message::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
 
 /// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
 /// may be many frames behind.

@@ -50,12 +50,12 @@ fn no_message_allocates() {
     let ropes: Vec<_> = ropes.iter().map(Vec::as_slice).collect();
     let control_points: Vec<_> = (0..32).map(|i| [100.0 + 4.0 * i as f64, 55.0]).collect();
     let curves = [control_points.as_slice(); 8];
-    let mut truth = centerlines(lariat_wire::Trace::EMPTY, &[]);
-    let mut centerlines = centerlines(lariat_wire::Trace::EMPTY, &[]);
-    let mut descriptors = descriptors(lariat_wire::Trace::EMPTY, &[]);
+    let mut truth = centerlines(lariat_message::Trace::EMPTY, &[]);
+    let mut centerlines = centerlines(lariat_message::Trace::EMPTY, &[]);
+    let mut descriptors = descriptors(lariat_message::Trace::EMPTY, &[]);
     let full = (
-        chain::centerlines(lariat_wire::Trace::EMPTY, &ropes),
-        chain::descriptors(lariat_wire::Trace::EMPTY, &curves),
+        chain::centerlines(lariat_message::Trace::EMPTY, &ropes),
+        chain::descriptors(lariat_message::Trace::EMPTY, &curves),
     );
     let mut before = 0;
     for number in 0..400u64 {
@@ -99,7 +99,7 @@ fn a_day_of_frames_costs_no_memory_and_each_is_counted() {
         ..Options::default()
     });
     let mut chain = Chain::default();
-    let mut descriptors = descriptors(lariat_wire::Trace::EMPTY, &[]);
+    let mut descriptors = descriptors(lariat_message::Trace::EMPTY, &[]);
     let mut lost = 0;
     let mut before = 0;
     for number in 1..=DAY {

@@ -52,8 +52,8 @@
 //! # Below that
 //!
 //! The rest is the contract between lariat's own processes, for who writes a stage, or looks in at other channels: a process
-//! opens a [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the [`Channel`]s of a [`Rig`]. This crate is the only one
-//! that knows the transport (iceoryx2).
+//! opens a [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the [`Channel`]s of a [`Rig`]. The messages themselves are
+//! `lariat-message`'s; this crate is the only one that knows the transport (iceoryx2).
 //!
 //! # Readers
 //!
@@ -101,9 +101,6 @@
 
 mod centerline;
 mod channel;
-mod clock;
-mod codes;
-mod command;
 mod command_reader;
 mod domain;
 mod error;
@@ -114,7 +111,6 @@ mod image_writer;
 mod leftovers;
 mod making;
 mod memory;
-mod message;
 mod owner;
 mod patience;
 mod reader;
@@ -132,9 +128,6 @@ pub use centerline::Centerline;
 pub use channel::{
     CENTERLINES, COMMANDS, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH,
 };
-pub use clock::now_ns;
-pub use codes::{Basis, FitQuality, PixelFormat, SourceKind, Status, Unit};
-pub use command::{Command, MAX_GRIPPERS};
 pub use command_reader::CommandReader;
 pub use domain::{Domain, Rig};
 pub use error::{WireError, WriteError};
@@ -142,8 +135,9 @@ pub use frame::{Frame, KeptFrame};
 pub use frame_reader::FrameReader;
 pub use holdings::holdings;
 pub use image_writer::{FrameWriter, MaskWriter, Stamp, Waiting};
+#[doc(inline)]
+pub use lariat_message::*;
 pub use leftovers::{Leftover, leftovers, remove_leftovers, shared_by_others};
-pub use message::*;
 pub use owner::user_name;
 pub use reader::Reader;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};

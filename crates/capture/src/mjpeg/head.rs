@@ -1,6 +1,6 @@
 //! The head of a JPEG (ITU-T T.81, annex B): all that stands before the coded image.
 
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 use super::MjpegError;
 

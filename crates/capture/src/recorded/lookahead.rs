@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
+use lariat_message::{Centerlines, FrameHeader, Trace};
 use lariat_record::{Entry, Frame, Messages, Pixels, RecordingError};
-use lariat_wire::{Centerlines, FrameHeader, Trace};
 
 /// Frames that are read ahead at most: a truth that is not there by then was not recorded. The recorder takes both up
 /// within a wake of each other.

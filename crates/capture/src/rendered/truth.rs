@@ -1,6 +1,6 @@
 //! The message that says where the drawn rope truly lies.
 
-use lariat_wire::{Centerlines, Crossing, MAX_CROSSINGS, Status};
+use lariat_message::{Centerlines, Crossing, MAX_CROSSINGS, Status};
 
 /// Writes the drawn centerline (equal steps from tip to tip) as `count` points at equal arc lengths, with its
 /// crossings with itself, of which the later strand is the upper one.

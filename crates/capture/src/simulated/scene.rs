@@ -1,7 +1,7 @@
 //! The picture: table, rope, grippers and hand, drawn anew where they were and are.
 
+use lariat_message::PixelFormat;
 use lariat_simulation::Simulation;
-use lariat_wire::PixelFormat;
 
 use super::SimulatedOptions;
 use super::gripper::Drawing;

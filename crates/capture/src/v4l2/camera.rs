@@ -10,7 +10,7 @@ mod frames;
 
 use std::collections::VecDeque;
 
-use lariat_wire::{PixelFormat, SourceKind, now_ns};
+use lariat_message::{PixelFormat, SourceKind, now_ns};
 use rustix::event::PollFlags;
 use rustix::io::Errno;
 

@@ -62,7 +62,7 @@ impl AsFd for Hotplug {
 mod tests {
     use std::fs;
 
-    use lariat_wire::now_ns;
+    use lariat_message::now_ns;
     use rustix::event::PollFlags;
 
     use super::*;

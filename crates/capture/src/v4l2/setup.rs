@@ -5,7 +5,7 @@ use super::error::CameraError;
 use super::negotiate::{Choice, READABLE, Request, negotiate};
 use super::offers::{FourCc, Interval};
 use super::sys;
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 /// What a camera is set to.
 #[derive(Debug, Clone, PartialEq, Eq)]

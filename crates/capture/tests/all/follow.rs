@@ -9,7 +9,7 @@ use std::path::Path;
 
 use image::{GrayImage, ImageFormat, Luma};
 use lariat_capture::{FollowOptions, Frame, FrameSource, Next, Source, SourceError, Until, open};
-use lariat_wire::now_ns;
+use lariat_message::now_ns;
 use tempfile::TempDir;
 
 const LONG_NS: u64 = 60_000_000_000;

@@ -9,7 +9,7 @@ use image::{
     Rgba, RgbaImage,
 };
 use lariat_capture::{PICTURES, StillPicture, names_a_picture};
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 use tempfile::TempDir;
 
 const ENDINGS: [&str; 4] = ["webp", "tif", "tiff", "bmp"];

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use jpeg::{Coding, Encoded, by_image, encode, without_tables};
 use lariat_capture::{Mjpeg, MjpegError, RenderOptions, Source, open};
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 use proptest::prelude::*;
 
 /// Bytes behind the memory lent, to see whether they stay as they are.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba};
 use lariat_capture::{FileOptions, Frame, FrameSource, RenderOptions, Source, SourceError, open};
-use lariat_wire::{PixelFormat, SourceKind};
+use lariat_message::{PixelFormat, SourceKind};
 use tempfile::TempDir;
 
 type Opened = Result<Box<dyn FrameSource>, SourceError>;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use lariat_capture::{FileOptions, RenderOptions, Source, open};
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 /// Colour types of a PNG (ISO/IEC 15948, 11.2.2).
 const GRAY: u8 = 0;

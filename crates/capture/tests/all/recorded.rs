@@ -10,10 +10,10 @@ use image::{ImageFormat, Rgb, RgbImage};
 use lariat_capture::{
     FileOptions, Frame, FrameSource, Position, Range, RenderOptions, Source, SourceError, open,
 };
+use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 use lariat_record::{
     Compression, Existing, Head, Record, Topic, Writer, encode_compressed_image, encode_image,
 };
-use lariat_wire::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 use tempfile::TempDir;
 
 /// What is added to a trace's moments.

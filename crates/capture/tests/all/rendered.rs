@@ -1,7 +1,7 @@
 //! The rendered rope: the same everywhere, and its truth is what the pixels show.
 
 use lariat_capture::{Frame, FrameSource, RenderOptions, Source, open};
-use lariat_wire::{Centerlines, PixelFormat, SourceKind};
+use lariat_message::{Centerlines, PixelFormat, SourceKind};
 use proptest::prelude::*;
 
 /// One frame with its truth.

@@ -6,7 +6,7 @@ use lariat_capture::{
     Commands, FrameSource, HandOptions, Pace, SimulatedOptions, Source, open, open_simulated,
 };
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Options, PixelFormat, Status};
-use lariat_wire::{Centerlines, Command, now_ns};
+use lariat_message::{Centerlines, Command, now_ns};
 
 const FPS: f64 = 250.0;
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use lariat_capture::{FileOptions, Frame, FrameSource, RenderOptions, Source, SourceError, open};
-use lariat_wire::{PixelFormat, SourceKind};
+use lariat_message::{PixelFormat, SourceKind};
 use tempfile::TempDir;
 
 type Opened = Result<Box<dyn FrameSource>, SourceError>;

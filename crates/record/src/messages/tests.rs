@@ -1,6 +1,6 @@
 //! Every message comes back to the bit, and hostile bytes are errors.
 
-use lariat_wire::Unit;
+use lariat_message::Unit;
 use proptest::prelude::*;
 
 use super::*;

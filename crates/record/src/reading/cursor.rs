@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use lariat_wire::{Centerlines, Descriptors, FrameHeader, SourceKind, Trace};
+use lariat_message::{Centerlines, Descriptors, FrameHeader, SourceKind, Trace};
 
 use super::chunk::Unpacker;
 use super::entry::{Entry, Frame, Pixels};

@@ -1,6 +1,6 @@
 //! What comes out of a recording.
 
-use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, FrameHeader};
 
 use crate::Losses;
 

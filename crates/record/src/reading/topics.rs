@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, FrameHeader};
 
 use super::error::RecordingError;
 use super::index::{Definition, Index, Listed};

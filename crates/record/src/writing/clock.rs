@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use lariat_wire::now_ns;
+use lariat_message::now_ns;
 
 /// What is added to a moment of `CLOCK_MONOTONIC` for the Unix time: fixed when a recording begins, and written into it, so
 /// that the sum can be undone to the bit. If the clock on the wall is set meanwhile, log times do not jump.

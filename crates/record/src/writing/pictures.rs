@@ -3,7 +3,7 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
-use lariat_wire::PixelFormat;
+use lariat_message::PixelFormat;
 
 use crate::images::ImageRecord;
 use crate::{CdrError, encode_compressed_image};
@@ -165,7 +165,7 @@ fn rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
 mod tests {
     use super::*;
     use crate::{CompressedImageRecord, encode_image};
-    use lariat_wire::FrameHeader;
+    use lariat_message::FrameHeader;
 
     const FORMATS: [PixelFormat; 8] = [
         PixelFormat::Bgra8,

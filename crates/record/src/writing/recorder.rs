@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, FrameHeader};
 
 use super::clock::Clock;
 use super::error::WriteError;

@@ -1,6 +1,6 @@
 //! What a recording's topics are called, and what is on each.
 
-use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, FrameHeader};
 
 use crate::{ANNOTATIONS, COMPRESSED_IMAGE, IMAGE, Losses, Record, Schema};
 

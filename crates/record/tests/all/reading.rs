@@ -4,10 +4,10 @@ use crate::made;
 
 use std::time::Duration;
 
+use lariat_message::{FrameHeader, PixelFormat};
 use lariat_record::{
     Entry, Messages, Pixels, Place, Record, Recording, RecordingError, Schema, Span,
 };
-use lariat_wire::{FrameHeader, PixelFormat};
 use made::{Made, OFFSET_NS, PERIOD_NS};
 use mcap::{Compression, WriteOptions};
 

@@ -5,11 +5,13 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
+use lariat_message::{
+    Centerlines, Curve, Descriptor, Descriptors, FrameHeader, PixelFormat, Trace,
+};
 use lariat_record::{
     COMPRESSED_IMAGE, ENCODING, IMAGE, Losses, Record, SCHEMA_ENCODING, Schema,
     encode_compressed_image, encode_image,
 };
-use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, FrameHeader, PixelFormat, Trace};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 

@@ -4,8 +4,8 @@
 use crate::chain;
 
 use chain::{Chain, Stage, descriptors, received_ns};
+use lariat_message::Trace;
 use lariat_sink::{FinalCounts, Frames, Lost, Options, Sink};
-use lariat_wire::Trace;
 use proptest::prelude::*;
 
 fn sink(from_start: bool) -> Sink {

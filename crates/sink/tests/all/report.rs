@@ -4,8 +4,8 @@
 use crate::chain;
 
 use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
+use lariat_message::Status;
 use lariat_sink::{FinalCounts, Machine, Options, Report, Sink};
-use lariat_wire::Status;
 
 fn machine() -> Machine {
     Machine {

@@ -4,8 +4,8 @@
 use crate::chain;
 
 use chain::{Chain, centerlines, descriptors, received_ns, straight};
+use lariat_message::{Basis, Descriptor, Status, Trace, Unit};
 use lariat_sink::{Distances, Errors, Options, Sink};
-use lariat_wire::{Basis, Descriptor, Status, Trace, Unit};
 use std::f64::consts::TAU;
 
 fn sink() -> Sink {

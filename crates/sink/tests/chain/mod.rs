@@ -1,6 +1,6 @@
 //! A chain on paper: frames with a known way, lost where the test says.
 
-use lariat_wire::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Trace};
+use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Trace};
 
 /// When the first frame is exposed.
 pub(crate) const START_NS: u64 = 1_000_000_000_000;

@@ -55,7 +55,7 @@ impl<P: Port> Camera<P> {
         let moment_ns = at_ns.min(self.silence.next_ns());
         Ok(match until.wait(event, Some(moment_ns)) {
             Woken::Interrupted => Some(Next::Nothing),
-            Woken::Moment => self.blank_if_due(lariat_wire::now_ns()),
+            Woken::Moment => self.blank_if_due(lariat_message::now_ns()),
             Woken::Ready(_) => {
                 if let Some(hotplug) = &self.hotplug {
                     hotplug.drain();

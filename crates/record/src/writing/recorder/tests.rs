@@ -2,7 +2,7 @@ use super::*;
 use crate::writing::place::Existing;
 use crate::writing::writer::Compression;
 use crate::{ImageRecord, writing::queue::Outlet};
-use lariat_wire::{PixelFormat, Trace};
+use lariat_message::{PixelFormat, Trace};
 
 pub(super) fn head() -> Head {
     Head {

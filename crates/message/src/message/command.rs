@@ -1,5 +1,6 @@
 //! What a controller tells a robot's grippers, where the robot is a simulated one.
 
+#[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Most grippers of one robot.
@@ -9,8 +10,12 @@ pub const MAX_GRIPPERS: usize = 2;
 ///
 /// Only the simulated rope takes commands: a real robot has a driver of its own.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
-#[type_name("lariat.Command.v1")]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(
+    feature = "transport",
+    derive(ZeroCopySend),
+    type_name("lariat.Command.v1")
+)]
 pub struct Command {
     /// How many the controller has sent, this one included.
     pub count: u64,

@@ -1,0 +1,13 @@
+//! The messages between lariat's processes, what their numbers stand for, and the clock that all of them read: the contract,
+//! without the transport that carries it.
+//!
+//! `lariat-wire` sends and receives them, and gives out all of this under its own name: a control loop needs no more than that.
+//! Whoever makes messages, keeps them or reads them from files needs no shared memory, and depends on this crate alone.
+
+mod clock;
+mod codes;
+mod message;
+
+pub use clock::now_ns;
+pub use codes::{Basis, FitQuality, PixelFormat, SourceKind, Status, Unit};
+pub use message::*;

@@ -1,0 +1,109 @@
+//! What stands beside the bytes of an image.
+
+#[cfg(feature = "transport")]
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::{PixelFormat, Trace};
+
+/// What stands beside the bytes of a frame.
+///
+/// It fills two cache lines and begins on one, and so do the bytes that follow it. (The transport's own way to align
+/// the bytes would align each of them, and take 64 times the memory.)
+#[repr(C)]
+#[repr(align(64))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "transport",
+    derive(ZeroCopySend),
+    type_name("lariat.FrameHeader.v1")
+)]
+pub struct FrameHeader {
+    /// The frame's way so far.
+    pub trace: Trace,
+    /// Pixels in a row; 0 if there is [no image](Self::is_blank).
+    pub width: u32,
+    /// Rows; 0 likewise.
+    pub height: u32,
+    /// Bytes from one row's start to the next.
+    pub stride: u32,
+    /// A [`PixelFormat`]'s number.
+    pub pixel_format: u32,
+    /// A [`SourceKind`](crate::SourceKind)'s number.
+    pub source: u32,
+    /// Always 0.
+    pub reserved: [u32; 7],
+}
+
+impl FrameHeader {
+    /// How the bytes make pixels; `None` for a number this version does not know.
+    pub const fn format(&self) -> Option<PixelFormat> {
+        PixelFormat::from_code(self.pixel_format)
+    }
+
+    /// Whether there is no image: the source has none to give, though it is time for one. A reader has nothing to look at
+    /// then, and sends on what it knows without.
+    pub const fn is_blank(&self) -> bool {
+        self.width == 0 || self.height == 0
+    }
+
+    /// What stands beside a mask of this frame: `Gray8` of its size, rows one after the other, with its trace.
+    pub const fn of_mask(&self) -> Self {
+        Self {
+            stride: self.width,
+            pixel_format: PixelFormat::Gray8 as u32,
+            ..*self
+        }
+    }
+
+    /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
+    pub fn image_bytes(&self) -> Option<usize> {
+        let format = self.format()?;
+        (format.row_bytes(self.width) <= self.stride as usize)
+            .then(|| format.image_bytes(self.stride, self.height))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SourceKind;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_layout_is_what_readers_in_other_languages_were_told() {
+        assert_eq!(size_of::<FrameHeader>(), 128);
+        assert_eq!(align_of::<FrameHeader>(), 64);
+        assert_eq!(offset_of!(FrameHeader, width), 80);
+        assert_eq!(offset_of!(FrameHeader, pixel_format), 92);
+    }
+
+    #[test]
+    fn a_header_that_lies_about_its_rows_has_no_size() {
+        let header = FrameHeader {
+            trace: Trace::EMPTY,
+            width: 640,
+            height: 480,
+            stride: 1920,
+            pixel_format: PixelFormat::Rgb8 as u32,
+            source: SourceKind::Files as u32,
+            reserved: [0; 7],
+        };
+        assert_eq!(header.image_bytes(), Some(640 * 480 * 3));
+        assert_eq!(
+            FrameHeader {
+                stride: 1919,
+                ..header
+            }
+            .image_bytes(),
+            None
+        );
+        assert_eq!(
+            FrameHeader {
+                pixel_format: 99,
+                ..header
+            }
+            .image_bytes(),
+            None
+        );
+    }
+}
