@@ -1,8 +1,9 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
 #[path = "../jpeg/mod.rs"]
 mod jpeg;
 
+mod allocation;
 mod follow;
 mod kinds;
 mod lent;

@@ -1,10 +1,9 @@
-#![allow(unsafe_code)] // An allocator is unsafe by its trait, and so is naming the domain in the environment.
+#![allow(unsafe_code)] // Naming the domain in the environment is unsafe.
 //! The four stages as they are, each in a thread here: once warm, none of them allocates per frame.
 //!
 //! The transport does: iceoryx2 0.10 keeps each slot that it lends in a small box of its own, one a message, made when
 //! the slot is lent and freed when it is sent. Those are told apart by their size, and counted too.
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -41,8 +40,6 @@ thread_local! {
     static MEASURES: Cell<bool> = const { Cell::new(false) };
 }
 
-struct Counting;
-
 fn count(bytes: usize) {
     if MEASURES.get() {
         LENT.store(bytes, Ordering::Relaxed);
@@ -67,28 +64,12 @@ fn measure_a_loan() {
     drop(slot.expect("a slot"));
 }
 
-// SAFETY: every call goes to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: the caller's promise is the one that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
 #[test]
 fn no_stage_allocates_per_frame_once_warm() {
     let domain = format!("a{}", std::process::id());
     // SAFETY: nothing but the standard library, which locks it, looks at this process's environment.
     unsafe { std::env::set_var("LARIAT_DOMAIN", &domain) };
+    lariat_counting::watch(count);
     measure_a_loan();
     let mut settings = Settings::default();
     settings.sink.live = false;

@@ -1,8 +1,9 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
 #[path = "../drawing/mod.rs"]
 mod drawing;
 
+mod allocation;
 mod byte_order;
 mod classes;
 mod clusterings;

@@ -1,8 +1,9 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
 #[path = "../any_curve/mod.rs"]
 mod any_curve;
 
+mod allocation;
 mod choice;
 mod curve_measure;
 mod curve_shape;

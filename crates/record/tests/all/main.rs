@@ -1,7 +1,8 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
 #[path = "../made/mod.rs"]
 mod made;
 
+mod allocation;
 mod hostile_recordings;
 mod reading;

@@ -1,8 +1,9 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
 #[path = "../chain/mod.rs"]
 mod chain;
 
 mod accounting;
+mod allocation;
 mod report;
 mod truth;

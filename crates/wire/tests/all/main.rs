@@ -1,5 +1,6 @@
-//! All tests of the crate's public face in one program, which is built and linked once; what counts allocations has one of its own.
+//! All tests of the crate's public face in one program, which is built and linked once.
 
+mod allocation;
 mod channels;
 mod commands;
 mod image_writer;

@@ -1,13 +1,12 @@
-#![allow(unsafe_code)] // Allocations are counted.
 //! A camera through what happens to it.
 
 mod fake;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::io::Write;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
+
+use lariat_counting::allocations;
 
 use super::*;
 use fake::{Bench, DAMAGED, GOOD, SHORT, lock};
@@ -58,29 +57,6 @@ fn without_slots_a_frame_is_kept_until_it_is_asked_for() {
     }
 }
 
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise is the one that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
 #[test]
 fn a_frame_allocates_nothing_once_warm() {
     for (io, takes_lent) in [(Io::Auto, true), (Io::Mapped, true)] {
@@ -92,16 +68,16 @@ fn a_frame_allocates_nothing_once_warm() {
             hardware.queued.reserve(1000);
         }
         let mut shown = |count| {
-            let before = ALLOCATIONS.get();
+            let before = allocations();
             for _ in 0..count {
                 bench.expose(1, GOOD);
                 bench.shown();
             }
-            ALLOCATIONS.get() - before
+            allocations() - before
         };
         assert!(shown(20) > 0, "the counter counts");
-        let allocations = shown(200);
-        assert_eq!(allocations, 0, "{io:?}: {}", bench.said());
+        let allocated = shown(200);
+        assert_eq!(allocated, 0, "{io:?}: {}", bench.said());
     }
 }
 

@@ -1,34 +1,8 @@
 //! Once warm, recording a frame and all that belongs to it allocates nothing in the thread that reads channels.
-#![allow(unsafe_code)] // A global allocator cannot be written without; it only counts and hands on.
+use lariat_counting::allocations;
 
 use super::tests::{centerlines, drain_waiting, head, header, options};
 use super::*;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // A thread that is ending has no counter any more, and is not the one that is measured.
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promises are handed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promises are handed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_frame_allocates_nothing_once_warm() {
@@ -40,14 +14,14 @@ fn a_frame_allocates_nothing_once_warm() {
     let mut recorder = Recorder::new(intake, thread, &head(), options(16 << 20, false));
     let pixels = vec![0; 512 * 400];
     let shapes = Box::new(Descriptors::EMPTY);
-    let before_any = ALLOCATIONS.get();
+    let before_any = allocations();
     let mut warm = 0;
     for count in 1..=60 {
         let (seen, truth) = (centerlines(count), centerlines(count));
         if count == 11 {
-            warm = ALLOCATIONS.get();
+            warm = allocations();
         }
-        let own = ALLOCATIONS.get();
+        let own = allocations();
         recorder.frame(&header(count), &pixels).unwrap();
         recorder.mask(&header(count), &pixels).unwrap();
         recorder.centerlines(&seen).unwrap();
@@ -59,7 +33,7 @@ fn a_frame_allocates_nothing_once_warm() {
             drain_waiting(&outlet);
         }
         if count > 10 {
-            assert_eq!(ALLOCATIONS.get(), own, "frame {count}");
+            assert_eq!(allocations(), own, "frame {count}");
         }
     }
     assert!(warm > before_any, "nothing is counted");

@@ -1,33 +1,9 @@
-#![allow(unsafe_code)] // A counting allocator is an allocator.
 //! A reader that is open allocates nothing, whatever comes and whatever is asked of it.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::time::{Duration, Instant};
 
+use lariat_counting::allocations;
 use lariat_wire::*;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: all is handed on to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// What a controller asks in a tick, summed so that nothing is left out.
 fn control(reader: &mut Reader, deadline: Option<Instant>) -> f64 {
@@ -62,7 +38,6 @@ fn an_open_reader_allocates_nothing() {
     let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins)
         .expect("the only writer");
     let mut sum = 0.0;
-    let mut before = 0;
     let mut allocated = 0;
     for frame in 1..=200u32 {
         let mut slot = writer.slot().expect("a slot");
@@ -84,7 +59,7 @@ fn an_open_reader_allocates_nothing() {
         (line.count, line.points[1]) = (2, [3.0, 4.0]);
         slot.send().expect("sent");
         // The transport's own box of a message that is sent does not count.
-        COUNT.with(|count| before = count.get());
+        let before = allocations();
         if frame % 3 == 0 {
             sum += control(&mut reader, Some(Instant::now() + Duration::from_secs(10)));
             // Nothing comes: it sleeps.
@@ -94,7 +69,7 @@ fn an_open_reader_allocates_nothing() {
         sum += control(&mut reader, None);
         // The first frames take up the writer's end, and work out how control points err together.
         if frame > 2 {
-            allocated += COUNT.with(Cell::get) - before;
+            allocated += allocations() - before;
         }
     }
     assert!(sum.is_finite() && sum > 0.0);

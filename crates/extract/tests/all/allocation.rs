@@ -1,52 +1,11 @@
 //! Once warm, no frame allocates.
-//!
-//! The counting allocator needs `unsafe`: it only counts and passes on to the system's.
-#![allow(unsafe_code)]
 
-mod drawing;
-
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-use drawing::{Rope, Table, extractor};
+use crate::drawing::{Rope, Table, extractor};
+use lariat_counting::allocations;
 use lariat_extract::{
     Extractor, FuzzyMeans, Image, KMeans, Method, Mixture, Options, PixelFormat, Pixels, Run, Som,
     Start,
 };
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count() {
-    // A thread that is being torn down has no counter any more, and none is needed.
-    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
-}
-
-// SAFETY: every call is passed on unchanged to the system allocator, which keeps the contract.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller keeps `alloc`'s contract, which is the same.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System` with this layout, as all of ours do.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as for `dealloc`; the caller answers for the size.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Two ropes that move, one of them through itself.
 fn film() -> Vec<Vec<u8>> {
@@ -93,9 +52,9 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
         curves
     };
     run_masked(&frames);
-    let before = COUNT.get();
+    let before = allocations();
     assert_eq!(run_masked(&frames), 80);
-    assert_eq!(COUNT.get() - before, 0, "with masks from elsewhere");
+    assert_eq!(allocations() - before, 0, "with masks from elsewhere");
 
     let mut run = |frames: &[Vec<u8>]| {
         let mut curves = 0;
@@ -106,9 +65,9 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
         curves
     };
     run(&frames);
-    let before = COUNT.get();
+    let before = allocations();
     assert_eq!(run(&frames), 80);
-    assert_eq!(COUNT.get() - before, 0);
+    assert_eq!(allocations() - before, 0);
 }
 
 #[test]
@@ -128,13 +87,13 @@ fn no_frame_of_a_clustering_allocates_after_preparation() {
         };
         let mut extractor = Extractor::new(options).expect("the options are valid");
         extractor.prepare(320, 240);
-        let before = COUNT.get();
+        let before = allocations();
         let mut curves = 0;
         for rgb in &frames[..most] {
             let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
             curves += extractor.extract(&image).curves.len();
         }
-        let grown = COUNT.get() - before;
+        let grown = allocations() - before;
         assert!(curves >= 2 * most, "{method}: {curves}");
         assert_eq!(grown, 0, "{method}");
     }
@@ -158,9 +117,9 @@ fn no_frame_without_a_clear_rope_allocates_after_preparation() {
     extractor.prepare(320, 240);
     for rgb in &frames {
         let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
-        let before = COUNT.get();
+        let before = allocations();
         let scene = extractor.extract(&image);
-        let grown = COUNT.get() - before;
+        let grown = allocations() - before;
         assert_eq!((scene.curves.len(), grown), (0, 0), "{:?}", scene.notice);
     }
 }
@@ -202,7 +161,7 @@ fn no_clustering_allocates_once_warm() {
         fuzzy.run(&frames[11], Start::Seeded(1), &mut centers);
     };
     run();
-    let before = COUNT.get();
+    let before = allocations();
     run();
-    assert_eq!(COUNT.get() - before, 0);
+    assert_eq!(allocations() - before, 0);
 }

@@ -1,47 +1,9 @@
 //! A fit allocates nothing, whatever is asked for; nor does a filter or a curve.
-#![allow(unsafe_code)] // A global allocator cannot be written without; it only counts and hands on.
-
+use lariat_counting::allocations;
 use lariat_fit::{
     Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Line, MAX_CONTROL_POINTS,
     Noise, Options, RationalFitter, Resampler, Rho, Solver, SteadySize, Tolerance, Weights,
 };
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // A thread that is ending has no counter any more, and is not the one that is measured.
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promises are handed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promises are handed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-fn allocations() -> usize {
-    ALLOCATIONS.with(Cell::get)
-}
-
-#[test]
-fn the_counter_counts() {
-    let before = allocations();
-    std::hint::black_box(vec![0u8; 100]);
-    assert_eq!(allocations() - before, 1);
-}
 
 #[test]
 fn a_fit_allocates_nothing() {

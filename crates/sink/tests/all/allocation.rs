@@ -1,42 +1,7 @@
-//! A sink allocates nothing for a message once it is made. Counted for the test's own thread: the
-//! harness allocates on its own when it likes.
-#![allow(unsafe_code)] // A global allocator is an unsafe trait; this one counts and passes everything on.
-
-#[allow(dead_code, reason = "each test binary uses a part of it")]
-mod chain;
-
-use chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
+//! A sink allocates nothing for a message once it is made.
+use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
+use lariat_counting::allocations;
 use lariat_sink::{FinalCounts, Options, Sink};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-struct Counting;
-
-thread_local! {
-    // A constant without a destructor: it takes no memory from the allocator itself.
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-fn allocations() -> u64 {
-    ALLOCATIONS.get()
-}
-
-// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller keeps alloc's contract, which is the same.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer came from `System` with this layout.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_message_allocates() {
@@ -54,8 +19,8 @@ fn no_message_allocates() {
     let mut centerlines = centerlines(lariat_message::Trace::EMPTY, &[]);
     let mut descriptors = descriptors(lariat_message::Trace::EMPTY, &[]);
     let full = (
-        chain::centerlines(lariat_message::Trace::EMPTY, &ropes),
-        chain::descriptors(lariat_message::Trace::EMPTY, &curves),
+        crate::chain::centerlines(lariat_message::Trace::EMPTY, &ropes),
+        crate::chain::descriptors(lariat_message::Trace::EMPTY, &curves),
     );
     let mut before = 0;
     for number in 0..400u64 {

@@ -1,0 +1,34 @@
+//! Reading allocates for a chunk at most, not for a message.
+
+use lariat_counting::allocations;
+use lariat_record::{Recording, Span};
+use mcap::Compression;
+
+#[test]
+fn a_message_costs_no_allocation_once_warm() {
+    // lz4's decoder is made anew for each chunk; what else there is, is kept.
+    for (compression, per_chunk) in [
+        (None, 0),
+        (Some(Compression::Zstd), 0),
+        (Some(Compression::Lz4), 2),
+    ] {
+        let (chunks, frames) = (6, 20);
+        let recording =
+            Recording::from_bytes(crate::made::rig(compression, chunks, frames)).unwrap();
+        let mut messages = recording.messages(Span::default()).unwrap();
+        // Two chunks make it warm.
+        let next = |messages: &mut lariat_record::Messages, count| {
+            for _ in 0..count {
+                assert!(messages.next().unwrap().is_some());
+            }
+        };
+        next(&mut messages, 2 * frames * 5);
+        let before = allocations();
+        next(&mut messages, (chunks - 2) * frames * 5);
+        let allocated = allocations() - before;
+        assert!(
+            allocated <= (chunks - 2) * per_chunk,
+            "{compression:?}: {allocated}"
+        );
+    }
+}
