@@ -1,7 +1,7 @@
 //! A descriptor as the JSON object that `lariat trace` and `lariat fit` print.
 
 use lariat_fit::{Basis, Curve, Fit};
-use lariat_wire::Unit;
+use lariat_wire::FitQuality;
 use serde::Serialize;
 
 /// The keys are part of what users build on.
@@ -47,7 +47,11 @@ impl Quality {
     /// `width` is in the points' unit.
     pub(crate) fn of(fit: &Fit, is_good: bool, width: f64) -> Self {
         Self {
-            fit: if is_good { "good" } else { "coarse" },
+            fit: if is_good {
+                FitQuality::Good.name()
+            } else {
+                FitQuality::Coarse.name()
+            },
             rms_widths: fit.rms_px / width,
             worst_widths: fit.max_px / width,
         }
@@ -59,15 +63,6 @@ impl Quality {
 pub(crate) struct Measure {
     pub(crate) unit: &'static str,
     pub(crate) length: f64,
-}
-
-/// A unit's name in JSON and in tables.
-pub(crate) fn unit_name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Pixel => "px",
-        Unit::Millimeter => "mm",
-        Unit::IdealPixel => "ideal px",
-    }
 }
 
 impl Descriptor {

@@ -7,7 +7,6 @@ mod overlay;
 mod report;
 mod tracer;
 
-use crate::descriptor_json::unit_name;
 use crate::fit_lines::is_closed;
 use crate::trace::frames::Input;
 use crate::trace::overlay::Overlays;
@@ -185,7 +184,7 @@ impl Printer {
         let names: Vec<PathBuf> = names.collect();
         Self {
             json,
-            table: Table::new(&names, unit_name(unit)),
+            table: Table::new(&names, unit.name()),
             output: io::BufWriter::new(io::stdout().lock()),
         }
     }

@@ -215,13 +215,14 @@ fn basis_of(
         knots,
     };
     let families = [
-        ("bezier", Basis::Bezier { order }),
-        ("bspline", spline),
-        ("rational", Basis::RationalBezier { order }),
-        ("fourier", fourier),
-        ("points", Basis::FeaturePoints { count: order + 1 }),
-        ("mass", Basis::CenterOfMass),
-    ];
+        Basis::Bezier { order },
+        spline,
+        Basis::RationalBezier { order },
+        fourier,
+        Basis::FeaturePoints { count: order + 1 },
+        Basis::CenterOfMass,
+    ]
+    .map(|family| (family.name(), family));
     let family = named("basis", name, families)?;
     Ok(if closed { fourier } else { family })
 }

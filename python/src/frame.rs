@@ -74,7 +74,7 @@ impl Frame {
     /// What ropes are measured in: `"px"`, `"mm"` on the plane, `"ideal px"` of an image without distortion.
     #[getter]
     pub(crate) fn unit(&self) -> Option<&'static str> {
-        unit_name(self.frame().message()?.unit())
+        self.frame().message()?.unit().map(Unit::name)
     }
 
     /// The frame's way through the chain; `None` before the first message.
@@ -156,13 +156,4 @@ impl Frame {
             .import("lariat._drawing")?
             .call_method1("frame", (this,))
     }
-}
-
-/// The name of a unit.
-fn unit_name(unit: Option<Unit>) -> Option<&'static str> {
-    unit.map(|unit| match unit {
-        Unit::Pixel => "px",
-        Unit::Millimeter => "mm",
-        Unit::IdealPixel => "ideal px",
-    })
 }

@@ -81,10 +81,6 @@ impl Rope {
             .and_then(|message| message.centerlines().get(self.index))
             .unwrap_or(NONE)
     }
-
-    fn count(&self) -> usize {
-        self.descriptor().control_points().len()
-    }
 }
 
 #[pymethods]
@@ -149,46 +145,32 @@ impl Rope {
     /// Covariance of each control point's coordinates, rows of xx, xy, yy.
     #[getter]
     fn covariances<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
-        views::rows(this, |rope| &rope.descriptor().covariances[..rope.count()])
+        views::rows(this, |rope| rope.descriptor().covariances())
     }
 
     /// Velocity of each control point, units a second; `None` unless the chain filters them (`--filter`).
     #[getter]
     fn velocities<'py>(this: &Bound<'py, Self>) -> Option<Bound<'py, PyArray<f64, Ix2>>> {
         let is_filtered = this.get().descriptor().filtered == 1;
-        is_filtered.then(|| views::rows(this, |rope| &rope.descriptor().velocities[..rope.count()]))
+        is_filtered.then(|| views::rows(this, |rope| rope.descriptor().velocities()))
     }
 
     /// Weights of the control points: those of a rational curve, else 1.
     #[getter]
     fn weights<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix1>> {
-        views::row(this, |rope| &rope.descriptor().weights[..rope.count()])
+        views::row(this, |rope| rope.descriptor().weights())
     }
 
     /// The inner knots of a B-spline, ascending between 0 and 1; none of other curves.
     #[getter]
     fn knots<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix1>> {
-        views::row(this, |rope| {
-            let descriptor = rope.descriptor();
-            let is_spline = descriptor.basis() == Some(Basis::BSpline);
-            let inner = rope
-                .count()
-                .saturating_sub((descriptor.order as usize).saturating_add(1));
-            &descriptor.knots[..if is_spline { inner } else { 0 }]
-        })
+        views::row(this, |rope| rope.descriptor().inner_knots())
     }
 
     /// The family of curves: `"bezier"`, `"bspline"`, `"rational"`, `"fourier"`, `"points"` or `"mass"`.
     #[getter]
     fn basis(&self) -> Option<&'static str> {
-        self.descriptor().basis().map(|basis| match basis {
-            Basis::Bezier => "bezier",
-            Basis::BSpline => "bspline",
-            Basis::RationalBezier => "rational",
-            Basis::Fourier => "fourier",
-            Basis::FeaturePoints => "points",
-            Basis::CenterOfMass => "mass",
-        })
+        self.descriptor().basis().map(Basis::name)
     }
 
     /// Degree of the curve; of a Fourier series the number of its harmonics.

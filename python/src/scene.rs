@@ -1,7 +1,7 @@
 //! What is seen in one picture, as Python has it: curves, crossings, doubts.
 
 use crate::views;
-use lariat_extract::{CrossingSequence, Status};
+use lariat_extract::CrossingSequence;
 use numpy::PyArray;
 use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
@@ -157,12 +157,7 @@ impl Curve {
     /// How much of the rope is seen: `"ok"`, `"partial"` or `"lost"`; `"doubtful"`: it may be no rope.
     #[getter]
     fn status(&self) -> &'static str {
-        match self.seen().status {
-            Status::Ok => "ok",
-            Status::Partial => "partial",
-            Status::Lost => "lost",
-            Status::Doubtful => "doubtful",
-        }
+        self.seen().status.name()
     }
 
     /// Whether the rope has no ends. The last point is then one step before the first.

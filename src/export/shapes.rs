@@ -1,6 +1,5 @@
 //! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print, and all that stands beside them.
 
-use crate::descriptor_json::unit_name;
 use lariat_wire::{
     Basis, CenterlinePoints, Descriptor, Descriptors, FitQuality, Status, Trace, Unit,
 };
@@ -101,8 +100,6 @@ impl<'a> FrameObject<'a> {
 
 impl<'a> CurveObject<'a> {
     fn of(curve: &'a Descriptor, points: &'a CenterlinePoints, unit: &'static str) -> Self {
-        let control_points = curve.control_points();
-        let count = control_points.len();
         let is_rational = curve.basis() == Some(Basis::RationalBezier);
         let is_filtered = curve.filtered != 0;
         Self {
@@ -115,9 +112,9 @@ impl<'a> CurveObject<'a> {
             samples: curve.samples,
             basis: basis(curve),
             order: curve.order,
-            control_points,
-            weights: &curve.weights[..if is_rational { count } else { 0 }],
-            knots: knots(curve),
+            control_points: curve.control_points(),
+            weights: if is_rational { curve.weights() } else { &[] },
+            knots: curve.all_knots().collect(),
             fit: fit(curve),
             rms: curve.rms,
             max: curve.max,
@@ -126,8 +123,8 @@ impl<'a> CurveObject<'a> {
             unit,
             length: curve.length,
             width: curve.width,
-            covariances: &curve.covariances[..count],
-            velocities: &curve.velocities[..if is_filtered { count } else { 0 }],
+            covariances: curve.covariances(),
+            velocities: if is_filtered { curve.velocities() } else { &[] },
             centerline: points.points(),
             widths: points.widths(),
         }
@@ -136,7 +133,7 @@ impl<'a> CurveObject<'a> {
 
 /// What a message's curves come in.
 pub(super) fn unit(message: &Descriptors) -> &'static str {
-    unit_name(message.unit().unwrap_or(Unit::Pixel))
+    message.unit().unwrap_or(Unit::Pixel).name()
 }
 
 /// What is known of a rope.
@@ -151,26 +148,5 @@ pub(super) fn fit(curve: &Descriptor) -> &'static str {
 
 /// The name of a curve's family, as settings have it.
 pub(super) fn basis(curve: &Descriptor) -> &'static str {
-    match curve.basis() {
-        Some(Basis::Bezier) => "bezier",
-        Some(Basis::BSpline) => "bspline",
-        Some(Basis::RationalBezier) => "rational",
-        Some(Basis::Fourier) => "fourier",
-        Some(Basis::FeaturePoints) => "points",
-        Some(Basis::CenterOfMass) => "mass",
-        None => "unknown",
-    }
-}
-
-/// A B-spline's knots, from 0 to 1, all of them.
-fn knots(curve: &Descriptor) -> Vec<f64> {
-    let (count, order) = (curve.control_points().len(), curve.order as usize);
-    let inner = match (curve.basis(), count.checked_sub(order + 1)) {
-        (Some(Basis::BSpline), Some(inner)) => &curve.knots[..inner],
-        _ => return Vec::new(),
-    };
-    let mut knots = vec![0.0; order + 1];
-    knots.extend(inner);
-    knots.resize(count + order + 1, 1.0);
-    knots
+    curve.basis().map_or("unknown", Basis::name)
 }

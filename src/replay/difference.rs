@@ -174,7 +174,7 @@ impl Comparer {
         }
     }
 
-    fn descriptor(&mut self, rope: usize, recorded: &Descriptor, now: &Descriptor) {
+    fn descriptor<'a>(&mut self, rope: usize, recorded: &'a Descriptor, now: &'a Descriptor) {
         let words = |of: &Descriptor| {
             [
                 ("track", u64::from(of.track)),
@@ -214,22 +214,18 @@ impl Comparer {
         for ((name, recorded), (_, now)) in numbers(recorded).into_iter().zip(numbers(now)) {
             self.number(|| format!("rope {rope}, {name}"), recorded, now);
         }
-        let count = recorded.control_points().len();
-        self.list(rope, "weight", &recorded.weights, &now.weights, count);
-        let inner = count.saturating_sub(recorded.order as usize + 1);
-        let has_knots = recorded.basis() == Some(lariat_wire::Basis::BSpline);
-        let knots = if has_knots { inner } else { 0 };
-        self.list(rope, "knot", &recorded.knots, &now.knots, knots);
-        let flat = [&recorded.covariances, &now.covariances].map(|c| c.as_flattened());
-        self.list(rope, "covariance", flat[0], flat[1], 3 * count);
-        let flat = [&recorded.velocities, &now.velocities].map(|v| v.as_flattened());
-        self.list(rope, "velocity", flat[0], flat[1], 2 * count);
-    }
-
-    fn list(&mut self, rope: usize, name: &str, recorded: &[f64], now: &[f64], count: usize) {
-        let pairs = recorded.iter().zip(now).take(count).enumerate();
-        for (i, (recorded, now)) in pairs {
-            self.number(|| format!("rope {rope}, {name} {i}"), *recorded, *now);
+        let lists = |of: &'a Descriptor| {
+            [
+                ("weight", of.weights()),
+                ("knot", of.inner_knots()),
+                ("covariance", of.covariances().as_flattened()),
+                ("velocity", of.velocities().as_flattened()),
+            ]
+        };
+        for ((name, recorded), (_, now)) in lists(recorded).into_iter().zip(lists(now)) {
+            for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
+                self.number(|| format!("rope {rope}, {name} {i}"), *recorded, *now);
+            }
         }
     }
 

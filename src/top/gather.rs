@@ -5,14 +5,13 @@ use std::time::Instant;
 
 use lariat_sink::{Arrival, Ledger, points_along};
 use lariat_wire::{
-    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, FitQuality, Member, Receiver, Rig, Status,
-    Trace, Unit, WireError, members,
+    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, FitQuality, Member, Receiver, Rig, Trace,
+    Unit, WireError, members,
 };
 
 use super::processes::Processes;
 use super::recent::Recent;
-use super::view::{Losses, Rope, Seen, Shape, StageRow, View};
-use crate::descriptor_json::unit_name;
+use super::view::{Losses, Rope, Shape, StageRow, View};
 use lariat_chain::stop::Stop;
 
 /// How often the processes are looked at, and which rigs there are.
@@ -321,7 +320,7 @@ impl Look {
             frame: newest.trace.sequence,
             width: newest.width,
             height: newest.height,
-            unit: unit.map_or("?", unit_name),
+            unit: unit.map_or("?", Unit::name),
             is_of_image: unit == Some(Unit::Pixel),
             age_s: age_ns as f64 / 1e9,
             ropes: newest.curves().iter().map(rope).collect(),
@@ -347,23 +346,9 @@ fn rope(descriptor: &Descriptor) -> Rope {
     }
     Rope {
         track: descriptor.track,
-        status: match descriptor.status() {
-            Some(Status::Ok) => Seen::Ok,
-            Some(Status::Partial) => Seen::Partial,
-            Some(Status::Doubtful) => Seen::Doubtful,
-            Some(Status::Lost) => Seen::Lost,
-            None => Seen::Unknown,
-        },
+        status: descriptor.status(),
         is_closed: descriptor.closed != 0,
-        basis: match descriptor.basis() {
-            Some(Basis::Bezier) => "bezier",
-            Some(Basis::BSpline) => "bspline",
-            Some(Basis::RationalBezier) => "rational",
-            Some(Basis::Fourier) => "fourier",
-            Some(Basis::FeaturePoints) => "points",
-            Some(Basis::CenterOfMass) => "mass",
-            None => "?",
-        },
+        basis: descriptor.basis().map_or("?", Basis::name),
         order: descriptor.order,
         length: descriptor.length,
         rms: descriptor.rms,

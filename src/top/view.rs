@@ -1,6 +1,7 @@
 //! What the screen shows, as plain figures: whoever draws it asks nobody.
 
 use lariat_sink::Step;
+use lariat_wire::Status;
 
 /// A screenful.
 #[derive(Debug, Clone, Default)]
@@ -75,7 +76,8 @@ pub(super) struct Shape {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rope {
     pub(super) track: u32,
-    pub(super) status: Seen,
+    /// `None`: one that this release does not know.
+    pub(super) status: Option<Status>,
     pub(super) is_closed: bool,
     pub(super) basis: &'static str,
     pub(super) order: u32,
@@ -88,16 +90,4 @@ pub(super) struct Rope {
     pub(super) control_points: Vec<[f64; 2]>,
     /// Along the curve; none, if the descriptor means no curve.
     pub(super) points: Vec<[f64; 2]>,
-}
-
-/// What is known of a rope.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) enum Seen {
-    #[default]
-    Ok,
-    Partial,
-    Doubtful,
-    Lost,
-    /// A status that this release does not know.
-    Unknown,
 }

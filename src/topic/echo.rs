@@ -60,58 +60,5 @@ impl Meter for Echo {
     }
 }
 
-/// What a number of the contract stands for, as users know it; the number itself, if this release does not know it.
-fn word<T>(known: Option<T>, name: impl FnOnce(T) -> &'static str, code: u32) -> String {
-    known.map_or_else(|| code.to_string(), |value| name(value).to_owned())
-}
-
-fn status(code: u32) -> String {
-    use lariat_wire::Status;
-    word(Status::from_code(code), Status::name, code)
-}
-
-fn fit(code: u32) -> String {
-    use lariat_wire::FitQuality;
-    word(FitQuality::from_code(code), FitQuality::name, code)
-}
-
-fn basis(code: u32) -> String {
-    use lariat_wire::Basis;
-    word(
-        Basis::from_code(code),
-        |basis| match basis {
-            Basis::Bezier => "bezier",
-            Basis::BSpline => "bspline",
-            Basis::RationalBezier => "rational",
-            Basis::Fourier => "fourier",
-            Basis::FeaturePoints => "points",
-            Basis::CenterOfMass => "mass",
-        },
-        code,
-    )
-}
-
-fn unit(code: u32) -> String {
-    let unit = lariat_wire::Unit::from_code(code);
-    word(unit, crate::descriptor_json::unit_name, code)
-}
-
-fn pixel_format(code: u32) -> String {
-    use lariat_wire::PixelFormat;
-    word(PixelFormat::from_code(code), PixelFormat::name, code)
-}
-
-fn source(code: u32) -> String {
-    use lariat_wire::SourceKind;
-    let kinds = [
-        (SourceKind::Rendered, "rendered"),
-        (SourceKind::Files, "files"),
-        (SourceKind::Video, "video"),
-        (SourceKind::Camera, "camera"),
-    ];
-    let known = kinds.into_iter().find(|(kind, _)| *kind as u32 == code);
-    word(known, |(_, name)| name, code)
-}
-
 #[cfg(test)]
 mod tests;

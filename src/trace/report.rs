@@ -4,7 +4,7 @@ use crate::descriptor_json::{Descriptor, thousandths};
 use crate::trace::frames::Shown;
 use lariat_chain::doubts;
 use lariat_chain::layout::{self, Column, hanging};
-use lariat_extract::{Crossing, CrossingSequence, Scene, Status};
+use lariat_extract::{Crossing, CrossingSequence, Scene};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -101,16 +101,6 @@ impl Timing {
     }
 }
 
-/// How a curve's status is written.
-fn status_name(status: Status) -> &'static str {
-    match status {
-        Status::Ok => "ok",
-        Status::Partial => "partial",
-        Status::Lost => "lost",
-        Status::Doubtful => "doubtful",
-    }
-}
-
 impl Report {
     /// What was seen in a picture, of which the extractor's own begins at `origin`, with a descriptor of each curve.
     pub(super) fn of(
@@ -169,7 +159,7 @@ fn curve_report(
     let rounded = |x: &f32| thousandths((*x).into());
     CurveReport {
         track: curve.track,
-        status: status_name(curve.status),
+        status: curve.status.name(),
         closed: curve.closed,
         border: curve.border,
         length_px: rounded(&curve.length_px),

@@ -1,6 +1,6 @@
 //! The pipeline, handed pictures, with a clock that times its steps.
 
-use crate::descriptor_json::{Descriptor, Measure, Quality, unit_name};
+use crate::descriptor_json::{Descriptor, Measure, Quality};
 use crate::trace::frames::{Input, Shown};
 use crate::trace::masks::Masks;
 use crate::trace::report::{NoticeReport, Report, Timing};
@@ -161,7 +161,7 @@ fn describe(
     settings: &settings::Fit,
     seen: &Centerlines,
 ) -> Result<(Vec<Descriptor>, Vec<NoticeReport>)> {
-    let unit = unit_name(curves.unit());
+    let unit = curves.unit().name();
     let mut described = lariat_wire::Descriptor::EMPTY;
     let mut descriptors = Vec::with_capacity(seen.curves().len());
     let mut coarse = Vec::new();

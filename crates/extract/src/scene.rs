@@ -19,6 +19,18 @@ pub enum Status {
     Doubtful,
 }
 
+impl Status {
+    /// Its name in text and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Partial => "partial",
+            Self::Lost => "lost",
+            Self::Doubtful => "doubtful",
+        }
+    }
+}
+
 /// The centerline of one rope.
 ///
 /// Positions are in pixels: x to the right, y down, (0, 0) the centre of the top-left pixel.

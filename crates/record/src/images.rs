@@ -22,39 +22,28 @@ pub const COMPRESSED_IMAGE: Schema = schema!(
     "builtin_interfaces/Time" = "Time.msg"
 );
 
-/// The field's name of a pixel format, as in `sensor_msgs/image_encodings`.
+/// The field's name of a pixel format, as in `sensor_msgs/image_encodings`: ours but for a few.
 const fn encoding(format: PixelFormat) -> &'static str {
     match format {
         PixelFormat::Gray8 => "mono8",
-        PixelFormat::Rgb8 => "rgb8",
-        PixelFormat::Bgr8 => "bgr8",
-        PixelFormat::Yuyv => "yuv422_yuy2",
-        PixelFormat::Uyvy => "uyvy",
-        PixelFormat::Nv12 => "nv12",
-        PixelFormat::Bgra8 => "bgra8",
         PixelFormat::Gray16 => "mono16",
-        PixelFormat::BayerRggb8 => "bayer_rggb8",
-        PixelFormat::BayerBggr8 => "bayer_bggr8",
-        PixelFormat::BayerGrbg8 => "bayer_grbg8",
-        PixelFormat::BayerGbrg8 => "bayer_gbrg8",
+        PixelFormat::Yuyv => "yuv422_yuy2",
+        other => other.name(),
     }
 }
 
-fn format_of(encoding: &str) -> Option<PixelFormat> {
-    Some(match encoding {
-        "mono8" | "8UC1" => PixelFormat::Gray8,
-        "rgb8" => PixelFormat::Rgb8,
-        "bgr8" | "8UC3" => PixelFormat::Bgr8,
-        "yuv422_yuy2" | "yuyv" => PixelFormat::Yuyv,
-        "yuv422" | "uyvy" => PixelFormat::Uyvy,
-        "nv12" => PixelFormat::Nv12,
-        "bgra8" | "8UC4" => PixelFormat::Bgra8,
-        "mono16" | "16UC1" => PixelFormat::Gray16,
-        "bayer_rggb8" => PixelFormat::BayerRggb8,
-        "bayer_bggr8" => PixelFormat::BayerBggr8,
-        "bayer_grbg8" => PixelFormat::BayerGrbg8,
-        "bayer_gbrg8" => PixelFormat::BayerGbrg8,
-        _ => return None,
+fn format_of(name: &str) -> Option<PixelFormat> {
+    let known = PixelFormat::ALL
+        .into_iter()
+        .find(|format| encoding(*format) == name);
+    known.or(match name {
+        "8UC1" => Some(PixelFormat::Gray8),
+        "8UC3" => Some(PixelFormat::Bgr8),
+        "8UC4" => Some(PixelFormat::Bgra8),
+        "16UC1" => Some(PixelFormat::Gray16),
+        "yuyv" => Some(PixelFormat::Yuyv),
+        "yuv422" => Some(PixelFormat::Uyvy),
+        _ => None,
     })
 }
 

@@ -1,7 +1,7 @@
 //! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
 
 use lariat_message::{
-    Basis, CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader,
+    CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader,
     MAX_POINTS, Trace,
 };
 
@@ -178,20 +178,8 @@ impl Cdr for Centerlines {
     }
 }
 
-/// How many inner knots are meant: those of a B-spline.
-fn inner_knots(descriptor: &Descriptor) -> usize {
-    if descriptor.basis() != Some(Basis::BSpline) {
-        return 0;
-    }
-    let count = descriptor.control_points().len();
-    count
-        .saturating_sub(descriptor.order as usize)
-        .saturating_sub(1)
-}
-
 impl Cdr for Descriptor {
     fn put(&self, to: &mut Encoder) {
-        let count = self.control_points().len();
         for word in [
             self.track,
             self.status,
@@ -218,10 +206,10 @@ impl Cdr for Descriptor {
         }
         self.age_ns.put(to);
         to.sequence(self.control_points());
-        to.sequence(&self.weights[..count]);
-        to.sequence(&self.covariances[..count]);
-        to.sequence(&self.velocities[..count]);
-        to.sequence(&self.knots[..inner_knots(self)]);
+        to.sequence(self.weights());
+        to.sequence(self.covariances());
+        to.sequence(self.velocities());
+        to.sequence(self.inner_knots());
     }
 
     fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
@@ -260,7 +248,7 @@ impl Cdr for Descriptor {
             from.sequence(&mut self.velocities)?,
         ];
         let knots = from.sequence(&mut self.knots)?;
-        if others != [self.count; 3] || knots as usize != inner_knots(self) {
+        if others != [self.count; 3] || knots as usize != self.inner_knots().len() {
             return Err(CdrError::Uneven);
         }
         Ok(())

@@ -26,15 +26,14 @@ fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option
     let basis = match descriptor.basis()? {
         wire::Basis::Bezier => fit::Basis::Bezier { order },
         wire::Basis::RationalBezier => {
-            weights = &descriptor.weights[..count];
+            weights = descriptor.weights();
             fit::Basis::RationalBezier { order }
         }
         wire::Basis::BSpline => {
-            let inner = count.checked_sub(order + 1)?;
-            total = count + order + 1;
-            knots[..=order].fill(0.0);
-            knots[order + 1..count].copy_from_slice(&descriptor.knots[..inner]);
-            knots[count..total].fill(1.0);
+            for (to, knot) in knots.iter_mut().zip(descriptor.all_knots()) {
+                *to = knot;
+                total += 1;
+            }
             fit::Basis::BSpline {
                 degree: order,
                 control_points: count,

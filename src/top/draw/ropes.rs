@@ -1,6 +1,7 @@
 //! The ropes themselves, in Braille: eight dots a character, so that a terminal of 80 columns is an image of 100 pixels.
 
 use lariat_sink::Figure;
+use lariat_wire::Status;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style};
@@ -10,7 +11,7 @@ use ratatui::widgets::canvas::{self, Canvas, Context, Rectangle};
 use ratatui::widgets::{Block, Paragraph};
 
 use super::{BAD, BOLD, DIM, DOUBTFUL, GOOD};
-use crate::top::view::{Rope, Seen, Shape};
+use crate::top::view::{Rope, Shape};
 
 /// Colors by the rope's number, so that a rope keeps its own.
 const COLORS: [Color; 6] = [
@@ -115,7 +116,7 @@ fn paint(context: &mut Context, shape: &Shape) {
 
 fn color(rope: &Rope) -> Color {
     match rope.status {
-        Seen::Lost => Color::DarkGray,
+        Some(Status::Lost) => Color::DarkGray,
         _ => COLORS[rope.track as usize % COLORS.len()],
     }
 }
@@ -147,12 +148,15 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
 }
 
 fn heading(rope: &Rope) -> Line<'static> {
-    let (word, style) = match rope.status {
-        Seen::Ok => ("ok".to_owned(), GOOD),
-        Seen::Partial => ("partial".to_owned(), DOUBTFUL),
-        Seen::Doubtful => ("doubtful".to_owned(), DOUBTFUL),
-        Seen::Lost => (format!("lost for {:.1} s", rope.age_s), BAD),
-        Seen::Unknown => ("?".to_owned(), BAD),
+    let style = match rope.status {
+        Some(Status::Ok) => GOOD,
+        Some(Status::Partial | Status::Doubtful) => DOUBTFUL,
+        Some(Status::Lost) | None => BAD,
+    };
+    let name = rope.status.map_or("?", Status::name);
+    let word = match rope.status {
+        Some(Status::Lost) => format!("{name} for {:.1} s", rope.age_s),
+        _ => name.to_owned(),
     };
     let mut line = Line::from(vec![
         Span::styled(format!("rope {}  ", rope.track), BOLD.fg(color(rope))),

@@ -1,11 +1,12 @@
 //! What stands on the screen, drawn into memory.
 
 use lariat_sink::Step;
+use lariat_wire::Status;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 
 use super::*;
-use crate::top::view::{Losses, Rope, Seen, Shape, StageRow, StepRow};
+use crate::top::view::{Losses, Rope, Shape, StageRow, StepRow};
 
 fn screen(view: &View, width: u16, height: u16) -> String {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("memory");
@@ -21,12 +22,12 @@ fn screen(view: &View, width: u16, height: u16) -> String {
 }
 
 /// A rope in the shape of a parabola, with the control points of that curve.
-fn rope(track: u32, status: Seen) -> Rope {
+fn rope(track: u32, status: Status) -> Rope {
     let y = |x: f64| 400.0 - (x - 320.0) * (x - 320.0) / 250.0;
     let points = (0..100).map(|i| 60.0 + 5.2 * f64::from(i));
     Rope {
         track,
-        status,
+        status: Some(status),
         basis: "bezier",
         order: 2,
         length: 761.23,
@@ -86,7 +87,7 @@ fn view() -> View {
             unit: "px",
             is_of_image: true,
             age_s: 0.012,
-            ropes: vec![rope(0, Seen::Ok)],
+            ropes: vec![rope(0, Status::Ok)],
             reach: [0.0; 4],
         }),
         ..View::default()
@@ -105,7 +106,7 @@ fn more_room_is_the_picture_s() {
     shape.ropes.push(Rope {
         points: vec![[100.0, 60.0], [500.0, 60.0]],
         control_points: vec![[100.0, 60.0], [500.0, 60.0]],
-        ..rope(7, Seen::Lost)
+        ..rope(7, Status::Lost)
     });
     view.is_paused = true;
     view.is_lossless = true;
@@ -117,7 +118,7 @@ fn a_coarse_curve_and_a_doubtful_rope_stand_out() {
     let mut view = view();
     let shape = view.shape.as_mut().expect("there");
     shape.ropes[0].is_coarse = true;
-    shape.ropes.push(rope(1, Seen::Doubtful));
+    shape.ropes.push(rope(1, Status::Doubtful));
     let mut terminal = Terminal::new(TestBackend::new(80, 24)).expect("memory");
     terminal
         .draw(|frame| super::draw(frame, &view))
@@ -149,7 +150,7 @@ fn a_camera_that_is_gone_and_a_chain_that_is_silent_are_told() {
     let mut view = view();
     let shape = view.shape.as_mut().expect("there");
     (shape.width, shape.height, shape.age_s) = (0, 0, 7.2);
-    shape.ropes[0].status = Seen::Lost;
+    shape.ropes[0].status = Some(Status::Lost);
     shape.reach = [60.0, 100.0, 600.0, 700.0];
     view.steps.clear();
     let screen = screen(&view, 80, 24);

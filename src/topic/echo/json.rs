@@ -1,13 +1,15 @@
 //! A message as a JSON object on one line: the fields of the message by their names, enumerations as words, arrays as far
 //! as they are meant. Numbers are written so that they read back to the last bit.
 
+use std::borrow::Cow;
+
 use anyhow::Result;
 use lariat_wire::{
-    CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader, Trace,
+    Basis, CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FitQuality,
+    FrameHeader, PixelFormat, SourceKind, Status, Trace, Unit,
 };
 use serde::Serialize;
 
-use super::{basis, fit, pixel_format, source, status, unit};
 use crate::topic::probe::Any;
 
 #[derive(Serialize)]
@@ -25,8 +27,8 @@ struct Line<'a> {
 enum Rest<'a> {
     Image {
         stride: u32,
-        pixel_format: String,
-        source: String,
+        pixel_format: Cow<'static, str>,
+        source: Cow<'static, str>,
         /// Of the pixels, which are left out.
         bytes: usize,
     },
@@ -35,7 +37,7 @@ enum Rest<'a> {
         crossings: Vec<CrossingFields>,
     },
     Descriptors {
-        unit: String,
+        unit: Cow<'static, str>,
         curves: Vec<DescriptorFields<'a>>,
     },
 }
@@ -57,7 +59,7 @@ struct TraceFields {
 #[derive(Serialize)]
 struct CurveFields<'a> {
     track: u32,
-    status: String,
+    status: Cow<'static, str>,
     closed: bool,
     /// Whether its first and its last end leave the image.
     border: [bool; 2],
@@ -83,8 +85,8 @@ struct CrossingFields {
 #[derive(Serialize)]
 struct DescriptorFields<'a> {
     track: u32,
-    status: String,
-    basis: String,
+    status: Cow<'static, str>,
+    basis: Cow<'static, str>,
     order: u32,
     samples: u32,
     closed: bool,
@@ -98,7 +100,7 @@ struct DescriptorFields<'a> {
     age_ns: u64,
     hidden: u32,
     filtered: bool,
-    fit: String,
+    fit: Cow<'static, str>,
     control_points: &'a [[f64; 2]],
     weights: &'a [f64],
     covariances: &'a [[f64; 3]],
@@ -141,8 +143,8 @@ pub(super) fn line(channel: &str, message: Any) -> Result<String> {
 fn image<'a>(header: &FrameHeader, pixels: &[u8]) -> Rest<'a> {
     Rest::Image {
         stride: header.stride,
-        pixel_format: pixel_format(header.pixel_format),
-        source: source(header.source),
+        pixel_format: PixelFormat::word(header.pixel_format),
+        source: SourceKind::word(header.source),
         bytes: pixels.len(),
     }
 }
@@ -157,7 +159,7 @@ fn centerlines(message: &Centerlines) -> Rest<'_> {
 fn descriptors(message: &Descriptors) -> Rest<'_> {
     let curves = message.curves().iter().zip(message.centerlines());
     Rest::Descriptors {
-        unit: unit(message.unit),
+        unit: Unit::word(message.unit),
         curves: curves
             .map(|(curve, points)| DescriptorFields::of(curve, points))
             .collect(),
@@ -190,7 +192,7 @@ impl<'a> CurveFields<'a> {
         let points = curve.points();
         Self {
             track: curve.track,
-            status: status(curve.status),
+            status: Status::word(curve.status),
             closed: curve.closed != 0,
             border: ends(curve.border),
             width_px: curve.width_px,
@@ -218,15 +220,10 @@ impl CrossingFields {
 
 impl<'a> DescriptorFields<'a> {
     fn of(curve: &'a Descriptor, centerline: &'a CenterlinePoints) -> Self {
-        let count = curve.control_points().len();
-        let knots = match curve.basis() {
-            Some(lariat_wire::Basis::BSpline) => count.saturating_sub(curve.order as usize + 1),
-            _ => 0,
-        };
         Self {
             track: curve.track,
-            status: status(curve.status),
-            basis: basis(curve.basis),
+            status: Status::word(curve.status),
+            basis: Basis::word(curve.basis),
             order: curve.order,
             samples: curve.samples,
             closed: curve.closed != 0,
@@ -240,12 +237,12 @@ impl<'a> DescriptorFields<'a> {
             age_ns: curve.age_ns,
             hidden: curve.hidden,
             filtered: curve.filtered != 0,
-            fit: fit(curve.fit),
+            fit: FitQuality::word(curve.fit),
             control_points: curve.control_points(),
-            weights: &curve.weights[..count],
-            covariances: &curve.covariances[..count],
-            velocities: &curve.velocities[..count],
-            knots: &curve.knots[..knots],
+            weights: curve.weights(),
+            covariances: curve.covariances(),
+            velocities: curve.velocities(),
+            knots: curve.inner_knots(),
             centerline: PointsFields {
                 hidden: (0..centerline.points().len())
                     .filter(|&i| centerline.is_hidden(i))

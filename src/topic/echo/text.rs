@@ -1,9 +1,11 @@
 //! A message as a few lines to read.
 
 use lariat_sink::{Figure, Step};
-use lariat_wire::{Centerlines, Curve, Descriptor, Descriptors, FitQuality, Trace};
+use lariat_wire::{
+    Basis, Centerlines, Curve, Descriptor, Descriptors, FitQuality, PixelFormat, SourceKind,
+    Status, Trace, Unit,
+};
 
-use super::{basis, fit, pixel_format, source, status, unit};
 use crate::topic::probe::Any;
 use lariat_chain::layout::{self, flowed, hanging};
 
@@ -17,8 +19,8 @@ pub(super) fn paragraph(channel: &str, message: Any) -> String {
                 "{}×{} {} from {}, {} bytes a row, {} bytes",
                 header.width,
                 header.height,
-                pixel_format(header.pixel_format),
-                source(header.source),
+                PixelFormat::word(header.pixel_format),
+                SourceKind::word(header.source),
                 header.stride,
                 pixels.len()
             );
@@ -96,7 +98,7 @@ fn one_curve(curve: &Curve, text: &mut String) {
     let sentence = format!(
         "rope {}: {}{}; {:.1} px long, {:.1} wide, {} points{}",
         curve.track,
-        status(curve.status),
+        Status::word(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
         curve.length_px,
         curve.width_px,
@@ -115,22 +117,22 @@ fn descriptors(message: &Descriptors, text: &mut String) {
     if message.curves().is_empty() {
         *text += "  no rope\n";
     }
-    let unit = unit(message.unit);
+    let unit = Unit::word(message.unit);
     for curve in message.curves() {
         one_descriptor(curve, &unit, text);
     }
 }
 
 fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
-    let name = basis(curve.basis);
+    let name = Basis::word(curve.basis);
     let judged = match curve.fit() {
         Some(FitQuality::NotJudged) => String::new(),
-        _ => format!(", {}", fit(curve.fit)),
+        _ => format!(", {}", FitQuality::word(curve.fit)),
     };
     let sentence = format!(
         "rope {}: {}{}; {name} of order {}{judged}, {:.1} {unit} long, {:.1} wide",
         curve.track,
-        status(curve.status),
+        Status::word(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
         curve.order,
         curve.length,

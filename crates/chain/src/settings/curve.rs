@@ -1,6 +1,7 @@
 //! `[fit]`: the curve.
 
 use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
+use lariat_wire::Basis as Sent;
 use std::fmt;
 
 /// Of a basis that is named without its order: the best of the paper's four.
@@ -28,12 +29,12 @@ pub enum Family {
 impl Family {
     pub(super) const ALL: [(&'static str, Self); 7] = [
         ("auto", Self::Auto),
-        ("bezier", Self::Bezier),
-        ("bspline", Self::BSpline),
-        ("rational", Self::Rational),
-        ("fourier", Self::Fourier),
-        ("points", Self::Points),
-        ("mass", Self::Mass),
+        (Sent::Bezier.name(), Self::Bezier),
+        (Sent::BSpline.name(), Self::BSpline),
+        (Sent::RationalBezier.name(), Self::Rational),
+        (Sent::Fourier.name(), Self::Fourier),
+        (Sent::FeaturePoints.name(), Self::Points),
+        (Sent::CenterOfMass.name(), Self::Mass),
     ];
 }
 

@@ -3,6 +3,8 @@
 #[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
 
+use std::iter::repeat_n;
+
 use super::hidden::{bit, mask};
 use crate::{Basis, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Status, Trace, Unit};
 
@@ -98,7 +100,46 @@ impl Descriptor {
 
     /// The control points that are meant.
     pub fn control_points(&self) -> &[[f64; 2]] {
-        &self.control_points[..(self.count as usize).min(MAX_CONTROL_POINTS)]
+        &self.control_points[..self.meant()]
+    }
+
+    /// Their weights.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights[..self.meant()]
+    }
+
+    /// The covariances of their coordinates, `[xx, xy, yy]`.
+    pub fn covariances(&self) -> &[[f64; 3]] {
+        &self.covariances[..self.meant()]
+    }
+
+    /// Their velocities.
+    pub fn velocities(&self) -> &[[f64; 2]] {
+        &self.velocities[..self.meant()]
+    }
+
+    fn meant(&self) -> usize {
+        (self.count as usize).min(MAX_CONTROL_POINTS)
+    }
+
+    /// The inner knots of a B-spline, `count − order − 1` of them; none of other curves.
+    pub fn inner_knots(&self) -> &[f64] {
+        let inner = match self.basis() {
+            Some(Basis::BSpline) => self
+                .meant()
+                .saturating_sub((self.order as usize).saturating_add(1)),
+            _ => 0,
+        };
+        &self.knots[..inner]
+    }
+
+    /// All knots of a B-spline, from 0 to 1; none of other curves.
+    pub fn all_knots(&self) -> impl Iterator<Item = f64> {
+        let order = self.order as usize;
+        let is_spline = self.basis() == Some(Basis::BSpline) && order < self.meant();
+        let end = if is_spline { order + 1 } else { 0 };
+        let inner = self.inner_knots().iter().copied();
+        repeat_n(0.0, end).chain(inner).chain(repeat_n(1.0, end))
     }
 
     /// What is known of the rope; `None` for a number this version does not know.

@@ -100,7 +100,7 @@ fn descriptors(curves: u32, count: u32, seed: u64) -> Box<Descriptors> {
             curve.covariances[i] = [of.f64(), of.f64(), of.f64()];
             curve.velocities[i] = [of.f64(), of.f64()];
         }
-        for i in 0..inner_knots(curve) {
+        for i in 0..curve.inner_knots().len() {
             curve.knots[i] = of.f64();
         }
     }

@@ -67,10 +67,10 @@ impl<'a> Form<'a> {
             Basis::Bezier if count == order + 1 => Self::Bezier,
             Basis::BSpline if (1..count).contains(&order) => Self::BSpline {
                 degree: order,
-                inner: &descriptor.knots[..count - order - 1],
+                inner: descriptor.inner_knots(),
             },
             Basis::RationalBezier if count == order + 1 => Self::Rational {
-                weights: &descriptor.weights[..count],
+                weights: descriptor.weights(),
             },
             Basis::Fourier if count == 2 * order + 1 => Self::Fourier,
             Basis::FeaturePoints => return Err(NoShape::FeaturePoints),
