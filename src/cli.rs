@@ -12,20 +12,16 @@ use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use lariat_capture::names_a_camera;
 use tracing::Level;
 
-use crate::bench::{self, BenchArgs, PartArgs};
 use crate::calibrate::{self, CalibrateArgs};
-use crate::compare::{self, CompareArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
 use crate::doctor::{self, DoctorArgs};
 use crate::export::{self, ExportArgs};
 use crate::fit_lines::{self, FitArgs};
 use crate::info::{self, InfoArgs};
-use crate::paper::{self, PaperArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
-use crate::servo::{self, ControllerArgs, ServoArgs};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
@@ -91,8 +87,6 @@ enum Command {
     Pick(PickArgs),
     /// Where what the camera sees lies: the table, from points whose place on it is known
     Calibrate(CalibrateArgs),
-    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
-    Paper(PaperArgs),
     /// The cameras of this machine: formats, sizes, rates and controls
     Devices(DevicesArgs),
     /// One frame of a camera, or any other source, as a PNG picture
@@ -103,20 +97,11 @@ enum Command {
     Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
-    /// A simulated rope driven to a shape through the whole chain, and what that depends on
-    Servo(ServoArgs),
-    /// The controller that `servo` starts
-    #[command(hide = true)]
-    Controller(Box<ControllerArgs>),
     /// What of this machine makes lariat slower than it could be, and what to type
     Doctor(DoctorArgs),
-    /// How long a frame is under way on this machine, beside its floors and beside others
-    Bench(BenchArgs),
-    /// What got better or worse from one summary.json to another
-    Compare(CompareArgs),
-    /// A program that `bench` starts
-    #[command(hide = true)]
-    BenchPart(PartArgs),
+    #[cfg(feature = "lab")]
+    #[command(flatten)]
+    Lab(lariat_lab::Command),
 }
 
 /// What is asked of the chain when nothing was asked.
@@ -162,18 +147,14 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Pick(args)) => pick::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
-        Some(Command::Paper(args)) => paper::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
         Some(Command::Top(args)) => top::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
-        Some(Command::Servo(args)) => servo::run(&args),
-        Some(Command::Controller(args)) => servo::run_controller(&args),
         Some(Command::Doctor(args)) => doctor::run(args),
-        Some(Command::Bench(args)) => bench::run(&args),
-        Some(Command::Compare(args)) => compare::run(&args),
-        Some(Command::BenchPart(args)) => bench::run_part(&args),
+        #[cfg(feature = "lab")]
+        Some(Command::Lab(command)) => command.run(),
     }
 }
 
@@ -285,7 +266,8 @@ fn log_to_stderr(level: Option<Level>) {
         .init();
 }
 
-#[cfg(test)]
+// The documents speak of the laboratory too.
+#[cfg(all(test, feature = "lab"))]
 mod tests {
     use super::*;
 

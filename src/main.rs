@@ -3,10 +3,8 @@
 #[macro_use]
 extern crate lariat_chain;
 
-mod bench;
 mod calibrate;
 mod cli;
-mod compare;
 mod config_command;
 mod descriptor_json;
 mod devices;
@@ -14,12 +12,10 @@ mod doctor;
 mod export;
 mod fit_lines;
 mod info;
-mod paper;
 mod pick;
 mod record;
 mod recording;
 mod replay;
-mod servo;
 mod snapshot;
 mod top;
 mod topic;

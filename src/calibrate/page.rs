@@ -1,7 +1,7 @@
 //! A page on which a picture's points are clicked: one file, with the picture in it, that needs no network.
 
 use anyhow::{Context, Result};
-use lariat_paper::base64;
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use std::path::Path;
 
 const PAGE: &str = include_str!("page.html");
@@ -32,7 +32,10 @@ pub(super) fn of(
         .replace("@REST@", &rest)
         .replace(
             "@IMAGE@",
-            &format!("data:image/{kind};base64,{}", base64(&bytes)),
+            &format!(
+                "data:image/{kind};base64,{}",
+                BASE64_STANDARD.encode(&bytes)
+            ),
         ))
 }
 

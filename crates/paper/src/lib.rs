@@ -55,5 +55,5 @@ mod shapes;
 
 pub use csv::Csv;
 pub use options::{Effort, Options, PaperError, Ropes};
-pub use picture::{Picture, base64};
+pub use picture::Picture;
 pub use report::{Report, repeat};

@@ -1,0 +1,188 @@
+//! The four stages' work, without anything that joins them: what the rivals have in common with the chain.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use lariat_capture::FrameSource;
+use lariat_sink::{FinalCounts, Sink};
+use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace, now_ns};
+
+use lariat_chain::output::{Existing, OutputFolder};
+use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView, Schedule, frame_header};
+use lariat_chain::run_files::write_report;
+use lariat_chain::settings::{Fps, Settings};
+use lariat_chain::stages::arrangement::precise_timer;
+use lariat_chain::stop::Stop;
+
+/// What a rival is told.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Task {
+    /// Width of the picture
+    #[arg(long)]
+    width: u32,
+    /// Its height
+    #[arg(long)]
+    height: u32,
+    /// Frames a second
+    #[arg(long)]
+    fps: f64,
+    /// How long to run, s
+    #[arg(long)]
+    seconds: f64,
+    /// The report's folder
+    #[arg(long)]
+    out: std::path::PathBuf,
+}
+
+impl Task {
+    /// The task as words of a command.
+    pub(super) fn words(size: [u32; 2], fps: f64, seconds: f64, out: &Path) -> Vec<String> {
+        let mut words: Vec<String> = [
+            ("--width", f64::from(size[0])),
+            ("--height", f64::from(size[1])),
+            ("--fps", fps),
+            ("--seconds", seconds),
+        ]
+        .iter()
+        .flat_map(|(name, value)| [(*name).to_owned(), value.to_string()])
+        .collect();
+        words.extend(["--out".to_owned(), out.display().to_string()]);
+        words
+    }
+
+    /// The chain's own settings, but for these.
+    pub(super) fn settings(&self) -> Settings {
+        let mut settings = Settings::default();
+        settings.capture.size = Some([self.width, self.height]);
+        settings.capture.fps = Fps::PerSecond(self.fps);
+        settings.run.duration = Some(std::time::Duration::from_secs_f64(self.seconds));
+        settings.run.out = Some(self.out.clone());
+        settings
+    }
+}
+
+/// The first stage: the rendered rope, each frame drawn before it is due.
+pub(super) struct Camera {
+    source: Box<dyn FrameSource>,
+    schedule: Schedule,
+    end_ns: Option<u64>,
+    duration_ns: u64,
+    captured: u64,
+}
+
+impl Camera {
+    pub(super) fn new(settings: &Settings) -> Result<Self> {
+        precise_timer();
+        Ok(Self {
+            source: lariat_capture::open(&settings.source())?,
+            schedule: Schedule::new(&settings.capture, false)?,
+            end_ns: None,
+            duration_ns: settings.run.duration_ns().unwrap_or(0),
+            captured: 0,
+        })
+    }
+
+    /// The most bytes of a frame.
+    pub(super) fn frame_bytes(&self) -> usize {
+        self.source.largest_frame_bytes()
+    }
+
+    /// Writes the next frame's pixels, and returns when it is due; `None` when the time is over or a signal came.
+    pub(super) fn next(&mut self, pixels: &mut [u8], stop: &Stop) -> Result<Option<FrameHeader>> {
+        let Some(frame) = self.source.next()? else {
+            return Ok(None);
+        };
+        self.source.write(pixels);
+        let after_ns = self.source.due_after_ns();
+        let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
+        let end_ns = *self.end_ns.get_or_insert(due_ns + self.duration_ns);
+        if due_ns >= end_ns || !stop.sleep_until(due_ns) {
+            return Ok(None);
+        }
+        self.captured += 1;
+        let trace = Trace {
+            sequence: self.schedule.sequence(&frame),
+            captured: self.captured,
+            exposed_ns: due_ns,
+            captured_ns: now_ns(),
+            ..Trace::EMPTY
+        };
+        Ok(Some(frame_header(&frame, self.source.kind(), trace)))
+    }
+}
+
+/// The second stage.
+pub(super) struct Eye {
+    extractor: FrameExtractor,
+    extracted: u64,
+}
+
+impl Eye {
+    pub(super) fn new(settings: &Settings) -> Result<Self> {
+        Ok(Self {
+            extractor: FrameExtractor::prepared(settings)?,
+            extracted: 0,
+        })
+    }
+
+    /// Fills in what is seen in a frame that is just in hand.
+    pub(super) fn look(&mut self, header: &FrameHeader, pixels: &[u8], message: &mut Centerlines) {
+        message.trace = header.trace;
+        message.trace.extract_started_ns = now_ns();
+        self.extractor
+            .answer(FrameView::new(header, pixels), None, message);
+        self.extracted += 1;
+        message.trace.extracted = self.extracted;
+        message.trace.extracted_ns = now_ns();
+    }
+}
+
+/// The third stage.
+pub(super) struct Hand {
+    curves: CurveFitter,
+    fitted: u64,
+}
+
+impl Hand {
+    pub(super) fn new(settings: &Settings) -> Result<Self> {
+        Ok(Self {
+            curves: CurveFitter::new(settings)?,
+            fitted: 0,
+        })
+    }
+
+    /// Fills in the descriptors of centerlines that are just in hand.
+    pub(super) fn fit(&mut self, seen: &Centerlines, message: &mut Descriptors) {
+        message.trace = seen.trace;
+        message.trace.fit_started_ns = now_ns();
+        self.curves.answer(seen, message);
+        self.fitted += 1;
+        message.trace.fitted = self.fitted;
+        message.trace.fitted_ns = now_ns();
+    }
+}
+
+/// The last stage: the chain's own sink.
+pub(super) struct Counter {
+    sink: Sink,
+}
+
+impl Counter {
+    pub(super) fn new(settings: &Settings) -> Self {
+        Self {
+            sink: Sink::new(settings.sink_options(true)),
+        }
+    }
+
+    pub(super) fn count(&mut self, message: &Descriptors) {
+        self.sink.descriptors(message, now_ns());
+    }
+
+    /// Writes the report; `counts` if the stages' last words are known.
+    pub(super) fn report(mut self, settings: &Settings, counts: FinalCounts) -> Result<()> {
+        self.sink.finish(counts);
+        let out = settings.run.out.as_ref().context("a rival has a folder")?;
+        let folder = OutputFolder::new(out, Existing::Keep, [])?;
+        write_report(&folder, &self.sink.report())
+    }
+}

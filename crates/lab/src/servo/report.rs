@@ -1,0 +1,200 @@
+//! What came of driving ropes in many ways: a table, plots, and one page that holds everything.
+
+mod charts;
+mod findings;
+mod page;
+mod summary;
+mod table;
+
+pub(super) use page::page;
+pub(super) use table::table;
+
+use super::judge::Outcome;
+
+/// What was tried, and all that the numbers depend on.
+#[derive(Debug, Clone)]
+pub(super) struct Study {
+    /// Of the page.
+    pub title: String,
+    /// What the ropes were driven to: a name.
+    pub target: String,
+    /// The first is the one that others are held against: [`Group::AsItIs`].
+    pub rows: Vec<Row>,
+    /// The command that makes this study again.
+    pub command: String,
+    /// Machine, version, seeds, rope: names and values for the page's end.
+    pub parameters: Vec<(&'static str, String)>,
+    /// From exposure to descriptor in the chain as it is, in ms, if it was measured.
+    pub own_latency_ms: Option<f64>,
+}
+
+/// Ropes driven in one way.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    pub group: Group,
+    /// What is different in it: "30 ms", "Bezier, order 6".
+    pub name: String,
+    /// The same as a number in the unit of [`Group::axis`]; a group whose rows all have one is plotted over it.
+    pub value: Option<f64>,
+    /// One for each seed.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// What a row varies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Group {
+    AsItIs,
+    Latency,
+    /// The same, by a controller that takes what it is given for what is now.
+    LatencyTaken,
+    FrameRate,
+    Occlusion,
+    Noise,
+    OrderAndBasis,
+    Features,
+    Estimator,
+}
+
+/// Which way of a group's values is the harder one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Harder {
+    Upwards,
+    Downwards,
+    /// Not known beforehand.
+    Neither,
+}
+
+impl Group {
+    /// In the order of the report.
+    const ALL: [Self; 9] = [
+        Self::AsItIs,
+        Self::Latency,
+        Self::LatencyTaken,
+        Self::FrameRate,
+        Self::Occlusion,
+        Self::Noise,
+        Self::OrderAndBasis,
+        Self::Features,
+        Self::Estimator,
+    ];
+
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::AsItIs => "as it is",
+            Self::Latency => "latency",
+            Self::LatencyTaken => "latency, not looked ahead",
+            Self::FrameRate => "frame rate",
+            Self::Occlusion => "occlusion",
+            Self::Noise => "noise",
+            Self::OrderAndBasis => "order and basis",
+            Self::Features => "features",
+            Self::Estimator => "estimator",
+        }
+    }
+
+    /// What its values are, with their unit.
+    pub(super) fn axis(self) -> &'static str {
+        match self {
+            Self::AsItIs => "",
+            Self::Latency | Self::LatencyTaken => "added latency, ms",
+            Self::FrameRate => "frames/s",
+            Self::Occlusion => "time behind a hand, s",
+            Self::Noise => "noise of a pixel, levels of 256",
+            Self::OrderAndBasis => "order n",
+            Self::Features => "numbers in the feature",
+            Self::Estimator => "value",
+        }
+    }
+
+    /// A value within a sentence.
+    fn said(self, value: f64) -> String {
+        match self {
+            Self::Latency | Self::LatencyTaken => format!("{value} ms of added latency"),
+            Self::FrameRate => format!("{value} frames/s"),
+            Self::Occlusion => format!("{value} s behind a hand"),
+            Self::Noise => format!("noise of {value} levels"),
+            Self::OrderAndBasis => format!("order {value}"),
+            Self::Features => format!("{value} numbers"),
+            Self::AsItIs | Self::Estimator => value.to_string(),
+        }
+    }
+
+    /// The same when it was said already what it is.
+    fn said_again(self, value: f64) -> String {
+        match self {
+            Self::Latency => format!("{value} ms"),
+            Self::Occlusion => format!("{value} s"),
+            Self::Noise => format!("{value} levels"),
+            _ => self.said(value),
+        }
+    }
+
+    /// What the group is about.
+    fn about(self) -> &'static str {
+        match self {
+            Self::AsItIs => {
+                "The rope as the camera sees it, the chain and the controller at their defaults."
+            }
+            Self::Latency => {
+                "Every descriptor comes later than it does: what a slower way from the camera to the controller would cost."
+            }
+            Self::LatencyTaken => {
+                "The same, with a controller that steers by the shape as it was seen instead of the shape that follows from what it has commanded since."
+            }
+            Self::FrameRate => "The camera takes more or fewer images a second.",
+            Self::Occlusion => "A hand covers a part of the rope while it is driven.",
+            Self::Noise => {
+                "Normal noise is added to each pixel; the value is its standard deviation."
+            }
+            Self::OrderAndBasis => "The curve that the rope's shape is described by.",
+            Self::Features => {
+                "What the controller is given: the control points of a curve, or points of the centerline itself."
+            }
+            Self::Estimator => {
+                "How the controller learns what a motion of the grippers does to the shape."
+            }
+        }
+    }
+
+    fn harder(self) -> Harder {
+        match self {
+            Self::Latency | Self::LatencyTaken | Self::Occlusion | Self::Noise => Harder::Upwards,
+            Self::FrameRate => Harder::Downwards,
+            Self::AsItIs | Self::OrderAndBasis | Self::Features | Self::Estimator => {
+                Harder::Neither
+            }
+        }
+    }
+}
+
+impl Study {
+    /// What all others are held against.
+    fn base(&self) -> Option<&Row> {
+        self.rows.iter().find(|row| row.group == Group::AsItIs)
+    }
+
+    fn of(&self, group: Group) -> Vec<&Row> {
+        self.rows.iter().filter(|row| row.group == group).collect()
+    }
+
+    /// The groups that have rows.
+    fn groups(&self) -> impl Iterator<Item = (Group, Vec<&Row>)> {
+        let groups = Group::ALL.into_iter();
+        let groups = groups.map(|group| (group, self.of(group)));
+        groups.filter(|(_, rows)| !rows.is_empty())
+    }
+}
+
+/// The values of rows that all have one, with their rows, from the least to the greatest; `None` if there is nothing to
+/// plot over them.
+fn by_value<'a>(rows: &[&'a Row]) -> Option<Vec<(f64, &'a Row)>> {
+    let values: Option<Vec<_>> = (rows.iter())
+        .map(|&row| row.value.map(|value| (value, row)))
+        .collect();
+    let mut values = values?;
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (values.len() > 1).then_some(values)
+}
+
+#[cfg(test)]
+mod tests;
