@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use image::{Rgb, RgbImage};
-use lariat_capture::scenes::{Class, draw};
+use lariat_drawn::scenes::{Class, draw};
 use std::path::Path;
 use std::process::Output;
 use tempfile::TempDir;

@@ -51,10 +51,7 @@
 //!   takes memory for a few rows in each frame (17 pieces, 72 kB at 640×480) and gives it back; it cannot be given memory
 //!   to keep, and this is the one exception to the rule that nothing is allocated in a frame. A test holds it to that.
 //! - **Cameras** (`v4l2/camera`, `stream`, `driver`): below.
-//! - **Rendered** (`rendered/`): heading as a function of arc length, integrated, so that the rope's length never changes
-//!   and the truth is equally spaced by construction; drawn with round shading, shadow and sensor noise. Only IEEE basic
-//!   operations in a fixed order and a sine of its own: the same frames on every machine, held by a digest in the tests.
-//! - **Simulated** (`simulated/`): below (`crates/simulation/src/lib.rs`).
+//! - **Rendered, simulated** (`rendered`, `simulated`): the ropes of `crates/drawn` and `crates/simulation`, as a camera would have them.
 //!
 //! **A camera while it runs.** No thread: the driver fills buffers, capture sleeps until one is full. With `USERPTR` the buffers
 //! *are* slots of shared memory: four are in the driver's hands, the full one is sent as it is, padding included, and its
@@ -83,17 +80,11 @@
 //! silent camera only by guessing, and adds a wake-up to every rig that rests; or for capture to repeat the last image, which
 //! would be a lie. A blank frame has a number of its own, so that the books stay exact: it is published, and received or lost;
 //! sink counts it and does not time it. Before the first image there is nothing to be lost, and no blank frame.
-//!
-//! Beside the sources, `scenes` draws still pictures of ropes for the bench and the tests, class by class (widths, noise,
-//! blur, light, crossings, touching strands, ends, …), and scores curves against their truth. Curves are random and drawn
-//! again until a picture is hard in its class's way and in no other. 16 points a pixel, so that an edge is unbiased to
-//! 1/32 px; which strand covers a point is known from the nearest crossing, so any order of crossings can be drawn.
 
 mod ahead;
 mod follow;
 mod lent;
 mod mjpeg;
-pub mod moving;
 mod natural;
 mod open;
 mod orientation;
@@ -104,7 +95,6 @@ mod piped;
 mod range;
 mod recorded;
 mod rendered;
-pub mod scenes;
 mod simulated;
 mod source;
 mod until;
@@ -114,6 +104,7 @@ mod y4m;
 mod yuv;
 
 pub use follow::FollowOptions;
+pub use lariat_drawn::{HandOptions, RenderOptions};
 pub use lent::{LentSlot, SlotKey};
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
@@ -123,8 +114,7 @@ pub use picture::{PICTURES, StillPicture, names_a_picture};
 pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
 pub use recorded::RecordingOptions;
-pub use rendered::RenderOptions;
-pub use simulated::{Commands, HandOptions, SimulatedOptions, open_simulated};
+pub use simulated::{Commands, SimulatedOptions, open_simulated};
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};
 pub use v4l2::{

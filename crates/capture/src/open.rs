@@ -3,12 +3,14 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use lariat_drawn::RenderOptions;
+
 use crate::follow::{Follow, FollowOptions};
 use crate::pictures::open_pictures;
 use crate::piped::{PipeOptions, Piped};
 use crate::range::Range;
 use crate::recorded::{RecordingOptions, open_recording};
-use crate::rendered::{RenderOptions, Rendered};
+use crate::rendered::RenderedFrames;
 use crate::simulated::{Simulated, SimulatedOptions};
 use crate::source::{FrameSource, SourceError};
 use crate::v4l2::{CameraOptions, open_camera};
@@ -84,7 +86,7 @@ impl Source {
 /// frame, a camera that cannot be used.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
-        Source::Rendered(options) => Ok(Box::new(Rendered::new(options)?)),
+        Source::Rendered(options) => Ok(Box::new(RenderedFrames::new(options)?)),
         Source::Simulated(options) => Ok(Box::new(Simulated::new(options, Box::new(|| None))?)),
         Source::Recording(options) => Ok(Box::new(open_recording(options)?)),
         Source::Followed(options) => Ok(Box::new(Follow::open(options)?)),

@@ -1,150 +1,24 @@
-//! A rope drawn by lariat, whose centerline is known: the same options make the same frames, bit for bit, on every
-//! machine.
-//!
-//! The table and its light are drawn once. Each frame wipes the rope off, draws it where it lies now, and adds the
-//! camera's noise on the way into the caller's memory. Frame k depends on the options and on k alone.
+//! The rendered rope as a source of frames.
 
-pub(crate) mod draw;
-mod motion;
-pub(crate) mod mottling;
-pub(crate) mod portable;
-pub(crate) mod table;
-pub(crate) mod truth;
-
-use lariat_message::{Centerlines, MAX_POINTS, PixelFormat, SourceKind};
+use lariat_drawn::{RenderError, RenderOptions, Rendered};
+use lariat_message::{Centerlines, PixelFormat, SourceKind};
 
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::Until;
-use draw::{Area, Brush, Canvas};
-use motion::Motion;
-use table::SensorNoise;
 
-/// What the rendered rope looks like.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RenderOptions {
-    /// Which of all ropes, motions and noises.
-    pub seed: u64,
-    /// Pixels in a row, 64 to 8192.
-    pub width: u32,
-    /// Rows, 64 to 8192.
-    pub height: u32,
-    /// Width of the rope in pixels: at least 3, at most a twentieth of the image's shorter side.
-    pub rope_px: f64,
-    /// Colour of the rope in full light: red, green, blue.
-    pub rope_rgb: [u8; 3],
-    /// Colour of the table in full light.
-    pub table_rgb: [u8; 3],
-    /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
-    pub noise: f64,
-    /// Time between two frames, as the rope moves, in seconds. It has nothing to do with how fast they are sent.
-    pub frame_interval_s: f64,
-    /// How many frames there are; `None`: without end.
-    pub frames: Option<u64>,
-    /// How many points the true centerline has, 2 to 256.
-    pub truth_points: u32,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            width: 640,
-            height: 480,
-            rope_px: 12.0,
-            rope_rgb: [40, 92, 190],
-            table_rgb: [226, 221, 210],
-            noise: 2.5,
-            frame_interval_s: 1.0 / 30.0,
-            frames: None,
-            truth_points: 120,
-        }
-    }
-}
-
-impl RenderOptions {
-    fn check(&self) -> Result<(), SourceError> {
-        let require = |is_met: bool, what: String| {
-            if is_met {
-                Ok(())
-            } else {
-                Err(SourceError::Rendered { what })
-            }
-        };
-        let (width, height) = (self.width, self.height);
-        let sizes = 64..=8192;
-        require(
-            sizes.contains(&width) && sizes.contains(&height),
-            format!("an image of 64×64 to 8192×8192 pixels, not of {width}×{height}"),
-        )?;
-        let widest_px = f64::from(width.min(height)) / 20.0;
-        require(
-            (3.0..=widest_px).contains(&self.rope_px),
-            format!(
-                "a rope from 3 to {widest_px} pixels wide in this image (a twentieth of its shorter side), not {}",
-                self.rope_px
-            ),
-        )?;
-        require(
-            (0.0..=4.0).contains(&self.noise),
-            format!("noise from 0 to 4, not {}", self.noise),
-        )?;
-        require(
-            (0.0..=3600.0).contains(&self.frame_interval_s),
-            format!(
-                "a time between frames of 0 to 3600 s, not {}",
-                self.frame_interval_s
-            ),
-        )?;
-        require(
-            (2..=MAX_POINTS as u32).contains(&self.truth_points),
-            format!(
-                "2 to {MAX_POINTS} points of truth, not {}",
-                self.truth_points
-            ),
-        )
-    }
-}
-
-/// The rendered rope.
+/// The rope, drawn frame by frame.
 #[derive(Debug)]
-pub(crate) struct Rendered {
-    options: RenderOptions,
-    motion: Motion,
-    brush: Brush,
-    noise: SensorNoise,
-    /// The table without the rope.
-    table: Vec<u8>,
-    /// The table with the rope, without noise.
-    scene: Vec<u8>,
-    /// Where the scene differs from the table.
-    drawn: Area,
-    line: Vec<[f64; 2]>,
-    sequence: u64,
-}
+pub(crate) struct RenderedFrames(Rendered);
 
-impl Rendered {
-    pub(crate) fn new(options: &RenderOptions) -> Result<Self, SourceError> {
-        options.check()?;
-        let motion = Motion::new(options);
-        let table = table::lit_table(options);
-        let row_bytes = PixelFormat::Rgb8.row_bytes(options.width);
-        Ok(Self {
-            options: *options,
-            brush: Brush::new(options, motion.length_px()),
-            noise: SensorNoise::new(options.seed, options.noise, row_bytes),
-            scene: table.clone(),
-            table,
-            drawn: Area::default(),
-            line: Vec::with_capacity(motion.point_count()),
-            motion,
-            sequence: 0,
-        })
+impl RenderedFrames {
+    pub(crate) fn new(options: &RenderOptions) -> Result<Self, RenderError> {
+        Rendered::new(options).map(Self)
     }
 
-    fn frame(&self) -> Frame {
-        let RenderOptions { width, height, .. } = self.options;
+    fn frame(&self, sequence: u64) -> Frame {
+        let RenderOptions { width, height, .. } = *self.0.options();
         Frame {
-            sequence: self.sequence,
+            sequence,
             width,
             height,
             stride: 3 * width,
@@ -153,24 +27,15 @@ impl Rendered {
             slot: None,
         }
     }
-
-    fn wipe(&mut self) {
-        let width = self.options.width as usize;
-        let Area { x, y } = self.drawn;
-        for row in y[0]..y[1] {
-            let bytes = 3 * (row * width + x[0])..3 * (row * width + x[1]);
-            self.scene[bytes.clone()].copy_from_slice(&self.table[bytes]);
-        }
-    }
 }
 
-impl FrameSource for Rendered {
+impl FrameSource for RenderedFrames {
     fn kind(&self) -> SourceKind {
         SourceKind::Rendered
     }
 
     fn largest_frame_bytes(&self) -> usize {
-        self.frame().bytes()
+        self.frame(0).bytes()
     }
 
     fn has_truth(&self) -> bool {
@@ -178,48 +43,22 @@ impl FrameSource for Rendered {
     }
 
     fn native_fps(&self) -> Option<f64> {
-        let interval_s = self.options.frame_interval_s;
+        let interval_s = self.0.options().frame_interval_s;
         (interval_s > 0.0).then(|| 1.0 / interval_s)
     }
 
     fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
-        if self.options.frames.is_some_and(|end| self.sequence >= end) {
-            return Ok(Next::End);
-        }
-        self.wipe();
-        let time_s = self.sequence as f64 * self.options.frame_interval_s;
-        self.sequence += 1;
-        self.motion.centerline(time_s, &mut self.line);
-        let (width, height) = (self.options.width as usize, self.options.height as usize);
-        self.drawn = self.brush.area(&self.line, width, height);
-        let canvas = &mut Canvas {
-            pixels: &mut self.scene,
-            width,
-            height,
-        };
-        self.brush.draw(&self.line, canvas);
-        Ok(Next::Frame(self.frame()))
+        Ok(match self.0.advance() {
+            Some(sequence) => Next::Frame(self.frame(sequence)),
+            None => Next::End,
+        })
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
-        let row_bytes = PixelFormat::Rgb8.row_bytes(self.options.width);
-        self.noise
-            .add(self.sequence, row_bytes, &self.scene, pixels);
+        self.0.write(pixels);
     }
 
     fn truth(&self, truth: &mut Centerlines) -> bool {
-        if self.line.is_empty() {
-            return false;
-        }
-        truth.width = self.options.width;
-        truth.height = self.options.height;
-        truth::fill(
-            &self.line,
-            self.motion.length_px(),
-            self.options.rope_px,
-            self.options.truth_points as usize,
-            truth,
-        );
-        true
+        self.0.truth(truth)
     }
 }

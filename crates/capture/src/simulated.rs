@@ -4,22 +4,15 @@
 //! that moment, each command taking effect when it was sent; a little behind the clock meanwhile, so that little is left
 //! to do when the moment comes.
 
-mod gripper;
-mod hand;
-mod plate;
-mod scene;
-
 use std::collections::VecDeque;
 
+use lariat_drawn::{HandOptions, Scene};
 use lariat_message::{Centerlines, Command, MAX_POINTS, PixelFormat, SourceKind, now_ns};
 use lariat_simulation::{OptionsError, STEP_NS, Simulation};
 
 use crate::pace::{Pace, Pacer};
-use crate::rendered::truth;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
-pub use hand::HandOptions;
-use scene::{ROPE_PX, Scene};
 
 /// Between two frames it looks for commands so often: at 1000 a second fewer come than may wait.
 const LOOK_NS: u64 = 4_000_000;
@@ -102,7 +95,7 @@ impl Simulated {
         })?;
         let simulation = Simulation::new(&options.simulation)?;
         Ok(Self {
-            scene: Scene::new(options, &simulation),
+            scene: Scene::new(&simulation, options.noise, options.hand),
             simulation,
             commands,
             waiting: VecDeque::with_capacity(MOST_COMMANDS),
@@ -212,15 +205,7 @@ impl FrameSource for Simulated {
     }
 
     fn truth(&self, message: &mut Centerlines) -> bool {
-        let line = self.scene.visible();
-        if line.len() < 2 {
-            return false;
-        }
-        [message.width, message.height] = self.scene.size();
-        let nodes = self.simulation.visible().len() - 1;
-        let options = self.simulation.options();
-        let length_px = options.length_px * nodes as f64 / (options.nodes - 1) as f64;
-        truth::fill(line, length_px, ROPE_PX, self.truth_points, message);
-        true
+        self.scene
+            .truth(&self.simulation, self.truth_points, message)
     }
 }

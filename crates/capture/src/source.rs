@@ -163,11 +163,8 @@ pub enum SourceError {
     #[error(transparent)]
     Simulated(#[from] lariat_simulation::OptionsError),
     /// The size asked of the rendered rope makes no picture of a rope.
-    #[error("the rendered rope needs {what}")]
-    Rendered {
-        /// What is needed, and what was asked.
-        what: String,
-    },
+    #[error(transparent)]
+    Rendered(#[from] lariat_drawn::RenderError),
     /// A path that leads nowhere, or that may not be read.
     #[error("cannot read {}: {error}", path.display())]
     Unreadable {

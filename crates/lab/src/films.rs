@@ -1,8 +1,8 @@
 //! Frames of the chain's own rendered rope, with their truth.
 
 use anyhow::{Context, Result};
-use lariat_capture::scenes::{TrueRope, Truth};
 use lariat_capture::{RenderOptions, Source, open};
+use lariat_drawn::scenes::{TrueRope, Truth};
 use lariat_extract::PixelFormat;
 use lariat_wire::Centerlines;
 

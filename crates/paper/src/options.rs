@@ -1,7 +1,7 @@
 //! What is asked of a report, and what can be wrong.
 
 use lariat_capture::SourceError;
-use lariat_capture::scenes::SceneError;
+use lariat_drawn::scenes::SceneError;
 use lariat_extract::{ImageError, OptionsError};
 use lariat_fit::{
     CurveError, CurveSpaceError, FilterError, FitError, FitterError, PredictError, UpdateError,

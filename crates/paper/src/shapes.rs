@@ -1,7 +1,7 @@
 //! The ropes that the experiments are made on: drawn ones, whose centerlines are known, or those seen in pictures.
 
-use lariat_capture::scenes::{self, Class, SceneError, Still};
 use lariat_capture::{RenderOptions, Source, open};
+use lariat_drawn::scenes::{self, Class, SceneError, Still};
 use lariat_extract::{Extractor, Options, Status};
 use lariat_message::Centerlines;
 use lariat_plot::spread::median;

@@ -25,8 +25,8 @@
 //!
 //! # How the chain shows it
 //!
-//! `crates/simulation` is the rope and the robot, step by step of a millisecond; `crates/capture/src/simulated` runs it in real time
-//! and takes its picture; the shell (`crates/chain/src/stages/capture.rs`) hands it the rig's commands.
+//! `crates/simulation` is the rope and the robot, step by step of a millisecond; `crates/capture/src/simulated.rs` runs it in real
+//! time, and `crates/drawn` takes its picture; the shell (`crates/chain/src/stages/capture.rs`) hands it the rig's commands.
 //!
 //! **The rope** (`rod`, `band`) is a chain of 61 masses under extended position-based dynamics (XPBD: Macklin et al. 2016, and *Small
 //! Steps* 2019), one iteration a step. The constraints of a chain, stretch and bend in turns, couple no farther than four rows:

@@ -14,6 +14,5 @@ mod png;
 mod range;
 mod recorded;
 mod rendered;
-mod scenes;
 mod simulated;
 mod video;

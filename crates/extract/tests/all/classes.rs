@@ -1,7 +1,7 @@
 //! Drawn ropes of every class of picture, held against their known truth: what the bench measures on many, here on a
 //! few, with other seeds than the bench's own.
 
-use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, score};
+use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, score};
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
 
 const SIZE: [usize; 2] = [480, 360];

@@ -3,7 +3,7 @@
 use crate::drawing;
 
 use drawing::{Rope, Table, error, see};
-use lariat_capture::scenes::{self, Class, Score, SeenCurve, score};
+use lariat_drawn::scenes::{self, Class, Score, SeenCurve, score};
 use lariat_extract::{Curve, Extractor, Image, Mask, Method, Options, PixelFormat, Scene, Status};
 use proptest::prelude::*;
 

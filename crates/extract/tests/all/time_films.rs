@@ -1,6 +1,6 @@
 //! Films of moving ropes: numbers, directions and strands, frame by frame.
 
-use lariat_capture::moving::{Film, Judge, SeenCurve, SeenStatus, Story, Verdict};
+use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, Verdict};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 
 /// What is wrong in the first `frames` of a film.

@@ -1,7 +1,7 @@
 //! What is fitted: every basis, solver and way of weighting, the filter, and curves on a plane behind a lens.
 
 use lariat_camera::{Camera, Lens, Mapping, Plane};
-use lariat_capture::moving::{Film, Story};
+use lariat_drawn::moving::{Film, Story};
 use lariat_extract::{Extractor, Image, PixelFormat};
 use lariat_fit::{
     Basis, Filter, FilterOptions, Fit, Fitter, Knots, MAX_CONTROL_POINTS, Noise, Options,

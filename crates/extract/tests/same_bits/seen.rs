@@ -1,7 +1,7 @@
 //! What is seen: films in all pixel formats, cold and followed; the clusterings; a picture of each class.
 
-use lariat_capture::moving::{Film, Story};
-use lariat_capture::scenes::{self, Class, Still};
+use lariat_drawn::moving::{Film, Story};
+use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{
     Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat, Scene, mask_of, pick,
 };

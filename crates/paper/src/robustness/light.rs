@@ -1,6 +1,6 @@
 //! Light, noise and blur in the picture itself, through the extractor.
 
-use lariat_capture::scenes::Class;
+use lariat_drawn::scenes::Class;
 use lariat_fit::Basis;
 use lariat_plot::words::{digits, px};
 use lariat_plot::{Axis, Chart, Look, Mark, Marker, Spread, Stroke, spread::median};

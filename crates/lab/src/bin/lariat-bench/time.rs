@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use lariat_capture::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
+use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
 
 /// Width and height of the pictures.

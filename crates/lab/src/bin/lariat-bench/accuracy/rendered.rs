@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::curve::{self, Curves};
 use anyhow::{Context, Result, bail};
-use lariat_capture::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
+use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
 use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat, Scene, Status};
 
 /// Which pictures are drawn.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use image::{ExtendedColorType, save_buffer};
 use lariat_capture::RenderOptions;
-use lariat_capture::scenes::Truth;
+use lariat_drawn::scenes::Truth;
 use lariat_extract::{HsvRange, PixelFormat, pick};
 use lariat_lab::{Picture, load, opencv_bounds, photographs, rendered};
 use serde::Serialize;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use lariat_capture::scenes::{SeenCurve, score};
+use lariat_drawn::scenes::{SeenCurve, score};
 use lariat_lab::{MBEST_MS, STEPS_MS, Samples, Table, millis, times};
 
 use super::Rival;

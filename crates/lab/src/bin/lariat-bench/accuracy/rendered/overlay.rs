@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use image::{Rgb, RgbImage, imageops};
-use lariat_capture::scenes::Still;
+use lariat_drawn::scenes::Still;
 use lariat_extract::Scene;
 
 /// How many times larger it is drawn.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use lariat_capture::scenes::{Class, Score};
+use lariat_drawn::scenes::{Class, Score};
 
 use super::Measured;
 
@@ -66,7 +66,7 @@ fn marked(text: String, is_met: bool) -> String {
 /// `n/of`, of the crossings that `counts` takes.
 fn share(
     scores: &[&Score],
-    is_right: impl Fn(&lariat_capture::scenes::CrossingScore) -> bool,
+    is_right: impl Fn(&lariat_drawn::scenes::CrossingScore) -> bool,
 ) -> (usize, usize) {
     let crossings = scores.iter().flat_map(|score| &score.crossings);
     let above: Vec<_> = crossings.filter(|c| c.angle_deg > FLATTEST_DEG).collect();
@@ -187,7 +187,7 @@ pub(super) fn csv(measured: &[Measured]) -> String {
     for m in measured {
         let score = &m.score;
         let off = || score.correspondences_px.iter().copied();
-        let count = |is: fn(&lariat_capture::scenes::CrossingScore) -> bool| {
+        let count = |is: fn(&lariat_drawn::scenes::CrossingScore) -> bool| {
             score.crossings.iter().filter(|c| is(c)).count()
         };
         let flattest_deg = score

@@ -1,6 +1,6 @@
 //! Drawn ropes are what their class promises, and the same again.
 
-use lariat_capture::scenes::{Class, SceneError, Still, draw};
+use lariat_drawn::scenes::{Class, SceneError, Still, draw};
 
 const SIZE: [usize; 2] = [480, 360];
 

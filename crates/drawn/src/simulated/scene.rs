@@ -1,24 +1,25 @@
 //! The picture: table, rope, grippers and hand, drawn anew where they were and are.
 
-use lariat_message::PixelFormat;
+use lariat_message::{Centerlines, PixelFormat};
 use lariat_simulation::Simulation;
 
-use super::SimulatedOptions;
 use super::gripper::Drawing;
-use super::hand::Hand;
+use super::hand::{Hand, HandOptions};
 use crate::rendered::RenderOptions;
 use crate::rendered::draw::{Area, Brush, Canvas};
 use crate::rendered::table::{SensorNoise, lit_table};
+use crate::rendered::truth;
 
 /// Width of the rope in pixels.
-pub(super) const ROPE_PX: f64 = 12.0;
+const ROPE_PX: f64 = 12.0;
 /// Points of the drawn line from one node to the next.
 const FINER: usize = 2;
 /// What is drawn: the rope, two grippers, a hand.
 const THINGS: usize = 4;
 
+/// A simulated rope as a camera above the table sees it.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub struct Scene {
     width: usize,
     height: usize,
     brush: Brush,
@@ -36,15 +37,16 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(options: &SimulatedOptions, simulation: &Simulation) -> Self {
-        let seen = options.simulation;
+    /// Of a simulation, with a camera's noise (standard deviation in steps of a byte) and a hand, if there is one.
+    pub fn new(simulation: &Simulation, noise: f64, hand: Option<HandOptions>) -> Self {
+        let seen = simulation.options();
         let [width, height] = seen.picture_px.map(|size| size as u32);
         let looks = RenderOptions {
             seed: seen.seed,
             width,
             height,
             rope_px: ROPE_PX,
-            noise: options.noise,
+            noise,
             ..RenderOptions::default()
         };
         let table = lit_table(&looks);
@@ -52,28 +54,28 @@ impl Scene {
             width: width as usize,
             height: height as usize,
             brush: Brush::new(&looks, seen.length_px),
-            noise: SensorNoise::new(seen.seed, options.noise, 3 * width as usize),
+            noise: SensorNoise::new(seen.seed, noise, 3 * width as usize),
             pixels: table.clone(),
             table,
             drawn: [Area::default(); THINGS],
-            hand: options.hand.map(Hand::new),
+            hand: hand.map(Hand::new),
             line: Vec::with_capacity(FINER * simulation.nodes().len()),
             visible: [0; 2],
         }
     }
 
     /// Width and height in pixels.
-    pub(super) fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> [u32; 2] {
         [self.width as u32, self.height as u32]
     }
 
     /// The centerline between the jaws as it was drawn last, at equal steps.
-    pub(super) fn visible(&self) -> &[[f64; 2]] {
+    fn visible(&self) -> &[[f64; 2]] {
         &self.line[self.visible[0]..self.visible[1]]
     }
 
     /// Draws what there is, so long after the first frame.
-    pub(super) fn draw(&mut self, simulation: &Simulation, time_s: f64) {
+    pub fn draw(&mut self, simulation: &Simulation, time_s: f64) {
         self.wipe();
         self.trace(simulation);
         let (width, height) = (self.width, self.height);
@@ -96,9 +98,23 @@ impl Scene {
     }
 
     /// The picture with this frame's noise.
-    pub(super) fn write(&self, sequence: u64, pixels: &mut [u8]) {
+    pub fn write(&self, sequence: u64, pixels: &mut [u8]) {
         let row_bytes = PixelFormat::Rgb8.row_bytes(self.width as u32);
         self.noise.add(sequence, row_bytes, &self.pixels, pixels);
+    }
+
+    /// Fills in where the rope lies between the jaws, with so many points; `false` before the first frame.
+    pub fn truth(&self, simulation: &Simulation, points: usize, message: &mut Centerlines) -> bool {
+        let line = self.visible();
+        if line.len() < 2 {
+            return false;
+        }
+        [message.width, message.height] = self.size();
+        let nodes = simulation.visible().len() - 1;
+        let options = simulation.options();
+        let length_px = options.length_px * nodes as f64 / (options.nodes - 1) as f64;
+        truth::fill(line, length_px, ROPE_PX, points, message);
+        true
     }
 
     fn wipe(&mut self) {
