@@ -56,13 +56,14 @@ fn rotate(a: &mut [Coordinates; INPUTS], vectors: &mut [Coordinates; INPUTS], i:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::random::coordinates;
+    use lariat_portable::SplitMix64;
 
     #[test]
     fn vectors_and_values_make_the_matrix_again() {
-        let mut random = Random(1);
+        let mut random = SplitMix64::new(1);
         for _ in 0..50 {
-            let half: [Coordinates; INPUTS] = std::array::from_fn(|_| random.coordinates());
+            let half: [Coordinates; INPUTS] = std::array::from_fn(|_| coordinates(&mut random));
             let matrix: [Coordinates; INPUTS] = std::array::from_fn(|i| {
                 std::array::from_fn(|j| (0..INPUTS).map(|k| half[i][k] * half[j][k]).sum())
             });

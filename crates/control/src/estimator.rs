@@ -62,13 +62,14 @@ pub(crate) const NONE: Coordinates = [0.0; INPUTS];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::random::features;
+    use lariat_portable::SplitMix64;
 
     const SIZE: usize = 18;
 
-    fn truth(random: &mut Random) -> Jacobian {
+    fn truth(random: &mut SplitMix64) -> Jacobian {
         Jacobian {
-            columns: [(); INPUTS].map(|()| random.features(SIZE)),
+            columns: [(); INPUTS].map(|()| features(random, SIZE)),
         }
     }
 
@@ -88,7 +89,7 @@ mod tests {
         count: usize,
         noise_px: f64,
     ) -> Vec<Jacobian> {
-        let mut random = Random(11);
+        let mut random = SplitMix64::new(11);
         let mut jacobian = Jacobian::ZERO;
         let mut way = Vec::new();
         for step in 0..count {
@@ -109,7 +110,7 @@ mod tests {
     /// The error along each input falls by 1 − γ each time that it moves.
     #[test]
     fn broydens_rule_converges_on_a_linear_map_as_its_share_says() {
-        let truth = truth(&mut Random(1));
+        let truth = truth(&mut SplitMix64::new(1));
         let mut learner = Learner::new(Estimator::Broyden { share: 0.5 });
         let way = steps(&mut learner, &truth, 10 * INPUTS, 0.0);
         let begun = error(&Jacobian::ZERO, &truth);
@@ -122,7 +123,7 @@ mod tests {
     /// Each entry is `e ← (1 − γ)e + γ n/‖δr‖`: a variance of γ/(2 − γ) (σ/‖δr‖)², in the mean over 108 entries and 50 turns.
     #[test]
     fn noise_leaves_in_broydens_rule_what_it_must() {
-        let truth = truth(&mut Random(1));
+        let truth = truth(&mut SplitMix64::new(1));
         let (share, sigma) = (0.5, 0.3);
         let mut learner = Learner::new(Estimator::Broyden { share });
         let way = steps(&mut learner, &truth, 70 * INPUTS, sigma);
@@ -138,7 +139,7 @@ mod tests {
     /// is 1): after k steps of 5 px along an input its error has the variance σ²/(25 k), the start's pull aside.
     #[test]
     fn the_filter_converges_on_a_linear_map_as_least_squares_do() {
-        let truth = truth(&mut Random(2));
+        let truth = truth(&mut SplitMix64::new(2));
         let mut learner = Learner::new(Estimator::Kalman { drift: 0.0 });
         let exact = steps(&mut learner, &truth, 2 * INPUTS, 0.0);
         assert!(error(&exact[2 * INPUTS - 1], &truth) < 1e-9);
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn the_filter_follows_a_rope_that_answers_otherwise_later() {
-        let mut random = Random(3);
+        let mut random = SplitMix64::new(3);
         let (before, after) = (truth(&mut random), truth(&mut random));
         let mut learner = Learner::new(Estimator::Kalman { drift: 0.3 });
         let mut jacobian = Jacobian::ZERO;

@@ -213,8 +213,9 @@ impl Slope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::random::features;
     use crate::{Estimator, Robot};
+    use lariat_portable::SplitMix64;
 
     /// Commands and images at 50/s, the images 100 ms late: the columns are the map's but for the noise, and all is home again.
     #[test]
@@ -224,9 +225,9 @@ mod tests {
             ..Robot::default()
         };
         let limits = Limits::new(&robot);
-        let mut random = Random(5);
+        let mut random = SplitMix64::new(5);
         let truth = Jacobian {
-            columns: [(); INPUTS].map(|()| random.features(12)),
+            columns: [(); INPUTS].map(|()| features(&mut random, 12)),
         };
         let mut explorer = Explorer::new(Exploring::default());
         let mut learner = Learner::new(Estimator::default());

@@ -124,7 +124,8 @@ fn between(a: &Knot, b: &Knot, at_ns: u64) -> Coordinates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::random::coordinates;
+    use lariat_portable::SplitMix64;
 
     const START: Coordinates = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
 
@@ -138,10 +139,10 @@ mod tests {
     #[test]
     fn the_way_is_the_integral_of_the_velocities_at_every_moment() {
         let mut history = History::new(START, 0.6);
-        let mut random = Random(7);
+        let mut random = SplitMix64::new(7);
         let mut way = vec![(1_000_000_000u64, START, [0.0; INPUTS])];
         for _ in 0..2000 {
-            let velocity = random.coordinates().map(|v| 100.0 * v);
+            let velocity = coordinates(&mut random).map(|v| 100.0 * v);
             let &(t_ns, r, before) = way.last().expect("not empty");
             let next_ns = t_ns + 200_000 + (8_000_000.0 * random.unit()) as u64;
             let seconds = (next_ns - t_ns) as f64 * 1e-9;

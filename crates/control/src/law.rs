@@ -115,24 +115,25 @@ impl Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::random::{coordinates, features};
     use crate::{Metric, Weights};
+    use lariat_portable::SplitMix64;
 
     const SIZE: usize = 10;
 
-    fn problem(random: &mut Random) -> (Jacobian, Weighing, Features, [[f64; 3]; SIZE / 2]) {
+    fn problem(random: &mut SplitMix64) -> (Jacobian, Weighing, Features, [[f64; 3]; SIZE / 2]) {
         let mut jacobian = Jacobian::ZERO;
         for column in &mut jacobian.columns {
-            *column = random.features(SIZE);
+            *column = features(random, SIZE);
         }
         let covariances = [(); SIZE / 2].map(|()| {
-            let [a, b, c] = [(); 3].map(|()| random.signed());
+            let [a, b, c] = [(); 3].map(|()| random.uniform(-1.0, 1.0));
             [a * a + 0.5, a * b, b * b + c * c + 0.5]
         });
         let mut weighing = Weighing::new(&Metric::default(), SIZE / 2);
         let taken = weighing.take(Weights::Covariances(&covariances), 1.0);
         assert!(taken.is_ok());
-        (jacobian, weighing, random.features(SIZE), covariances)
+        (jacobian, weighing, features(random, SIZE), covariances)
     }
 
     /// The normal equations written out, with the inverses of the covariances as they are, by Gauss's elimination.
@@ -206,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_law_is_that_of_the_normal_equations_written_out() {
-        let mut random = Random(3);
+        let mut random = SplitMix64::new(3);
         for case in 0..100 {
             let (jacobian, weighing, error, covariances) = problem(&mut random);
             let mut free = [true; INPUTS];
@@ -225,9 +226,9 @@ mod tests {
 
     #[test]
     fn without_damping_the_error_of_what_can_be_reached_falls_by_the_gain() {
-        let mut random = Random(4);
+        let mut random = SplitMix64::new(4);
         let (jacobian, weighing, ..) = problem(&mut random);
-        let way = random.coordinates();
+        let way = coordinates(&mut random);
         let law = Law::new(&jacobian, &weighing, &jacobian.times(&way), 3.0, 0.0);
         let wish = law.solve(&[true; INPUTS]);
         for (v, way) in wish.velocity.into_iter().zip(way) {
@@ -237,7 +238,7 @@ mod tests {
 
     #[test]
     fn near_a_singularity_damping_bounds_the_speed() {
-        let mut random = Random(5);
+        let mut random = SplitMix64::new(5);
         let (mut jacobian, weighing, error, _) = problem(&mut random);
         let plain = Law::new(&jacobian, &weighing, &error, 1.0, 0.0).solve(&[true; INPUTS]);
         for entry in &mut jacobian.columns[5] {
@@ -252,9 +253,9 @@ mod tests {
 
     #[test]
     fn inputs_that_are_not_free_stand_still_and_the_others_do_their_work() {
-        let mut random = Random(6);
+        let mut random = SplitMix64::new(6);
         let (jacobian, weighing, ..) = problem(&mut random);
-        let mut way = random.coordinates();
+        let mut way = coordinates(&mut random);
         (way[1], way[4]) = (0.0, 0.0);
         let free = [true, false, true, true, false, true];
         let law = Law::new(&jacobian, &weighing, &jacobian.times(&way), 1.0, 0.0);
@@ -266,7 +267,7 @@ mod tests {
     #[test]
     fn a_shape_that_does_not_answer_asks_for_nothing() {
         let weighing = Weighing::new(&Metric::default(), 3);
-        let error = Random(7).features(6);
+        let error = features(&mut SplitMix64::new(7), 6);
         let law = Law::new(&Jacobian::ZERO, &weighing, &error, 1.0, 0.0);
         let wish = law.solve(&[true; INPUTS]);
         assert_eq!(wish.velocity, [0.0; INPUTS]);

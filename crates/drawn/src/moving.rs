@@ -8,8 +8,9 @@ mod writhe;
 
 use crate::RenderOptions;
 use crate::rendered::draw::{Brush, Canvas};
-use crate::rendered::portable::{SplitMix64, sin_turns, smoothstep};
+use crate::rendered::portable::{sin_turns, smoothstep};
 use crate::rendered::table::{SensorNoise, lit_table};
+use lariat_portable::SplitMix64;
 use writhe::Writhe;
 
 pub use judge::{Judge, SeenCurve, SeenStatus, Verdict};
@@ -96,7 +97,7 @@ pub struct Film {
 impl Film {
     /// The film of a story, in pictures of `width` × `height` pixels (each at least 160).
     pub fn new(story: Story, seed: u64, width: u32, height: u32) -> Self {
-        let mut random = SplitMix64::new(seed, 11);
+        let mut random = SplitMix64::of_stream(seed, 11);
         let rope_px = f64::from(width.min(height)) / 48.0;
         let options = RenderOptions {
             seed,

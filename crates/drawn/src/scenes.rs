@@ -18,7 +18,7 @@ mod thing;
 
 use thiserror::Error;
 
-use crate::rendered::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 use line::Line;
 
 pub use class::Class;
@@ -127,7 +127,7 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     } else {
         seed
     };
-    let stream = |part: u64| SplitMix64::new(drawn_seed, 0x5CE0 + 16 * class as u64 + part);
+    let stream = |part: u64| SplitMix64::of_stream(drawn_seed, 0x5CE0 + 16 * class as u64 + part);
     let layout = layout::lay(
         class,
         &mut stream(0),

@@ -16,7 +16,6 @@ mod nearest;
 mod nerve;
 pub(crate) mod ordering;
 mod pixels;
-mod random;
 #[cfg(test)]
 mod references;
 mod seeding;

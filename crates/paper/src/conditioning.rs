@@ -8,7 +8,7 @@ use lariat_plot::words::{digits, list};
 
 use crate::PaperError;
 use crate::curves::{bspline, fitter};
-use crate::random::Random;
+use crate::random::of_stream;
 use crate::shapes::{POINTS, Shapes};
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=24;
@@ -192,7 +192,7 @@ impl Conditioning {
 /// The gain of order 8 by noise that is drawn.
 fn drawn_gain(seed: u64) -> Result<f64, PaperError> {
     let mut fitter = fitter(Basis::Bezier { order: 8 })?;
-    let mut random = Random::new(seed, 70_000);
+    let mut random = of_stream(seed, 70_000);
     let mut squares = [0.0f64; 9];
     for _ in 0..DRAWS {
         let points = [(); POINTS].map(|()| [random.normal(), random.normal()]);

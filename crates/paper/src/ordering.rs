@@ -9,8 +9,9 @@ use lariat_plot::{Spread, spread::median};
 use crate::PaperError;
 use crate::curves::sampled;
 use crate::polyline::{apart_px, at, rms_from_line_px};
-use crate::random::Random;
+use crate::random::{of_stream, shuffle};
 use crate::shapes::{POINTS, Shapes};
+use lariat_portable::SplitMix64;
 
 /// The largest step between neighbours by the least.
 const RATIOS: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
@@ -38,7 +39,7 @@ impl Unevenness {
     }
 
     /// Where the points are along the rope: from 0 to 1.
-    fn places(self, ratio: f64, random: &mut Random) -> Vec<f64> {
+    fn places(self, ratio: f64, random: &mut SplitMix64) -> Vec<f64> {
         let begin = random.unit();
         let steps: Vec<f64> = (0..POINTS - 1)
             .map(|i| match self {
@@ -97,7 +98,7 @@ impl Disorder {
         }
     }
 
-    fn apply(self, points: &mut [[f64; 2]], random: &mut Random) {
+    fn apply(self, points: &mut [[f64; 2]], random: &mut SplitMix64) {
         let count = points.len();
         match self {
             Self::None => {}
@@ -107,7 +108,7 @@ impl Disorder {
                 .for_each(|i| points.swap(i, i + 1)),
             Self::LoopBackwards => points[count / 3..2 * count / 3].reverse(),
             Self::HalvesExchanged => points.rotate_left(count / 2),
-            Self::Shuffled => random.shuffle(points),
+            Self::Shuffled => shuffle(points, random),
         }
     }
 }
@@ -229,7 +230,7 @@ fn uneven(
     for (k, ratio) in RATIOS.into_iter().enumerate() {
         let mut off = Vec::new();
         for (i, shape) in shapes.all.iter().enumerate() {
-            let mut random = Random::new(seed, (80_000 + 1000 * k + i) as u64);
+            let mut random = of_stream(seed, (80_000 + 1000 * k + i) as u64);
             let places = unevenness.places(ratio, &mut random);
             let points: Vec<[f64; 2]> = places.iter().map(|&u| at(&shape.dense, u)).collect();
             let curve = sampled(fitter.fit(&points)?, 2 * POINTS)?;
@@ -251,7 +252,7 @@ fn disordered(
     for (i, shape) in shapes.all.iter().enumerate() {
         let right = fitter.fit(&shape.reference)?.control_points.clone();
         let mut points = shape.reference.clone();
-        disorder.apply(&mut points, &mut Random::new(seed, 90_000 + i as u64));
+        disorder.apply(&mut points, &mut of_stream(seed, 90_000 + i as u64));
         let fit = fitter.fit(&points)?;
         let apart = right
             .iter()
@@ -315,7 +316,7 @@ mod tests {
     #[test]
     fn steps_are_as_uneven_as_they_are_asked_to_be() {
         for unevenness in Unevenness::ALL {
-            let places = unevenness.places(5.0, &mut Random::new(1, 1));
+            let places = unevenness.places(5.0, &mut of_stream(1, 1));
             assert_eq!((places.len(), places[0]), (POINTS, 0.0));
             assert!((places[POINTS - 1] - 1.0).abs() < 1e-9);
             let steps: Vec<f64> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -7,7 +7,7 @@ use crate::cost::median_us;
 use crate::csv::Csv;
 use crate::family::{Family, Fitting, PAPERS_NUMBERS};
 use crate::figure::{Figure, Table};
-use crate::random::Random;
+use crate::random::of_stream;
 use crate::shapes::{GENTLE, Shapes};
 use crate::{Effort, PaperError};
 
@@ -252,7 +252,7 @@ impl Entry {
             if shape.kind == GENTLE {
                 gentle.push(fitting.off_px(&shape.reference)?);
             }
-            let mut random = Random::new(seed, 60_000 + i as u64);
+            let mut random = of_stream(seed, 60_000 + i as u64);
             let points: Vec<[f64; 2]> = (shape.reference.iter())
                 .map(|p| p.map(|c| c + random.normal()))
                 .collect();

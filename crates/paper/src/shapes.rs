@@ -8,7 +8,7 @@ use lariat_plot::spread::median;
 use std::time::Instant;
 
 use crate::polyline::{at, even, rms_apart_px};
-use crate::random::Random;
+use crate::random::of_stream;
 use crate::{Effort, PaperError, Picture};
 
 /// Points of a centerline: the paper's N.
@@ -157,7 +157,7 @@ fn gentle(kind: &str, seed: u64, effort: &Effort) -> Result<Drawing, PaperError>
         width: width as u32,
         height: height as u32,
         rope_px: (height as f64 / 40.0).max(5.0),
-        frame_interval_s: Random::new(seed, 0).uniform(0.0, MOTION_S),
+        frame_interval_s: of_stream(seed, 0).uniform(0.0, MOTION_S),
         // Two steps for one of the N points.
         truth_points: 2 * POINTS as u32 - 1,
         ..RenderOptions::default()

@@ -35,6 +35,7 @@
 mod arch;
 mod operations;
 mod plain;
+mod random;
 mod simd;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -42,6 +43,7 @@ mod x86;
 pub use arch::{Arch, WithSimd};
 pub use plain::Plain;
 pub use pulp::NullaryFnOnce;
+pub use random::SplitMix64;
 pub use simd::Simd;
 #[cfg(target_arch = "x86_64")]
 pub use x86::Two;

@@ -57,7 +57,6 @@
 mod band;
 mod gripper;
 mod options;
-mod random;
 mod rod;
 mod shape;
 mod simulation;

@@ -2,9 +2,9 @@
 
 use crate::gripper::{Pose, Robot};
 use crate::options::{Options, OptionsError};
-use crate::random::SplitMix64;
 use crate::rod::{Energy, Material, Rod};
 use crate::shape::{lay, poses};
+use lariat_portable::SplitMix64;
 
 /// How long a step is.
 pub const STEP_NS: u64 = 1_000_000;
@@ -44,7 +44,7 @@ impl Simulation {
     /// Options out of their ranges.
     pub fn new(options: &Options) -> Result<Self, OptionsError> {
         options.check()?;
-        let random = &mut SplitMix64::new(options.seed, 1);
+        let random = &mut SplitMix64::of_stream(options.seed, 1);
         let bow = random.uniform(0.6, 0.85);
         let sway = random.uniform(-0.15, 0.15);
         let turn = random.uniform(-0.12, 0.12);

@@ -5,9 +5,9 @@ use std::str::FromStr;
 
 use crate::gripper::Pose;
 use crate::options::{Options, OptionsError};
-use crate::random::SplitMix64;
 use crate::shape::{at_equal_steps, lay, poses};
 use crate::simulation::Simulation;
+use lariat_portable::SplitMix64;
 
 /// The shapes that have names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl TargetShape {
 
     /// The poses for a rope of these options: the shape's own, a little moved and turned by the seed.
     fn poses(self, options: &Options) -> [Pose; 2] {
-        let random = &mut SplitMix64::new(options.seed, 2);
+        let random = &mut SplitMix64::of_stream(options.seed, 2);
         let turn = random.uniform(-0.08, 0.08);
         let middle = options
             .picture_px

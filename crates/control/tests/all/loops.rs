@@ -3,15 +3,16 @@
 use crate::support;
 
 use lariat_control::{Doing, Estimator, Metric, Options, Robot, Servo};
-use support::{Fit, Poses, Random, World, bent, distance, linear};
+use lariat_portable::SplitMix64;
+use support::{Fit, Poses, World, bent, distance, linear};
 
 /// A rope of 400 px on the table, each gripper somewhere, its ends 200 to 320 px apart.
-fn held(random: &mut Random) -> Poses {
-    let apart = random.between(200.0, 320.0);
-    let turn = random.between(-0.3, 0.3);
-    let a = [random.between(150.0, 190.0), random.between(210.0, 270.0)];
+fn held(random: &mut SplitMix64) -> Poses {
+    let apart = random.uniform(200.0, 320.0);
+    let turn = random.uniform(-0.3, 0.3);
+    let a = [random.uniform(150.0, 190.0), random.uniform(210.0, 270.0)];
     let b = [a[0] + apart * f64::cos(turn), a[1] + apart * f64::sin(turn)];
-    let [at, bt] = [(); 2].map(|()| random.between(-0.9, 0.9));
+    let [at, bt] = [(); 2].map(|()| random.uniform(-0.9, 0.9));
     [[a[0], a[1], at], [b[0], b[1], bt]]
 }
 
@@ -29,7 +30,7 @@ fn options(grippers: usize, estimator: Estimator) -> Options {
 
 /// 60 images/s, 35 ms late, of a curve fitted to 60 points with noise of 0.3 px in each coordinate, on a rope that lags 0.1 s behind.
 fn reaches(seed: u64, grippers: usize, estimator: Estimator) {
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let start = held(&mut random);
     let mut goal = held(&mut random);
     if grippers == 1 {
@@ -112,7 +113,7 @@ fn size(rows: &[[[f64; 3]; 2]]) -> f64 {
 #[test]
 fn on_the_way_the_jacobian_is_that_of_the_rope() {
     for estimator in [Estimator::default(), Estimator::BROYDEN] {
-        let mut random = Random(42);
+        let mut random = SplitMix64::new(42);
         let (start, goal) = (held(&mut random), held(&mut random));
         let mut world = World::new(bent, start, 17);
         (world.delay_ms, world.noise_px) = (35, 0.1);
@@ -163,7 +164,7 @@ fn on_the_way_the_jacobian_is_that_of_the_rope() {
 /// Explored at one place, without noise: what is left is the bend of the answer over 15 px and 0.15 rad.
 #[test]
 fn exploring_finds_the_jacobian_of_a_bent_rope() {
-    let mut random = Random(9);
+    let mut random = SplitMix64::new(9);
     let (start, goal) = (held(&mut random), held(&mut random));
     let mut world = World::new(bent, start, 17);
     world.delay_ms = 35;

@@ -6,9 +6,8 @@ use lariat_control::{
     Command, Doing, Metric, Observation, Options, Robot, Servo, Weights, Workspace,
 };
 use lariat_fit::{Fitter, bernstein};
+use lariat_portable::SplitMix64;
 use lariat_simulation::{STEP_NS, Simulation, TargetShape, at_equal_steps};
-
-use crate::support::Random;
 
 /// Points that a camera gives, and that shapes are judged by.
 pub(crate) const POINTS: usize = 120;
@@ -106,7 +105,7 @@ pub(crate) struct Chain {
     target: Vec<[f64; 2]>,
     sight: Sight,
     fitter: Fitter,
-    random: Random,
+    random: SplitMix64,
     exposures: u64,
     images: VecDeque<Image>,
 }
@@ -122,7 +121,7 @@ impl Chain {
             target: case.target.clone(),
             sight,
             fitter,
-            random: Random(case.seed),
+            random: SplitMix64::new(case.seed),
             exposures: 0,
             images: VecDeque::new(),
         }

@@ -4,28 +4,7 @@
 use std::collections::VecDeque;
 
 use lariat_control::{Command, Doing, Observation, Servo, Weights};
-
-/// splitmix64: the same on every machine.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.unit()
-    }
-
-    /// Of variance 1, near enough: the sum of twelve.
-    pub(crate) fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
-    }
-}
+use lariat_portable::SplitMix64;
 
 pub(crate) type Poses = [[f64; 3]; 2];
 
@@ -113,7 +92,7 @@ impl Fit {
     }
 
     /// What noise in every point makes of the control points.
-    fn disturb(&self, shape: &mut [f64], noise_px: f64, random: &mut Random) {
+    fn disturb(&self, shape: &mut [f64], noise_px: f64, random: &mut SplitMix64) {
         let noise: Vec<[f64; 2]> = self.inverse[0]
             .iter()
             .map(|_| [(); 2].map(|()| noise_px * random.normal()))
@@ -138,7 +117,7 @@ pub(crate) struct World {
     /// The rope follows its grippers by so long, s: at first order.
     pub(crate) lag_s: f64,
     followed: Poses,
-    pub(crate) random: Random,
+    pub(crate) random: SplitMix64,
     ms: u64,
     next_ms: u64,
     velocities: Poses,
@@ -156,7 +135,7 @@ impl World {
             seen_by: None,
             lag_s: 0.0,
             followed: poses,
-            random: Random(1),
+            random: SplitMix64::new(1),
             ms: 0,
             next_ms: 0,
             velocities: [[0.0; 3]; 2],

@@ -3,7 +3,8 @@
 //! The centerline is the integral of the heading: its length never changes, and equal steps along it are equal arc
 //! lengths.
 
-use crate::rendered::portable::{SplitMix64, cos_turns, sin_turns};
+use crate::rendered::portable::{cos_turns, sin_turns};
+use lariat_portable::SplitMix64;
 
 /// Bending modes, and how far each swings, in turns.
 const MODE_TURNS: [f64; 4] = [0.14, 0.12, 0.08, 0.04];

@@ -6,7 +6,8 @@
 //! before the first frame and the rope made as long as the image allows.
 
 use super::RenderOptions;
-use super::portable::{SplitMix64, cos_turns, sin_turns, smoothstep};
+use super::portable::{cos_turns, sin_turns, smoothstep};
+use lariat_portable::SplitMix64;
 
 /// The motion repeats after this time, in seconds.
 const PERIOD_S: f64 = 60.0;
@@ -64,7 +65,7 @@ pub(super) struct Motion {
 impl Motion {
     /// The motion of these options' seed, in an image of their size.
     pub(super) fn new(options: &RenderOptions) -> Self {
-        let random = &mut SplitMix64::new(options.seed, 1);
+        let random = &mut SplitMix64::of_stream(options.seed, 1);
         let size_px = [f64::from(options.width), f64::from(options.height)];
         let along = if size_px[0] < size_px[1] { 0.25 } else { 0.0 };
         let turned = 0.25 + 0.25 * random.sign();

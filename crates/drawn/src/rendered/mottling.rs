@@ -1,6 +1,6 @@
 //! Value noise: random heights on a grid, smoothly joined, as the mottling of a table.
 
-use super::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// Heights between −1 and 1 on a grid of `GRID` × `GRID` places, repeated without end.
 pub(crate) struct Mottling<const GRID: usize> {

@@ -33,37 +33,6 @@ pub(crate) fn smoothstep(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): one multiply-xorshift hash of a counter.
-#[derive(Debug, Clone)]
-pub(crate) struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// The generator of a seed and of a stream: generators of different streams have nothing in common.
-    pub(crate) fn new(seed: u64, stream: u64) -> Self {
-        Self(Self(seed).next_u64() ^ Self(stream.wrapping_mul(0xA076_1D64_78BD_642F)).next_u64())
-    }
-
-    pub(crate) fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [low, high).
-    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        // 53 bits: every value is a multiple of 2⁻⁵³, exact.
-        let unit = (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-
-    /// −1 or 1.
-    pub(crate) fn sign(&mut self) -> f64 {
-        if self.next_u64() & 1 == 0 { -1.0 } else { 1.0 }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,13 +45,5 @@ mod tests {
             assert!((sin_turns(turns) - angle.sin()).abs() < 2e-9, "{turns}");
             assert!((cos_turns(turns) - angle.cos()).abs() < 2e-9, "{turns}");
         }
-    }
-
-    #[test]
-    fn the_generator_gives_its_published_numbers() {
-        // Seed 1234567, from the reference implementation's test vectors.
-        let mut random = SplitMix64(1_234_567);
-        assert_eq!(random.next_u64(), 6_457_827_717_110_365_317);
-        assert_eq!(random.next_u64(), 3_203_168_211_198_807_973);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::RenderOptions;
 use super::mottling::Mottling;
-use super::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// No noise is larger: what is drawn stays this far from 0 and 255, so that noise is added without a saturation.
 pub(crate) const LARGEST_NOISE: u8 = 10;
@@ -17,7 +17,7 @@ pub(crate) fn to_byte(value: f32) -> u8 {
 
 /// The empty table, three bytes a pixel.
 pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
-    let random = &mut SplitMix64::new(options.seed, 2);
+    let random = &mut SplitMix64::of_stream(options.seed, 2);
     let (width, height) = (options.width as usize, options.height as usize);
     // Where the lamp stands: near an upper corner; its light falls off with the square of the distance.
     let lamp = [random.uniform(0.1, 0.9), random.uniform(0.0, 0.3)];
@@ -57,7 +57,7 @@ pub(crate) struct SensorNoise {
 impl SensorNoise {
     /// Noise for rows of at most `row_bytes`.
     pub(crate) fn new(seed: u64, sigma: f64, row_bytes: usize) -> Self {
-        let random = &mut SplitMix64::new(seed, 3);
+        let random = &mut SplitMix64::of_stream(seed, 3);
         let limit = f64::from(LARGEST_NOISE);
         // A sum of four uniforms in [−½, ½) has a variance of ⅓.
         let scale = sigma * 3f64.sqrt();
@@ -74,7 +74,7 @@ impl SensorNoise {
 
     /// `noisy = clean + noise`, row by row, for rows of `row_bytes`.
     pub(crate) fn add(&self, sequence: u64, row_bytes: usize, clean: &[u8], noisy: &mut [u8]) {
-        let random = &mut SplitMix64::new(self.seed ^ 0x5EED, sequence);
+        let random = &mut SplitMix64::of_stream(self.seed ^ 0x5EED, sequence);
         let rows = clean
             .chunks_exact(row_bytes)
             .zip(noisy.chunks_exact_mut(row_bytes));

@@ -4,7 +4,7 @@ use super::look::Look;
 use super::paint::Painted;
 use super::thing::Thing;
 use crate::rendered::mottling::Mottling;
-use crate::rendered::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// The table's pattern is of 35 and of 11 px.
 const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];

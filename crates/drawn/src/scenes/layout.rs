@@ -7,7 +7,7 @@ use super::line::{Found, Line, Meeting, Vec2, meetings};
 use super::rules::{Rules, bends_enough, crossed, crossings_as_asked};
 use super::shape::{self, Beside, Room};
 use super::thing;
-use crate::rendered::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// Steps of a drawn line: of 2000 px, one a pixel.
 const SEGMENTS: usize = 2000;

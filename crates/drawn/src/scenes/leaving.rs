@@ -4,7 +4,7 @@ use super::layout::{Layout, refined, room, tops};
 use super::line::{Line, Vec2};
 use super::rules::{Rules, bends_enough, crossings_as_asked};
 use super::shape::{self, Room};
-use crate::rendered::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// A rope of which one end or both lie outside of the image; it goes out once at each.
 pub(super) fn leaving(

@@ -2,7 +2,8 @@
 
 use super::Class;
 use super::line::Vec2;
-use crate::rendered::portable::{SplitMix64, cos_turns, sin_turns};
+use crate::rendered::portable::{cos_turns, sin_turns};
+use lariat_portable::SplitMix64;
 
 pub(super) type Rgb = [f32; 3];
 

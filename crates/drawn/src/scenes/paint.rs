@@ -228,7 +228,7 @@ fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Seen) -> [f32; 3] {
 mod tests {
     use super::super::Class;
     use super::*;
-    use crate::rendered::portable::SplitMix64;
+    use lariat_portable::SplitMix64;
 
     fn straight(from: [f64; 2], to: [f64; 2], width_px: f64) -> Painted {
         let line = Line::through(&[from, to], false, 200);
@@ -240,7 +240,7 @@ mod tests {
             lines: vec![line],
             width_px,
         };
-        let random = &mut SplitMix64::new(1, 1);
+        let random = &mut SplitMix64::of_stream(1, 1);
         let look = Look::of(Class::Medium, 1, 1, width_px, random);
         paint(&layout, &look, 120, 100)
     }

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::Class;
 use super::line::{Found, Line, Meeting, meetings};
-use crate::rendered::portable::SplitMix64;
+use lariat_portable::SplitMix64;
 
 /// Between the centres of strands that are not meant to be near, in widths.
 const CLEAR_WIDTHS: f64 = 2.0;

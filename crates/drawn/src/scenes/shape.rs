@@ -2,7 +2,8 @@
 //! pairs of strands that run beside each other along a common spine.
 
 use super::line::{Line, Vec2, minus, norm};
-use crate::rendered::portable::{SplitMix64, cos_turns, sin_turns, smoothstep};
+use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
+use lariat_portable::SplitMix64;
 
 /// Steps of a curve that is only tried; what is drawn has more.
 pub(super) const TRIAL_SEGMENTS: usize = 320;

@@ -2,7 +2,8 @@
 
 use super::line::{Vec2, dot, minus, norm};
 use super::look::{Look, Rgb, from_hsv};
-use crate::rendered::portable::{SplitMix64, cos_turns, sin_turns};
+use crate::rendered::portable::{cos_turns, sin_turns};
+use lariat_portable::SplitMix64;
 
 /// Things lie to the right of this share of the picture, ropes to the left of it.
 pub(super) const FROM: f64 = 0.62;

@@ -7,8 +7,8 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use super::random::Random;
 use super::{Pixels, Start};
+use lariat_portable::SplitMix64;
 
 /// Pixels in a block.
 const BLOCK: usize = 64;
@@ -74,7 +74,7 @@ impl Seeding {
         Arch::new().dispatch(Choosing {
             memory: self,
             pixels,
-            random: Random::new(seed),
+            random: SplitMix64::new(seed),
             centers,
         });
     }
@@ -122,7 +122,7 @@ impl Seeding {
 struct Choosing<'a> {
     memory: &'a mut Seeding,
     pixels: &'a Pixels,
-    random: Random,
+    random: SplitMix64,
     centers: &'a mut [[f32; 2]],
 }
 
@@ -170,7 +170,7 @@ impl Seeding {
 
     /// A pixel, each by the share of its square; none when all are 0.
     #[inline(always)]
-    fn draw(&self, random: &mut Random) -> Option<[f32; 2]> {
+    fn draw(&self, random: &mut SplitMix64) -> Option<[f32; 2]> {
         let mut lanes = [0.0f32; LANES];
         for sums in self.sums.as_chunks::<LANES>().0 {
             for (lane, sum) in lanes.iter_mut().zip(sums) {
@@ -324,7 +324,7 @@ mod tests {
         seeding.begin(&pixels, Start::Given, &mut centers);
         seeding.take(&pixels);
         seeding.add([10.0, 0.0]);
-        let mut random = Random::new(7);
+        let mut random = SplitMix64::new(7);
         let mut counts = [0i32; 3];
         for _ in 0..14_000 {
             let drawn = seeding.draw(&mut random).expect("there are squares");

@@ -15,9 +15,9 @@ use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::exponential::power_of_two;
 use super::extent::Extent;
-use super::random::Random;
 use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
+use lariat_portable::SplitMix64;
 
 /// Nodes that are worked on side by side, as many as the widest register holds.
 const LANES: usize = 16;
@@ -106,7 +106,7 @@ impl Som {
         let objective = Arch::new().dispatch(Train {
             pixels,
             training,
-            random: Random::new(seed),
+            random: SplitMix64::new(seed),
             count: centers.len(),
             nodes: [x, y],
         });
@@ -126,7 +126,7 @@ impl Som {
 struct Train<'a> {
     pixels: &'a Pixels,
     training: Training,
-    random: Random,
+    random: SplitMix64,
     count: usize,
     nodes: [&'a mut [f32]; 2],
 }
@@ -257,7 +257,7 @@ mod tests {
                 arch.dispatch(Train {
                     pixels: &pixels,
                     training,
-                    random: Random::new(0),
+                    random: SplitMix64::new(0),
                     count: nodes.len(),
                     nodes: [&mut found_x, &mut found_y],
                 });

@@ -1,9 +1,10 @@
 //! Which strand lies on top where ropes of one color cross, and where crossings are reported.
 
 use crate::drawing;
+use lariat_portable::SplitMix64;
 
 use drawing::shaded::{Canvas, Strand, Surface};
-use drawing::{Random, Vec2, distance, extractor};
+use drawing::{Vec2, distance, extractor};
 use lariat_extract::{Crossing, Curve, Image, PixelFormat};
 
 const SIDE: usize = 200;
@@ -20,20 +21,20 @@ struct Cross {
 
 impl Cross {
     /// Any two ropes of one color and width that cross at 25° or more.
-    fn random(random: &mut Random) -> Self {
-        let width_px = random.within(4.0, 16.0);
+    fn random(random: &mut SplitMix64) -> Self {
+        let width_px = random.uniform_f32(4.0, 16.0);
         let surface = Surface {
-            color: [(); 3].map(|()| random.within(90.0, 200.0)),
-            shade: random.within(0.0, 0.5),
-            gloss: random.within(-40.0, 60.0).max(0.0),
-            gloss_at: random.within(-0.6, 0.6),
-            shadow: random.within(-0.3, 0.4).max(0.0),
-            speckles: random.within(-10.0, 10.0).max(0.0),
-            braid: random.within(-30.0, 30.0).max(0.0),
+            color: [(); 3].map(|()| random.uniform_f32(90.0, 200.0)),
+            shade: random.uniform_f32(0.0, 0.5),
+            gloss: random.uniform_f32(-40.0, 60.0).max(0.0),
+            gloss_at: random.uniform_f32(-0.6, 0.6),
+            shadow: random.uniform_f32(-0.3, 0.4).max(0.0),
+            speckles: random.uniform_f32(-10.0, 10.0).max(0.0),
+            braid: random.uniform_f32(-30.0, 30.0).max(0.0),
         };
-        let turn = random.within(0.0, std::f32::consts::PI);
-        let angle = random.within(25.0, 155.0).to_radians();
-        let bend = [(); 2].map(|()| random.within(-0.15, 0.15) / 100.0);
+        let turn = random.uniform_f32(0.0, std::f32::consts::PI);
+        let angle = random.uniform_f32(25.0, 155.0).to_radians();
+        let bend = [(); 2].map(|()| random.uniform_f32(-0.15, 0.15) / 100.0);
         let strand = |turn: f32, bend: f32| {
             let axis = turn.sin_cos();
             let points = (-85..=85).map(|s| {
@@ -53,12 +54,12 @@ impl Cross {
             below: strand(turn, bend[0]),
             above: strand(turn + angle, bend[1]),
             table: [20.0; 3],
-            noise: random.within(0.0, 8.0),
-            soften: random.within(0.0, 3.0) as usize,
+            noise: random.uniform_f32(0.0, 8.0),
+            soften: random.uniform_f32(0.0, 3.0) as usize,
         }
     }
 
-    fn draw(&self, random: &mut Random) -> Vec<u8> {
+    fn draw(&self, random: &mut SplitMix64) -> Vec<u8> {
         let mut canvas = Canvas::new(SIDE, SIDE, self.table);
         canvas.paint(&self.below, random);
         canvas.paint(&self.above, random);
@@ -85,7 +86,7 @@ fn runs_along(curve: &Curve, rho: f32, strand: &Strand) -> bool {
 
 /// What is seen of `cross`: the one crossing with its two curves, unless the ropes themselves were
 /// not told apart.
-fn see(cross: &Cross, random: &mut Random) -> Option<Seen> {
+fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Seen> {
     let bytes = cross.draw(random);
     let image = Image::new(&bytes, SIDE, SIDE, 3 * SIDE, PixelFormat::Rgb8).ok()?;
     let mut extractor = extractor();
@@ -117,7 +118,7 @@ struct Seen {
 
 #[test]
 fn the_upper_of_two_ropes_of_one_color_is_told_by_its_shading() {
-    let mut random = Random(401);
+    let mut random = SplitMix64::new(401);
     let (mut seen, mut wrong) = (0, Vec::new());
     for i in 0..120 {
         let mut cross = Cross::random(&mut random);
@@ -142,7 +143,7 @@ fn the_upper_of_two_ropes_of_one_color_is_told_by_its_shading() {
 
 #[test]
 fn a_lens_out_of_focus_hides_the_order_seldom() {
-    let mut random = Random(407);
+    let mut random = SplitMix64::new(407);
     let (mut seen, mut right) = (0, 0);
     for _ in 0..80 {
         let mut cross = Cross::random(&mut random);
@@ -163,7 +164,7 @@ fn a_lens_out_of_focus_hides_the_order_seldom() {
 
 #[test]
 fn confidence_tells_how_often_it_is_right() {
-    let mut random = Random(402);
+    let mut random = SplitMix64::new(402);
     let mut bins = [(0.0f32, 0.0f32, 0.0f32); 3];
     for _ in 0..400 {
         let cross = Cross::random(&mut random);
@@ -188,7 +189,7 @@ fn confidence_tells_how_often_it_is_right() {
 
 #[test]
 fn a_crossing_lies_where_both_curves_are_at_their_rho() {
-    let mut random = Random(403);
+    let mut random = SplitMix64::new(403);
     for _ in 0..40 {
         let mut cross = Cross::random(&mut random);
         cross.noise = 2.0;
@@ -204,7 +205,7 @@ fn a_crossing_lies_where_both_curves_are_at_their_rho() {
 
 #[test]
 fn of_ropes_without_any_surface_neither_is_surely_on_top() {
-    let mut random = Random(404);
+    let mut random = SplitMix64::new(404);
     let mut confidences = Vec::new();
     for _ in 0..12 {
         let mut cross = Cross::random(&mut random);
@@ -257,7 +258,7 @@ fn noose(first_on_top: bool) -> (Strand, Strand) {
 
 /// The noose as RGB bytes.
 fn draw_noose(first_on_top: bool) -> Vec<u8> {
-    let mut random = Random(405);
+    let mut random = SplitMix64::new(405);
     let (whole, top) = noose(first_on_top);
     let mut canvas = Canvas::new(SIDE, SIDE, [25.0, 28.0, 26.0]);
     canvas.paint(&whole, &mut random);
@@ -352,7 +353,7 @@ fn ropes_that_touch_without_crossing_have_no_crossing() {
             width_px: 12.0,
             surface,
         };
-        let mut random = Random(406);
+        let mut random = SplitMix64::new(406);
         let mut canvas = Canvas::new(SIDE, SIDE, [20.0; 3]);
         canvas.paint(&strand(-1.0), &mut random);
         canvas.paint(&strand(1.0), &mut random);

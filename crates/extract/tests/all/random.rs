@@ -2,10 +2,11 @@
 //! crossing, and where it was drawn.
 
 use crate::drawing;
+use lariat_portable::SplitMix64;
 
 use std::f32::consts::{PI, TAU};
 
-use drawing::{Random, Rope, Table, Vec2, distance, error, extractor, see};
+use drawing::{Rope, Table, Vec2, distance, error, extractor, see};
 
 const WHITE: [f32; 3] = [215.0, 212.0, 205.0];
 const BLUE: [f32; 3] = [30.0, 60.0, 130.0];
@@ -13,12 +14,17 @@ const SAMPLES: usize = 400;
 const LOOPS: usize = 200;
 
 /// A sum of four random waves in each direction.
-fn random_rope(random: &mut Random) -> Rope {
-    let width_px = random.within(4.0, 14.0);
+fn random_rope(random: &mut SplitMix64) -> Rope {
+    let width_px = random.uniform_f32(4.0, 14.0);
     let waves: Vec<[f32; 4]> = (1..5)
         .map(|k| {
             let size = 150.0 / (k as f32).powf(1.2);
-            let mut wave = || [random.within(-size, size), random.within(0.0, TAU)];
+            let mut wave = || {
+                [
+                    random.uniform_f32(-size, size),
+                    random.uniform_f32(0.0, TAU),
+                ]
+            };
             let ([a, b], [c, d]) = (wave(), wave());
             [a, b, c, d]
         })
@@ -85,7 +91,7 @@ fn cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
 
 #[test]
 fn random_ropes_are_connected_rightly_through_their_crossings() {
-    let mut random = Random(3);
+    let mut random = SplitMix64::new(3);
     let (mut ropes, mut all_crossings, mut mean_px, mut ends_px) = (0, 0, 0.0, 0.0);
     while ropes < 40 {
         let rope = random_rope(&mut random);
@@ -95,9 +101,9 @@ fn random_ropes_are_connected_rightly_through_their_crossings() {
         ropes += 1;
         all_crossings += count;
         let mut table = Table::new(640, 480, WHITE);
-        table.noise = random.within(0.0, 5.0);
-        table.gradient = random.within(-0.5, 0.5);
-        table.seed = random.bits();
+        table.noise = random.uniform_f32(0.0, 5.0);
+        table.gradient = random.uniform_f32(-0.5, 0.5);
+        table.seed = random.next_u64();
         let mut extractor = extractor();
         let rgb = table.draw(std::slice::from_ref(&rope));
         let scene = see(&mut extractor, &rgb, &table);
@@ -122,14 +128,14 @@ fn random_ropes_are_connected_rightly_through_their_crossings() {
 
 /// A rope that bends gently, makes one tight loop the same way, and bends gently on: where the loop
 /// closes, its strands touch almost along each other.
-fn tightly_looped(random: &mut Random) -> Rope {
-    let width_px = random.within(8.0, 13.0);
-    let radius_px = width_px * random.within(1.8, 2.6);
-    let turn = random.within(0.75, 1.0) * TAU;
-    let gentle = [(); 2].map(|()| 1.0 / (width_px * random.within(9.0, 16.0)));
-    let arms_px = [(); 2].map(|()| random.within(110.0, 160.0));
-    let ramp_px = width_px * random.within(0.5, 2.0);
-    let heading = random.within(0.0, TAU);
+fn tightly_looped(random: &mut SplitMix64) -> Rope {
+    let width_px = random.uniform_f32(8.0, 13.0);
+    let radius_px = width_px * random.uniform_f32(1.8, 2.6);
+    let turn = random.uniform_f32(0.75, 1.0) * TAU;
+    let gentle = [(); 2].map(|()| 1.0 / (width_px * random.uniform_f32(9.0, 16.0)));
+    let arms_px = [(); 2].map(|()| random.uniform_f32(110.0, 160.0));
+    let ramp_px = width_px * random.uniform_f32(0.5, 2.0);
+    let heading = random.uniform_f32(0.0, TAU);
     let loop_px = turn * radius_px;
     let length_px = arms_px[0] + loop_px + arms_px[1];
     let steps = 1500;
@@ -168,13 +174,13 @@ fn tightly_looped(random: &mut Random) -> Rope {
 
 #[test]
 fn a_tight_loop_that_touches_itself_belongs_to_the_rope() {
-    let mut random = Random(11);
+    let mut random = SplitMix64::new(11);
     let mut wrong_turns = Vec::new();
     for rope in 0..LOOPS {
         let truth = tightly_looped(&mut random);
         let mut table = Table::new(640, 480, WHITE);
-        table.noise = random.within(0.0, 4.0);
-        table.seed = random.bits();
+        table.noise = random.uniform_f32(0.0, 4.0);
+        table.seed = random.next_u64();
         let mut extractor = extractor();
         let rgb = table.draw(std::slice::from_ref(&truth));
         let scene = see(&mut extractor, &rgb, &table);

@@ -1,9 +1,10 @@
 //! Drawn ropes of every kind come out where they are.
 
 use crate::drawing;
+use lariat_portable::SplitMix64;
 
 use drawing::formats::formats;
-use drawing::{Random, Rope, Table, Vec2, distance, distance_to, error, extractor, see};
+use drawing::{Rope, Table, Vec2, distance, distance_to, error, extractor, see};
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Options, PixelFormat, Status};
 
 const GRAY: [f32; 3] = [128.0; 3];
@@ -43,7 +44,7 @@ fn assert_near(curve: &lariat_extract::Curve, rope: &Rope, what: &str) {
 
 #[test]
 fn ropes_of_every_width_and_color_come_out_where_they_are() {
-    let mut random = Random(7);
+    let mut random = SplitMix64::new(7);
     let looks = [
         (BLUE, WHITE),
         (WHITE, BLACK),
@@ -54,9 +55,9 @@ fn ropes_of_every_width_and_color_come_out_where_they_are() {
     for (i, width_px) in [4.0, 6.0, 9.0, 13.0, 20.0].into_iter().enumerate() {
         for (rope_color, table_color) in looks {
             let mut table = Table::new(320, 240, table_color);
-            table.gradient = random.within(-0.4, 0.4);
-            table.noise = random.within(0.0, 4.0);
-            table.seed = random.bits();
+            table.gradient = random.uniform_f32(-0.4, 0.4);
+            table.noise = random.uniform_f32(0.0, 4.0);
+            table.seed = random.next_u64();
             let rope = Rope::along(width_px, rope_color, wave(i as f32));
             let mut extractor = extractor();
             let scene = see(

@@ -1,10 +1,11 @@
 //! A rope stays one through what hides it, and nothing is said of an image that it does not show.
 
 use crate::drawing;
+use lariat_portable::SplitMix64;
 
 use std::time::Duration;
 
-use drawing::{Random, Rope, Table, Vec2, distance_to, extractor, see};
+use drawing::{Rope, Table, Vec2, distance_to, extractor, see};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 
 const WHITE: [f32; 3] = [215.0, 212.0, 205.0];
@@ -210,9 +211,9 @@ fn a_frame_of_noise_is_no_rope_and_changes_none() {
     let table = noisy();
     let mut extractor = extractor();
     let shown = table.draw(&[wave(0.0)]);
-    let mut random = Random(5);
+    let mut random = SplitMix64::new(5);
     let noise: Vec<u8> = (0..shown.len())
-        .map(|_| (random.bits() >> 40) as u8)
+        .map(|_| (random.next_u64() >> 40) as u8)
         .collect();
     for round in 0..5 {
         for _ in 0..4 {

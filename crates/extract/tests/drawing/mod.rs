@@ -5,6 +5,7 @@ pub(crate) mod formats;
 pub(crate) mod shaded;
 
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene};
+use lariat_portable::SplitMix64;
 
 pub(crate) type Vec2 = [f32; 2];
 
@@ -88,16 +89,14 @@ impl Table {
                 }
             }
         }
-        let mut random = Random(self.seed);
+        let mut random = SplitMix64::new(self.seed);
         let mut bytes = Vec::with_capacity(3 * w * h);
         for (i, pixel) in picture.iter().enumerate() {
             let across = (i % w) as f32 / w as f32 + (i / w) as f32 / h as f32 - 1.0;
             let light = 1.0 + 0.5 * self.gradient * across;
-            bytes.extend(
-                pixel.map(|p| {
-                    (p * light + self.noise * random.normal() + 0.5).clamp(0.0, 255.0) as u8
-                }),
-            );
+            bytes.extend(pixel.map(|p| {
+                (p * light + self.noise * normal(&mut random) + 0.5).clamp(0.0, 255.0) as u8
+            }));
         }
         bytes
     }
@@ -168,27 +167,9 @@ fn cut_end<'a>(
     }
 }
 
-/// A small seeded generator (SplitMix64).
-pub(crate) struct Random(pub u64);
-
-impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform from `low` to `high`.
-    pub(crate) fn within(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.bits() >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    /// About normal: the sum of twelve uniform numbers.
-    pub(crate) fn normal(&mut self) -> f32 {
-        (0..12).map(|_| self.within(-0.5, 0.5)).sum()
-    }
+/// About normal: the sum of twelve uniform numbers.
+pub(crate) fn normal(random: &mut SplitMix64) -> f32 {
+    (0..12).map(|_| random.uniform_f32(-0.5, 0.5)).sum()
 }
 
 pub(crate) fn distance(a: Vec2, b: Vec2) -> f32 {

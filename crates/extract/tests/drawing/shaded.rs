@@ -1,6 +1,8 @@
 //! Ropes with a surface: round shading, a highlight, a shadow on what lies below, speckles.
 
-use super::{Random, Vec2, distance};
+use lariat_portable::SplitMix64;
+
+use super::{Vec2, distance, normal};
 
 /// A rope, or a piece of one, to paint over what is there already.
 #[derive(Clone)]
@@ -44,7 +46,7 @@ impl Canvas {
     }
 
     /// Paints `strand`; its ends are cut straight.
-    pub(crate) fn paint(&mut self, strand: &Strand, random: &mut Random) {
+    pub(crate) fn paint(&mut self, strand: &Strand, random: &mut SplitMix64) {
         let half = strand.width_px / 2.0;
         let shadow_px = 0.7 * half + 1.0;
         let mut lengths = vec![0.0];
@@ -70,7 +72,7 @@ impl Canvas {
             let shine = surface.gloss * (-((t - surface.gloss_at) / 0.15).powi(2)).exp();
             let turns = along / (0.75 * strand.width_px) + 0.5 * t;
             let braid = surface.braid * (std::f32::consts::TAU * turns).sin();
-            let speckle = surface.speckles * random.normal() + braid;
+            let speckle = surface.speckles * normal(random) + braid;
             for (p, c) in pixel.iter_mut().zip(surface.color) {
                 let below = *p * (1.0 - surface.shadow * fade * near);
                 *p = below + share * (c * round + shine + speckle - below);
@@ -117,11 +119,10 @@ impl Canvas {
     }
 
     /// The picture as RGB bytes, with noise of this standard deviation.
-    pub(crate) fn bytes(&self, noise: f32, random: &mut Random) -> Vec<u8> {
+    pub(crate) fn bytes(&self, noise: f32, random: &mut SplitMix64) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(3 * self.pixels.len());
         for pixel in &self.pixels {
-            bytes
-                .extend(pixel.map(|p| (p + noise * random.normal() + 0.5).clamp(0.0, 255.0) as u8));
+            bytes.extend(pixel.map(|p| (p + noise * normal(random) + 0.5).clamp(0.0, 255.0) as u8));
         }
         bytes
     }

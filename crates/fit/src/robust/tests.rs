@@ -1,5 +1,6 @@
 use super::*;
 use crate::weighted::oracle::*;
+use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 /// A rope of 120 points, order 8 unless it says otherwise, and its fitter.
@@ -100,14 +101,14 @@ fn the_constants_are_those_of_gaussian_noise() {
 /// How much the curve of least squares varies by that of Huber's, over 4,000 ropes without outliers, and the
 /// mean of σ².
 fn efficiency<const D: usize>(seed: u64) -> (f64, f64, f64) {
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let mut setting = Setting::<D>::new(120, 9);
     let weights = [1.0; 120];
     let (mut least, mut robust, mut variance, mut told) = (0.0, 0.0, 0.0, 0.0);
     let draws = 4000;
     for _ in 0..draws {
         let noise: Vec<[f64; D]> = (0..120)
-            .map(|_| std::array::from_fn(|_| random.gaussian()))
+            .map(|_| std::array::from_fn(|_| random.normal()))
             .collect();
         let s = setting.least_squares(&noise, &weights);
         least += power(&curve(&setting.b, &s));
@@ -155,21 +156,21 @@ enum Outliers {
 fn spoil(
     points: &[[f64; 2]],
     outliers: Outliers,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> (Vec<[f64; 2]>, Vec<f64>) {
     let mut spoiled = points.to_vec();
     let mut clean = vec![1.0; points.len()];
-    let mut angle = 7.0 * random.even();
+    let mut angle = 7.0 * random.unit();
     for _ in 0..points.len() / 10 {
         let at = loop {
-            let at = (points.len() as f64 * random.even()) as usize;
+            let at = (points.len() as f64 * random.unit()) as usize;
             if clean[at] > 0.0 {
                 break at;
             }
         };
         clean[at] = 0.0;
         if matches!(outliers, Outliers::AnyWay) {
-            angle = 7.0 * random.even();
+            angle = 7.0 * random.unit();
         }
         let (sin, cos) = f64::sin_cos(angle);
         spoiled[at][0] += 100.0 * cos;
@@ -183,7 +184,7 @@ fn spoil(
 fn a_tenth_of_gross_outliers_hardly_moves_the_curve() {
     for outliers in [Outliers::AnyWay, Outliers::OneWay] {
         for sigma in [0.1, 0.3, 1.0] {
-            let mut random = Random(77);
+            let mut random = SplitMix64::new(77);
             let mut setting = Setting::<2>::new(120, 9);
             let (mut worst, mut mean, mut plain) = (0.0f64, 0.0, 0.0);
             let ropes = 200;
@@ -191,7 +192,7 @@ fn a_tenth_of_gross_outliers_hardly_moves_the_curve() {
                 let exact = exact_rope(&setting.b, &mut random);
                 let points: Vec<[f64; 2]> = exact
                     .iter()
-                    .map(|p| p.map(|x| x + sigma * random.gaussian()))
+                    .map(|p| p.map(|x| x + sigma * random.normal()))
                     .collect();
                 let (spoiled, clean) = spoil(&points, outliers, &mut random);
                 let without = setting.least_squares(&points, &clean);
@@ -214,16 +215,16 @@ fn a_tenth_of_gross_outliers_hardly_moves_the_curve() {
 }
 
 /// A curve of the basis some hundred pixels long.
-fn exact_rope(b: &[f64], random: &mut Random) -> Vec<[f64; 2]> {
+fn exact_rope(b: &[f64], random: &mut SplitMix64) -> Vec<[f64; 2]> {
     let s: Vec<[f64; 2]> = (0..9)
-        .map(|j| [80.0 * j as f64, 400.0 * random.even()])
+        .map(|j| [80.0 * j as f64, 400.0 * random.unit()])
         .collect();
     curve(b, &s)
 }
 
 #[test]
 fn an_exact_curve_stays_exact_and_outliers_lose_it_nothing() {
-    let mut random = Random(5);
+    let mut random = SplitMix64::new(5);
     let mut setting = Setting::<2>::new(120, 9);
     for scale in [1.0, 1e-6, 1e6] {
         let exact: Vec<[f64; 2]> = exact_rope(&setting.b, &mut random)
@@ -249,7 +250,7 @@ proptest! {
 
     #[test]
     fn hidden_points_stay_hidden_and_pins_exact(seed in any::<u64>(), pins in any::<bool>(), from in 20usize..90) {
-        let mut random = Random(seed | 1);
+        let mut random = SplitMix64::new(seed | 1);
         let mut setting = Setting::<2>::new(120, 9);
         let mut points: Vec<[f64; 2]> = rope(&uniform(120), 0.3, &mut random);
         let mut weights = [1.0; 120];
@@ -270,7 +271,7 @@ proptest! {
     fn a_scaled_rope_upside_down_read_backwards_has_the_same_curve_so(
         seed in any::<u64>(), scale in 0.01f64..100.0,
     ) {
-        let mut random = Random(seed | 1);
+        let mut random = SplitMix64::new(seed | 1);
         let mut setting = Setting::<2>::new(120, 9);
         let points = rope(&uniform(120), 0.3, &mut random);
         let (points, _) = spoil(&points, Outliers::AnyWay, &mut random);

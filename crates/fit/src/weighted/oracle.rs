@@ -4,6 +4,7 @@
 use crate::bezier::bernstein;
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
+use lariat_portable::SplitMix64;
 
 /// The Bernstein polynomials of `count − 1` at each `ρ`, row by row.
 pub(crate) fn bernstein_rows(rho: &[f64], count: usize) -> Vec<f64> {
@@ -143,40 +144,20 @@ pub(crate) fn apart<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Marsaglia's xorshift64*.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    /// Evenly in (0, 1).
-    pub(crate) fn even(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 12;
-        (bits as f64 + 0.5) / (1u64 << 52) as f64
-    }
-
-    /// Gaussian, by Box and Muller.
-    pub(crate) fn gaussian(&mut self) -> f64 {
-        let radius = (-2.0 * self.even().ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.even()).cos()
-    }
-}
-
 /// A smooth rope some hundred pixels long, and noise of a standard deviation upon it.
 pub(crate) fn rope<const D: usize>(
     rho: &[f64],
     noise_px: f64,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> Vec<[f64; D]> {
-    let phase = 6.0 * random.even();
+    let phase = 6.0 * random.unit();
     rho.iter()
         .map(|&rho| {
             std::array::from_fn(|axis| {
                 let axis = axis as f64;
                 300.0
                     + 200.0 * ((2.0 + axis) * rho + phase + axis).sin()
-                    + noise_px * random.gaussian()
+                    + noise_px * random.normal()
             })
         })
         .collect()

@@ -1,5 +1,6 @@
 use super::oracle::*;
 use super::*;
+use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 /// A problem of the tests, by rows.
@@ -28,7 +29,7 @@ impl<const D: usize> std::fmt::Debug for Case<D> {
 }
 
 impl<const D: usize> Case<D> {
-    fn new(rho: &[f64], count: usize, random: &mut Random) -> Self {
+    fn new(rho: &[f64], count: usize, random: &mut SplitMix64) -> Self {
         let b = bernstein_rows(rho, count);
         Self {
             r_inverse: r_inverse(&b, count),
@@ -108,9 +109,9 @@ fn cases() -> impl Strategy<Value = Case<2>> {
         prop::option::of(-6.0f64..2.0),
     )
         .prop_map(|(count, more, seed, pins, ridge)| {
-            let mut random = Random(seed | 1);
+            let mut random = SplitMix64::new(seed | 1);
             let mut case = Case::new(&uniform(2 * count + more), count, &mut random);
-            case.weights.fill_with(|| (4.0 * random.even() - 2.0).exp());
+            case.weights.fill_with(|| (4.0 * random.unit() - 2.0).exp());
             case.pins = pins;
             match ridge {
                 Some(power) if count > 2 => case.with_ridge(10f64.powf(power)),
@@ -128,13 +129,13 @@ fn partial_cases() -> impl Strategy<Value = Case<2>> {
         prop::option::of(-6.0f64..2.0),
     )
         .prop_map(|(count, seed, pins, ridge)| {
-            let mut random = Random(seed | 1);
+            let mut random = SplitMix64::new(seed | 1);
             let mut case = Case::new(&uniform(6 * count), count, &mut random);
-            let hidden = (count as f64 * random.even()) as usize;
-            let from = (5.0 * count as f64 * random.even()) as usize;
+            let hidden = (count as f64 * random.unit()) as usize;
+            let from = (5.0 * count as f64 * random.unit()) as usize;
             case.weights[from..from + hidden / 2].fill(0.0);
             for _ in 0..hidden / 2 {
-                case.weights[(6.0 * count as f64 * random.even()) as usize] = 0.0;
+                case.weights[(6.0 * count as f64 * random.unit()) as usize] = 0.0;
             }
             case.pins = pins;
             match ridge {
@@ -250,9 +251,9 @@ proptest! {
         let mut case = case;
         case.pins = false;
         let (before, fit, _) = case.fit().unwrap();
-        let mut random = Random(seed | 1);
+        let mut random = SplitMix64::new(seed | 1);
         for i in (1..case.points.len()).rev() {
-            let j = ((i + 1) as f64 * random.even()) as usize;
+            let j = ((i + 1) as f64 * random.unit()) as usize;
             case.points.swap(i, j);
             case.weights.swap(i, j);
             for k in 0..case.count {
@@ -333,11 +334,11 @@ proptest! {
 /// Every order that the pseudoinverse is trusted with is fitted back as well as QR does it.
 #[test]
 fn a_curve_of_the_basis_is_found_again_at_any_order() {
-    let mut random = Random(7);
+    let mut random = SplitMix64::new(7);
     for count in 2..=32 {
         let mut case = Case::<2>::new(&uniform(256), count, &mut random);
         let control_points: Vec<[f64; 2]> = (0..count)
-            .map(|_| [640.0 * random.even(), 480.0 * random.even()])
+            .map(|_| [640.0 * random.unit(), 480.0 * random.unit()])
             .collect();
         case.points = case.curve(&control_points);
         let (found, fit, _) = case.fit().unwrap();
@@ -355,7 +356,7 @@ fn a_curve_of_the_basis_is_found_again_at_any_order() {
 
 #[test]
 fn without_a_preconditioner_low_orders_are_the_same() {
-    let mut random = Random(3);
+    let mut random = SplitMix64::new(3);
     let case = Case::<3>::new(&uniform(120), 9, &mut random);
     let (expected, ..) = case.fit().unwrap();
     let mut weighted = Weighted::new(120, 9);
@@ -371,7 +372,7 @@ fn without_a_preconditioner_low_orders_are_the_same() {
 
 #[test]
 fn the_condition_number_is_near_that_of_the_singular_values() {
-    let mut random = Random(5);
+    let mut random = SplitMix64::new(5);
     for count in [2, 3, 5, 9, 12, 16] {
         for hidden in [0, 5, 20] {
             let mut case = Case::<2>::new(&uniform(120), count, &mut random);
@@ -390,7 +391,7 @@ fn the_condition_number_is_near_that_of_the_singular_values() {
 
 #[test]
 fn too_few_seen_points_are_refused_with_both_numbers() {
-    let mut case = Case::<2>::new(&uniform(120), 9, &mut Random(1));
+    let mut case = Case::<2>::new(&uniform(120), 9, &mut SplitMix64::new(1));
     case.weights[8..].fill(0.0);
     let error = case.fit().err().unwrap();
     assert_eq!(
@@ -415,7 +416,7 @@ fn too_few_seen_points_are_refused_with_both_numbers() {
 
 #[test]
 fn a_hidden_part_that_nothing_holds_is_refused_with_its_gain() {
-    let mut case = Case::<2>::new(&uniform(120), 9, &mut Random(1));
+    let mut case = Case::<2>::new(&uniform(120), 9, &mut SplitMix64::new(1));
     let mut last = 0.0;
     let mut refused_from = None;
     for hidden in 0..100 {
@@ -449,7 +450,7 @@ fn a_hidden_part_that_nothing_holds_is_refused_with_its_gain() {
 
 #[test]
 fn points_at_one_place_of_the_curve_are_refused() {
-    let case = Case::<2>::new(&uniform(40), 6, &mut Random(1));
+    let case = Case::<2>::new(&uniform(40), 6, &mut SplitMix64::new(1));
     let stuck = Case {
         b: bernstein_rows(&[0.25; 40], 6),
         ..case
@@ -464,7 +465,7 @@ fn points_at_one_place_of_the_curve_are_refused() {
 
 #[test]
 fn what_is_no_weight_is_refused() {
-    let mut case = Case::<2>::new(&uniform(40), 6, &mut Random(1));
+    let mut case = Case::<2>::new(&uniform(40), 6, &mut SplitMix64::new(1));
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         case.weights[7] = bad;
         let error = case.fit().err().unwrap();
@@ -479,7 +480,7 @@ fn what_is_no_weight_is_refused() {
 
 #[test]
 fn a_refused_fit_leaves_nothing_behind() {
-    let case = Case::<2>::new(&uniform(120), 9, &mut Random(1));
+    let case = Case::<2>::new(&uniform(120), 9, &mut SplitMix64::new(1));
     let (expected, fit, mut weighted) = case.fit().unwrap();
     let mut control_points = vec![[4.0, 2.0]; 9];
     let mut hidden = case.weights.clone();
@@ -505,7 +506,7 @@ fn a_refused_fit_leaves_nothing_behind() {
 #[test]
 fn the_covariance_of_a_partly_hidden_rope_is_that_of_noisy_draws() {
     const DRAWS: usize = 20_000;
-    let mut random = Random(42);
+    let mut random = SplitMix64::new(42);
     for (pins, ridge) in [(false, None), (true, None), (true, Some(0.01))] {
         let mut case = Case::<2>::new(&uniform(120), 9, &mut random);
         if let Some(lambda) = ridge {
@@ -527,7 +528,7 @@ fn the_covariance_of_a_partly_hidden_rope_is_that_of_noisy_draws() {
                     if draw == 0 {
                         x
                     } else {
-                        x + sigma * random.gaussian()
+                        x + sigma * random.normal()
                     }
                 });
             }

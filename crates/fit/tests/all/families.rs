@@ -3,6 +3,7 @@
 use lariat_fit::{
     Basis, Fit, Fitter, FitterError, Knots, Options, Solver, Weights, bernstein, point_at,
 };
+use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 const SOLVERS: [Solver; 3] = [Solver::Pinv, Solver::Cholesky, Solver::Qr];
@@ -221,7 +222,7 @@ fn the_size_is_what_the_points_ask_for() {
         [-300.0, 500.0],
         [610.0, 450.0],
     ];
-    let mut noise = Noise::new(7);
+    let mut noise = SplitMix64::new(7);
     let points: Vec<[f64; 2]> = (0..120)
         .map(|i| point_at(&cubic, i as f64 / 119.0).map(|c| c + 0.3 * noise.normal()))
         .collect();
@@ -296,28 +297,6 @@ fn options_without_use_are_refused_with_what_to_do() {
     assert_eq!(text, "invalid ridge NaN: it must be 0 or positive");
 }
 
-/// Independent standard normal numbers.
-struct Noise(u64);
-
-impl Noise {
-    fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
-    }
-
-    fn uniform(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Box and Muller's.
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
-
 /// 20,000 noisy draws of one centerline: their covariance is the stated one, within 5 %.
 fn covariance_holds(options: Options) {
     const DRAWS: usize = 20_000;
@@ -334,7 +313,7 @@ fn covariance_holds(options: Options) {
     };
     let expected = fitter.fit(&smooth).unwrap().control_points.clone();
     let m = expected.len();
-    let mut noise = Noise::new(42);
+    let mut noise = SplitMix64::new(42);
     let mut empirical = vec![0.0; m * m];
     let (mut variance, mut noisy) = (0.0, smooth.clone());
     for _ in 0..DRAWS {

@@ -1,6 +1,7 @@
 //! Pixel noise, through a tilted plane and equal steps set anew, to the control points: as foretold, and as it is.
 
 use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler};
+use lariat_portable::SplitMix64;
 
 /// A plane seen at a slant: along the ropes below a pixel at the one end is some two and a half times as long as at the other.
 const H: [[f64; 3]; 3] = [
@@ -19,24 +20,6 @@ fn place([x, y]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     let j = [0, 1].map(|i| [0, 1].map(|k| (H[i][k] - point[i] * H[2][k]) / w));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     (point, [dot(j[0], j[0]), dot(j[0], j[1]), dot(j[1], j[1])])
-}
-
-/// Standard normal numbers (Box and Muller) of splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }
 
 /// Equal steps in the picture along a wave, or round a ring.
@@ -77,7 +60,7 @@ fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
     let mut fitter = Fitter::new(options).unwrap();
     let mut line = Resampler::new();
     let count = options.basis.control_points();
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let (mut sums, mut products) = (vec![[0.0; 2]; count], vec![[0.0; 3]; count]);
     let (mut foretold, mut sigma2) = (vec![[0.0; 3]; count], 0.0);
     let mut shape = Vec::new();

@@ -1,8 +1,8 @@
 //! What a filter does with ropes.
 
 use crate::dense::Dense;
-use crate::random::Random;
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
+use lariat_portable::SplitMix64;
 
 const FRAME_NS: u64 = 10_000_000;
 
@@ -45,7 +45,7 @@ fn a_rope_at_rest_is_known_k_times_as_well_after_k_shapes() {
     let space = bezier(8);
     for given_as_matrix in [false, true] {
         let mut filter = Filter::<2>::new(9, AT_REST).unwrap();
-        let random = &mut Random::new(3);
+        let random = &mut SplitMix64::new(3);
         let mut sum = [[0.0; 2]; 9];
         let variance_px2 = 0.25;
         let covariance = of_fit.scaled(variance_px2);
@@ -343,7 +343,7 @@ fn covariances_stay_positive_definite_over_many_steps() {
         let count = order + 1;
         let b = Dense::bezier(order, 120);
         let space = bezier(order);
-        let random = &mut Random::new(order as u64);
+        let random = &mut SplitMix64::new(order as u64);
         let covariances: Vec<Dense> = (0..5)
             .map(|part| {
                 let weighed = Dense::from_fn(120, count, |i, j| {
@@ -363,10 +363,10 @@ fn covariances_stay_positive_definite_over_many_steps() {
         let mut filter = Filter::<2>::new(count, options).unwrap();
         let mut t_ns = 0;
         for step in 0..steps {
-            let slow = random.uniform().powi(8);
+            let slow = random.unit().powi(8);
             t_ns += 100_000 + (0.4e9 * slow) as u64;
-            let part = (random.uniform() * 5.0) as usize;
-            let variance_px2 = 10f64.powf(4.0 * random.uniform() - 4.0);
+            let part = (random.unit() * 5.0) as usize;
+            let variance_px2 = 10f64.powf(4.0 * random.unit() - 4.0);
             let scaled = covariances[part].scaled(variance_px2);
             let noise = if order <= 17 && part > 0 {
                 Noise::Covariance(&scaled.numbers)

@@ -1,9 +1,9 @@
 //! The filter's covariances are true: over 1,000 ropes that move as it is told they do, its errors are as
 //! large as it says, within the bounds that chance allows (Bar-Shalom, Li, Kirubarajan, 5.4.2).
 
-use crate::dense::{Dense, errors, normalized_squared};
-use crate::random::Random;
+use crate::dense::{Dense, errors, normalized_squared, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
+use lariat_portable::SplitMix64;
 
 const RUNS: usize = 1000;
 const ORDER: usize = 8;
@@ -30,12 +30,12 @@ struct Rope<const D: usize> {
 }
 
 impl<const D: usize> Rope<D> {
-    fn new(b: &Dense, random: &mut Random) -> Self {
+    fn new(b: &Dense, random: &mut SplitMix64) -> Self {
         let gram = b.transposed().times(b).scaled(M as f64 / POINTS as f64);
         let l = gram.cholesky().expect("a basis");
         let shapes = l.lower_inverse().transposed();
         let speed = Dense::from_fn(M, D, |_, _| OPTIONS.speed_px_s);
-        let drawn = random.normals(M * D);
+        let drawn = normals(random, M * D);
         let velocities = Dense::from_fn(M, D, |i, j| speed[(i, j)] * drawn[i * D + j]);
         Self {
             positions: Dense::from_fn(M, D, |i, j| 50.0 * (i + j) as f64),
@@ -44,10 +44,10 @@ impl<const D: usize> Rope<D> {
         }
     }
 
-    fn move_on(&mut self, h: f64, random: &mut Random) {
+    fn move_on(&mut self, h: f64, random: &mut SplitMix64) {
         // Integrals of one white noise, once and twice over the time h, and their covariance q h²/2.
         let q = OPTIONS.spectral_density();
-        let (once, twice) = (random.normals(M * D), random.normals(M * D));
+        let (once, twice) = (normals(random, M * D), normals(random, M * D));
         let velocity = Dense::from_fn(M, D, |i, j| (q * h).sqrt() * once[i * D + j]);
         let own = (q * h.powi(3) / 12.0).sqrt();
         let position = Dense::from_fn(M, D, |i, j| {
@@ -72,7 +72,7 @@ fn fit<const D: usize>(
     b: &Dense,
     rope: &Rope<D>,
     hidden: std::ops::Range<usize>,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> (Vec<[f64; D]>, Dense) {
     let seen = Dense::from_fn(
         POINTS,
@@ -82,7 +82,7 @@ fn fit<const D: usize>(
         },
     );
     let covariance = seen.transposed().times(&seen).inverse();
-    let errors = random.normals(POINTS * D);
+    let errors = normals(random, POINTS * D);
     let noise = Dense::from_fn(POINTS, D, |i, j| SIGMA_PX * errors[i * D + j]);
     let points = b.times(&rope.positions).plus(1.0, &noise);
     let found = covariance.times(&seen.transposed()).times(&points);
@@ -130,7 +130,7 @@ struct Means {
 
 /// Follows a rope over some 20 irregular frames; is a part of it hidden in each, then another one.
 fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means) {
-    let random = &mut Random::new(seed);
+    let random = &mut SplitMix64::new(seed);
     let space = CurveSpace::new(&b.numbers, M).unwrap();
     let mut filter = Filter::<D>::new(M, OPTIONS).unwrap();
     let mut rope = Rope::new(b, random);
@@ -139,13 +139,13 @@ fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means) {
     for frame in 0..20 {
         if frame > 0 {
             // Half-way at first, so that the truth between two frames is known.
-            let half_ns = 2_000_000 + (10e6 * random.uniform()) as u64;
+            let half_ns = 2_000_000 + (10e6 * random.unit()) as u64;
             rope.move_on(half_ns as f64 * 1e-9, random);
             before = (t_ns + half_ns, rope.points(&rope.positions));
             rope.move_on(half_ns as f64 * 1e-9, random);
             t_ns += 2 * half_ns;
         }
-        let first = (random.uniform() * 90.0) as usize;
+        let first = (random.unit() * 90.0) as usize;
         let hidden = if hide { first..first + 30 } else { 0..0 };
         let (found, covariance) = fit(b, &rope, hidden, random);
         let variance_px2 = SIGMA_PX * SIGMA_PX;
@@ -232,7 +232,7 @@ fn a_filter_that_is_told_half_the_noise_is_found_out() {
             ..OPTIONS
         };
         let mut nis = [Mean::default(), Mean::default()];
-        let random = &mut Random::new(7);
+        let random = &mut SplitMix64::new(7);
         let mut rope = Rope::<2>::new(&b, random);
         rope.velocities = rope.velocities.scaled(0.0);
         let mut filters = [

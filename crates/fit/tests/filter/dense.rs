@@ -1,5 +1,7 @@
 //! Dense matrices as the textbook has them: slow, plain, and not the filter's own.
 
+use lariat_portable::SplitMix64;
+
 use lariat_fit::bernstein;
 use std::ops::{Index, IndexMut};
 
@@ -155,4 +157,9 @@ pub(crate) fn normalized_squared<const D: usize>(errors: &[[f64; D]], covariance
 pub(crate) fn errors<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> Vec<[f64; D]> {
     let difference = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|k| a[k] - b[k]);
     a.iter().zip(b).map(difference).collect()
+}
+
+/// So many independent normal numbers.
+pub(crate) fn normals(random: &mut SplitMix64, count: usize) -> Vec<f64> {
+    (0..count).map(|_| random.normal()).collect()
 }

@@ -4,5 +4,4 @@ mod behaviour;
 mod consistency;
 mod dense;
 mod oracle;
-mod random;
 mod refusals;

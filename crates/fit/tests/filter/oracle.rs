@@ -1,9 +1,9 @@
 //! The filter is the textbook's, whatever its coordinates: held to one that is written in control points,
 //! with inverses, full matrices and Joseph's form.
 
-use crate::dense::Dense;
-use crate::random::Random;
+use crate::dense::{Dense, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
+use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 /// The textbook's filter in control points, one column of the state an axis.
@@ -67,8 +67,8 @@ impl Textbook {
 }
 
 /// A covariance of `m` control points with no structure at all, of about this variance.
-fn any_covariance(m: usize, variance: f64, random: &mut Random) -> Dense {
-    let drawn = random.normals(m * 2 * m);
+fn any_covariance(m: usize, variance: f64, random: &mut SplitMix64) -> Dense {
+    let drawn = normals(random, m * 2 * m);
     let factor = Dense::from_fn(m, 2 * m, |i, j| drawn[i * 2 * m + j]);
     factor
         .times(&factor.transposed())
@@ -80,7 +80,7 @@ proptest! {
 
     #[test]
     fn it_is_the_textbooks_filter(m in 1usize..=7, extra in 0usize..30, seed in 0u64..1000) {
-        let random = &mut Random::new(seed);
+        let random = &mut SplitMix64::new(seed);
         let b = Dense::bezier(m - 1, (m + extra).max(2));
         let space = CurveSpace::new(&b.numbers, m).unwrap();
         let options = FilterOptions { gate_sigma: f64::INFINITY, ..FilterOptions::default() };
@@ -88,9 +88,9 @@ proptest! {
         let mut textbook: Option<Textbook> = None;
         let mut t_ns = 0;
         for _ in 0..8 {
-            let gap_ns = 1_000_000 + (50e6 * random.uniform()) as u64;
+            let gap_ns = 1_000_000 + (50e6 * random.unit()) as u64;
             t_ns += gap_ns;
-            let drawn = random.normals(3 * m);
+            let drawn = normals(random, 3 * m);
             let measured: Vec<[f64; 3]> =
                 drawn.as_chunks().0.iter().map(|p: &[f64; 3]| p.map(|c| 20.0 * c)).collect();
             let matrix = Dense::from_fn(m, 3, |i, j| measured[i][j]);
@@ -133,10 +133,10 @@ proptest! {
     /// to the same curves.
     #[test]
     fn the_curve_does_not_depend_on_the_basis(m in 1usize..=9, seed in 0u64..1000) {
-        let random = &mut Random::new(seed);
+        let random = &mut SplitMix64::new(seed);
         let b = Dense::bezier(m - 1, 60);
         // A lower triangle with ones on its diagonal has an inverse.
-        let drawn = random.normals(m * m);
+        let drawn = normals(random, m * m);
         let mix = Dense::from_fn(m, m, |i, j| match i.cmp(&j) {
             std::cmp::Ordering::Less => 0.0,
             std::cmp::Ordering::Equal => 1.0,
@@ -147,7 +147,7 @@ proptest! {
         let spaces = bases.each_ref().map(|b| CurveSpace::new(&b.numbers, m).unwrap());
         let mut filters = [0, 1].map(|_| Filter::<2>::new(m, FilterOptions::default()).unwrap());
         for frame in 1..10u64 {
-            let drawn = random.normals(2 * m);
+            let drawn = normals(random, 2 * m);
             let control_points: Vec<[f64; 2]> = drawn.as_chunks().0.to_vec();
             let covariance = any_covariance(m, 0.5, random);
             let of_mixed = mix.times(&covariance).times(&mix.transposed());

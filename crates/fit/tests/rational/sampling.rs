@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lariat_fit::{Fitter, MAX_WEIGHT, Options, RationalFit, bernstein};
+use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 /// Points on the rational curve, `ρᵢ = i/(N − 1)`.
@@ -107,27 +108,16 @@ pub(crate) fn any_points(count: std::ops::Range<usize>) -> impl Strategy<Value =
     prop::collection::vec(prop::array::uniform2(-1e3f64..1e3), count)
 }
 
-/// Independent normal noise, by Box and Muller from a generator of G. Marsaglia's.
+/// Independent normal noise.
 pub(crate) fn with_noise<const D: usize>(
     points: &[[f64; D]],
     deviation: f64,
     seed: u64,
 ) -> Vec<[f64; D]> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut uniform = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
-    for _ in 0..8 {
-        uniform();
-    }
-    let mut normal =
-        || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+    let mut random = SplitMix64::new(seed);
     points
         .iter()
-        .map(|p| p.map(|c| c + deviation * normal()))
+        .map(|p| p.map(|c| c + deviation * random.normal()))
         .collect()
 }
 

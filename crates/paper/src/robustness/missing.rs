@@ -10,8 +10,9 @@ use crate::csv::Csv;
 use crate::curves::{fitter, sampled};
 use crate::figure::Figure;
 use crate::polyline::rms_from_line_px;
-use crate::random::Random;
+use crate::random::{below, of_stream, shuffle};
 use crate::shapes::{POINTS, Shapes};
+use lariat_portable::SplitMix64;
 
 use super::medians;
 
@@ -84,17 +85,17 @@ impl Loss {
     }
 
     /// Which points are left.
-    fn left(self, missing: usize, random: &mut Random) -> Vec<bool> {
+    fn left(self, missing: usize, random: &mut SplitMix64) -> Vec<bool> {
         let mut left = vec![true; POINTS];
         match self {
             Self::Gap => {
                 // Not at an end: what is beyond an end nobody knows to be missing.
-                let from = 1 + random.below(POINTS - missing - 1);
+                let from = 1 + below(random, POINTS - missing - 1);
                 left[from..from + missing].fill(false);
             }
             Self::Scattered => {
                 let mut inner: Vec<usize> = (1..POINTS - 1).collect();
-                random.shuffle(&mut inner);
+                shuffle(&mut inner, random);
                 inner.iter().take(missing).for_each(|&i| left[i] = false);
             }
         }
@@ -126,7 +127,7 @@ impl Missing {
                     let mut off = Vec::new();
                     for (i, shape) in shapes.all.iter().enumerate() {
                         // The same points are missing for each way.
-                        let mut random = Random::new(seed, (20_000 + 1000 * k + i) as u64);
+                        let mut random = of_stream(seed, (20_000 + 1000 * k + i) as u64);
                         let left = loss.left(missing, &mut random);
                         off.push(moved_px(
                             &mut fitter,
@@ -290,7 +291,7 @@ mod tests {
 
     #[test]
     fn as_many_points_go_missing_as_are_asked_for_and_never_an_end() {
-        let mut random = Random::new(1, 1);
+        let mut random = of_stream(1, 1);
         for loss in Loss::ALL {
             for missing in [0, 1, 60] {
                 let left = loss.left(missing, &mut random);

@@ -9,7 +9,7 @@ use crate::csv::Csv;
 use crate::family::{Family, Fitting, PAPERS_NUMBERS};
 use crate::figure::Figure;
 use crate::polyline::rms_apart_px;
-use crate::random::Random;
+use crate::random::of_stream;
 use crate::shapes::Shapes;
 
 use super::medians;
@@ -61,7 +61,7 @@ impl Noise {
                 let (mut off, mut moved) = (Vec::new(), Vec::new());
                 for (i, shape) in shapes.all.iter().enumerate() {
                     // The same noise for every family.
-                    let mut random = Random::new(seed, (1000 * k + i) as u64);
+                    let mut random = of_stream(seed, (1000 * k + i) as u64);
                     let noisy: Vec<[f64; 2]> = (shape.reference.iter())
                         .map(|p| p.map(|c| c + sigma_px * random.normal()))
                         .collect();

@@ -10,8 +10,9 @@ use crate::csv::Csv;
 use crate::curves::{bspline, sampled};
 use crate::figure::Figure;
 use crate::polyline::{apart_px, rms_apart_px};
-use crate::random::Random;
+use crate::random::{of_stream, shuffle};
 use crate::shapes::{POINTS, Shapes};
+use lariat_portable::SplitMix64;
 
 use super::medians;
 
@@ -64,7 +65,7 @@ impl Outliers {
             for (k, share) in SHARES.into_iter().enumerate() {
                 let mut off = Vec::new();
                 for (i, shape) in shapes.all.iter().enumerate() {
-                    let mut random = Random::new(seed, (40_000 + 1000 * k + i) as u64);
+                    let mut random = of_stream(seed, (40_000 + 1000 * k + i) as u64);
                     let points = spoiled(&shape.reference, share, &mut random);
                     let curve = sampled(fitter.fit(&points)?, POINTS)?;
                     off.push(rms_apart_px(&curve, &clean[i]));
@@ -149,7 +150,7 @@ impl Outliers {
 }
 
 /// The points with a share of them moved far off.
-fn spoiled(points: &[[f64; 2]], share: f64, random: &mut Random) -> Vec<[f64; 2]> {
+fn spoiled(points: &[[f64; 2]], share: f64, random: &mut SplitMix64) -> Vec<[f64; 2]> {
     let steps = points.windows(2);
     let length_px: f64 = steps.map(|s| apart_px(s[0], s[1])).sum();
     let mut spoiled: Vec<[f64; 2]> = points
@@ -157,7 +158,7 @@ fn spoiled(points: &[[f64; 2]], share: f64, random: &mut Random) -> Vec<[f64; 2]
         .map(|p| p.map(|c| c + SIGMA_PX * random.normal()))
         .collect();
     let mut order: Vec<usize> = (0..points.len()).collect();
-    random.shuffle(&mut order);
+    shuffle(&mut order, random);
     let count = (share * points.len() as f64).round() as usize;
     for &i in order.iter().take(count) {
         let (sin, cos) = random.uniform(0.0, std::f64::consts::TAU).sin_cos();
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn as_many_points_are_moved_as_are_asked_for() {
         let line: Vec<[f64; 2]> = (0..POINTS).map(|i| [5.0 * i as f64, 0.0]).collect();
-        let moved = spoiled(&line, 0.1, &mut Random::new(2, 2));
+        let moved = spoiled(&line, 0.1, &mut of_stream(2, 2));
         let far = line.iter().zip(&moved);
         let far = far.filter(|(a, b)| apart_px(**a, **b) > 5.0);
         assert_eq!(far.count(), 12);
