@@ -20,6 +20,7 @@
 #[macro_use]
 extern crate lariat_chain;
 
+mod bare;
 mod bench;
 mod compare;
 mod elsewhere;
@@ -38,6 +39,7 @@ use anyhow::Result;
 use clap::Subcommand;
 use std::process::ExitCode;
 
+pub use bare::{RelayMessage, RelayReceiver, RelaySender};
 pub use elsewhere::{MBEST_MS, STEPS_MS};
 pub use films::{TrueFrame, rendered};
 pub use floor::ReadPass;

@@ -107,6 +107,12 @@ impl Domain {
         roster::sweep(self.config());
     }
 
+    /// The transport's own node, for measurements that go below the channels.
+    #[doc(hidden)]
+    pub fn node(&self) -> &Node<ipc::Service> {
+        &self.node
+    }
+
     pub(crate) fn config(&self) -> &Config {
         self.node.config()
     }

@@ -17,7 +17,7 @@
 //! |---|---|
 //! | `choice`, `plan`, `job` | what the user can choose, what is measured in which order and for how long, one measurement |
 //! | `floors` | reading and copying the frame, a wake on a futex and an eventfd on one core and across, lateness of a timer, as other programs have it and under FIFO: no chain's 99.9th percentile is better than that one's for long |
-//! | `relay` | four processes that pass 64 bytes on over bare iceoryx2 (`wire`'s `relay`), in each arrangement; the best of a run is its floor |
+//! | `relay` | four processes that pass 64 bytes on over bare iceoryx2 (`bare`), in each arrangement; the best of a run is its floor |
 //! | `chain` | `lariat run` as users start it. What it says itself is read from its `--out`; the share of a core is looked up over the middle of the run (`usage`), memory in a run of its own, as a look at a process's pages holds it up |
 //! | `rivals/` | the same stages' work (`steps`) as threads with channels, and over Unix sockets (`encoding`); the scripts of `crates/lab/rivals`, which are in the executable |
 //! | `figures`, `targets` | rounds merged; what is to be reached |

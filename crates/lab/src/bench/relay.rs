@@ -4,10 +4,11 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::bare::{RelayReceiver, RelaySender};
 use anyhow::{Context, Result};
 use lariat_capture::{Pace, Pacer};
 use lariat_sink::Times;
-use lariat_wire::{Domain, RelayReceiver, RelaySender, now_ns};
+use lariat_wire::{Domain, now_ns};
 
 use super::figures::Outcome;
 use super::guard::{Guarded, Seat, end_all};

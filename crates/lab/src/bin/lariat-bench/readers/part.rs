@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use lariat_lab::RelaySender;
 use lariat_lab::Samples;
 use lariat_wire::{
-    DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, RelaySender, Rig, Writer,
-    now_ns,
+    DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, Rig, Writer, now_ns,
 };
 use serde::{Deserialize, Serialize};
 

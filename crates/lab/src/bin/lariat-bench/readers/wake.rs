@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
+use lariat_lab::RelayReceiver;
 use lariat_lab::{Samples, Table};
-use lariat_wire::{Domain, RelayReceiver, now_ns};
+use lariat_wire::{Domain, now_ns};
 
 use super::Place;
 

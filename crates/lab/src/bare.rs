@@ -6,13 +6,14 @@
 use std::fmt;
 use std::time::Duration;
 
+use anyhow::{Result, anyhow};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 
-use crate::{Domain, WireError};
+use lariat_wire::Domain;
 
 /// What is passed on: 64 bytes, one cache line.
 pub type RelayMessage = [u64; 8];
@@ -20,13 +21,13 @@ pub type RelayMessage = [u64; 8];
 /// Messages that wait for the receiver.
 const WAITING: usize = 16;
 
-fn name(link: usize, what: &str) -> Result<ServiceName, WireError> {
+fn name(link: usize, what: &str) -> Result<ServiceName> {
     let name = format!("lariat/relay/{link}{what}");
-    ServiceName::new(&name).map_err(|cause| WireError::transport(format!("naming {name}"), cause))
+    ServiceName::new(&name).map_err(failed)
 }
 
-fn failed<E: fmt::Debug>(cause: E) -> WireError {
-    WireError::transport("passing 64 bytes on", cause)
+fn failed<E: fmt::Debug>(cause: E) -> anyhow::Error {
+    anyhow!("cannot pass 64 bytes on: {cause:?}")
 }
 
 /// The sending end of a link.
@@ -41,7 +42,7 @@ impl RelaySender {
     ///
     /// # Errors
     /// What the transport says.
-    pub fn create(domain: &Domain, link: usize) -> Result<Self, WireError> {
+    pub fn create(domain: &Domain, link: usize) -> Result<Self> {
         let (publisher, notifier) = {
             let data = data(domain, link)?;
             let event = event(domain, link)?;
@@ -60,7 +61,7 @@ impl RelaySender {
     ///
     /// # Errors
     /// What the transport says.
-    pub fn send(&self, message: RelayMessage) -> Result<(), WireError> {
+    pub fn send(&self, message: RelayMessage) -> Result<()> {
         let sample = self.publisher.loan_uninit().map_err(failed)?;
         sample.write_payload(message).send().map_err(failed)?;
         // A receiver that has gone is seen by what does not arrive.
@@ -81,7 +82,7 @@ impl RelayReceiver {
     ///
     /// # Errors
     /// What the transport says.
-    pub fn create(domain: &Domain, link: usize) -> Result<Self, WireError> {
+    pub fn create(domain: &Domain, link: usize) -> Result<Self> {
         let listener = event(domain, link)?.listener_builder().create();
         let subscriber = data(domain, link)?.subscriber_builder().create();
         Ok(Self {
@@ -94,7 +95,7 @@ impl RelayReceiver {
     ///
     /// # Errors
     /// What the transport says.
-    pub fn next(&self, timeout: Duration) -> Result<Option<RelayMessage>, WireError> {
+    pub fn next(&self, timeout: Duration) -> Result<Option<RelayMessage>> {
         if let Some(sample) = self.subscriber.receive().map_err(failed)? {
             return Ok(Some(*sample.payload()));
         }
@@ -108,8 +109,8 @@ type Data =
     iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, RelayMessage, ()>;
 type Event = iceoryx2::service::port_factory::event::PortFactory<ipc::Service>;
 
-fn data(domain: &Domain, link: usize) -> Result<Data, WireError> {
-    let service = domain.node.service_builder(&name(link, "")?);
+fn data(domain: &Domain, link: usize) -> Result<Data> {
+    let service = domain.node().service_builder(&name(link, "")?);
     let service = service
         .publish_subscribe::<RelayMessage>()
         .subscriber_max_buffer_size(WAITING)
@@ -119,8 +120,8 @@ fn data(domain: &Domain, link: usize) -> Result<Data, WireError> {
     service.open_or_create().map_err(failed)
 }
 
-fn event(domain: &Domain, link: usize) -> Result<Event, WireError> {
-    let service = domain.node.service_builder(&name(link, "-ready")?);
+fn event(domain: &Domain, link: usize) -> Result<Event> {
+    let service = domain.node().service_builder(&name(link, "-ready")?);
     service.event().open_or_create().map_err(failed)
 }
 
