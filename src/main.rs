@@ -12,6 +12,7 @@ mod doctor;
 mod export;
 mod fit_lines;
 mod info;
+mod message_json;
 mod pick;
 mod record;
 mod recording;

@@ -1,46 +1,13 @@
 //! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print, and all that stands beside them.
 
-use lariat_wire::{
-    Basis, CenterlinePoints, Descriptor, Descriptors, FitQuality, Status, Trace, Unit,
-};
+use crate::message_json::Object;
+use lariat_wire::{Basis, CenterlinePoints, Descriptor, Descriptors, FitQuality, Status, Unit};
 use serde::Serialize;
 
-/// A frame's way, as in shared memory.
-#[derive(Debug, Serialize)]
-pub(super) struct TraceObject {
-    sequence: u64,
-    captured: u64,
-    extracted: u64,
-    fitted: u64,
-    exposed_ns: u64,
-    captured_ns: u64,
-    extract_started_ns: u64,
-    extracted_ns: u64,
-    fit_started_ns: u64,
-    fitted_ns: u64,
-}
-
-impl From<&Trace> for TraceObject {
-    fn from(trace: &Trace) -> Self {
-        Self {
-            sequence: trace.sequence,
-            captured: trace.captured,
-            extracted: trace.extracted,
-            fitted: trace.fitted,
-            exposed_ns: trace.exposed_ns,
-            captured_ns: trace.captured_ns,
-            extract_started_ns: trace.extract_started_ns,
-            extracted_ns: trace.extracted_ns,
-            fit_started_ns: trace.fit_started_ns,
-            fitted_ns: trace.fitted_ns,
-        }
-    }
-}
-
 /// One frame.
-#[derive(Debug, Serialize)]
+#[derive(Serialize)]
 pub(super) struct FrameObject<'a> {
-    trace: TraceObject,
+    trace: Object<'a>,
     width: u32,
     height: u32,
     curves: Vec<CurveObject<'a>>,
@@ -85,7 +52,7 @@ impl<'a> FrameObject<'a> {
     pub(super) fn of(message: &'a Descriptors) -> Self {
         let unit = unit(message);
         Self {
-            trace: (&message.trace).into(),
+            trace: Object(&message.trace, &[]),
             width: message.width,
             height: message.height,
             curves: message

@@ -1,6 +1,7 @@
 //! Where two messages differ that should be the same.
 
-use lariat_wire::{CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors};
+use lariat_wire::fields::{Field, Meaning, Message, Value, is_hidden};
+use lariat_wire::{Centerlines, Descriptors};
 use std::fmt;
 
 /// How equal numbers must be.
@@ -62,17 +63,7 @@ impl Comparer {
         recorded: &Centerlines,
         now: &Centerlines,
     ) -> Option<Difference> {
-        self.whole(|| "the image's width".into(), recorded.width, now.width);
-        self.whole(|| "the image's height".into(), recorded.height, now.height);
-        self.whole(|| "the number of ropes".into(), recorded.count, now.count);
-        for (i, (recorded, now)) in recorded.curves().iter().zip(now.curves()).enumerate() {
-            self.curve(i + 1, recorded, now);
-        }
-        let counts = [recorded.crossing_count, now.crossing_count];
-        self.whole(|| "the number of crossings".into(), counts[0], counts[1]);
-        for (i, (recorded, now)) in recorded.crossings().iter().zip(now.crossings()).enumerate() {
-            self.crossing(i + 1, recorded, now);
-        }
+        self.message("", recorded, now);
         self.found.take()
     }
 
@@ -82,149 +73,78 @@ impl Comparer {
         recorded: &Descriptors,
         now: &Descriptors,
     ) -> Option<Difference> {
-        self.whole(|| "the image's width".into(), recorded.width, now.width);
-        self.whole(|| "the image's height".into(), recorded.height, now.height);
-        self.whole(|| "the unit".into(), recorded.unit, now.unit);
-        self.whole(|| "the number of ropes".into(), recorded.count, now.count);
-        for (i, (recorded, now)) in recorded.curves().iter().zip(now.curves()).enumerate() {
-            self.descriptor(i + 1, recorded, now);
-        }
-        let points = recorded.centerlines().iter().zip(now.centerlines());
-        for (i, (recorded, now)) in points.enumerate() {
-            self.points_of(i + 1, recorded, now);
-        }
+        self.message("", recorded, now);
         self.found.take()
     }
 
-    fn curve(&mut self, rope: usize, recorded: &Curve, now: &Curve) {
-        let words = |curve: &Curve| {
-            [
-                ("track", u64::from(curve.track)),
-                ("status", curve.status.into()),
-                ("closed", curve.closed.into()),
-                ("border", curve.border.into()),
-                ("number of points", curve.count.into()),
-                ("age_ns", curve.age_ns),
-            ]
-        };
-        for ((name, recorded), (_, now)) in words(recorded).into_iter().zip(words(now)) {
-            self.whole(|| format!("rope {rope}, {name}"), recorded, now);
+    /// Whole numbers first, then positions, then other numbers, then the messages within.
+    fn message(&mut self, place: &str, recorded: &dyn Message, now: &dyn Message) {
+        let (recorded, now) = (recorded.fields(), now.fields());
+        let pairs = || recorded.iter().zip(&now);
+        for ((field, recorded), (_, now)) in pairs() {
+            self.wholes(place, field, *recorded, *now);
         }
-        self.single(rope, "length_px", recorded.length_px, now.length_px);
-        self.single(rope, "width_px", recorded.width_px, now.width_px);
-        let hidden = [recorded, now].map(|curve| curve.hidden);
-        self.hidden(rope, recorded.points().len(), hidden);
-        self.points(rope, recorded.points(), now.points());
-        self.widths(rope, recorded.widths_px(), now.widths_px());
-    }
-
-    fn points_of(&mut self, rope: usize, recorded: &CenterlinePoints, now: &CenterlinePoints) {
-        let name = || format!("rope {rope}, number of points");
-        self.whole(name, recorded.count, now.count);
-        let name = || format!("rope {rope}, whether its points are closed");
-        self.whole(name, recorded.closed, now.closed);
-        let hidden = [recorded, now].map(|points| points.hidden);
-        self.hidden(rope, recorded.points().len(), hidden);
-        self.points(rope, recorded.points(), now.points());
-        self.widths(rope, recorded.widths(), now.widths());
-    }
-
-    fn hidden(&mut self, rope: usize, count: usize, [recorded, now]: [[u32; 8]; 2]) {
-        for i in 0..count {
-            let name = || format!("rope {rope}, whether point {i} is hidden");
-            let [recorded, now] = [recorded, now].map(|mask| mask[i / 32] >> (i % 32) & 1);
-            self.whole(name, recorded, now);
+        for ((field, recorded), (_, now)) in pairs() {
+            self.numbers(true, place, field, *recorded, *now);
         }
-    }
-
-    fn points(&mut self, rope: usize, recorded: &[[f32; 2]], now: &[[f32; 2]]) {
-        for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
-            for (axis, name) in ["x", "y"].into_iter().enumerate() {
-                let name = || format!("rope {rope}, point {i}, {name}");
-                self.position32(name, recorded[axis], now[axis]);
+        for ((field, recorded), (_, now)) in pairs() {
+            self.numbers(false, place, field, *recorded, *now);
+        }
+        for ((field, recorded), (_, now)) in pairs() {
+            if let (Value::Messages(recorded), Value::Messages(now)) = (recorded, now) {
+                let kind = match field.name {
+                    "crossings" => "crossing",
+                    _ => "rope",
+                };
+                for (i, (recorded, now)) in recorded.iter().zip(now.iter()).enumerate() {
+                    self.message(&format!("{kind} {}", i + 1), recorded, now);
+                }
             }
         }
     }
 
-    fn widths(&mut self, rope: usize, recorded: &[f32], now: &[f32]) {
-        for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
-            let name = || format!("rope {rope}, width at point {i}");
-            self.number32(name, *recorded, *now);
-        }
-    }
-
-    fn crossing(&mut self, place: usize, recorded: &Crossing, now: &Crossing) {
-        let words = |crossing: &Crossing| [("over", crossing.over), ("under", crossing.under)];
-        for ((name, recorded), (_, now)) in words(recorded).into_iter().zip(words(now)) {
-            self.whole(|| format!("crossing {place}, {name}"), recorded, now);
-        }
-        for (axis, name) in ["x", "y"].into_iter().enumerate() {
-            let name = || format!("crossing {place}, {name}");
-            self.position32(name, recorded.at[axis], now.at[axis]);
-        }
-        let numbers = |crossing: &Crossing| {
-            [
-                ("over_rho", crossing.over_rho),
-                ("under_rho", crossing.under_rho),
-                ("confidence", crossing.confidence),
-            ]
+    fn wholes(&mut self, place: &str, field: &Field, recorded: Value, now: Value) {
+        let name = || match field.meaning {
+            Meaning::Count(list) => named(place, &format!("number of {}", list.replace('_', " "))),
+            _ => named(place, field.name),
         };
-        for ((name, recorded), (_, now)) in numbers(recorded).into_iter().zip(numbers(now)) {
-            self.number32(|| format!("crossing {place}, {name}"), recorded, now);
-        }
-    }
-
-    fn descriptor<'a>(&mut self, rope: usize, recorded: &'a Descriptor, now: &'a Descriptor) {
-        let words = |of: &Descriptor| {
-            [
-                ("track", u64::from(of.track)),
-                ("status", of.status.into()),
-                ("basis", of.basis.into()),
-                ("order", of.order.into()),
-                ("number of control points", of.count.into()),
-                ("samples", of.samples.into()),
-                ("closed", of.closed.into()),
-                ("border", of.border.into()),
-                ("hidden", of.hidden.into()),
-                ("filtered", of.filtered.into()),
-                ("fit", of.fit.into()),
-                ("age_ns", of.age_ns),
-            ]
-        };
-        for ((name, recorded), (_, now)) in words(recorded).into_iter().zip(words(now)) {
-            self.whole(|| format!("rope {rope}, {name}"), recorded, now);
-        }
-        let points = recorded.control_points().iter().zip(now.control_points());
-        for (i, (recorded, now)) in points.enumerate() {
-            for (axis, name) in ["x", "y"].into_iter().enumerate() {
-                let name = || format!("rope {rope}, control point {i}, {name}");
-                self.position(name, recorded[axis], now[axis]);
+        match (recorded, now) {
+            (Value::U32(recorded), Value::U32(now)) => self.whole(name, recorded, now),
+            (Value::U64(recorded), Value::U64(now)) => self.whole(name, recorded, now),
+            (Value::Hidden(recorded, count), Value::Hidden(now, _)) => {
+                for i in 0..count {
+                    let name = || named(place, &format!("whether point {i} is hidden"));
+                    let [recorded, now] = [recorded, now].map(|mask| is_hidden(mask, i));
+                    self.whole(name, recorded, now);
+                }
             }
+            _ => {}
         }
-        let numbers = |of: &Descriptor| {
-            [
-                ("rms", of.rms),
-                ("max", of.max),
-                ("residual_variance", of.residual_variance),
-                ("condition", of.condition),
-                ("length", of.length),
-                ("width", of.width),
-            ]
-        };
-        for ((name, recorded), (_, now)) in numbers(recorded).into_iter().zip(numbers(now)) {
-            self.number(|| format!("rope {rope}, {name}"), recorded, now);
+    }
+
+    /// Of a field of positions, or of one of other numbers.
+    fn numbers(
+        &mut self,
+        positions: bool,
+        place: &str,
+        field: &Field,
+        recorded: Value,
+        now: Value,
+    ) {
+        let is_position = matches!(
+            (&field.meaning, recorded),
+            (Meaning::Points, _) | (_, Value::Point(_))
+        );
+        if is_position != positions {
+            return;
         }
-        let lists = |of: &'a Descriptor| {
-            [
-                ("weight", of.weights()),
-                ("knot", of.inner_knots()),
-                ("covariance", of.covariances().as_flattened()),
-                ("velocity", of.velocities().as_flattened()),
-            ]
-        };
-        for ((name, recorded), (_, now)) in lists(recorded).into_iter().zip(lists(now)) {
-            for (i, (recorded, now)) in recorded.iter().zip(now).enumerate() {
-                self.number(|| format!("rope {rope}, {name} {i}"), *recorded, *now);
+        let (recorded, now) = (Numbers(recorded), Numbers(now));
+        for i in 0..recorded.count().min(now.count()) {
+            let name = || named(place, &entry_name(field, i));
+            if is_position {
+                self.position(name, recorded.at(i), now.at(i));
+            } else {
+                self.number(name, recorded.at(i), now.at(i));
             }
         }
     }
@@ -263,19 +183,6 @@ impl Comparer {
         }
     }
 
-    fn single(&mut self, rope: usize, name: &str, recorded: f32, now: f32) {
-        self.number32(|| format!("rope {rope}, {name}"), recorded, now);
-    }
-
-    // A number of 32 bits has an exact twin of 64, so that nothing is lost in these.
-    fn position32(&mut self, name: impl FnOnce() -> String, recorded: f32, now: f32) {
-        self.position(name, recorded.into(), now.into());
-    }
-
-    fn number32(&mut self, name: impl FnOnce() -> String, recorded: f32, now: f32) {
-        self.number(name, recorded.into(), now.into());
-    }
-
     fn report(
         &mut self,
         name: impl FnOnce() -> String,
@@ -291,6 +198,57 @@ impl Comparer {
                 distance,
             });
         }
+    }
+}
+
+/// The numbers of a field that has any. Those of 32 bits have exact twins of 64, so that nothing is lost.
+struct Numbers<'a>(Value<'a>);
+
+impl Numbers<'_> {
+    fn count(&self) -> usize {
+        match self.0 {
+            Value::F32(_) | Value::F64(_) => 1,
+            Value::Point(at) => at.len(),
+            Value::F32s(numbers, _) => numbers.len(),
+            Value::F64s(numbers, _) => numbers.len(),
+            _ => 0,
+        }
+    }
+
+    fn at(&self, i: usize) -> f64 {
+        match self.0 {
+            Value::F32(number) => number.into(),
+            Value::F64(number) => number,
+            Value::Point(at) => at[i].into(),
+            Value::F32s(numbers, _) => numbers[i].into(),
+            Value::F64s(numbers, _) => numbers[i],
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// Something of a rope or a crossing, or of the whole message.
+fn named(place: &str, what: &str) -> String {
+    if place.is_empty() {
+        format!("the {what}")
+    } else {
+        format!("{place}, {what}")
+    }
+}
+
+/// What number `i` of a field is called: `control point 3, y`, `weight 2`, or `rms`.
+fn entry_name(field: &Field, i: usize) -> String {
+    let axis = ["x", "y"][i % 2];
+    let one = match field.name.strip_suffix("ies") {
+        Some(stem) => format!("{stem}y"),
+        None => field.name.trim_end_matches('s').replace('_', " "),
+    };
+    match (&field.meaning, field.of.element().1.len()) {
+        (Meaning::Points, _) => format!("{one} {}, {axis}", i / 2),
+        (Meaning::List, _) if field.name.starts_with("widths") => format!("width at point {i}"),
+        (Meaning::List, _) => format!("{one} {i}"),
+        (_, 1) => axis.to_owned(),
+        _ => field.name.to_owned(),
     }
 }
 

@@ -3,19 +3,60 @@
 
 use std::borrow::Cow;
 
+/// What a number of a message may stand for.
+#[derive(Debug)]
+pub struct Codes {
+    /// What they say, such as `Status`.
+    pub name: &'static str,
+    /// Each of them.
+    pub all: &'static [Code],
+}
+
+/// One of them.
+#[derive(Debug)]
+pub struct Code {
+    /// Its number in messages.
+    pub number: u32,
+    /// What it is called in Rust.
+    pub variant: &'static str,
+    /// Its name in flags, settings and output.
+    pub name: &'static str,
+    /// What it means, as its documentation has it.
+    pub about: &'static str,
+}
+
+impl Codes {
+    /// The name of what a number stands for; the number itself, if this version does not know it.
+    pub fn word(&self, number: u32) -> Cow<'static, str> {
+        let known = self.all.iter().find(|code| code.number == number);
+        known.map_or_else(|| number.to_string().into(), |code| code.name.into())
+    }
+}
+
 /// Declares what a number may stand for: each of them with its number, and its name in flags, settings and output.
 macro_rules! codes {
-    ($(#[$about:meta])* $type:ident { $($(#[$each:meta])* $variant:ident = $code:literal $name:literal,)+ }) => {
+    ($(#[$about:meta])* $type:ident { $($(#[doc = $each:literal])+ $variant:ident = $code:literal $name:literal,)+ }) => {
         $(#[$about])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[repr(u32)]
         pub enum $type {
-            $($(#[$each])* $variant = $code,)+
+            $($(#[doc = $each])+ $variant = $code,)+
         }
 
         impl $type {
             /// All of them, in the order of their numbers.
             pub const ALL: [Self; [$($code),+].len()] = [$(Self::$variant),+];
+
+            /// The table of them.
+            pub const CODES: Codes = Codes {
+                name: stringify!($type),
+                all: &[$(Code {
+                    number: $code,
+                    variant: stringify!($variant),
+                    name: $name,
+                    about: concat!($($each),+),
+                }),+],
+            };
 
             /// What a message's number stands for, if it stands for anything.
             pub const fn from_code(code: u32) -> Option<Self> {
@@ -39,7 +80,7 @@ macro_rules! codes {
 
             /// The name of what a message's number stands for; the number itself, if this version does not know it.
             pub fn word(code: u32) -> Cow<'static, str> {
-                Self::from_code(code).map_or_else(|| code.to_string().into(), |known| known.name().into())
+                Self::CODES.word(code)
             }
         }
     };

@@ -6,6 +6,7 @@
 
 mod clock;
 mod codes;
+pub mod fields;
 mod message;
 
 pub use clock::now_ns;

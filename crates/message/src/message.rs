@@ -7,11 +7,14 @@
 //!
 //! The type names end in a version. Change a field, raise the version.
 
+#[macro_use]
+mod declare;
+
 mod centerlines;
 mod command;
 mod descriptors;
 mod frame_header;
-mod hidden;
+pub(crate) mod hidden;
 mod trace;
 
 pub use centerlines::{Centerlines, Crossing, Curve};

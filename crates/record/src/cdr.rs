@@ -68,8 +68,9 @@ impl<'a> Encoder<'a> {
         self.0.extend_from_slice(bytes);
     }
 
-    pub(crate) fn sequence<T: Cdr>(&mut self, items: &[T]) {
-        (items.len() as u32).put(self);
+    /// A list of rows of so many items.
+    pub(crate) fn rows<T: Cdr>(&mut self, items: &[T], columns: usize) {
+        self.byte_count(items.len() / columns);
         items.iter().for_each(|item| item.put(self));
     }
 }
@@ -120,17 +121,27 @@ impl<'a> Decoder<'a> {
         self.raw(count as usize)
     }
 
-    /// Reads a list into the beginning of `items`; says how many came.
-    pub(crate) fn sequence<T: Cdr>(&mut self, items: &mut [T]) -> Result<u32, CdrError> {
+    /// Reads how long a list is, of which there may be so many entries.
+    pub(crate) fn length(&mut self, most: usize) -> Result<usize, CdrError> {
         let count: u32 = self.value()?;
-        let most = items.len() as u32;
-        let room = items
-            .get_mut(..count as usize)
-            .ok_or(CdrError::TooMany { count, most })?;
-        for item in room {
+        let most = most as u32;
+        if count > most {
+            return Err(CdrError::TooMany { count, most });
+        }
+        Ok(count as usize)
+    }
+
+    /// Reads a list of rows of so many items into the beginning of `items`; says how many rows came.
+    pub(crate) fn rows<T: Cdr>(
+        &mut self,
+        items: &mut [T],
+        columns: usize,
+    ) -> Result<u32, CdrError> {
+        let count = self.length(items.len() / columns)?;
+        for item in &mut items[..count * columns] {
             item.get(self)?;
         }
-        Ok(count)
+        Ok(count as u32)
     }
 }
 
@@ -191,7 +202,7 @@ mod tests {
         2.0_f64.put(&mut to);
         3_u32.put(&mut to);
         to.string("ab");
-        to.sequence(&[7_u64]);
+        to.rows(&[7_u64], 1);
         let mut expected = vec![0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0];
         expected.extend(2.0_f64.to_le_bytes());
         expected.extend([3, 0, 0, 0, 3, 0, 0, 0, b'a', b'b', 0, 0, 1, 0, 0, 0]);
@@ -204,7 +215,7 @@ mod tests {
         assert_eq!(from.value::<u32>(), Ok(3));
         assert_eq!(from.string(), Ok("ab"));
         let mut items = [0_u64; 2];
-        assert_eq!(from.sequence(&mut items), Ok(1));
+        assert_eq!(from.rows(&mut items, 1), Ok(1));
         assert_eq!(items, [7, 0]);
         assert_eq!(from.value::<u8>(), Err(CdrError::Short));
     }
@@ -218,7 +229,7 @@ mod tests {
         assert_eq!(bytes, Err(CdrError::Short));
         let text = Decoder::new(&huge).unwrap().string();
         assert_eq!(text, Err(CdrError::Short));
-        let list = Decoder::new(&huge).unwrap().sequence(&mut [0_u8; 3]);
+        let list = Decoder::new(&huge).unwrap().rows(&mut [0_u8; 3], 1);
         let count = u32::MAX;
         assert_eq!(list, Err(CdrError::TooMany { count, most: 3 }));
     }

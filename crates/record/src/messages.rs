@@ -1,11 +1,9 @@
 //! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
 
-use lariat_message::{
-    CenterlinePoints, Centerlines, Crossing, Curve, Descriptor, Descriptors, FrameHeader,
-    MAX_POINTS, Trace,
-};
+use lariat_message::fields::{self, Field, Meaning, Message, Place, Value};
+use lariat_message::{Centerlines, Descriptors, FrameHeader, MAX_POINTS};
 
-use crate::cdr::{Cdr, CdrError, Decoder, Encoder, fields};
+use crate::cdr::{Cdr, CdrError, Decoder, Encoder};
 use crate::schema::{Schema, schema};
 
 /// A message that can be recorded.
@@ -40,6 +38,21 @@ macro_rules! record {
 }
 pub(crate) use record;
 
+macro_rules! cdr {
+    ($($type:ty),+) => {$(
+        impl Cdr for $type {
+            fn put(&self, to: &mut Encoder) {
+                put(self, to);
+            }
+
+            fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
+                get(self, from)
+            }
+        }
+    )+};
+}
+cdr!(FrameHeader, Centerlines, Descriptors);
+
 record!(
     FrameHeader,
     schema!(
@@ -73,228 +86,131 @@ record!(
     )
 );
 
-fields!(Trace {
-    sequence,
-    captured,
-    extracted,
-    fitted,
-    exposed_ns,
-    captured_ns,
-    extract_started_ns,
-    extracted_ns,
-    fit_started_ns,
-    fitted_ns,
-});
-fields!(FrameHeader {
-    trace,
-    width,
-    height,
-    stride,
-    pixel_format,
-    source,
-});
-fields!(Crossing {
-    at,
-    over,
-    under,
-    over_rho,
-    under_rho,
-    confidence,
-});
+/// What comes in which part of a message: messages within and positions, words, numbers, times, lists, and what is hidden of
+/// them. Within a part fields come as they lie in memory; counts go with their lists.
+const PARTS: usize = 6;
 
-fn put_hidden(to: &mut Encoder, count: usize, is_hidden: impl Fn(usize) -> bool) {
-    (count as u32).put(to);
-    for i in 0..count {
-        u8::from(is_hidden(i)).put(to);
+fn put(message: &dyn Message, to: &mut Encoder) {
+    for part in 0..PARTS {
+        message.visit(&mut |field, value| put_field(part, field, value, to));
     }
 }
 
-/// Reads which of so many points are hidden.
-fn get_hidden(from: &mut Decoder, points: u32) -> Result<impl Iterator<Item = bool>, CdrError> {
-    let mut hidden = [0_u8; MAX_POINTS];
-    let count = from.sequence(&mut hidden)?;
-    if count != points {
-        return Err(CdrError::Uneven);
-    }
-    Ok(hidden
-        .into_iter()
-        .take(count as usize)
-        .map(|byte| byte != 0))
-}
-
-impl Cdr for Curve {
-    fn put(&self, to: &mut Encoder) {
-        let count = self.points().len();
-        for word in [self.track, self.status, self.closed, self.border] {
-            word.put(to);
+fn put_field(part: usize, field: &Field, value: Value, to: &mut Encoder) {
+    match (part, value) {
+        (_, Value::U32(_)) if matches!(field.meaning, Meaning::Count(_)) => {}
+        (0, Value::Message(inner)) => put(inner, to),
+        (0, Value::Point(at)) => at.put(to),
+        (1, Value::U32(word)) => word.put(to),
+        (2, Value::F32(number)) => number.put(to),
+        (2, Value::F64(number)) => number.put(to),
+        (3, Value::U64(count)) => count.put(to),
+        (4, Value::F32s(numbers, columns)) => to.rows(numbers, columns),
+        (4, Value::F64s(numbers, columns)) => to.rows(numbers, columns),
+        (4, Value::Messages(messages)) => {
+            to.byte_count(messages.count());
+            messages.iter().for_each(|message| put(message, to));
         }
-        self.width_px.put(to);
-        self.length_px.put(to);
-        self.age_ns.put(to);
-        to.sequence(self.points());
-        to.sequence(self.widths_px());
-        put_hidden(to, count, |i| self.is_hidden(i));
-    }
-
-    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
-        let words = [
-            &mut self.track,
-            &mut self.status,
-            &mut self.closed,
-            &mut self.border,
-        ];
-        for word in words {
-            word.get(from)?;
+        (5, Value::Hidden(hidden, count)) => {
+            to.byte_count(count);
+            for i in 0..count {
+                u8::from(fields::is_hidden(hidden, i)).put(to);
+            }
         }
-        self.width_px.get(from)?;
-        self.length_px.get(from)?;
-        self.age_ns.get(from)?;
-        self.reserved = 0;
-        self.count = from.sequence(&mut self.points)?;
-        if from.sequence(&mut self.widths_px)? != self.count {
-            return Err(CdrError::Uneven);
-        }
-        self.set_hidden(get_hidden(from, self.count)?);
-        Ok(())
+        _ => {}
     }
 }
 
-impl Cdr for Centerlines {
-    fn put(&self, to: &mut Encoder) {
-        self.trace.put(to);
-        self.width.put(to);
-        self.height.put(to);
-        to.sequence(self.curves());
-        to.sequence(self.crossings());
+/// Lists of one message at most.
+const MOST_LISTS: usize = 8;
+
+/// How many entries of each list were read.
+#[derive(Default)]
+struct Lengths {
+    lists: [(&'static str, u32); MOST_LISTS],
+    count: usize,
+}
+
+impl Lengths {
+    fn add(&mut self, list: &'static str, entries: u32) {
+        self.lists[self.count] = (list, entries);
+        self.count += 1;
     }
 
-    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
-        self.trace.get(from)?;
-        self.width.get(from)?;
-        self.height.get(from)?;
-        self.count = from.sequence(&mut self.curves)?;
-        self.crossing_count = from.sequence(&mut self.crossings)?;
-        Ok(())
+    fn of(&self, list: &str) -> Option<u32> {
+        let found = self.lists.iter().find(|(name, _)| *name == list);
+        found.map(|(_, entries)| *entries)
     }
 }
 
-impl Cdr for Descriptor {
-    fn put(&self, to: &mut Encoder) {
-        for word in [
-            self.track,
-            self.status,
-            self.basis,
-            self.order,
-            self.samples,
-            self.closed,
-            self.border,
-            self.hidden,
-            self.filtered,
-            self.fit,
-        ] {
-            word.put(to);
-        }
-        for number in [
-            self.rms,
-            self.max,
-            self.residual_variance,
-            self.condition,
-            self.length,
-            self.width,
-        ] {
-            number.put(to);
-        }
-        self.age_ns.put(to);
-        to.sequence(self.control_points());
-        to.sequence(self.weights());
-        to.sequence(self.covariances());
-        to.sequence(self.velocities());
-        to.sequence(self.inner_knots());
+fn get(message: &mut dyn Message, from: &mut Decoder) -> Result<(), CdrError> {
+    let mut lengths = Lengths::default();
+    let mut result = Ok(());
+    for part in 0..PARTS {
+        message.visit_mut(&mut |field, place| {
+            if result.is_ok() {
+                result = get_field(part, field, place, from, &mut lengths);
+            }
+        });
     }
-
-    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
-        let words = [
-            &mut self.track,
-            &mut self.status,
-            &mut self.basis,
-            &mut self.order,
-            &mut self.samples,
-            &mut self.closed,
-            &mut self.border,
-            &mut self.hidden,
-            &mut self.filtered,
-            &mut self.fit,
-        ];
-        for word in words {
-            word.get(from)?;
+    result?;
+    message.visit_mut(&mut |field, place| {
+        if let (Meaning::Count(list), Place::U32(count)) = (&field.meaning, place) {
+            *count = lengths.of(list).unwrap_or(0);
         }
-        let numbers = [
-            &mut self.rms,
-            &mut self.max,
-            &mut self.residual_variance,
-            &mut self.condition,
-            &mut self.length,
-            &mut self.width,
-        ];
-        for number in numbers {
-            number.get(from)?;
-        }
-        self.age_ns.get(from)?;
-        self.reserved = 0;
-        self.count = from.sequence(&mut self.control_points)?;
-        let others = [
-            from.sequence(&mut self.weights)?,
-            from.sequence(&mut self.covariances)?,
-            from.sequence(&mut self.velocities)?,
-        ];
-        let knots = from.sequence(&mut self.knots)?;
-        if others != [self.count; 3] || knots as usize != self.inner_knots().len() {
-            return Err(CdrError::Uneven);
-        }
-        Ok(())
-    }
+    });
+    // What belongs together has one length, and of knots there are as many as the curve has.
+    let mut is_even = true;
+    message.visit(&mut |field, value| {
+        let meant = match value {
+            Value::F32s(numbers, columns) => numbers.len() / columns,
+            Value::F64s(numbers, columns) => numbers.len() / columns,
+            Value::Messages(messages) => messages.count(),
+            Value::Hidden(_, count) => count,
+            _ => return,
+        };
+        is_even &= lengths.of(field.name) == Some(meant as u32);
+    });
+    is_even.then_some(()).ok_or(CdrError::Uneven)
 }
 
-impl Cdr for CenterlinePoints {
-    fn put(&self, to: &mut Encoder) {
-        self.closed.put(to);
-        to.sequence(self.points());
-        to.sequence(self.widths());
-        put_hidden(to, self.points().len(), |i| self.is_hidden(i));
-    }
-
-    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
-        self.closed.get(from)?;
-        self.count = from.sequence(&mut self.points)?;
-        if from.sequence(&mut self.widths)? != self.count {
-            return Err(CdrError::Uneven);
+fn get_field(
+    part: usize,
+    field: &'static Field,
+    place: Place,
+    from: &mut Decoder,
+    lengths: &mut Lengths,
+) -> Result<(), CdrError> {
+    match (part, place) {
+        (_, Place::U32(_)) if matches!(field.meaning, Meaning::Count(_)) => {}
+        (0, Place::Message(inner)) => get(inner, from)?,
+        (0, Place::Point(at)) => at.get(from)?,
+        (1, Place::U32(word)) => word.get(from)?,
+        (2, Place::F32(number)) => number.get(from)?,
+        (2, Place::F64(number)) => number.get(from)?,
+        (3, Place::U64(count)) => count.get(from)?,
+        (4, Place::F32s(room, columns)) => {
+            lengths.add(field.name, from.rows(room, columns)?);
         }
-        self.set_hidden(get_hidden(from, self.count)?);
-        Ok(())
-    }
-}
-
-impl Cdr for Descriptors {
-    fn put(&self, to: &mut Encoder) {
-        self.trace.put(to);
-        self.width.put(to);
-        self.height.put(to);
-        self.unit.put(to);
-        to.sequence(self.curves());
-        to.sequence(self.centerlines());
-    }
-
-    fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError> {
-        self.trace.get(from)?;
-        self.width.get(from)?;
-        self.height.get(from)?;
-        self.unit.get(from)?;
-        self.count = from.sequence(&mut self.curves)?;
-        if from.sequence(&mut self.centerlines)? != self.count {
-            return Err(CdrError::Uneven);
+        (4, Place::F64s(room, columns)) => {
+            lengths.add(field.name, from.rows(room, columns)?);
         }
-        Ok(())
+        (4, Place::Messages(room)) => {
+            let count = from.length(room.size())?;
+            for i in 0..count {
+                get(room.at_mut(i), from)?;
+            }
+            lengths.add(field.name, count as u32);
+        }
+        (5, Place::Hidden(hidden)) => {
+            let mut bytes = [0_u8; MAX_POINTS];
+            let count = from.rows(&mut bytes, 1)?;
+            *hidden = fields::hidden(bytes.iter().take(count as usize).map(|byte| *byte != 0));
+            lengths.add(field.name, count);
+        }
+        _ => {}
     }
+    Ok(())
 }
 
 #[cfg(test)]

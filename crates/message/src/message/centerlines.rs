@@ -3,62 +3,41 @@
 #[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
 
-use super::hidden::{bit, mask};
+use super::hidden::{self, is_hidden};
 use crate::{MAX_CROSSINGS, MAX_CURVES, MAX_POINTS, Status, Trace};
 
-/// One rope's centerline: points at equal steps of arc length, in pixels of the full image (x right, y down, the
-/// centre of the top-left pixel is (0, 0)).
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Curve.v2")
-)]
-pub struct Curve {
-    /// The rope's number; it keeps it from frame to frame.
-    pub track: u32,
-    /// A [`Status`]'s number.
-    pub status: u32,
-    /// 1 if the rope is closed: the last point is followed by the first.
-    pub closed: u32,
-    /// Which ends leave the image: bit 0 the first, bit 1 the last.
-    pub border: u32,
-    /// How many points are meant.
-    pub count: u32,
-    /// Median width of the rope in the image.
-    pub width_px: f32,
-    /// Arc length of the centerline.
-    pub length_px: f32,
-    /// Always 0.
-    pub reserved: u32,
-    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
-    pub age_ns: u64,
-    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
-    pub hidden: [u32; MAX_POINTS / 32],
-    /// The points, `[x, y]`.
-    pub points: [[f32; 2]; MAX_POINTS],
-    /// The width at each point.
-    pub widths_px: [f32; MAX_POINTS],
+message! {
+    /// One rope's centerline: points at equal steps of arc length, in pixels of the full image (x right, y down, the
+    /// centre of the top-left pixel is (0, 0)).
+    pub struct Curve = "lariat.Curve.v2" {
+        /// The rope's number; it keeps it from frame to frame.
+        track: u32 = 0 => number,
+        /// A [`Status`]'s number.
+        status: u32 = Status::Ok as u32 => code(Status),
+        /// 1 if the rope is closed: the last point is followed by the first.
+        closed: u32 = 0 => flag,
+        /// Which ends leave the image: bit 0 the first, bit 1 the last.
+        border: u32 = 0 => ends,
+        /// How many points are meant.
+        count: u32 = 0 => count(points),
+        /// Median width of the rope in the image.
+        width_px: f32 = 0.0 => number,
+        /// Arc length of the centerline.
+        length_px: f32 = 0.0 => number,
+        /// Always 0.
+        reserved: u32 = 0 => reserved,
+        /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+        age_ns: u64 = 0 => number,
+        /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+        hidden: [u32; MAX_POINTS / 32] = [0; MAX_POINTS / 32] => hidden(points),
+        /// The points, `[x, y]`.
+        points: [[f32; 2]; MAX_POINTS] = [[0.0; 2]; MAX_POINTS] => points(points),
+        /// The width at each point.
+        widths_px: [f32; MAX_POINTS] = [0.0; MAX_POINTS] => list(widths_px),
+    }
 }
 
 impl Curve {
-    /// A curve without points.
-    pub const EMPTY: Self = Self {
-        track: 0,
-        status: Status::Ok as u32,
-        closed: 0,
-        border: 0,
-        count: 0,
-        width_px: 0.0,
-        length_px: 0.0,
-        reserved: 0,
-        age_ns: 0,
-        hidden: [0; MAX_POINTS / 32],
-        points: [[0.0; 2]; MAX_POINTS],
-        widths_px: [0.0; MAX_POINTS],
-    };
-
     /// The points that are meant.
     pub fn points(&self) -> &[[f32; 2]] {
         &self.points[..(self.count as usize).min(MAX_POINTS)]
@@ -71,12 +50,12 @@ impl Curve {
 
     /// Whether point `i` is covered by something, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
-        bit(&self.hidden, i)
+        is_hidden(&self.hidden, i)
     }
 
     /// Says of each point, in order, whether it is covered.
     pub fn set_hidden(&mut self, hidden: impl IntoIterator<Item = bool>) {
-        self.hidden = mask(hidden);
+        self.hidden = hidden::hidden(hidden);
     }
 
     /// What is known of the rope; `None` for a number this version does not know.
@@ -85,67 +64,44 @@ impl Curve {
     }
 }
 
-/// Where a strand lies over a strand.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Crossing.v1")
-)]
-pub struct Crossing {
-    /// Where, `[x, y]` in pixels.
-    pub at: [f32; 2],
-    /// The upper strand's rope, an index into [`Centerlines::curves`].
-    pub over: u32,
-    /// The lower strand's rope, likewise.
-    pub under: u32,
-    /// Where along the upper rope, as normalized arc length.
-    pub over_rho: f32,
-    /// Where along the lower rope, likewise.
-    pub under_rho: f32,
-    /// How sure it is which strand is the upper one: 0 (not known) to 1.
-    pub confidence: f32,
-    /// Always 0.
-    pub reserved: u32,
+message! {
+    /// Where a strand lies over a strand.
+    pub struct Crossing = "lariat.Crossing.v1" {
+        /// Where, `[x, y]` in pixels.
+        at: [f32; 2] = [0.0; 2] => number,
+        /// The upper strand's rope, an index into [`Centerlines::curves`].
+        over: u32 = 0 => number,
+        /// The lower strand's rope, likewise.
+        under: u32 = 0 => number,
+        /// Where along the upper rope, as normalized arc length.
+        over_rho: f32 = 0.0 => number,
+        /// Where along the lower rope, likewise.
+        under_rho: f32 = 0.0 => number,
+        /// How sure it is which strand is the upper one: 0 (not known) to 1.
+        confidence: f32 = 0.0 => number,
+        /// Always 0.
+        reserved: u32 = 0 => reserved,
+    }
 }
 
-impl Crossing {
-    /// A crossing of nothing.
-    pub const EMPTY: Self = Self {
-        at: [0.0; 2],
-        over: 0,
-        under: 0,
-        over_rho: 0.0,
-        under_rho: 0.0,
-        confidence: 0.0,
-        reserved: 0,
-    };
-}
-
-/// What extract saw in one frame. No rope is an answer too: `count` is 0.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Centerlines.v2")
-)]
-pub struct Centerlines {
-    /// The frame's way so far.
-    pub trace: Trace,
-    /// Width of the image in pixels.
-    pub width: u32,
-    /// Height of the image in pixels.
-    pub height: u32,
-    /// How many curves are meant.
-    pub count: u32,
-    /// How many crossings are meant.
-    pub crossing_count: u32,
-    /// The curves.
-    pub curves: [Curve; MAX_CURVES],
-    /// The crossings.
-    pub crossings: [Crossing; MAX_CROSSINGS],
+message! {
+    /// What extract saw in one frame. No rope is an answer too: `count` is 0.
+    pub struct Centerlines = "lariat.Centerlines.v2" {
+        /// The frame's way so far.
+        trace: Trace = Trace::EMPTY => message,
+        /// Width of the image in pixels.
+        width: u32 = 0 => number,
+        /// Height of the image in pixels.
+        height: u32 = 0 => number,
+        /// How many curves are meant.
+        count: u32 = 0 => count(curves),
+        /// How many crossings are meant.
+        crossing_count: u32 = 0 => count(crossings),
+        /// The curves.
+        curves: [Curve; MAX_CURVES] = [Curve::EMPTY; MAX_CURVES] => messages(curves),
+        /// The crossings.
+        crossings: [Crossing; MAX_CROSSINGS] = [Crossing::EMPTY; MAX_CROSSINGS] => messages(crossings),
+    }
 }
 
 impl Centerlines {
@@ -158,17 +114,6 @@ impl Centerlines {
     pub fn crossings(&self) -> &[Crossing] {
         &self.crossings[..(self.crossing_count as usize).min(MAX_CROSSINGS)]
     }
-
-    /// A message without curves.
-    pub const EMPTY: Self = Self {
-        trace: Trace::EMPTY,
-        width: 0,
-        height: 0,
-        count: 0,
-        crossing_count: 0,
-        curves: [Curve::EMPTY; MAX_CURVES],
-        crossings: [Crossing::EMPTY; MAX_CROSSINGS],
-    };
 }
 
 #[cfg(test)]

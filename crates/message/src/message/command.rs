@@ -6,29 +6,24 @@ use iceoryx2::prelude::ZeroCopySend;
 /// Most grippers of one robot.
 pub const MAX_GRIPPERS: usize = 2;
 
-/// Velocities for a robot's grippers, from the moment of sending on. A layout like those of the other messages.
-///
-/// Only the simulated rope takes commands: a real robot has a driver of its own.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Command.v1")
-)]
-pub struct Command {
-    /// How many the controller has sent, this one included.
-    pub count: u64,
-    /// When it was sent, on the clock of [`now_ns`](crate::now_ns).
-    pub sent_ns: u64,
-    /// When the image was taken that it goes by ([`Trace::exposed_ns`](crate::Trace::exposed_ns)); 0 if by none.
-    pub exposed_ns: u64,
-    /// How many grippers are meant.
-    pub grippers: u32,
-    /// Always 0.
-    pub reserved: u32,
-    /// The velocity of each gripper in the image: x and y in px/s, and the angle from x towards y in rad/s.
-    pub velocities: [[f64; 3]; MAX_GRIPPERS],
+message! {
+    /// Velocities for a robot's grippers, from the moment of sending on. A layout like those of the other messages.
+    ///
+    /// Only the simulated rope takes commands: a real robot has a driver of its own.
+    pub struct Command = "lariat.Command.v1" {
+        /// How many the controller has sent, this one included.
+        count: u64 = 0 => number,
+        /// When it was sent, on the clock of [`now_ns`](crate::now_ns).
+        sent_ns: u64 = 0 => number,
+        /// When the image was taken that it goes by ([`Trace::exposed_ns`](crate::Trace::exposed_ns)); 0 if by none.
+        exposed_ns: u64 = 0 => number,
+        /// How many grippers are meant.
+        grippers: u32 = 0 => count(velocities),
+        /// Always 0.
+        reserved: u32 = 0 => reserved,
+        /// The velocity of each gripper in the image: x and y in px/s, and the angle from x towards y in rad/s.
+        velocities: [[f64; 3]; MAX_GRIPPERS] = [[0.0; 3]; MAX_GRIPPERS] => list(velocities),
+    }
 }
 
 impl Command {

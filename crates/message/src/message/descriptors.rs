@@ -5,99 +5,66 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use std::iter::repeat_n;
 
-use super::hidden::{bit, mask};
+use super::hidden::{self, is_hidden};
 use crate::{Basis, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Status, Trace, Unit};
 
-/// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Descriptor.v5")
-)]
-pub struct Descriptor {
-    /// The rope's number; it keeps it from frame to frame.
-    pub track: u32,
-    /// A [`Status`]'s number.
-    pub status: u32,
-    /// A [`Basis`]'s number.
-    pub basis: u32,
-    /// Degree of the curve; of a Fourier series the number of its harmonics.
-    pub order: u32,
-    /// How many control points are meant.
-    pub count: u32,
-    /// How many points of the centerline were fitted: N.
-    pub samples: u32,
-    /// 1 if the rope is closed.
-    pub closed: u32,
-    /// Which ends leave the image: bit 0 the first, bit 1 the last.
-    pub border: u32,
-    /// Root mean square distance of the points from the curve at their ρ, in the message's unit.
-    pub rms: f64,
-    /// Largest such distance.
-    pub max: f64,
-    /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N − count) for
-    /// plain least squares, in the unit's square.
-    pub residual_variance: f64,
-    /// Condition number (2-norm) of the regression.
-    pub condition: f64,
-    /// Arc length of the centerline, in the message's unit.
-    pub length: f64,
-    /// Median width of the rope, likewise.
-    pub width: f64,
-    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
-    pub age_ns: u64,
-    /// How many of the points were covered by something, and so not seen.
-    pub hidden: u32,
-    /// 1 if the control points are filtered in time, and have velocities.
-    pub filtered: u32,
-    /// A [`FitQuality`]'s number: whether the curve lies on its points.
-    pub fit: u32,
-    /// Always 0.
-    pub reserved: u32,
-    /// The control points, `[x, y]` in the message's unit.
-    pub control_points: [[f64; 2]; MAX_CONTROL_POINTS],
-    /// Their weights: rational bases only, 1 elsewhere.
-    pub weights: [f64; MAX_CONTROL_POINTS],
-    /// Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
-    pub covariances: [[f64; 3]; MAX_CONTROL_POINTS],
-    /// Velocity of each control point, in units a second; 0 where they are not filtered.
-    pub velocities: [[f64; 2]; MAX_CONTROL_POINTS],
-    /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
-    /// `order + 1` times 0 and as many times 1.
-    pub knots: [f64; MAX_CONTROL_POINTS],
+message! {
+    /// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
+    pub struct Descriptor = "lariat.Descriptor.v5" {
+        /// The rope's number; it keeps it from frame to frame.
+        track: u32 = 0 => number,
+        /// A [`Status`]'s number.
+        status: u32 = Status::Ok as u32 => code(Status),
+        /// A [`Basis`]'s number.
+        basis: u32 = Basis::Bezier as u32 => code(Basis),
+        /// Degree of the curve; of a Fourier series the number of its harmonics.
+        order: u32 = 0 => number,
+        /// How many control points are meant.
+        count: u32 = 0 => count(control_points),
+        /// How many points of the centerline were fitted: N.
+        samples: u32 = 0 => number,
+        /// 1 if the rope is closed.
+        closed: u32 = 0 => flag,
+        /// Which ends leave the image: bit 0 the first, bit 1 the last.
+        border: u32 = 0 => ends,
+        /// Root mean square distance of the points from the curve at their ρ, in the message's unit.
+        rms: f64 = 0.0 => number,
+        /// Largest such distance.
+        max: f64 = 0.0 => number,
+        /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N − count) for
+        /// plain least squares, in the unit's square.
+        residual_variance: f64 = 0.0 => number,
+        /// Condition number (2-norm) of the regression.
+        condition: f64 = 0.0 => number,
+        /// Arc length of the centerline, in the message's unit.
+        length: f64 = 0.0 => number,
+        /// Median width of the rope, likewise.
+        width: f64 = 0.0 => number,
+        /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+        age_ns: u64 = 0 => number,
+        /// How many of the points were covered by something, and so not seen.
+        hidden: u32 = 0 => number,
+        /// 1 if the control points are filtered in time, and have velocities.
+        filtered: u32 = 0 => flag,
+        /// A [`FitQuality`]'s number: whether the curve lies on its points.
+        fit: u32 = FitQuality::NotJudged as u32 => code(FitQuality),
+        /// Always 0.
+        reserved: u32 = 0 => reserved,
+        /// The control points, `[x, y]` in the message's unit.
+        control_points: [[f64; 2]; MAX_CONTROL_POINTS] = [[0.0; 2]; MAX_CONTROL_POINTS] => points(control_points),
+        /// Their weights: rational bases only, 1 elsewhere.
+        weights: [f64; MAX_CONTROL_POINTS] = [1.0; MAX_CONTROL_POINTS] => list(weights),
+        /// Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
+        covariances: [[f64; 3]; MAX_CONTROL_POINTS] = [[0.0; 3]; MAX_CONTROL_POINTS] => list(covariances),
+        /// Velocity of each control point, in units a second; 0 where they are not filtered.
+        velocities: [[f64; 2]; MAX_CONTROL_POINTS] = [[0.0; 2]; MAX_CONTROL_POINTS] => list(velocities),
+        /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
+        /// `order + 1` times 0 and as many times 1.
+        knots: [f64; MAX_CONTROL_POINTS] = [0.0; MAX_CONTROL_POINTS] => list(inner_knots),
+    }
 }
 
 impl Descriptor {
-    /// A descriptor without control points.
-    pub const EMPTY: Self = Self {
-        track: 0,
-        status: Status::Ok as u32,
-        basis: Basis::Bezier as u32,
-        order: 0,
-        count: 0,
-        samples: 0,
-        closed: 0,
-        border: 0,
-        rms: 0.0,
-        max: 0.0,
-        residual_variance: 0.0,
-        condition: 0.0,
-        length: 0.0,
-        width: 0.0,
-        age_ns: 0,
-        hidden: 0,
-        filtered: 0,
-        fit: FitQuality::NotJudged as u32,
-        reserved: 0,
-        control_points: [[0.0; 2]; MAX_CONTROL_POINTS],
-        weights: [1.0; MAX_CONTROL_POINTS],
-        covariances: [[0.0; 3]; MAX_CONTROL_POINTS],
-        velocities: [[0.0; 2]; MAX_CONTROL_POINTS],
-        knots: [0.0; MAX_CONTROL_POINTS],
-    };
-
     /// The control points that are meant.
     pub fn control_points(&self) -> &[[f64; 2]] {
         &self.control_points[..self.meant()]
@@ -158,38 +125,24 @@ impl Descriptor {
     }
 }
 
-/// The points that a descriptor was fitted to: the rope's centerline, at equal steps of arc length, in the message's unit.
-/// They are as the image has them, unfiltered, however well the curve lies on them.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.CenterlinePoints.v1")
-)]
-pub struct CenterlinePoints {
-    /// How many points are meant; 0 if the writer has none to give.
-    pub count: u32,
-    /// 1 if the rope is closed: the last point is followed by the first.
-    pub closed: u32,
-    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
-    pub hidden: [u32; MAX_POINTS / 32],
-    /// The points, `[x, y]`.
-    pub points: [[f32; 2]; MAX_POINTS],
-    /// The rope's width at each point.
-    pub widths: [f32; MAX_POINTS],
+message! {
+    /// The points that a descriptor was fitted to: the rope's centerline, at equal steps of arc length, in the message's unit.
+    /// They are as the image has them, unfiltered, however well the curve lies on them.
+    pub struct CenterlinePoints = "lariat.CenterlinePoints.v1" {
+        /// How many points are meant; 0 if the writer has none to give.
+        count: u32 = 0 => count(points),
+        /// 1 if the rope is closed: the last point is followed by the first.
+        closed: u32 = 0 => flag,
+        /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+        hidden: [u32; MAX_POINTS / 32] = [0; MAX_POINTS / 32] => hidden(points),
+        /// The points, `[x, y]`.
+        points: [[f32; 2]; MAX_POINTS] = [[0.0; 2]; MAX_POINTS] => points(points),
+        /// The rope's width at each point.
+        widths: [f32; MAX_POINTS] = [0.0; MAX_POINTS] => list(widths),
+    }
 }
 
 impl CenterlinePoints {
-    /// No points.
-    pub const EMPTY: Self = Self {
-        count: 0,
-        closed: 0,
-        hidden: [0; MAX_POINTS / 32],
-        points: [[0.0; 2]; MAX_POINTS],
-        widths: [0.0; MAX_POINTS],
-    };
-
     /// The points that are meant.
     pub fn points(&self) -> &[[f32; 2]] {
         &self.points[..(self.count as usize).min(MAX_POINTS)]
@@ -202,38 +155,33 @@ impl CenterlinePoints {
 
     /// Whether point `i` is covered by something, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
-        bit(&self.hidden, i)
+        is_hidden(&self.hidden, i)
     }
 
     /// Says of each point, in order, whether it is covered.
     pub fn set_hidden(&mut self, hidden: impl IntoIterator<Item = bool>) {
-        self.hidden = mask(hidden);
+        self.hidden = hidden::hidden(hidden);
     }
 }
 
-/// What a control loop reads: the shape of every rope in one frame.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.Descriptors.v5")
-)]
-pub struct Descriptors {
-    /// The frame's whole way.
-    pub trace: Trace,
-    /// Width of the image in pixels.
-    pub width: u32,
-    /// Height of the image in pixels.
-    pub height: u32,
-    /// How many curves are meant.
-    pub count: u32,
-    /// A [`Unit`]'s number: what the curves are measured in.
-    pub unit: u32,
-    /// The curves.
-    pub curves: [Descriptor; MAX_CURVES],
-    /// The points of each: entry `i` is of `curves[i]`.
-    pub centerlines: [CenterlinePoints; MAX_CURVES],
+message! {
+    /// What a control loop reads: the shape of every rope in one frame.
+    pub struct Descriptors = "lariat.Descriptors.v5" {
+        /// The frame's whole way.
+        trace: Trace = Trace::EMPTY => message,
+        /// Width of the image in pixels.
+        width: u32 = 0 => number,
+        /// Height of the image in pixels.
+        height: u32 = 0 => number,
+        /// How many curves are meant.
+        count: u32 = 0 => count(curves),
+        /// A [`Unit`]'s number: what the curves are measured in.
+        unit: u32 = Unit::Pixel as u32 => code(Unit),
+        /// The curves.
+        curves: [Descriptor; MAX_CURVES] = [Descriptor::EMPTY; MAX_CURVES] => messages(curves),
+        /// The points of each: entry `i` is of `curves[i]`.
+        centerlines: [CenterlinePoints; MAX_CURVES] = [CenterlinePoints::EMPTY; MAX_CURVES] => messages(centerlines),
+    }
 }
 
 impl Descriptors {
@@ -251,17 +199,6 @@ impl Descriptors {
     pub fn centerlines(&self) -> &[CenterlinePoints] {
         &self.centerlines[..(self.count as usize).min(MAX_CURVES)]
     }
-
-    /// A message without curves.
-    pub const EMPTY: Self = Self {
-        trace: Trace::EMPTY,
-        width: 0,
-        height: 0,
-        count: 0,
-        unit: Unit::Pixel as u32,
-        curves: [Descriptor::EMPTY; MAX_CURVES],
-        centerlines: [CenterlinePoints::EMPTY; MAX_CURVES],
-    };
 }
 
 #[cfg(test)]

@@ -5,33 +5,29 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::{PixelFormat, Trace};
 
-/// What stands beside the bytes of a frame.
-///
-/// It fills two cache lines and begins on one, and so do the bytes that follow it. (The transport's own way to align
-/// the bytes would align each of them, and take 64 times the memory.)
-#[repr(C)]
-#[repr(align(64))]
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "transport",
-    derive(ZeroCopySend),
-    type_name("lariat.FrameHeader.v1")
-)]
-pub struct FrameHeader {
-    /// The frame's way so far.
-    pub trace: Trace,
-    /// Pixels in a row; 0 if there is [no image](Self::is_blank).
-    pub width: u32,
-    /// Rows; 0 likewise.
-    pub height: u32,
-    /// Bytes from one row's start to the next.
-    pub stride: u32,
-    /// A [`PixelFormat`]'s number.
-    pub pixel_format: u32,
-    /// A [`SourceKind`](crate::SourceKind)'s number.
-    pub source: u32,
-    /// Always 0.
-    pub reserved: [u32; 7],
+message! {
+    /// What stands beside the bytes of a frame.
+    ///
+    /// It fills two cache lines and begins on one, and so do the bytes that follow it. (The transport's own way to align
+    /// the bytes would align each of them, and take 64 times the memory.)
+    #[repr(align(64))]
+    #[derive(Eq)]
+    pub struct FrameHeader = "lariat.FrameHeader.v1" {
+        /// The frame's way so far.
+        trace: Trace = Trace::EMPTY => message,
+        /// Pixels in a row; 0 if there is [no image](Self::is_blank).
+        width: u32 = 0 => number,
+        /// Rows; 0 likewise.
+        height: u32 = 0 => number,
+        /// Bytes from one row's start to the next.
+        stride: u32 = 0 => number,
+        /// A [`PixelFormat`]'s number.
+        pixel_format: u32 = 0 => code(PixelFormat),
+        /// A [`SourceKind`](crate::SourceKind)'s number.
+        source: u32 = 0 => code(SourceKind),
+        /// Always 0.
+        reserved: [u32; 7] = [0; 7] => reserved,
+    }
 }
 
 impl FrameHeader {

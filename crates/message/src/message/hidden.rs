@@ -2,15 +2,18 @@
 
 use crate::MAX_POINTS;
 
-/// Bit `i` of a mask of points.
-pub(super) const fn bit(mask: &[u32; MAX_POINTS / 32], i: usize) -> bool {
+/// A bit a point: bit i % 32 of word i / 32 is point i.
+pub type Hidden = [u32; MAX_POINTS / 32];
+
+/// Whether point `i` is covered.
+pub const fn is_hidden(mask: &Hidden, i: usize) -> bool {
     i < MAX_POINTS && mask[i / 32] >> (i % 32) & 1 == 1
 }
 
-/// A mask of points with these bits, in order.
-pub(super) fn mask(bits: impl IntoIterator<Item = bool>) -> [u32; MAX_POINTS / 32] {
+/// Of points in order, which are covered.
+pub fn hidden(points: impl IntoIterator<Item = bool>) -> Hidden {
     let mut mask = [0; MAX_POINTS / 32];
-    for (i, is_set) in bits.into_iter().take(MAX_POINTS).enumerate() {
+    for (i, is_set) in points.into_iter().take(MAX_POINTS).enumerate() {
         mask[i / 32] |= u32::from(is_set) << (i % 32);
     }
     mask

@@ -1,6 +1,7 @@
 //! Every message comes back to the bit, and hostile bytes are errors.
 
-use lariat_message::Unit;
+use lariat_message::fields::Type;
+use lariat_message::{CenterlinePoints, Crossing, Curve, Descriptor, Trace, Unit};
 use proptest::prelude::*;
 
 use super::*;
@@ -224,6 +225,87 @@ fn every_schema_names_the_definitions_it_needs() {
     }
 }
 
+/// Its name in a schema.
+fn type_name(of: &Type) -> String {
+    let (element, shape) = of.element();
+    let name = match (element, &shape[..]) {
+        (Type::F32, [.., 2]) => "lariat_msgs/PointF32".to_owned(),
+        (Type::F64, [.., 2]) => "lariat_msgs/PointF64".to_owned(),
+        (Type::F64, [.., 3]) => "lariat_msgs/Covariance".to_owned(),
+        (Type::Message(layout), _) => format!("lariat_msgs/{}", layout.name),
+        (Type::U32, _) => "uint32".to_owned(),
+        (Type::U64, _) => "uint64".to_owned(),
+        (Type::F32, _) => "float32".to_owned(),
+        (Type::F64, _) => "float64".to_owned(),
+        (Type::Array(..), _) => unreachable!("an element is no array"),
+    };
+    match (element, &shape[..]) {
+        (Type::F32, [_]) if name.ends_with("PointF32") => name,
+        (_, [most, ..]) => format!("{name}[<={most}]"),
+        _ => name,
+    }
+}
+
+/// What the schema of a message has to say: its codes, then its fields in the order in which they are written.
+fn definition(message: &dyn Message) -> Vec<String> {
+    let mut said = Vec::new();
+    for (field, _) in message.fields() {
+        if let Meaning::Code(codes) = field.meaning {
+            said.extend(codes.all.iter().map(|code| {
+                let mut name = String::new();
+                for (i, letter) in code.variant.char_indices() {
+                    name.extend((i > 0 && letter.is_uppercase()).then_some('_'));
+                    name.extend(letter.to_uppercase());
+                }
+                format!("uint32 {name}={}", code.number)
+            }));
+        }
+    }
+    said.sort();
+    let mut bytes = Vec::new();
+    for part in 0..PARTS {
+        for (field, value) in message.fields() {
+            let mut to = Encoder::new(&mut bytes);
+            put_field(part, field, value, &mut to);
+            if bytes.len() > 4 {
+                let of = match field.meaning {
+                    Meaning::Hidden => format!("bool[<={MAX_POINTS}]"),
+                    _ => type_name(&field.of),
+                };
+                said.push(format!("{of} {}", field.name));
+            }
+        }
+    }
+    said
+}
+
+#[test]
+fn every_schema_says_the_fields_that_are_written() {
+    macro_rules! check {
+        ($($message:ident),+) => {$({
+            let text = include_str!(concat!("../../schemas/", stringify!($message), ".msg"));
+            let said = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+            let said = said.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
+            let mut said: Vec<_> = said.filter(|line| !line.is_empty()).collect();
+            // In which order codes are said is all the same.
+            let codes = said.iter().filter(|line| line.contains('=') && !line.contains("<=")).count();
+            said[..codes].sort();
+            let expected = definition(&$message::EMPTY);
+            assert_eq!(said, expected, "{}", stringify!($message));
+        })+};
+    }
+    check!(
+        Trace,
+        FrameHeader,
+        Curve,
+        Crossing,
+        Centerlines,
+        Descriptor,
+        CenterlinePoints,
+        Descriptors
+    );
+}
+
 #[test]
 fn annotations_hold_the_control_points_from_the_pixel_s_corner() {
     let sent = descriptors(2, 4, 1);
@@ -241,7 +323,7 @@ fn annotations_hold_the_control_points_from_the_pixel_s_corner() {
         assert_eq!(from.value::<u32>(), Ok(7));
         assert!(matches!(from.value::<u8>(), Ok(1 | 3)));
         let mut points = [[0.0; 2]; 8];
-        assert_eq!(from.sequence(&mut points), Ok(4));
+        assert_eq!(from.rows(&mut points, 1), Ok(4));
         let expected = shape.control_points().iter().map(|p| p.map(|c| c + 0.5));
         assert!(expected.eq(points[..4].iter().copied()));
         from.value::<[f64; 4]>().unwrap();
