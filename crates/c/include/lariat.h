@@ -113,44 +113,44 @@
 // Words of 32 bits that have a bit for each of them.
 #define LARIAT_HIDDEN_WORDS 8
 
-// The rope is seen whole (lariat_descriptor.status).
+// Seen whole (lariat_descriptor.status).
 #define LARIAT_STATUS_OK 1
 
 // A part of it is covered.
 #define LARIAT_STATUS_PARTIAL 2
 
-// It is not seen now: the last known shape.
+// Not seen now: the curve is the last known shape.
 #define LARIAT_STATUS_LOST 3
 
-// It is seen whole, but it may be no rope: a shadow, a pen, an edge.
+// Seen whole, but it may be no rope: a shadow, a pen, an edge.
 #define LARIAT_STATUS_DOUBTFUL 4
-
-// The writer did not look whether the curve lies on its points (lariat_descriptor.fit).
-#define LARIAT_FIT_NOT_JUDGED 0
-
-// It lies on them.
-#define LARIAT_FIT_GOOD 1
-
-// It does not: the centerline's points are right, and the curve is not.
-#define LARIAT_FIT_COARSE 2
 
 // Bernstein polynomials of degree `order` (lariat_descriptor.basis).
 #define LARIAT_BASIS_BEZIER 1
 
-// A clamped B-spline of degree `order`.
+// Clamped B-spline of degree `order`; its inner knots are in the message.
 #define LARIAT_BASIS_BSPLINE 2
 
 // Rational Bernstein functions of degree `order`.
 #define LARIAT_BASIS_RATIONAL 3
 
-// A Fourier series of `order` harmonics: closed.
+// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
 #define LARIAT_BASIS_FOURIER 4
 
-// Points of the rope: no curve.
+// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
 #define LARIAT_BASIS_POINTS 5
 
-// The rope's center: no curve.
+// The mean of all points, as one control point: no curve.
 #define LARIAT_BASIS_MASS 6
+
+// The writer did not look (lariat_descriptor.fit).
+#define LARIAT_FIT_NOT_JUDGED 0
+
+// The curve lies on its points, within the tolerance that the chain was started with.
+#define LARIAT_FIT_GOOD 1
+
+// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
+#define LARIAT_FIT_COARSE 2
 
 // Pixels of the image as it is (lariat_descriptors.unit).
 #define LARIAT_UNIT_PX 1
@@ -219,15 +219,15 @@ typedef struct lariat_centerline {
   uint32_t closed;
   // Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
   uint32_t hidden[LARIAT_HIDDEN_WORDS];
-  // x, y of each.
+  // The points, `[x, y]`.
   float points[LARIAT_MAX_POINTS][2];
-  // The rope's width at each.
+  // The rope's width at each point.
   float widths[LARIAT_MAX_POINTS];
 } lariat_centerline;
 
 // One rope's shape as a few control points, in the message's unit.
 typedef struct lariat_descriptor {
-  // The rope's number, kept from frame to frame.
+  // The rope's number; it keeps it from frame to frame.
   uint32_t track;
   // A LARIAT_STATUS_…
   uint32_t status;
@@ -235,7 +235,7 @@ typedef struct lariat_descriptor {
   uint32_t basis;
   // Degree of the curve; of a Fourier series the number of its harmonics.
   uint32_t order;
-  // How many control points are meant: what lies behind them in the arrays is stale.
+  // How many control points are meant; what lies behind them in the arrays is stale.
   uint32_t count;
   // How many points of the centerline were fitted: N.
   uint32_t samples;
@@ -243,37 +243,37 @@ typedef struct lariat_descriptor {
   uint32_t closed;
   // Which ends leave the image: bit 0 the first, bit 1 the last.
   uint32_t border;
-  // Root mean square distance of the points from the curve at their rho.
+  // Root mean square distance of the points from the curve at their rho, in the message's unit.
   double rms;
   // Largest such distance.
   double max;
-  // Variance of one coordinate's residual, in the unit's square.
+  // Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N - count) for plain least squares, in the unit's square.
   double residual_variance;
   // Condition number (2-norm) of the regression.
   double condition;
-  // Arc length of the centerline.
+  // Arc length of the centerline, in the message's unit.
   double length;
-  // Median width of the rope.
+  // Median width of the rope, likewise.
   double width;
-  // How long before the image the rope was last seen: 0 unless it is lost.
+  // How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
   uint64_t age_ns;
   // How many of the points were covered by something, and so not seen.
   uint32_t hidden;
   // 1 if the control points are filtered in time, and have velocities.
   uint32_t filtered;
-  // A LARIAT_FIT_…: whether the curve lies on the centerline's points.
+  // A LARIAT_FIT_…: whether the curve lies on its points.
   uint32_t fit;
-  // 0.
+  // Always 0.
   uint32_t reserved;
-  // x, y of each; of a Fourier series the coefficients a0, a1, b1, a2, b2, ...
+  // The control points, `[x, y]` in the message's unit.
   double control_points[LARIAT_MAX_CONTROL_POINTS][2];
-  // Weights of rational curves; else 1.
+  // Their weights: rational bases only, 1 elsewhere.
   double weights[LARIAT_MAX_CONTROL_POINTS];
-  // xx, xy, yy of each control point, in the unit's square.
+  // Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
   double covariances[LARIAT_MAX_CONTROL_POINTS][3];
-  // Velocity of each control point, in units a second; 0 unless filtered.
+  // Velocity of each control point, in units a second; 0 where they are not filtered.
   double velocities[LARIAT_MAX_CONTROL_POINTS][2];
-  // A B-spline's inner knots, count - order - 1 of them.
+  // The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
   double knots[LARIAT_MAX_CONTROL_POINTS];
 } lariat_descriptor;
 
@@ -283,11 +283,11 @@ typedef struct lariat_trace {
   uint64_t sequence;
   // How many frames capture has sent, this one included.
   uint64_t captured;
-  // How many extract has sent.
+  // How many frames extract has sent, this one included.
   uint64_t extracted;
-  // How many fit has sent.
+  // How many frames fit has sent, this one included.
   uint64_t fitted;
-  // When the image was taken.
+  // When the image was taken: the driver's timestamp, or the moment a file's frame was due.
   uint64_t exposed_ns;
   // When capture had the frame ready to send.
   uint64_t captured_ns;
@@ -309,13 +309,13 @@ typedef struct lariat_descriptors {
   uint32_t width;
   // Height of the image in pixels.
   uint32_t height;
-  // How many ropes are meant. 0 is an answer: there is none.
+  // How many curves are meant. 0 is an answer: there is no rope.
   uint32_t count;
-  // A LARIAT_UNIT_…
+  // A LARIAT_UNIT_…: what the curves are measured in.
   uint32_t unit;
-  // The ropes.
+  // The curves.
   struct lariat_descriptor ropes[LARIAT_MAX_ROPES];
-  // The points of each rope.
+  // The points of each curve, in the same order.
   struct lariat_centerline centerlines[LARIAT_MAX_ROPES];
 } lariat_descriptors;
 

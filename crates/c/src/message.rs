@@ -13,34 +13,52 @@ pub const LARIAT_MAX_POINTS: usize = 256;
 /// Words of 32 bits that have a bit for each of them.
 pub const LARIAT_HIDDEN_WORDS: usize = 8;
 
-/// The rope is seen whole (lariat_descriptor.status).
+macro_rules! same_layout {
+    ($ours:ty, $theirs:ty: $($our:ident = $their:ident),+) => {
+        const _: () = {
+            assert!(size_of::<$ours>() == size_of::<$theirs>());
+            assert!(align_of::<$ours>() == align_of::<$theirs>());
+            $(assert!(offset_of!($ours, $our) == offset_of!($theirs, $their));)+
+        };
+    };
+}
+
+const _: () = assert!(
+    LARIAT_MAX_ROPES == wire::MAX_CURVES
+        && LARIAT_MAX_CONTROL_POINTS == wire::MAX_CONTROL_POINTS
+        && LARIAT_MAX_POINTS == wire::MAX_POINTS
+);
+
+// Made of the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message
+
+/// Seen whole (lariat_descriptor.status).
 pub const LARIAT_STATUS_OK: u32 = 1;
 /// A part of it is covered.
 pub const LARIAT_STATUS_PARTIAL: u32 = 2;
-/// It is not seen now: the last known shape.
+/// Not seen now: the curve is the last known shape.
 pub const LARIAT_STATUS_LOST: u32 = 3;
-/// It is seen whole, but it may be no rope: a shadow, a pen, an edge.
+/// Seen whole, but it may be no rope: a shadow, a pen, an edge.
 pub const LARIAT_STATUS_DOUBTFUL: u32 = 4;
-
-/// The writer did not look whether the curve lies on its points (lariat_descriptor.fit).
-pub const LARIAT_FIT_NOT_JUDGED: u32 = 0;
-/// It lies on them.
-pub const LARIAT_FIT_GOOD: u32 = 1;
-/// It does not: the centerline's points are right, and the curve is not.
-pub const LARIAT_FIT_COARSE: u32 = 2;
 
 /// Bernstein polynomials of degree `order` (lariat_descriptor.basis).
 pub const LARIAT_BASIS_BEZIER: u32 = 1;
-/// A clamped B-spline of degree `order`.
+/// Clamped B-spline of degree `order`; its inner knots are in the message.
 pub const LARIAT_BASIS_BSPLINE: u32 = 2;
 /// Rational Bernstein functions of degree `order`.
 pub const LARIAT_BASIS_RATIONAL: u32 = 3;
-/// A Fourier series of `order` harmonics: closed.
+/// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
 pub const LARIAT_BASIS_FOURIER: u32 = 4;
-/// Points of the rope: no curve.
+/// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
 pub const LARIAT_BASIS_POINTS: u32 = 5;
-/// The rope's center: no curve.
+/// The mean of all points, as one control point: no curve.
 pub const LARIAT_BASIS_MASS: u32 = 6;
+
+/// The writer did not look (lariat_descriptor.fit).
+pub const LARIAT_FIT_NOT_JUDGED: u32 = 0;
+/// The curve lies on its points, within the tolerance that the chain was started with.
+pub const LARIAT_FIT_GOOD: u32 = 1;
+/// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
+pub const LARIAT_FIT_COARSE: u32 = 2;
 
 /// Pixels of the image as it is (lariat_descriptors.unit).
 pub const LARIAT_UNIT_PX: u32 = 1;
@@ -57,11 +75,11 @@ pub struct lariat_trace {
     pub sequence: u64,
     /// How many frames capture has sent, this one included.
     pub captured: u64,
-    /// How many extract has sent.
+    /// How many frames extract has sent, this one included.
     pub extracted: u64,
-    /// How many fit has sent.
+    /// How many frames fit has sent, this one included.
     pub fitted: u64,
-    /// When the image was taken.
+    /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
     pub exposed_ns: u64,
     /// When capture had the frame ready to send.
     pub captured_ns: u64,
@@ -79,7 +97,7 @@ pub struct lariat_trace {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_descriptor {
-    /// The rope's number, kept from frame to frame.
+    /// The rope's number; it keeps it from frame to frame.
     pub track: u32,
     /// A LARIAT_STATUS_…
     pub status: u32,
@@ -87,7 +105,7 @@ pub struct lariat_descriptor {
     pub basis: u32,
     /// Degree of the curve; of a Fourier series the number of its harmonics.
     pub order: u32,
-    /// How many control points are meant: what lies behind them in the arrays is stale.
+    /// How many control points are meant; what lies behind them in the arrays is stale.
     pub count: u32,
     /// How many points of the centerline were fitted: N.
     pub samples: u32,
@@ -95,37 +113,37 @@ pub struct lariat_descriptor {
     pub closed: u32,
     /// Which ends leave the image: bit 0 the first, bit 1 the last.
     pub border: u32,
-    /// Root mean square distance of the points from the curve at their rho.
+    /// Root mean square distance of the points from the curve at their rho, in the message's unit.
     pub rms: f64,
     /// Largest such distance.
     pub max: f64,
-    /// Variance of one coordinate's residual, in the unit's square.
+    /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N - count) for plain least squares, in the unit's square.
     pub residual_variance: f64,
     /// Condition number (2-norm) of the regression.
     pub condition: f64,
-    /// Arc length of the centerline.
+    /// Arc length of the centerline, in the message's unit.
     pub length: f64,
-    /// Median width of the rope.
+    /// Median width of the rope, likewise.
     pub width: f64,
-    /// How long before the image the rope was last seen: 0 unless it is lost.
+    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
     pub age_ns: u64,
     /// How many of the points were covered by something, and so not seen.
     pub hidden: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,
-    /// A LARIAT_FIT_…: whether the curve lies on the centerline's points.
+    /// A LARIAT_FIT_…: whether the curve lies on its points.
     pub fit: u32,
-    /// 0.
+    /// Always 0.
     pub reserved: u32,
-    /// x, y of each; of a Fourier series the coefficients a0, a1, b1, a2, b2, ...
+    /// The control points, `[x, y]` in the message's unit.
     pub control_points: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
-    /// Weights of rational curves; else 1.
+    /// Their weights: rational bases only, 1 elsewhere.
     pub weights: [f64; LARIAT_MAX_CONTROL_POINTS],
-    /// xx, xy, yy of each control point, in the unit's square.
+    /// Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
     pub covariances: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
-    /// Velocity of each control point, in units a second; 0 unless filtered.
+    /// Velocity of each control point, in units a second; 0 where they are not filtered.
     pub velocities: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
-    /// A B-spline's inner knots, count - order - 1 of them.
+    /// The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
 }
 
@@ -139,9 +157,9 @@ pub struct lariat_centerline {
     pub closed: u32,
     /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
     pub hidden: [u32; LARIAT_HIDDEN_WORDS],
-    /// x, y of each.
+    /// The points, `[x, y]`.
     pub points: [[f32; 2]; LARIAT_MAX_POINTS],
-    /// The rope's width at each.
+    /// The rope's width at each point.
     pub widths: [f32; LARIAT_MAX_POINTS],
 }
 
@@ -155,39 +173,63 @@ pub struct lariat_descriptors {
     pub width: u32,
     /// Height of the image in pixels.
     pub height: u32,
-    /// How many ropes are meant. 0 is an answer: there is none.
+    /// How many curves are meant. 0 is an answer: there is no rope.
     pub count: u32,
-    /// A LARIAT_UNIT_…
+    /// A LARIAT_UNIT_…: what the curves are measured in.
     pub unit: u32,
-    /// The ropes.
+    /// The curves.
     pub ropes: [lariat_descriptor; LARIAT_MAX_ROPES],
-    /// The points of each rope.
+    /// The points of each curve, in the same order.
     pub centerlines: [lariat_centerline; LARIAT_MAX_ROPES],
 }
 
-macro_rules! same_layout {
-    ($ours:ty, $theirs:ty: $($our:ident = $their:ident),+) => {
-        const _: () = {
-            assert!(size_of::<$ours>() == size_of::<$theirs>());
-            assert!(align_of::<$ours>() == align_of::<$theirs>());
-            $(assert!(offset_of!($ours, $our) == offset_of!($theirs, $their));)+
-        };
-    };
-}
-same_layout!(lariat_trace, wire::Trace: sequence = sequence, captured = captured, extracted = extracted,
-    fitted = fitted, exposed_ns = exposed_ns, captured_ns = captured_ns, extract_started_ns = extract_started_ns,
-    extracted_ns = extracted_ns, fit_started_ns = fit_started_ns, fitted_ns = fitted_ns);
-same_layout!(lariat_descriptor, wire::Descriptor: track = track, status = status, basis = basis, order = order,
-    count = count, samples = samples, closed = closed, border = border, rms = rms, max = max,
-    residual_variance = residual_variance, condition = condition, length = length, width = width, age_ns = age_ns,
-    hidden = hidden, filtered = filtered, fit = fit, control_points = control_points, weights = weights,
-    covariances = covariances, velocities = velocities, knots = knots);
-same_layout!(lariat_centerline, wire::CenterlinePoints: count = count, closed = closed, hidden = hidden, points = points,
+same_layout!(lariat_trace, wire::Trace:
+    sequence = sequence,
+    captured = captured,
+    extracted = extracted,
+    fitted = fitted,
+    exposed_ns = exposed_ns,
+    captured_ns = captured_ns,
+    extract_started_ns = extract_started_ns,
+    extracted_ns = extracted_ns,
+    fit_started_ns = fit_started_ns,
+    fitted_ns = fitted_ns);
+same_layout!(lariat_descriptor, wire::Descriptor:
+    track = track,
+    status = status,
+    basis = basis,
+    order = order,
+    count = count,
+    samples = samples,
+    closed = closed,
+    border = border,
+    rms = rms,
+    max = max,
+    residual_variance = residual_variance,
+    condition = condition,
+    length = length,
+    width = width,
+    age_ns = age_ns,
+    hidden = hidden,
+    filtered = filtered,
+    fit = fit,
+    reserved = reserved,
+    control_points = control_points,
+    weights = weights,
+    covariances = covariances,
+    velocities = velocities,
+    knots = knots);
+same_layout!(lariat_centerline, wire::CenterlinePoints:
+    count = count,
+    closed = closed,
+    hidden = hidden,
+    points = points,
     widths = widths);
-same_layout!(lariat_descriptors, wire::Descriptors: trace = trace, width = width, height = height, count = count,
-    unit = unit, ropes = curves, centerlines = centerlines);
-const _: () = assert!(
-    LARIAT_MAX_ROPES == wire::MAX_CURVES
-        && LARIAT_MAX_CONTROL_POINTS == wire::MAX_CONTROL_POINTS
-        && LARIAT_MAX_POINTS == wire::MAX_POINTS
-);
+same_layout!(lariat_descriptors, wire::Descriptors:
+    trace = trace,
+    width = width,
+    height = height,
+    count = count,
+    unit = unit,
+    ropes = curves,
+    centerlines = centerlines);

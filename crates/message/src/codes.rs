@@ -199,7 +199,7 @@ codes! {
     FitQuality {
         /// The writer did not look.
         NotJudged = 0 "not judged",
-        /// It lies on them, within the tolerance that the chain was started with.
+        /// The curve lies on its points, within the tolerance that the chain was started with.
         Good = 1 "good",
         /// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
         Coarse = 2 "coarse",
@@ -213,14 +213,14 @@ codes! {
         Bezier = 1 "bezier",
         /// Clamped B-spline of degree `order`; its inner knots are in the message.
         BSpline = 2 "bspline",
-        /// Rational Bernstein functions.
+        /// Rational Bernstein functions of degree `order`.
         RationalBezier = 3 "rational",
         /// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients
         /// `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
         Fourier = 4 "fourier",
-        /// Points of the centerline at even steps of arc length, joined by straight lines.
+        /// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
         FeaturePoints = 5 "points",
-        /// The mean of all points: one control point.
+        /// The mean of all points, as one control point: no curve.
         CenterOfMass = 6 "mass",
     }
 }

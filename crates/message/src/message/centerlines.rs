@@ -115,22 +115,3 @@ impl Centerlines {
         &self.crossings[..(self.crossing_count as usize).min(MAX_CROSSINGS)]
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::mem::offset_of;
-
-    #[test]
-    fn the_layout_is_what_readers_in_other_languages_were_told() {
-        assert_eq!(size_of::<Curve>(), 72 + 256 * 8 + 256 * 4);
-        assert_eq!(offset_of!(Curve, age_ns), 32);
-        assert_eq!(offset_of!(Curve, hidden), 40);
-        assert_eq!(offset_of!(Curve, points), 72);
-        assert_eq!(offset_of!(Curve, widths_px), 72 + 256 * 8);
-        assert_eq!(size_of::<Crossing>(), 32);
-        assert_eq!(offset_of!(Centerlines, curves), 96);
-        assert_eq!(offset_of!(Centerlines, crossings), 96 + 8 * 3144);
-        assert_eq!(size_of::<Centerlines>(), 96 + 8 * 3144 + 32 * 32);
-    }
-}

@@ -36,16 +36,6 @@ impl Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::mem::offset_of;
-
-    #[test]
-    fn the_layout_is_what_controllers_in_other_languages_were_told() {
-        assert_eq!(offset_of!(Command, sent_ns), 8);
-        assert_eq!(offset_of!(Command, exposed_ns), 16);
-        assert_eq!(offset_of!(Command, grippers), 24);
-        assert_eq!(offset_of!(Command, velocities), 32);
-        assert_eq!(size_of::<Command>(), 80);
-    }
 
     #[test]
     fn a_command_that_lies_about_its_grippers_has_no_more_than_there_are() {

@@ -33,13 +33,3 @@ message! {
         fitted_ns: u64 = 0 => number,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_layout_is_what_readers_in_other_languages_were_told() {
-        assert_eq!(size_of::<Trace>(), 80);
-    }
-}

@@ -1,0 +1,152 @@
+//! The messages as C has them: `lariat.h` is made of these structs.
+
+use std::fmt::Write;
+
+use lariat_message::fields::{Field, Layout, Meaning, Type};
+use lariat_message::{CenterlinePoints, Descriptor, Descriptors, Trace};
+
+use crate::{hold, plain};
+
+/// What C calls a message, and what it is for.
+const STRUCTS: [(&Layout, &str, &str); 4] = [
+    (
+        &Trace::LAYOUT,
+        "lariat_trace",
+        "The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.",
+    ),
+    (
+        &Descriptor::LAYOUT,
+        "lariat_descriptor",
+        "One rope's shape as a few control points, in the message's unit.",
+    ),
+    (
+        &CenterlinePoints::LAYOUT,
+        "lariat_centerline",
+        "The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.",
+    ),
+    (
+        &Descriptors::LAYOUT,
+        "lariat_descriptors",
+        "What the chain says of one frame.",
+    ),
+];
+
+#[test]
+fn c_has_every_field_and_every_code() {
+    hold("crates/c/src/message.rs", |committed| {
+        let (before, _) = committed.split_once("// Made of").expect("where it begins");
+        let mut text = before.to_owned();
+        text += "// Made of the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message\n";
+        for (layout, name, _) in STRUCTS {
+            layout
+                .fields
+                .iter()
+                .for_each(|field| constants(name, field, &mut text));
+        }
+        for (layout, name, about) in STRUCTS {
+            let _ = write!(
+                text,
+                "\n/// {about}\n#[repr(C)]\n#[derive(Debug, Clone, Copy)]\npub struct {name} {{\n"
+            );
+            for field in layout.fields {
+                let _ = writeln!(text, "    /// {}", comment(field));
+                let _ = writeln!(
+                    text,
+                    "    pub {}: {},",
+                    field_name(field),
+                    of(&field.of, field.name)
+                );
+            }
+            text += "}\n";
+        }
+        for (layout, name, _) in STRUCTS {
+            let _ = write!(text, "\nsame_layout!({name}, wire::{}:", layout.name);
+            for field in layout.fields {
+                let _ = write!(text, "\n    {} = {},", field_name(field), field.name);
+            }
+            text.pop();
+            text += ");";
+        }
+        text + "\n"
+    });
+}
+
+/// What a field's numbers stand for.
+fn constants(of: &str, field: &Field, text: &mut String) {
+    let Meaning::Code(codes) = field.meaning else {
+        return;
+    };
+    let field = field.name;
+    text.push('\n');
+    for (i, code) in codes.all.iter().enumerate() {
+        let about = ascii(code.about);
+        let about = match i {
+            0 => format!("{} ({of}.{field}).", about.trim_end_matches('.')),
+            _ => about,
+        };
+        let name = code.name.replace(' ', "_").to_uppercase();
+        let field = field.to_uppercase();
+        let _ = writeln!(
+            text,
+            "/// {about}\npub const LARIAT_{field}_{name}: u32 = {};",
+            code.number
+        );
+    }
+}
+
+fn comment(field: &Field) -> String {
+    let about = ascii(field.about);
+    match (&field.meaning, about.split_once("'s number")) {
+        (Meaning::Code(_), Some((_, rest))) => {
+            let rest = rest
+                .strip_suffix('.')
+                .filter(|rest| rest.is_empty())
+                .unwrap_or(rest);
+            format!("A LARIAT_{}_…{rest}", field.name.to_uppercase())
+        }
+        _ => about,
+    }
+}
+
+/// Without signs that a C header need not have.
+fn ascii(about: &str) -> String {
+    plain(about)
+        .replace("πρ", "π·ρ")
+        .replace('ρ', "rho")
+        .replace('−', "-")
+}
+
+fn field_name(field: &Field) -> &'static str {
+    match field.name {
+        // C says what they are.
+        "curves" => "ropes",
+        name => name,
+    }
+}
+
+fn of(of: &Type, field: &str) -> String {
+    match of {
+        Type::U32 => "u32".to_owned(),
+        Type::U64 => "u64".to_owned(),
+        Type::F32 => "f32".to_owned(),
+        Type::F64 => "f64".to_owned(),
+        Type::Message(layout) => {
+            let found = STRUCTS.iter().find(|(known, ..)| known.name == layout.name);
+            found.expect("C has it").1.to_owned()
+        }
+        Type::Array(inner, count) => {
+            format!("[{}; {}]", self::of(inner, field), length(*count, field))
+        }
+    }
+}
+
+/// A length that has a name in C goes by it.
+fn length(count: usize, field: &str) -> String {
+    match (count, field) {
+        (8, "hidden") => "LARIAT_HIDDEN_WORDS".to_owned(),
+        (8, _) => "LARIAT_MAX_ROPES".to_owned(),
+        (32, _) => "LARIAT_MAX_CONTROL_POINTS".to_owned(),
+        (256, _) => "LARIAT_MAX_POINTS".to_owned(),
+        _ => count.to_string(),
+    }
+}

@@ -1,0 +1,136 @@
+//! The tables of ARCHITECTURE.md.
+
+use std::fmt::Write;
+
+use lariat_message::fields::{Codes, Field, Layout, Meaning, Type};
+use lariat_message::{
+    Basis, CenterlinePoints, Centerlines, Command, Crossing, Curve, Descriptor, Descriptors,
+    FitQuality, FrameHeader, PixelFormat, SourceKind, Status, Trace, Unit,
+};
+
+use crate::{hold, plain};
+
+const MESSAGES: [&Layout; 9] = [
+    &Trace::LAYOUT,
+    &FrameHeader::LAYOUT,
+    &Curve::LAYOUT,
+    &Crossing::LAYOUT,
+    &Centerlines::LAYOUT,
+    &Descriptor::LAYOUT,
+    &CenterlinePoints::LAYOUT,
+    &Descriptors::LAYOUT,
+    &Command::LAYOUT,
+];
+const CODES: [&Codes; 6] = [
+    &PixelFormat::CODES,
+    &SourceKind::CODES,
+    &Status::CODES,
+    &FitQuality::CODES,
+    &Basis::CODES,
+    &Unit::CODES,
+];
+
+#[test]
+fn the_architecture_has_every_field_and_every_code() {
+    hold("ARCHITECTURE.md", |committed| {
+        let mut text = committed.to_owned();
+        for layout in MESSAGES {
+            let head = format!("**`{}`**", layout.name);
+            text = with_table(&text, &head, "| offset |", &fields(layout));
+            text = with_version(&text, layout);
+            let said = text
+                .split(&head)
+                .nth(1)
+                .and_then(|after| after.split("bytes").next());
+            let digits = said.map(|said| {
+                said.chars()
+                    .filter(char::is_ascii_digit)
+                    .collect::<String>()
+            });
+            // The version stands before the size.
+            let size = layout.size.to_string();
+            assert!(
+                digits.is_some_and(|digits| digits.ends_with(&size)),
+                "{head} has {size} bytes"
+            );
+        }
+        with_table(&text, "**Codes**", "| field |", &codes())
+    });
+}
+
+/// The text with a message's own version wherever its type is named.
+fn with_version(text: &str, layout: &Layout) -> String {
+    let unversioned = layout
+        .type_name
+        .trim_end_matches(|c: char| c.is_ascii_digit());
+    let mut parts = text.split(unversioned);
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        whole += layout.type_name;
+        whole += part.trim_start_matches(|c: char| c.is_ascii_digit());
+    }
+    whole
+}
+
+/// The text with this table behind a heading.
+fn with_table(text: &str, head: &str, begins: &str, table: &str) -> String {
+    let at = text
+        .find(head)
+        .unwrap_or_else(|| panic!("{head} is described"));
+    let from = at + text[at..].find(begins).expect("a table");
+    let length = text[from..].find("\n\n").expect("more behind it") + 1;
+    format!("{}{table}{}", &text[..from], &text[from + length..])
+}
+
+fn fields(layout: &Layout) -> String {
+    let mut table = "| offset | field | type | |\n|---:|---|---|---|\n".to_owned();
+    for field in layout.fields {
+        let Field { name, offset, .. } = field;
+        let _ = writeln!(
+            table,
+            "| {offset} | `{name}` | {} | {} |",
+            of(&field.of),
+            cell(field.about)
+        );
+    }
+    table
+}
+
+fn of(of: &Type) -> String {
+    match of {
+        Type::U32 => "u32".to_owned(),
+        Type::U64 => "u64".to_owned(),
+        Type::F32 => "f32".to_owned(),
+        Type::F64 => "f64".to_owned(),
+        Type::Message(layout) => layout.name.to_owned(),
+        Type::Array(inner, count) => format!("[{}; {count}]", self::of(inner)),
+    }
+}
+
+fn codes() -> String {
+    let mut table = "| field | | name | |\n|---|---:|---|---|\n".to_owned();
+    for codes in CODES {
+        let is_of =
+            |field: &&Field| matches!(field.meaning, Meaning::Code(of) if of.name == codes.name);
+        let field = MESSAGES
+            .iter()
+            .find_map(|layout| layout.fields.iter().find(is_of));
+        let field = field.expect("a field has it").name;
+        for code in codes.all {
+            let _ = writeln!(
+                table,
+                "| `{field}` | {} | {} | {} |",
+                code.number,
+                code.name,
+                cell(code.about)
+            );
+        }
+    }
+    table
+}
+
+/// As a table has it: no sentence, if it is one.
+fn cell(about: &str) -> String {
+    let text = plain(about);
+    text.strip_suffix('.').map_or(text.clone(), str::to_owned)
+}
