@@ -33,15 +33,20 @@ impl Spread {
     }
 }
 
-/// Between the two nearest, by the rule of most programs (Hyndman and Fan's seventh).
-fn quantile(sorted: &[f64], share: f64) -> f64 {
+/// The `share` quantile of sorted numbers, which may be infinite: between the two nearest, by the rule of most programs (Hyndman and
+/// Fan's seventh). NaN of none.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
     };
     let place = share * last as f64;
     let below = (place as usize).min(last);
     let above = (below + 1).min(last);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+    let part = place - below as f64;
+    if part == 0.0 || sorted[below] == sorted[above] {
+        return sorted[below];
+    }
+    sorted[below] + part * (sorted[above] - sorted[below])
 }
 
 /// The mean; NaN of no numbers.
@@ -71,5 +76,10 @@ mod tests {
         assert!((spread.p5 - 0.2).abs() < 1e-12 && (spread.p95 - 3.8).abs() < 1e-12);
         assert_eq!(median([5.0]), 5.0);
         assert!(median([]).is_nan());
+        let late = [1.0, 2.0, f64::INFINITY, f64::INFINITY];
+        assert_eq!(
+            [0.0, 0.5, 0.9].map(|share| quantile(&late, share)),
+            [1.0, f64::INFINITY, f64::INFINITY]
+        );
     }
 }

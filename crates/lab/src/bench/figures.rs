@@ -1,5 +1,6 @@
 //! What was measured: for each thing its figures, round by round, and all its durations in one heap.
 
+use lariat_plot::spread::quantile;
 use lariat_sink::Times;
 
 /// The kinds of things that are measured.
@@ -81,11 +82,7 @@ impl Figure {
     pub(super) fn median(&self) -> f64 {
         let mut sorted = self.rounds.clone();
         sorted.sort_by(f64::total_cmp);
-        match sorted.len() {
-            0 => f64::NAN,
-            n if n % 2 == 1 => sorted[n / 2],
-            n => f64::midpoint(sorted[n / 2 - 1], sorted[n / 2]),
-        }
+        quantile(&sorted, 0.5)
     }
 
     /// The least and the greatest round.

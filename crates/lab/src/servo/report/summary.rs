@@ -1,5 +1,7 @@
 //! A row's outcomes as the few numbers that the table shows.
 
+use lariat_plot::spread::quantile;
+
 use super::Row;
 use crate::servo::judge::REACHED_PX;
 
@@ -36,21 +38,6 @@ impl Quantiles {
             worst: quantile(&sorted, 1.0),
         }
     }
-}
-
-/// Between the two nearest (Hyndman and Fan's seventh), as far as these are finite.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return f64::NAN;
-    };
-    let place = share * last as f64;
-    let below = (place as usize).min(last);
-    let above = (below + 1).min(last);
-    let part = place - below as f64;
-    if part == 0.0 || sorted[below] == sorted[above] {
-        return sorted[below];
-    }
-    sorted[below] + part * (sorted[above] - sorted[below])
 }
 
 impl Summary {

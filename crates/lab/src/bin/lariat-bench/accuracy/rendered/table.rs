@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use lariat_drawn::scenes::{Class, Score};
+use lariat_lab::Samples;
 
 use super::Measured;
 
@@ -43,12 +44,9 @@ pub(super) fn head() -> String {
     )
 }
 
-/// The value that a share of the values is not above; 0 of none.
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let rank = (share * values.len() as f64).ceil() as usize;
-    values.get(rank.max(1) - 1).copied().unwrap_or(0.0)
+/// The value that 95 % of the values are not above; 0 of none.
+fn p95(values: impl Iterator<Item = f64>) -> f64 {
+    Samples::from_iter(values).percentile(0.95)
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -83,9 +81,9 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
             .flat_map(move |score| pick(score).iter().copied());
         values.collect::<Vec<f64>>()
     };
-    let correspondence_px = quantile(all(|s| &s.correspondences_px).into_iter(), 0.95);
+    let correspondence_px = p95(all(|s| &s.correspondences_px).into_iter());
     let ends = all(|s| &s.ends_px);
-    let ends_px = quantile(ends.iter().copied(), 0.95);
+    let ends_px = p95(ends.iter().copied());
     let worst_end_px = ends.iter().copied().fold(0.0, f64::max);
     let width_px = mean(all(|s| &s.width_errors_px).into_iter().map(f64::abs));
     let (mut connected, mut of) = share(&scores, |c| c.connected);
@@ -205,7 +203,7 @@ pub(super) fn csv(measured: &[Measured]) -> String {
             score.curves,
             score.misclosed,
             score.mean_px(),
-            quantile(off(), 0.95),
+            p95(off()),
             off().fold(0.0, f64::max),
             score.ends_px.iter().copied().fold(0.0, f64::max),
             mean(score.width_errors_px.iter().copied()),
