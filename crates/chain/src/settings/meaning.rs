@@ -395,27 +395,11 @@ pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<
                 given.len() >= 3 && (name.starts_with(&given) || given.starts_with(name));
             let distance = match begins_alike {
                 true => 0,
-                false => edits(&given, &name.to_lowercase()),
+                false => strsim::levenshtein(&given, &name.to_lowercase()),
             };
             (distance, name)
         })
         .filter(|(distance, name)| *distance <= 2 && *distance < name.len() - 1)
         .min()
         .map(|(_, name)| name)
-}
-
-/// How many letters must be changed, added or left out to make one word of the other (Levenshtein).
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
