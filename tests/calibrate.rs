@@ -29,25 +29,24 @@ const YAML: &str = "image_width: 480\nimage_height: 360\nK: [500, 0, 240, 0, 500
 /// Of a picture of 480×360 pixels, in which a pixel is half a millimetre.
 const POINTS: &str = "40,40=20,20 440,40=220,20 440,320=220,160 40,320=20,160";
 
+/// Makes `plane.toml` there, and returns what is said of it.
+fn made_plane(folder: &Path, of: &[&str]) -> String {
+    let made = lariat(folder)
+        .args(["calibrate", "plane"])
+        .args(of)
+        .args(["--points", POINTS, "--out", "plane.toml"])
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{}", text(&made.stderr));
+    text(&made.stdout)
+}
+
 #[test]
 fn four_points_make_a_plane_and_a_trace_in_millimetres() {
     let folder = tempfile::tempdir().unwrap();
     let image = picture();
     let image = image.to_str().unwrap();
-    let made = lariat(folder.path())
-        .args([
-            "calibrate",
-            "plane",
-            image,
-            "--points",
-            POINTS,
-            "--out",
-            "plane.toml",
-        ])
-        .output()
-        .unwrap();
-    assert!(made.status.success(), "{}", text(&made.stderr));
-    let table = text(&made.stdout);
+    let table = made_plane(folder.path(), &[image]);
     assert!(
         table.contains("mm per pixel: 0.500 at the middle, 0.500 top left"),
         "{table}"
@@ -123,20 +122,7 @@ fn what_is_wrong_is_said_before_anything_starts() {
         "homography = [[1, 0, 0], [0, 1, 0]]",
     )
     .unwrap();
-    let made = lariat(here)
-        .args([
-            "calibrate",
-            "plane",
-            "--calibration",
-            "camera.yaml",
-            "--points",
-            POINTS,
-            "--out",
-            "plane.toml",
-        ])
-        .output()
-        .unwrap();
-    assert!(made.status.success(), "{}", text(&made.stderr));
+    made_plane(here, &["--calibration", "camera.yaml"]);
     for (arguments, words) in [
         (&["--unit", "mm"][..], "needs the plane"),
         (

@@ -162,15 +162,6 @@ mod tests {
     use crate::image::color;
     use proptest::prelude::*;
 
-    const FORMATS: [PixelFormat; 6] = [
-        PixelFormat::Gray8,
-        PixelFormat::Rgb8,
-        PixelFormat::Bgr8,
-        PixelFormat::Yuyv,
-        PixelFormat::Uyvy,
-        PixelFormat::Nv12,
-    ];
-
     /// What a stretch reads, and the sum of a part of it.
     type Found = (Vec<u8>, u64, u32);
 
@@ -193,7 +184,7 @@ mod tests {
         #[test]
         fn stretches_read_as_the_plain_loops_say(
             bytes in prop::collection::vec(any::<u8>(), 20_000),
-            format in prop::sample::select(&FORMATS[..]),
+            format in prop::sample::select(&PixelFormat::DIRECT[..]),
             size in (17..80usize, 17..80usize), padding in 0..9usize,
             axis in 0..2usize, blocks in 1..=4usize, place in (any::<u16>(), any::<u16>()),
             tables: [[u8; 3]; 4], cut in 1..=255u8, part in (0..=16u32, 0..=16u32),

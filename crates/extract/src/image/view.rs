@@ -39,6 +39,17 @@ pub enum PixelFormat {
 }
 
 impl PixelFormat {
+    /// Those that are read as they are.
+    #[cfg(test)]
+    pub(crate) const DIRECT: [Self; 6] = [
+        Self::Gray8,
+        Self::Rgb8,
+        Self::Bgr8,
+        Self::Yuyv,
+        Self::Uyvy,
+        Self::Nv12,
+    ];
+
     /// Bytes that hold one row of `width` pixels (of the first plane).
     pub fn row_bytes(self, width: usize) -> usize {
         match self {

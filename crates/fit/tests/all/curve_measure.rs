@@ -2,10 +2,10 @@
 
 use crate::any_curve;
 
-use any_curve::{any_curve, apart};
+use any_curve::{any_curve, apart, circle, quarter_circle};
 use lariat_fit::{Basis, Curve, OwnedCurve};
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The nearest of many points.
 fn brute(curve: &Curve, point: [f64; 2]) -> f64 {
@@ -198,27 +198,9 @@ fn a_search_that_begins_on_a_hill_comes_down() {
     }
 }
 
-fn rational_arc() -> OwnedCurve {
-    OwnedCurve {
-        basis: Basis::RationalBezier { order: 2 },
-        control_points: vec![[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]],
-        weights: vec![1.0, FRAC_1_SQRT_2, 1.0],
-        knots: vec![],
-    }
-}
-
-fn circle() -> OwnedCurve {
-    OwnedCurve {
-        basis: Basis::Fourier { harmonics: 1 },
-        control_points: vec![[300.0, 200.0], [50.0, 0.0], [0.0, 50.0]],
-        weights: vec![],
-        knots: vec![],
-    }
-}
-
 #[test]
 fn known_curves_have_their_known_lengths() {
-    let (arc, circle) = (rational_arc(), circle());
+    let (arc, circle) = (quarter_circle(), circle());
     let arc = arc.as_curve().unwrap();
     assert!((arc.length() / (50.0 * FRAC_PI_2) - 1.0).abs() < 1e-14);
     assert!((arc.length_to(0.5) / (25.0 * FRAC_PI_2) - 1.0).abs() < 1e-14);
@@ -279,7 +261,7 @@ fn in_space_all_is_as_in_the_plane() {
 /// Every point of it is as near: any will do, but it has to end.
 #[test]
 fn the_middle_of_a_circle_is_its_radius_away() {
-    let (arc, circle) = (rational_arc(), circle());
+    let (arc, circle) = (quarter_circle(), circle());
     let found = circle.as_curve().unwrap().nearest([300.0, 200.0]);
     assert!((found.distance - 50.0).abs() < 1e-12);
     let found = arc.as_curve().unwrap().nearest([0.0, 0.0]);

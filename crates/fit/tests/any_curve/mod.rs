@@ -2,6 +2,7 @@
 
 use lariat_fit::{Basis, Knots, OwnedCurve};
 use proptest::prelude::*;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 fn sizes(most: usize) -> impl Strategy<Value = Basis> {
     let spline = (1usize..=5).prop_flat_map(move |degree| {
@@ -45,4 +46,23 @@ pub(crate) fn any_curve(most: usize) -> impl Strategy<Value = OwnedCurve> {
 
 pub(crate) fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Weights 1, √½, 1 make a parabola's control points those of a circle (Piegl and Tiller, section 7.2).
+pub(crate) fn quarter_circle() -> OwnedCurve {
+    OwnedCurve {
+        basis: Basis::RationalBezier { order: 2 },
+        control_points: vec![[50.0, 0.0], [50.0, 50.0], [0.0, 50.0]],
+        weights: vec![1.0, FRAC_1_SQRT_2, 1.0],
+        knots: vec![],
+    }
+}
+
+pub(crate) fn circle() -> OwnedCurve {
+    OwnedCurve {
+        basis: Basis::Fourier { harmonics: 1 },
+        control_points: vec![[300.0, 200.0], [50.0, 0.0], [0.0, 50.0]],
+        weights: vec![],
+        knots: vec![],
+    }
 }
