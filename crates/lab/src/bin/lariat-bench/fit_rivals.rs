@@ -1,7 +1,6 @@
 //! `lariat-bench fit-rivals`: the curve of order 8 through 120 points by NumPy, SciPy and geomdl, and by lariat, on one
 //! thread, in turns, in one table.
 
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -11,7 +10,7 @@ use lariat_fit::{Basis, Fitter, Knots, Options, Rho, Solver, Weights};
 use lariat_lab::{Samples, Table, micros, multiple};
 use serde::Deserialize;
 
-use crate::python;
+use crate::python::Said;
 
 /// Fits between two looks at the clock.
 const BATCH: usize = 1000;
@@ -28,16 +27,9 @@ pub(crate) struct Args {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
-enum Line {
-    Missing {
-        missing: String,
-    },
-    Measured {
-        name: String,
-        median_ns: f64,
-        versions: BTreeMap<String, String>,
-    },
+struct Measured {
+    name: String,
+    median_ns: f64,
 }
 
 /// What the rivals said, over all passes.
@@ -45,8 +37,7 @@ enum Line {
 struct Theirs {
     /// In the order in which they came.
     ns: Vec<(String, Samples)>,
-    versions: BTreeMap<String, String>,
-    missing: Vec<String>,
+    said: Said,
 }
 
 /// Measures and prints the table.
@@ -107,17 +98,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         table.push([name.clone(), micros(ns), alone, pinv]);
     }
     print!("{table}");
-    for missing in &theirs.missing {
-        println!(
-            "! `{0}` has no {missing}: install it by `{0} -m pip install -r crates/lab/rivals/requirements.txt`",
-            args.python.display()
-        );
-    }
-    let versions = theirs
-        .versions
-        .iter()
-        .map(|(name, version)| format!("{name} {version}"));
-    println!("{}", versions.collect::<Vec<_>>().join(", "));
+    theirs.said.print(&args.python);
     Ok(())
 }
 
@@ -204,25 +185,11 @@ fn rope() -> Vec<[f64; 2]> {
 
 impl Theirs {
     fn measure(&mut self, python: &Path, points: &[[f64; 2]]) -> Result<()> {
-        for line in python::ask(python, "fit.py", &points)? {
-            match line {
-                Line::Missing { missing } if self.missing.contains(&missing) => {}
-                Line::Missing { missing } => self.missing.push(missing),
-                Line::Measured {
-                    name,
-                    median_ns,
-                    versions,
-                } => {
-                    self.versions.extend(versions);
-                    match self.ns.iter_mut().find(|(known, _)| *known == name) {
-                        Some((_, samples)) => samples.push(median_ns),
-                        None => {
-                            let mut samples = Samples::default();
-                            samples.push(median_ns);
-                            self.ns.push((name, samples));
-                        }
-                    }
-                }
+        for line in self.said.ask(python, "fit.py", &points)? {
+            let Measured { name, median_ns } = line;
+            match self.ns.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, samples)) => samples.push(median_ns),
+                None => self.ns.push((name, Samples::from_iter([median_ns]))),
             }
         }
         Ok(())

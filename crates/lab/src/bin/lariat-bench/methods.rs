@@ -1,7 +1,6 @@
 //! `lariat-bench methods`: 120 centers in the mask of a rope by the paper's four clusterings, lariat's and the libraries'
 //! (scikit-learn, MiniSom, scikit-fuzzy), on one thread, in turns, from the same start, in one table.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -14,7 +13,7 @@ use lariat_extract::{
 use lariat_lab::{Samples, Table, millis, rendered, times};
 use serde::{Deserialize, Serialize};
 
-use crate::python;
+use crate::python::Said;
 
 /// Centers, as the paper has points.
 const CENTERS: usize = 120;
@@ -122,19 +121,13 @@ struct Asked<'a> {
     centers: &'a [[f32; 2]],
 }
 
+/// What the script says of a run.
 #[derive(Deserialize)]
-#[serde(untagged)]
-enum Line {
-    Missing {
-        missing: String,
-    },
-    Measured {
-        run: usize,
-        ns: f64,
-        rounds: u32,
-        objective: f64,
-        versions: BTreeMap<String, String>,
-    },
+struct Answer {
+    run: usize,
+    ns: f64,
+    rounds: u32,
+    objective: f64,
 }
 
 /// A method, what it did from k-means++ and from the last frame's centers, and what its rival did from there.
@@ -170,7 +163,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         for row in &mut rows {
             row.measure(&masks, args.seed);
         }
-        said.ask(args, &masks, &start, pass, &mut rows)?;
+        ask(&mut said, args, &masks, &start, pass, &mut rows)?;
     }
     print!("{}", table(&rows));
     let pixels = masks.each_ref().map(Pixels::len);
@@ -185,17 +178,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             .collect::<Vec<_>>()
             .join("; ")
     );
-    for missing in &said.missing {
-        println!(
-            "! `{0}` has no {missing}: install it by `{0} -m pip install -r crates/lab/rivals/requirements.txt`",
-            args.python.display()
-        );
-    }
-    let versions = said.versions.iter();
-    let versions: Vec<_> = versions
-        .map(|(name, version)| format!("{name} {version}"))
-        .collect();
-    println!("{}", versions.join(", "));
+    said.print(&args.python);
     Ok(())
 }
 
@@ -244,71 +227,54 @@ impl Row {
     }
 }
 
-/// What the script said besides its measurements.
-#[derive(Default)]
-struct Said {
-    versions: BTreeMap<String, String>,
-    missing: Vec<String>,
-}
-
-impl Said {
-    /// The rivals' turn.
-    fn ask(
-        &mut self,
-        args: &Args,
-        masks: &[Pixels; 2],
-        start: &[[f32; 2]],
-        pass: usize,
-        rows: &mut [Row],
-    ) -> Result<()> {
-        let of_pass = |row: &&mut Row| pass == 0 || row.method.rival != Rival::Once;
-        // Which row and which of its starts each of the runs is.
-        let mut asked = Vec::new();
-        let mut runs = Vec::new();
-        let mut rows: Vec<_> = rows.iter_mut().filter(of_pass).collect();
-        for (index, row) in rows.iter().enumerate() {
-            for mask in 0..if row.method.rival == Rival::Both {
-                2
-            } else {
-                1
-            } {
-                asked.push((index, mask));
-                runs.push(Asked {
-                    method: row.method.name,
-                    mask,
-                    centers: if mask == 0 { start } else { &row.centers },
-                });
-            }
+/// The rivals' turn.
+fn ask(
+    said: &mut Said,
+    args: &Args,
+    masks: &[Pixels; 2],
+    start: &[[f32; 2]],
+    pass: usize,
+    rows: &mut [Row],
+) -> Result<()> {
+    let of_pass = |row: &&mut Row| pass == 0 || row.method.rival != Rival::Once;
+    // Which row and which of its starts each of the runs is.
+    let mut asked = Vec::new();
+    let mut runs = Vec::new();
+    let mut rows: Vec<_> = rows.iter_mut().filter(of_pass).collect();
+    for (index, row) in rows.iter().enumerate() {
+        for mask in 0..if row.method.rival == Rival::Both {
+            2
+        } else {
+            1
+        } {
+            asked.push((index, mask));
+            runs.push(Asked {
+                method: row.method.name,
+                mask,
+                centers: if mask == 0 { start } else { &row.centers },
+            });
         }
-        let places = |pixels: &Pixels| {
-            let places = pixels.xs().iter().zip(pixels.ys());
-            places.map(|(&x, &y)| [x, y]).collect()
-        };
-        let masks = masks.each_ref().map(places);
-        let seed = args.seed;
-        for line in python::ask(&args.python, "methods.py", &Request { masks, seed, runs })? {
-            match line {
-                Line::Missing { missing } if self.missing.contains(&missing) => {}
-                Line::Missing { missing } => self.missing.push(missing),
-                Line::Measured {
-                    run,
-                    ns,
-                    rounds,
-                    objective,
-                    versions,
-                } => {
-                    let (row, start) = *asked
-                        .get(run)
-                        .with_context(|| format!("methods.py was not asked for a run {run}"))?;
-                    let theirs = &mut rows[row].theirs[start];
-                    theirs.ns.push(ns);
-                    theirs.last = Some(Ended { rounds, objective });
-                    self.versions.extend(versions);
-                }
-            }
-        }
-        Ok(())
     }
+    let places = |pixels: &Pixels| {
+        let places = pixels.xs().iter().zip(pixels.ys());
+        places.map(|(&x, &y)| [x, y]).collect()
+    };
+    let masks = masks.each_ref().map(places);
+    let seed = args.seed;
+    let request = Request { masks, seed, runs };
+    for answer in said.ask::<Answer>(&args.python, "methods.py", &request)? {
+        let run = answer.run;
+        let (row, start) = *asked
+            .get(run)
+            .with_context(|| format!("methods.py was not asked for a run {run}"))?;
+        let theirs = &mut rows[row].theirs[start];
+        theirs.ns.push(answer.ns);
+        theirs.last = Some(Ended {
+            rounds: answer.rounds,
+            objective: answer.objective,
+        });
+    }
+    Ok(())
 }
 
 fn table(rows: &[Row]) -> Table {

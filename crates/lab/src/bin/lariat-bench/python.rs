@@ -1,11 +1,74 @@
 //! A script of `rivals/`, run to its end on a file of JSON that says what is asked; its lines, each of them JSON, read.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+/// A line that a script prints.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Line<Measured> {
+    Missing {
+        missing: String,
+    },
+    Measured {
+        #[serde(flatten)]
+        measured: Measured,
+        versions: BTreeMap<String, String>,
+    },
+}
+
+/// What scripts say besides what they measure.
+#[derive(Default)]
+pub(crate) struct Said {
+    versions: BTreeMap<String, String>,
+    missing: Vec<String>,
+}
+
+impl Said {
+    /// Runs the script, and returns what it measured.
+    ///
+    /// # Errors
+    /// The request cannot be written, there is no such Python, or the script goes wrong.
+    pub(crate) fn ask<Measured: DeserializeOwned>(
+        &mut self,
+        python: &Path,
+        script: &str,
+        request: &impl Serialize,
+    ) -> Result<Vec<Measured>> {
+        let mut all = Vec::new();
+        for line in ask(python, script, request)? {
+            match line {
+                Line::Missing { missing } if self.missing.contains(&missing) => {}
+                Line::Missing { missing } => self.missing.push(missing),
+                Line::Measured { measured, versions } => {
+                    self.versions.extend(versions);
+                    all.push(measured);
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// Prints what this Python lacks, and the versions of what it has.
+    pub(crate) fn print(&self, python: &Path) {
+        for missing in &self.missing {
+            println!(
+                "! `{0}` has no {missing}: install it by `{0} -m pip install -r crates/lab/rivals/requirements.txt`",
+                python.display()
+            );
+        }
+        let versions = self.versions.iter();
+        let versions: Vec<_> = versions
+            .map(|(name, version)| format!("{name} {version}"))
+            .collect();
+        println!("{}", versions.join(", "));
+    }
+}
 
 /// What the script prints.
 ///
