@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const PRIORITY: u8 = 50;
 
 /// A program that ends with the value.
-pub(super) struct Guarded {
+pub(crate) struct Guarded {
     child: Child,
     gone: OwnedFd,
     ended: Option<ExitStatus>,
@@ -31,7 +31,7 @@ pub(super) struct Guarded {
 
 impl Guarded {
     /// Starts a program in a process group of its own: a Ctrl-C is the bench's to deal with.
-    pub(super) fn start(command: &mut Command) -> Result<Self> {
+    pub(crate) fn start(command: &mut Command) -> Result<Self> {
         let mut child = command
             .process_group(0)
             .spawn()
@@ -94,22 +94,33 @@ impl Guarded {
         }
         // What happened is asked for below, and by the caller.
         let _ = poll(&mut polled, Timespec::try_from(left).ok().as_ref());
+        self.ended();
+        true
+    }
+
+    /// How it has ended, if it has.
+    pub(crate) fn ended(&mut self) -> Option<ExitStatus> {
         if let Ok(Some(status)) = self.child.try_wait() {
             self.ended = Some(status);
         }
-        true
+        self.ended
+    }
+
+    /// Asks it to end, and ends it if it has not within `patience`.
+    pub(crate) fn end(&mut self, patience: Duration) {
+        self.ask_to_end();
+        let deadline = Instant::now() + patience;
+        while self.ended.is_none() && self.wait_for_an_event(deadline, None) {}
+        if self.ended.is_none() {
+            let _ = self.child.kill();
+            self.ended = self.child.wait().ok();
+        }
     }
 }
 
 impl Drop for Guarded {
     fn drop(&mut self) {
-        self.ask_to_end();
-        let deadline = Instant::now() + PATIENCE;
-        while self.ended.is_none() && self.wait_for_an_event(deadline, None) {}
-        if self.ended.is_none() {
-            let _ = self.child.kill();
-            let _ = self.child.wait();
-        }
+        self.end(PATIENCE);
     }
 }
 

@@ -44,7 +44,7 @@ mod chain;
 mod choice;
 mod figures;
 mod floors;
-mod guard;
+pub(crate) mod guard;
 mod job;
 mod plan;
 mod plot;

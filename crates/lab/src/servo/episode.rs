@@ -2,20 +2,17 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use lariat_wire::{Centerlines, DESCRIPTORS, Descriptors, Domain, Receiver, TRUTH};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
-use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 
 use super::camera::Camera;
 use super::job::Job;
 use super::judge::{Judge, Moment, Outcome, REACHED_PX};
+use crate::bench::guard::Guarded;
 use lariat_chain::stop::Stop;
 
 /// How long the rope must stay at its target for the case to be closed.
@@ -77,8 +74,8 @@ impl Episode<'_> {
         let mut controller = Process::start("controller", &self.controller(&job), self.folder)?;
         let mut chain = Process::start("run", &self.chain_arguments(), self.folder)?;
         let errors = self.judge(&mut sights, &mut [&mut chain, &mut controller], stop)?;
-        let doing = controller.end()?;
-        chain.end()?;
+        let doing = controller.end();
+        chain.end();
         let Some(errors) = errors else {
             return Ok(None);
         };
@@ -171,7 +168,7 @@ impl Sights {
 /// A command of lariat that runs beside this one, and ends with it.
 struct Process {
     name: &'static str,
-    child: Child,
+    program: Guarded,
     said: PathBuf,
     complained: PathBuf,
 }
@@ -182,19 +179,18 @@ impl Process {
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
         let said = folder.join(format!("{name}.out"));
         let complained = folder.join(format!("{name}.err"));
-        let child = Command::new(itself)
-            .arg(name)
-            .args(arguments)
-            .stdin(Stdio::null())
-            .stdout(File::create(&said).with_context(starting)?)
-            .stderr(File::create(&complained).with_context(starting)?)
-            // A Ctrl-C is this process's to deal with.
-            .process_group(0)
-            .spawn()
-            .with_context(starting)?;
+        let program = Guarded::start(
+            Command::new(itself)
+                .arg(name)
+                .args(arguments)
+                .stdin(Stdio::null())
+                .stdout(File::create(&said).with_context(starting)?)
+                .stderr(File::create(&complained).with_context(starting)?),
+        )
+        .with_context(starting)?;
         Ok(Self {
             name,
-            child,
+            program,
             said,
             complained,
         })
@@ -203,7 +199,7 @@ impl Process {
     /// # Errors
     /// It has ended, which it should not have.
     fn check(&mut self) -> Result<()> {
-        match self.child.try_wait()? {
+        match self.program.ended() {
             None => Ok(()),
             Some(status) => bail!(
                 "`lariat {}` ended ({status}): {}",
@@ -214,33 +210,15 @@ impl Process {
     }
 
     /// Ends it, and tells what it said.
-    fn end(&mut self) -> Result<String> {
-        if let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw)
-            && self.child.try_wait()?.is_none()
-        {
-            kill_process(pid, Signal::TERM)?;
-            // Readable when it has ended.
-            let ended = pidfd_open(pid, PidfdFlags::empty())?;
-            let within = Timespec::try_from(ENDS_WITHIN)?;
-            while let Err(Errno::INTR) =
-                poll(&mut [PollFd::new(&ended, PollFlags::IN)], Some(&within))
-            {}
-        }
-        self.kill();
-        Ok(text(&self.said))
-    }
-
-    fn kill(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+    fn end(&mut self) -> String {
+        self.program.end(ENDS_WITHIN);
+        text(&self.said)
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        if matches!(self.child.try_wait(), Ok(None)) {
-            let _ = self.end();
-        }
+        self.program.end(ENDS_WITHIN);
     }
 }
 
