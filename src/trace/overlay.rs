@@ -2,12 +2,12 @@
 //! picture.
 
 use crate::descriptor_json::{Descriptor, Quality};
-use crate::trace::canvas::{Canvas, Ink};
 use crate::trace::frames::Shown;
 use crate::trace::report::{CurveReport, Report};
 use anyhow::{Context, Result};
 use image::{ImageFormat, RgbImage};
 use lariat_camera::Mapping;
+use lariat_chain::canvas::Canvas;
 use lariat_chain::output::{Existing, Output, OutputFolder};
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -100,7 +100,7 @@ fn name(path: &Path, taken: &mut HashSet<String>) -> String {
 fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbImage {
     // Lines that can be seen in a large picture and do not hide a small one.
     let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
-    let mut canvas = Canvas { picture };
+    let mut canvas = Canvas::on(picture);
     for (index, curve) in report.curves.iter().enumerate() {
         let rgb = match curve.descriptor.quality {
             Some(Quality { fit: "coarse", .. }) => COARSE,
@@ -120,7 +120,6 @@ fn draw_curve(
     line_px: f64,
     mapping: Option<&Mapping>,
 ) {
-    let ink = |rgb, opacity| Ink { rgb, opacity };
     // The coefficients of a Fourier series are no places.
     let control_points = match curve.descriptor.basis {
         "fourier" => &[],
@@ -129,23 +128,29 @@ fn draw_curve(
     let control_points = &seen(control_points, mapping)[..];
     let smooth = seen(&sampled(&curve.descriptor, curve.length_px), mapping);
 
-    canvas.line(control_points, 0.5 * line_px + 1.0, ink(DARK, 0.35));
-    canvas.line(control_points, 0.5 * line_px, ink(rgb, 0.8));
+    canvas
+        .line(control_points, 0.5 * line_px + 1.0)
+        .ink(DARK, 0.35);
+    canvas.line(control_points, 0.5 * line_px).ink(rgb, 0.8);
 
-    canvas.line(&smooth, line_px + 1.6, ink(DARK, 0.55));
-    canvas.line(&smooth, line_px, ink(rgb, 1.0));
+    canvas.line(&smooth, line_px + 1.6).ink(DARK, 0.55);
+    canvas.line(&smooth, line_px).ink(rgb, 1.0);
 
-    canvas.dots(&curve.points, 1.2 * line_px + 1.4, ink(DARK, 0.9));
-    canvas.dots(&curve.points, 1.2 * line_px, ink(LIGHT, 1.0));
+    canvas
+        .dots(&curve.points, 1.2 * line_px + 1.4)
+        .ink(DARK, 0.9);
+    canvas.dots(&curve.points, 1.2 * line_px).ink(LIGHT, 1.0);
 
-    canvas.dots(control_points, 2.6 * line_px + 1.6, ink(DARK, 0.8));
-    canvas.dots(control_points, 2.6 * line_px, ink(LIGHT, 1.0));
-    canvas.dots(control_points, 1.4 * line_px, ink(rgb, 1.0));
+    canvas
+        .dots(control_points, 2.6 * line_px + 1.6)
+        .ink(DARK, 0.8);
+    canvas.dots(control_points, 2.6 * line_px).ink(LIGHT, 1.0);
+    canvas.dots(control_points, 1.4 * line_px).ink(rgb, 1.0);
 
     if let Some(&first) = curve.points.first() {
-        canvas.dots(&[first], 4.2 * line_px, ink(DARK, 0.8));
-        canvas.dots(&[first], 3.4 * line_px, ink(rgb, 1.0));
-        canvas.dots(&[first], 1.4 * line_px, ink(LIGHT, 1.0));
+        canvas.dots(&[first], 4.2 * line_px).ink(DARK, 0.8);
+        canvas.dots(&[first], 3.4 * line_px).ink(rgb, 1.0);
+        canvas.dots(&[first], 1.4 * line_px).ink(LIGHT, 1.0);
     }
 }
 

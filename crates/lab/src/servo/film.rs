@@ -9,7 +9,9 @@ mod pen;
 mod strip;
 
 use anyhow::Result;
-use pen::{Canvas, dashes};
+use image::RgbImage;
+use lariat_chain::canvas::Canvas;
+use pen::{averaged, dashes};
 
 /// The film is at most so wide: pictures that are wider are made smaller by a whole number.
 const WIDTH_PX: usize = 320;
@@ -47,7 +49,7 @@ pub(super) struct Film {
 #[derive(Debug)]
 struct Picture {
     at_s: f64,
-    canvas: Canvas,
+    picture: RgbImage,
 }
 
 /// What there is to see at one moment. Places are in pixels of the camera's image.
@@ -101,10 +103,11 @@ impl Film {
             }
             None => shot.at_s + STEP_S,
         };
-        let mut canvas = Canvas::averaged(shot.rgb, self.size_px, self.scale);
+        let mut canvas = Canvas::on(averaged(shot.rgb, self.size_px, self.scale));
         self.draw(&mut canvas, shot);
         let at_s = shot.at_s;
-        self.pictures.push(Picture { at_s, canvas });
+        let picture = canvas.picture;
+        self.pictures.push(Picture { at_s, picture });
     }
 
     fn draw(&self, canvas: &mut Canvas, shot: &Shot) {
@@ -112,15 +115,15 @@ impl Film {
         for dash in dashes(&self.target, [6.0, 4.0]) {
             canvas.line(&dash, 2.0);
         }
-        canvas.ink(TARGET);
+        canvas.ink(TARGET, 1.0);
         let seen: Vec<_> = shot.seen.unwrap_or_default().iter().map(place).collect();
         canvas.line(&seen, 1.4);
-        canvas.ink(SEEN);
-        let points = || shot.control_points.iter().map(place);
-        points().for_each(|p| canvas.dot(p, 2.6));
-        canvas.ink(WHITE);
-        points().for_each(|p| canvas.dot(p, 1.8));
-        canvas.ink(SEEN);
+        canvas.ink(SEEN, 1.0);
+        let points: Vec<_> = shot.control_points.iter().map(place).collect();
+        canvas.dots(&points, 5.2);
+        canvas.ink(WHITE, 1.0);
+        canvas.dots(&points, 3.6);
+        canvas.ink(SEEN, 1.0);
         for (at, velocity) in shot.grippers {
             arrows(canvas, place(at), *velocity, self.scale);
         }
@@ -132,8 +135,8 @@ impl Film {
     /// No picture was added, or one larger than a GIF can be.
     pub(super) fn finish(self) -> Result<Vec<u8>> {
         let strip = strip::Strip::new(&self.errors);
-        let pictures: Vec<(f64, Canvas)> = (self.pictures.into_iter())
-            .map(|picture| (picture.at_s, strip.below(&picture.canvas, picture.at_s)))
+        let pictures: Vec<(f64, RgbImage)> = (self.pictures.into_iter())
+            .map(|picture| (picture.at_s, strip.below(&picture.picture, picture.at_s)))
             .collect();
         encode::gif(&pictures)
     }
@@ -170,7 +173,7 @@ fn arrows(canvas: &mut Canvas, at: [f64; 2], [vx, vy, turn]: [f64; 3], scale: us
             canvas.line(line, width);
             canvas.head(line, (0.6 * length).min(5.0), width);
         }
-        canvas.ink(color);
+        canvas.ink(color, 1.0);
     }
 }
 

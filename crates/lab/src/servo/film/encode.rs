@@ -5,9 +5,9 @@
 
 use anyhow::{Context, Result};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
+use image::{Rgb, RgbImage};
 
 use super::palette::Palette;
-use super::pen::Canvas;
 
 /// Steps of a byte by which a pixel may differ and yet stay.
 const NOISE: u8 = 7;
@@ -22,28 +22,29 @@ const SAMPLED: usize = 8;
 ///
 /// # Errors
 /// There is no picture, or it is larger than a GIF can be.
-pub(super) fn gif(pictures: &[(f64, Canvas)]) -> Result<Vec<u8>> {
+pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     let (_, first) = pictures
         .first()
         .context("there is no film, as no image came that it could be made of")?;
-    let side = |px: usize| u16::try_from(px).context("a film of such large images is no GIF");
-    let (width, height) = (side(first.width)?, side(first.height)?);
+    let side = |px: u32| u16::try_from(px).context("a film of such large images is no GIF");
+    let (width, height) = (side(first.width())?, side(first.height())?);
     let step = pictures.len().div_ceil(SAMPLED);
     let sampled = pictures.iter().rev().step_by(step);
-    let mut palette = Palette::of(sampled.flat_map(|(_, canvas)| &canvas.pixels));
+    let mut palette =
+        Palette::of(sampled.flat_map(|(_, picture)| picture.pixels().map(|Rgb(rgb)| rgb)));
     let colors = palette.bytes();
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height, &colors)?;
     encoder.set_repeat(Repeat::Infinite)?;
     // What each pixel was drawn for, before the palette.
-    let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels.len()];
-    for (i, (at_s, canvas)) in pictures.iter().enumerate() {
+    let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels().len()];
+    for (i, (at_s, picture)) in pictures.iter().enumerate() {
         let delay = match pictures.get(i + 1) {
             Some((next_s, _)) => hundredths(*next_s).saturating_sub(hundredths(*at_s)),
             None => u64::from(LAST_CS),
         };
         let delay = delay.clamp(SHORTEST_CS.into(), u16::MAX.into()) as u16;
-        let mut frame = changes(canvas, &mut shown, &mut palette);
+        let mut frame = changes(picture, &mut shown, &mut palette);
         frame.delay = delay;
         encoder.write_frame(&frame)?;
     }
@@ -58,15 +59,15 @@ fn hundredths(at_s: f64) -> u64 {
 
 /// The smallest rectangle with all pixels that have changed; they are noted as shown.
 fn changes(
-    canvas: &Canvas,
+    picture: &RgbImage,
     shown: &mut [Option<[u8; 3]>],
     palette: &mut Palette,
 ) -> Frame<'static> {
-    let width = canvas.width;
-    let mut indices = vec![palette.transparent(); canvas.pixels.len()];
+    let width = picture.width() as usize;
+    let mut indices = vec![palette.transparent(); picture.pixels().len()];
     // Left, top, right, bottom: of one pixel if none has changed, as a frame cannot be empty.
     let mut bounds: Option<[usize; 4]> = None;
-    for (i, (&pixel, shown)) in canvas.pixels.iter().zip(shown).enumerate() {
+    for (i, (&Rgb(pixel), shown)) in picture.pixels().zip(shown).enumerate() {
         if shown.is_some_and(|shown| is_near(shown, pixel)) {
             continue;
         }

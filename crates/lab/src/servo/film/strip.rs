@@ -1,10 +1,13 @@
 //! The strip below the film: the error against time, by its logarithm, as far as it has come.
 
-use super::pen::{Canvas, dashes};
+use image::{Rgb, RgbImage, imageops};
+use lariat_chain::canvas::Canvas;
+
+use super::pen::dashes;
 use super::{ARROW, WHITE};
 use crate::servo::judge::REACHED_PX;
 
-const HEIGHT_PX: usize = 50;
+const HEIGHT_PX: u32 = 50;
 const MARGIN_PX: f64 = 5.0;
 /// The axis reaches at least this far.
 const LEAST_PX: [f64; 2] = [1.0, 20.0];
@@ -42,10 +45,11 @@ impl<'a> Strip<'a> {
     }
 
     /// A picture with its strip, as of a time.
-    pub(super) fn below(&self, picture: &Canvas, at_s: f64) -> Canvas {
-        let (width, top) = (picture.width, picture.height);
-        let mut canvas = Canvas::new(width, top + HEIGHT_PX, WHITE);
-        canvas.pixels[..width * top].copy_from_slice(&picture.pixels);
+    pub(super) fn below(&self, picture: &RgbImage, at_s: f64) -> RgbImage {
+        let (width, top) = picture.dimensions();
+        let mut whole = RgbImage::from_pixel(width, top + HEIGHT_PX, Rgb(WHITE));
+        imageops::replace(&mut whole, picture, 0, 0);
+        let mut canvas = Canvas::on(whole);
         let place = |error: &[f64; 2]| self.place(error, width, top);
         let [first_s, last_s] = self.times_s;
 
@@ -54,34 +58,34 @@ impl<'a> Strip<'a> {
             canvas.line(&dash, 1.0);
         }
         // A tick each second.
-        let foot = (top + HEIGHT_PX - 1) as f64;
+        let foot = f64::from(top + HEIGHT_PX - 1);
         for second in 0..=((last_s - first_s).clamp(0.0, 1000.0) as u32) {
             let [x, _] = place(&[first_s + f64::from(second), 1.0]);
             canvas.line(&[[x, foot - 2.5], [x, foot + 1.0]], 1.0);
         }
-        canvas.ink(SOFT);
+        canvas.ink(SOFT, 1.0);
 
         let till_now = self.errors.partition_point(|e| e[0] <= at_s);
         let points: Vec<[f64; 2]> = self.errors[..till_now].iter().map(place).collect();
         canvas.line(&points, 1.6);
-        canvas.ink(LINE);
+        canvas.ink(LINE, 1.0);
         if let Some(&now) = points.last() {
-            canvas.dot(now, 2.6);
-            canvas.ink(ARROW);
+            canvas.dots(&[now], 5.2);
+            canvas.ink(ARROW, 1.0);
         }
-        canvas
+        canvas.picture
     }
 
     /// Within the strip, whatever the error is.
-    fn place(&self, &[at_s, error_px]: &[f64; 2], width: usize, top: usize) -> [f64; 2] {
+    fn place(&self, &[at_s, error_px]: &[f64; 2], width: u32, top: u32) -> [f64; 2] {
         let [first_s, last_s] = self.times_s;
         let [low, high] = self.logs;
         let along = (at_s - first_s) / (last_s - first_s).max(1e-9);
         let up = (libm::log10(error_px.max(1e-9)) - low) / (high - low);
-        let room = [width as f64 - 1.0, HEIGHT_PX as f64 - 1.0].map(|px| px - 2.0 * MARGIN_PX);
+        let room = [width, HEIGHT_PX].map(|px| f64::from(px) - 1.0 - 2.0 * MARGIN_PX);
         [
             MARGIN_PX + room[0] * along.clamp(0.0, 1.0),
-            top as f64 + MARGIN_PX + room[1] * (1.0 - up.clamp(0.0, 1.0)),
+            f64::from(top) + MARGIN_PX + room[1] * (1.0 - up.clamp(0.0, 1.0)),
         ]
     }
 }

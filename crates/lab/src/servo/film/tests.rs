@@ -87,7 +87,7 @@ fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
 fn the_film_shows_what_was_filmed() {
     let (film, _) = filmed(12, None);
     let drawn: Vec<Vec<[u8; 3]>> = (film.pictures.iter())
-        .map(|picture| picture.canvas.pixels.clone())
+        .map(|picture| picture.picture.pixels().map(|pixel| pixel.0).collect())
         .collect();
     let bytes = film.finish().unwrap();
     let decoded = decoded(&bytes);
