@@ -1,6 +1,5 @@
 //! `lariat trace`: pictures in, the ropes' shapes out. The chain's own pipeline, without shared memory.
 
-mod canvas;
 mod frames;
 mod masks;
 mod overlay;

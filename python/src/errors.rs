@@ -10,7 +10,7 @@ pub(crate) fn value_error(cause: impl Display) -> PyErr {
     PyValueError::new_err(cause.to_string())
 }
 
-/// What is wrong with a rig: `ValueError` for a name that is none, `PermissionError`, else `OSError`.
+/// What is wrong with a rig: `ValueError` for an invalid name, `PermissionError`, else `OSError`.
 pub(crate) fn wire_error(cause: WireError) -> PyErr {
     let sentence = cause.to_string();
     match cause {

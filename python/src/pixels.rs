@@ -190,7 +190,7 @@ fn format_of(shape: &[usize], name: Option<&str>) -> PyResult<PixelFormat> {
     }
     if *format == PixelFormat::Nv12 && !shape[0].is_multiple_of(3) {
         return Err(value_error(format!(
-            "an image in 'nv12' has a height of 3/2 of the picture's, and {} is none",
+            "an image in 'nv12' is 3/2 as high as the picture, and {} rows are not",
             shape[0]
         )));
     }

@@ -103,7 +103,7 @@ impl Reader {
         if !(acceleration.is_finite() && acceleration > 0.0 && lasts_s.is_finite() && lasts_s > 0.0)
         {
             return Err(value_error(format!(
-                "a motion of {acceleration} units/s² that lasts {lasts_s} s is none: give two positive numbers"
+                "invalid motion of {acceleration} units/s² that lasts {lasts_s} s: give two positive numbers"
             )));
         }
         let mut guard = self.lock()?;

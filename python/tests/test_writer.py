@@ -198,7 +198,7 @@ def test_a_mask_is_sent_as_bytes_for_its_frame(writer: lariat.FrameWriter, frame
 def test_a_camera_that_is_blind_says_so(writer: lariat.FrameWriter, frames: lariat.Frames, image: Image) -> None:
     writer.send_blank()
     writer.write(image)
-    # One that wants images is not woken for what is none.
+    # One that wants images is not woken by anything else.
     assert came(frames).trace.captured == 2
 
 

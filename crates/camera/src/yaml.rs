@@ -72,7 +72,7 @@ pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
             Some((Node::Map(entries), key)) => match (key.take(), done) {
                 (Some(key), value) => entries.push((key, value)),
                 (None, Node::Scalar(name)) => *key = Some(name),
-                // A key that is a map or a list is none that is asked for.
+                // No key that is asked for is a map or a list.
                 (None, _) => *key = Some(String::new()),
             },
             Some((Node::Scalar(_), _)) => {}

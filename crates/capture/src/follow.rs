@@ -30,7 +30,7 @@ pub struct FollowOptions {
     pub folder: PathBuf,
     /// The most frames per second: what comes faster waits. Without it, each is shown when it comes.
     pub fps: Option<f64>,
-    /// Each how-manieth picture is shown, the first included.
+    /// Every n-th picture is shown, beginning with the first.
     pub every: NonZeroU64,
 }
 

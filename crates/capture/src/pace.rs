@@ -16,7 +16,7 @@ pub enum Pace {
     Max,
 }
 
-/// A pace that is none.
+/// An invalid pace.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is not a frame rate: give frames per second, more than 0 and at most 1000000, or `max`"

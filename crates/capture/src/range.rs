@@ -1,4 +1,4 @@
-//! Which frames of a sequence of files are shown: from where, up to where, and each how-manieth.
+//! Which frames of a sequence of files are shown: from where, up to where, and every n-th.
 
 use std::num::NonZeroU64;
 use std::time::Duration;
@@ -21,7 +21,7 @@ pub struct Range {
     pub from: Option<Position>,
     /// The last one; of a time the last frame before it, so that what ends there and what begins there share none.
     pub to: Option<Position>,
-    /// Of these each how-manieth, the first included.
+    /// Every n-th of these, beginning with the first.
     pub every: NonZeroU64,
 }
 

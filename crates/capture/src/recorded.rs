@@ -23,8 +23,8 @@ pub struct RecordingOptions {
     pub path: PathBuf,
     /// The topic whose images are shown; needed only where there are those of several cameras.
     pub topic: Option<String>,
-    /// Numbers are frames' places among those that were recorded; times count from the beginning. Of what is left each
-    /// how-manieth *moment* of the source is shown, so that a frame that was lost then is not made up for by its neighbour.
+    /// Numbers are frames' places among those that were recorded; times count from the beginning. Of what is left every
+    /// n-th *moment* of the source is shown, so that a frame that was lost then is not made up for by its neighbour.
     pub range: Range,
     /// Whether to begin again after the last frame.
     pub looped: bool,

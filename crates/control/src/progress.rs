@@ -2,7 +2,7 @@
 
 use crate::options::Exploring;
 
-/// Falling by less than this share in all of the time is none.
+/// Falling by less than this share in all of the time does not count.
 const PROGRESS: f64 = 0.05;
 
 /// Of a command that the limits leave little of, so much of its time counts at least: it may stand against a border for ever.

@@ -133,7 +133,7 @@ fn dot(a: &Features, b: &Features) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Of point `j`: xx, xy, yy. `None` if that is none.
+/// Of point `j`: xx, xy, yy. `None` if that is not a covariance.
 fn variance(weights: Weights, j: usize) -> Option<[f64; 3]> {
     match weights {
         Weights::Even => Some([1.0, 0.0, 1.0]),

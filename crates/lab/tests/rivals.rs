@@ -1,4 +1,4 @@
-//! The command that runs the rivals, with Pythons that are none.
+//! The command that runs the rivals, with a Python that does not exist.
 
 use std::path::Path;
 use std::process::{Command, Output};

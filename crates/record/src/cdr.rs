@@ -25,7 +25,7 @@ pub enum CdrError {
     /// Lists that belong together have different lengths.
     #[error("it holds lists of different lengths that belong together")]
     Uneven,
-    /// A text is none.
+    /// A text is not valid UTF-8.
     #[error("it holds a text that is not UTF-8")]
     Text,
 }

@@ -152,7 +152,7 @@ impl<'a> ImageRecord<'a> {
     /// How the bytes make pixels; `None` if lariat has no such format.
     pub fn format(&self) -> Option<PixelFormat> {
         let is_turned = self.is_big_endian != cfg!(target_endian = "big");
-        // Numbers of another machine's order are none of this one's formats.
+        // No format of this machine has another machine's byte order.
         format_of(self.encoding).filter(|format| !(is_turned && *format == PixelFormat::Gray16))
     }
 

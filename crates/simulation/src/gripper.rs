@@ -129,7 +129,7 @@ impl Limits {
         let share = if speed_px_s.is_finite() {
             self.speed_px_s / speed_px_s.max(self.speed_px_s)
         } else {
-            // Also where the square of a number is none any more: no robot is asked for that in earnest.
+            // Also where the square of a number overflows: no robot is asked for that in earnest.
             0.0
         };
         let turn = if turn.is_nan() { 0.0 } else { turn };

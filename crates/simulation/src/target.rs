@@ -21,7 +21,7 @@ pub enum TargetShape {
     Line,
 }
 
-/// A name that is none.
+/// An unknown name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a target: choose u, s or line")]
 pub struct NoTarget(String);

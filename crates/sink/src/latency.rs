@@ -134,7 +134,7 @@ impl Latency {
         (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
     }
 
-    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is none
+    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is not a percentile
     /// of the differences.
     fn without_work(&mut self, trace: &Trace, received_ns: u64) {
         let stamps = [

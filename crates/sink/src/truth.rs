@@ -198,7 +198,7 @@ impl Truth {
 }
 
 impl Drawn {
-    /// Takes over the curves of a message that are seen. Returns how many others are none that this version knows.
+    /// Takes over the curves of a message that are seen. Returns how many others this version does not know.
     fn set(&mut self, message: &Descriptors) -> u64 {
         self.curves.clear();
         let mut unknown = 0;

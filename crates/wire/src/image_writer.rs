@@ -201,7 +201,7 @@ impl FrameWriter {
     /// takes some milliseconds longer.
     ///
     /// # Errors
-    /// A size that is none, no room for it in `/dev/shm`.
+    /// An invalid size, no room for it in `/dev/shm`.
     pub fn loan(
         &mut self,
         width: u32,

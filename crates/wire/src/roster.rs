@@ -12,7 +12,7 @@ use crate::WireError;
 use crate::domain::{Domain, Rig, config_here, root_of};
 use iceoryx2::config::Config;
 
-/// What a file begins with, so that what is none is left alone.
+/// What a file begins with, so that other files are left alone.
 const HEAD: &str = "lariat ";
 pub(crate) const FOLDER: &str = "lariat-roster";
 /// Written to under this ending, and put in place whole.

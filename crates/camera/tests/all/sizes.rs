@@ -1,4 +1,4 @@
-//! Calibrations for images of other sizes, and planes that are none.
+//! Calibrations for images of other sizes, and invalid planes.
 
 use lariat_camera::{Camera, HomographyError, Lens, Mapping, Pair, Plane, PlaneError, SizeError};
 

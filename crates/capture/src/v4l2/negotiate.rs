@@ -87,7 +87,7 @@ pub enum NoCommonFormat {
         /// What it has.
         offered: Vec<FourCc>,
     },
-    /// The pixel format that was asked for is none that lariat reads.
+    /// Lariat does not read the pixel format that was asked for.
     #[error(
         "lariat does not read the pixel format {asked}; of this camera's formats it reads {}",
         List(readable)

@@ -17,7 +17,7 @@ fn open_part(path: &Path, options: FileOptions) -> Opened {
     open(&Source::named(&[path], options, RenderOptions::default()))
 }
 
-/// From frame to frame, each how-manieth.
+/// From frame to frame, every n-th.
 fn part(from: u64, to: u64, every: u64) -> FileOptions {
     FileOptions {
         range: Range {

@@ -65,7 +65,7 @@ pub enum Class {
     HardShadow,
     /// The same shadow, as soft as a wide lamp makes it.
     SoftShadow,
-    /// Something beside the rope that is none: of seeds 5k to 5k + 4 a pen, a marker, a board's edge, a cup's rim, letters.
+    /// Something beside the rope that is not a rope: of seeds 5k to 5k + 4 a pen, a marker, a board's edge, a cup's rim, letters.
     Things,
 }
 

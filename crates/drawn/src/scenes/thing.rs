@@ -1,4 +1,4 @@
-//! Things beside a rope that are none, and that a mask takes for ropes all the same.
+//! Things beside a rope that are not ropes, but that a mask takes for ropes.
 
 use super::line::{Vec2, dot, minus, norm};
 use super::look::{Look, Rgb, from_hsv};

@@ -177,7 +177,7 @@ impl System<'_> {
         let mut matrix = [[0.0; MIDDLE]; MIDDLE];
         let mut right = [Right::default(); MIDDLE];
         for k in 0..MIDDLE {
-            // A third row that is none stands by itself.
+            // A third row that does not exist stands by itself.
             matrix[k][k] = 1.0;
             if k < count {
                 let (diagonal, bands) = self.row(from + k, from + k);

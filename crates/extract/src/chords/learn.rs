@@ -25,7 +25,7 @@ const BEYOND_TIP: f32 = 0.5;
 const OFF: (f32, f32) = (0.4, 0.04);
 
 impl Rope {
-    /// Takes the rope as it was extracted; false when it is none that can be followed.
+    /// Takes the rope as it was extracted; false when it cannot be followed.
     pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
         let n = curve.points.len();
         let spacing_px = curve.length_px / (n.max(2) - 1) as f32;

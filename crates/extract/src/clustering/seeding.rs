@@ -14,7 +14,7 @@ use lariat_portable::SplitMix64;
 const BLOCK: usize = 64;
 /// Sums that run side by side, as many as the widest register holds.
 const LANES: usize = 16;
-/// Centers farther out than this, in pixels, are none: images have 16,384 pixels a side, lists of runs 65,536.
+/// Centers farther out than this, in pixels, do not count: images have 16,384 pixels a side, lists of runs 65,536.
 const FAR: f32 = 131_072.0;
 
 /// Pixels and the squares of their distances from the nearest center; the last block is filled up with distances of 0.

@@ -59,7 +59,7 @@ pub(crate) struct Refitter {
     /// What is near to each.
     reaches: Vec<Reach>,
     count: usize,
-    /// The same of those of the image's lines that are none of them.
+    /// The same of the image's other lines.
     new: Vec<Option<Reach>>,
 }
 
@@ -343,8 +343,8 @@ impl Refitter {
         ropes.any(|(rope, reach)| reach.holds(rope, at))
     }
 
-    /// Takes the refitted ropes and those of the first `count` lines that are none of them to the front
-    /// of `lines`, the longest first; returns how many they are.
+    /// Takes the refitted ropes, and the others of the first `count` lines, to the front of `lines`, the longest
+    /// first; returns how many they are.
     pub(crate) fn take(&mut self, lines: &mut Vec<Line>, count: usize) -> usize {
         let mut kept = 0;
         for l in 0..count {

@@ -184,7 +184,7 @@ fn a_rope_that_was_one_for_a_while_stays_one_and_a_new_thing_is_doubted() {
     assert_eq!(short[0].1, Status::Ok);
     let both = last(&[pen(BLACK, 260.0), rope(BLUE)], 40..44);
     assert!(both.iter().all(|curve| curve.1 == Status::Ok), "{both:?}");
-    // Beside a rope that is known a pen is none, and keeps being none.
+    // Beside a known rope a pen is not taken for one, and stays so.
     extractor.reset();
     let mut last = |ropes: &[Rope], seeds: std::ops::Range<u64>| {
         let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)).0);

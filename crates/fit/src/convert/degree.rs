@@ -258,7 +258,7 @@ mod tests {
         }
     }
 
-    /// A parabola's nearest straight line with the same integral: its mean distance is none.
+    /// A parabola's nearest straight line with the same integral: its mean distance is 0.
     #[test]
     fn a_parabola_has_a_line_as_the_textbook_says() {
         let parabola = [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]];

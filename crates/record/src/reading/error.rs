@@ -75,7 +75,7 @@ pub enum RecordingError {
         "the recording is compressed by {0}: lariat reads lz4, zstd and what is not compressed"
     )]
     Compression(String),
-    /// A message is none.
+    /// A message is invalid.
     #[error("a message on {topic} cannot be read: {why}")]
     Message {
         /// Its topic.

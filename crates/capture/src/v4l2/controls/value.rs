@@ -15,7 +15,7 @@ pub enum ControlError {
         /// Which controls there are.
         list: String,
     },
-    /// The value is none of this control's.
+    /// The control does not have this value.
     #[error("{name} cannot be \"{value}\": {what}")]
     Value {
         /// The control.

@@ -3,7 +3,7 @@
 //!
 //! Before it stand three small tables that a register holds: the colors are told apart into eight bands, and of each
 //! channel's level, in steps of eight, it is known in which bands it occurs. A pixel whose three levels have no band in
-//! common is none of the colors: most of a table's pixels, 64 at a time.
+//! common has none of the colors: most of a table's pixels, 64 at a time.
 
 use crate::options::HsvRange;
 
@@ -393,7 +393,7 @@ fn pick(which: bool, a: f32, b: f32) -> f32 {
     if which { a } else { b }
 }
 
-/// `f32::max` of numbers that are none of them NaN: one instruction.
+/// `f32::max` of numbers of which none is NaN: one instruction.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -32,7 +32,7 @@ const NS_PER_S: u64 = 1_000_000_000;
 pub(crate) fn run(args: &Args) -> Result<()> {
     ensure!(
         (1..=1000).contains(&args.hours) && (1..=1000).contains(&args.fps),
-        "a day of {} hours at {} frames/s is none: give 1 to 1000 of each",
+        "invalid day of {} hours at {} frames/s: give 1 to 1000 of each",
         args.hours,
         args.fps
     );

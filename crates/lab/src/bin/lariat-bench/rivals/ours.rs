@@ -46,7 +46,7 @@ impl Ours {
     /// Extractors for these pictures, their buffers made.
     ///
     /// # Errors
-    /// A picture's colour ranges are none.
+    /// A picture's colour ranges are invalid.
     pub(super) fn new(pictures: &Pictures) -> Result<Self> {
         let told = pictures.shown.iter().map(|shown| {
             let mask = Mask::Hsv(shown.ranges.clone());
