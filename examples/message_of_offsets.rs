@@ -10,12 +10,12 @@
 //! standard input ends, and "sent" is printed after the first.
 
 use std::io::Read;
+use std::mem::offset_of;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use lariat_wire::{
-    CenterlinePoints, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Trace, Writer,
-};
+use lariat_wire::fields::{Message, Place};
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Writer};
 
 #[allow(dead_code, reason = "a test has the message alone")]
 fn main() -> anyhow::Result<()> {
@@ -46,83 +46,52 @@ fn main() -> anyhow::Result<()> {
     }
 }
 
-/// The message, by the offsets that are documented, whatever the compiler makes of the types.
+/// The message.
 pub(crate) fn message() -> Box<Descriptors> {
     let mut message = Box::new(Descriptors::EMPTY);
-    message.trace = Trace {
-        sequence: 0,
-        captured: 8,
-        extracted: 16,
-        fitted: 24,
-        exposed_ns: 32,
-        captured_ns: 40,
-        extract_started_ns: 48,
-        extracted_ns: 56,
-        fit_started_ns: 64,
-        fitted_ns: 72,
-    };
-    (message.width, message.height) = (80, 84);
-    (message.count, message.unit) = (88, 92);
+    fill(&mut *message, 0);
+    // What is reserved says where it lies too.
     for (i, rope) in message.curves.iter_mut().enumerate() {
-        fill(rope, 96 + 2408 * i as u32);
-    }
-    for (i, points) in message.centerlines.iter_mut().enumerate() {
-        fill_points(points, 96 + 8 * 2408 + 3112 * i as u32);
+        let at = offset_of!(Descriptors, curves) + i * size_of::<Descriptor>();
+        rope.reserved = (at + offset_of!(Descriptor, reserved)) as u32;
     }
     message
 }
 
-/// A rope that begins at this offset.
-fn fill(rope: &mut Descriptor, at: u32) {
-    let half = |offset: u32| f64::from(at + offset) + 0.5;
-    for (offset, field) in [
-        (0, &mut rope.track),
-        (4, &mut rope.status),
-        (8, &mut rope.basis),
-        (12, &mut rope.order),
-        (16, &mut rope.count),
-        (20, &mut rope.samples),
-        (24, &mut rope.closed),
-        (28, &mut rope.border),
-        (88, &mut rope.hidden),
-        (92, &mut rope.filtered),
-        (96, &mut rope.fit),
-        (100, &mut rope.reserved),
-    ] {
-        *field = at + offset;
-    }
-    for (offset, field) in [
-        (32, &mut rope.rms),
-        (40, &mut rope.max),
-        (48, &mut rope.residual_variance),
-        (56, &mut rope.condition),
-        (64, &mut rope.length),
-        (72, &mut rope.width),
-    ] {
-        *field = half(offset);
-    }
-    rope.age_ns = (at + 80).into();
-    for j in 0..32u32 {
-        let i = j as usize;
-        rope.control_points[i] = [0, 8].map(|axis| half(104 + 16 * j + axis));
-        rope.weights[i] = half(616 + 8 * j);
-        rope.covariances[i] = [0, 8, 16].map(|entry| half(872 + 24 * j + entry));
-        rope.velocities[i] = [0, 8].map(|axis| half(1640 + 16 * j + axis));
-        rope.knots[i] = half(2152 + 8 * j);
-    }
-}
-
-/// A centerline that begins at this offset.
-fn fill_points(points: &mut CenterlinePoints, at: u32) {
-    // Exact, as no offset has more than 16 bits.
-    let half = |offset: u32| (at + offset) as f32 + 0.5;
-    (points.count, points.closed) = (at, at + 4);
-    for (offset, word) in (8..).step_by(4).zip(&mut points.hidden) {
-        *word = at + offset;
-    }
-    for i in 0..256 {
-        let place = i as usize;
-        points.points[place] = [0, 4].map(|axis| half(40 + 8 * i + axis));
-        points.widths[place] = half(2088 + 4 * i);
-    }
+/// A message that begins at this offset.
+fn fill(message: &mut dyn Message, at: usize) {
+    message.visit_mut(&mut |field, place| {
+        let at = at + field.offset;
+        // Exact, as no offset has more than 16 bits.
+        match place {
+            Place::U32(word) => *word = at as u32,
+            Place::U64(word) => *word = at as u64,
+            Place::F32(number) => *number = at as f32 + 0.5,
+            Place::F64(number) => *number = at as f64 + 0.5,
+            Place::Point([x, y]) => (*x, *y) = (at as f32 + 0.5, at as f32 + 4.5),
+            Place::F32s(numbers, _) => {
+                for (i, number) in numbers.iter_mut().enumerate() {
+                    *number = (at + 4 * i) as f32 + 0.5;
+                }
+            }
+            Place::F64s(numbers, _) => {
+                for (i, number) in numbers.iter_mut().enumerate() {
+                    *number = (at + 8 * i) as f64 + 0.5;
+                }
+            }
+            Place::Hidden(words) => {
+                for (i, word) in words.iter_mut().enumerate() {
+                    *word = (at + 4 * i) as u32;
+                }
+            }
+            Place::Message(inner) => fill(inner, at),
+            Place::Messages(room) => {
+                for i in 0..room.size() {
+                    let inner = room.at_mut(i);
+                    let size = inner.layout().size;
+                    fill(inner, at + i * size);
+                }
+            }
+        }
+    });
 }

@@ -154,7 +154,7 @@ impl Opening {
                 Err(_) => continue,
                 Ok(Some(frame)) => frame,
             };
-            kind = kind_of(frame.header.source);
+            kind = SourceKind::from_code(frame.header.source).unwrap_or(SourceKind::Files);
             match frame.pixels {
                 Pixels::None => {}
                 Pixels::Raw(bytes) => break Size::Raw(bytes.len()),
@@ -183,14 +183,6 @@ fn largest_of(messages: &mut Messages) -> usize {
             Err(_) => {}
         }
     }
-}
-
-/// What the recorded source was.
-fn kind_of(code: u32) -> SourceKind {
-    [SourceKind::Rendered, SourceKind::Video, SourceKind::Camera]
-        .into_iter()
-        .find(|kind| *kind as u32 == code)
-        .unwrap_or(SourceKind::Files)
 }
 
 /// A recording that is being read.

@@ -15,6 +15,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
 use crate::making::{self, Hindrance};
+use crate::survey::{ChannelEnds, ends_of};
 use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
 
 /// One kind of channel. Every rig has one of each.
@@ -71,6 +72,36 @@ impl<P: ?Sized> Channel<P> {
     }
 }
 
+/// A channel of any messages.
+pub(crate) struct Any {
+    /// The channel's name.
+    pub(crate) name: &'static str,
+    /// The versioned name of its messages.
+    pub(crate) types: fn() -> String,
+    /// Who is at its ends, by its full name on a rig.
+    pub(crate) ends: fn(&Domain, &ServiceName) -> Option<ChannelEnds>,
+}
+
+/// All channels of a rig, in the order of a frame's way.
+pub(crate) const ALL: [Any; 6] = [
+    Any::of(&FRAMES),
+    Any::of(&MASKS),
+    Any::of(&CENTERLINES),
+    Any::of(&DESCRIPTORS),
+    Any::of(&TRUTH),
+    Any::of(&COMMANDS),
+];
+
+impl Any {
+    const fn of<P: Payload + ?Sized>(channel: &Channel<P>) -> Self {
+        Self {
+            name: channel.name,
+            types: P::types,
+            ends: P::ends,
+        }
+    }
+}
+
 /// What becomes of a message when a reader is slow.
 #[derive(Debug, Clone)]
 pub enum Delivery {
@@ -98,6 +129,10 @@ pub trait Payload: IceoryxSend + ZeroCopySend + Debug + sealed::Sealed + 'static
     #[doc(hidden)]
     fn types() -> String;
 
+    /// Who is at the ends of a channel that carries it.
+    #[doc(hidden)]
+    fn ends(domain: &Domain, name: &ServiceName) -> Option<ChannelEnds>;
+
     #[doc(hidden)]
     fn open_or_create(
         builder: Builder<Self, Self::Header, ipc::Service>,
@@ -123,6 +158,11 @@ macro_rules! payload {
                     &TypeDetail::new::<$element>(TypeVariant::FixedSize),
                     &TypeDetail::new::<$header>(TypeVariant::FixedSize),
                 )
+            }
+            fn ends(domain: &Domain, name: &ServiceName) -> Option<ChannelEnds> {
+                let builder = domain.node.service_builder(name);
+                let service = builder.publish_subscribe::<Self>().user_header::<$header>();
+                Some(ends_of(&service.open().ok()?, size_of::<$element>()))
             }
             fn open_or_create(
                 builder: Builder<Self, Self::Header, ipc::Service>,

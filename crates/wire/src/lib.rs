@@ -124,9 +124,7 @@ mod survey;
 mod writer;
 
 pub use centerline::Centerline;
-pub use channel::{
-    CENTERLINES, COMMANDS, Channel, DESCRIPTORS, Delivery, FRAMES, MASKS, Payload, TRUTH,
-};
+pub use channel::*;
 pub use command_reader::CommandReader;
 pub use domain::{Domain, Rig};
 pub use error::{WireError, WriteError};

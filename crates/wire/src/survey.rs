@@ -3,10 +3,11 @@
 use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
-use iceoryx2::service::port_factory::PortFactory;
+use iceoryx2::service::port_factory::PortFactory as _;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use crate::channel::{CENTERLINES, COMMANDS, DESCRIPTORS, FRAMES, MASKS, Payload, TRUTH, describe};
-use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory};
+use crate::channel::{self, Payload, describe};
+use crate::{Domain, Rig, WireError, memory};
 
 /// A channel of a rig, as it is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,16 +52,6 @@ pub struct ChannelWriter {
     pub shared_bytes: u64,
 }
 
-/// All channels of a rig, in the order of a frame's way.
-const NAMES: [&str; 6] = [
-    FRAMES.name(),
-    MASKS.name(),
-    CENTERLINES.name(),
-    DESCRIPTORS.name(),
-    TRUTH.name(),
-    COMMANDS.name(),
-];
-
 impl Domain {
     /// The channels that some process has open, by rig and in the order of a frame's way. None is made or held.
     ///
@@ -78,35 +69,28 @@ impl Domain {
         found.dedup();
         let states = found
             .iter()
-            .filter_map(|(rig, place)| self.channel(rig, NAMES[*place]));
+            .filter_map(|(rig, place)| self.channel(rig, channel::ALL[*place].name));
         Ok(states.collect())
     }
 
     /// One channel of a rig as it is; `None` if no process has it open, or there is none of that name.
     pub fn channel(&self, rig: &Rig, name: &str) -> Option<ChannelState> {
-        let channel = NAMES.into_iter().find(|known| *known == name)?;
-        let name = ServiceName::new(&format!("lariat/{rig}/{channel}")).ok()?;
+        let channel = channel::ALL.iter().find(|known| known.name == name)?;
+        let name = ServiceName::new(&format!("lariat/{rig}/{name}")).ok()?;
         let details =
             ipc::Service::details(&name, self.config(), MessagingPattern::PublishSubscribe)
                 .ok()??;
         let kept = details.static_details.publish_subscribe();
         let types = kept.message_type_details();
         let message = describe(&types.payload, &types.user_header);
-        let images = [FRAMES.name(), MASKS.name()].contains(&channel);
-        let (ours, ends): (_, fn(&Self, &ServiceName) -> _) = if images {
-            (<[u8]>::types(), ends_of_images)
-        } else if channel == DESCRIPTORS.name() {
-            (Descriptors::types(), ends_of_descriptors)
-        } else if channel == COMMANDS.name() {
-            (Command::types(), ends_of_commands)
-        } else {
-            (Centerlines::types(), ends_of_centerlines)
-        };
+        let ours = (channel.types)();
         // Opened as another type, it would be refused.
-        let ends = (message == ours).then(|| ends(self, &name)).flatten();
+        let ends = (message == ours)
+            .then(|| (channel.ends)(self, &name))
+            .flatten();
         Some(ChannelState {
             rig: rig.clone(),
-            channel,
+            channel: channel.name,
             message,
             ours,
             lossless: !kept.has_safe_overflow(),
@@ -117,68 +101,40 @@ impl Domain {
     }
 }
 
-/// The rig and the place among [`NAMES`] that a service's name stands for, if it is one of lariat's.
+/// The rig and the place among [all channels](channel::ALL) that a service's name stands for, if it is one of lariat's.
 fn place_of(service: &str) -> Option<(Rig, usize)> {
     let (rig, channel) = service.strip_prefix("lariat/")?.split_once('/')?;
     let channel = channel.strip_suffix("-ready").unwrap_or(channel);
-    let place = NAMES.iter().position(|name| *name == channel)?;
+    let place = channel::ALL
+        .iter()
+        .position(|known| known.name == channel)?;
     Some((rig.parse().ok()?, place))
 }
 
-macro_rules! ends_of {
-    ($function:ident, $payload:ty, $header:ty) => {
-        fn $function(domain: &Domain, name: &ServiceName) -> Option<ChannelEnds> {
-            let builder = domain.node.service_builder(name);
-            let service = builder
-                .publish_subscribe::<$payload>()
-                .user_header::<$header>()
-                .open()
-                .ok()?;
-            let dynamic = service.dynamic_config();
-            let mut readers = Vec::new();
-            dynamic.list_subscribers(|reader| {
-                readers.push(process(&reader.node_id));
-                CallbackProgression::Continue
-            });
-            readers.sort_unstable();
-            let mut writer = None;
-            dynamic.list_publishers(|publisher| {
-                // Of a message of one size the transport says: one element.
-                let element = size_of::<<$payload as Elements>::Element>();
-                writer = Some(ChannelWriter {
-                    pid: process(&publisher.node_id),
-                    slots: publisher.number_of_samples,
-                    message_bytes: publisher.max_slice_len * element,
-                    shared_bytes: memory::segment_bytes(
-                        &publisher.publisher_id.value().to_string(),
-                    ),
-                });
-                CallbackProgression::Stop
-            });
-            Some(ChannelEnds { writer, readers })
-        }
-    };
-}
-ends_of!(ends_of_images, [u8], FrameHeader);
-ends_of!(ends_of_centerlines, Centerlines, ());
-ends_of!(ends_of_descriptors, Descriptors, ());
-ends_of!(ends_of_commands, Command, ());
-
-/// What the transport counts the length of a message in.
-trait Elements {
-    type Element;
-}
-impl Elements for [u8] {
-    type Element = u8;
-}
-impl Elements for Centerlines {
-    type Element = Self;
-}
-impl Elements for Descriptors {
-    type Element = Self;
-}
-impl Elements for Command {
-    type Element = Self;
+/// Who is at the ends of a channel whose messages are of elements of so many bytes.
+pub(crate) fn ends_of<P: Payload + ?Sized>(
+    service: &PortFactory<ipc::Service, P, P::Header>,
+    element: usize,
+) -> ChannelEnds {
+    let dynamic = service.dynamic_config();
+    let mut readers = Vec::new();
+    dynamic.list_subscribers(|reader| {
+        readers.push(process(&reader.node_id));
+        CallbackProgression::Continue
+    });
+    readers.sort_unstable();
+    let mut writer = None;
+    dynamic.list_publishers(|publisher| {
+        writer = Some(ChannelWriter {
+            pid: process(&publisher.node_id),
+            slots: publisher.number_of_samples,
+            // Of a message of one size the transport says: one element.
+            message_bytes: publisher.max_slice_len * element,
+            shared_bytes: memory::segment_bytes(&publisher.publisher_id.value().to_string()),
+        });
+        CallbackProgression::Stop
+    });
+    ChannelEnds { writer, readers }
 }
 
 /// The process that a node is of; 0 if its number does not say.
@@ -190,12 +146,13 @@ fn process(node: &UniqueNodeId) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FRAMES;
 
     #[test]
     fn a_channel_and_its_bell_are_known_by_their_names_and_nothing_else_is() {
         let place = |name: &str| place_of(name).map(|(rig, place)| (rig.to_string(), place));
         let rig = Rig::default();
-        for (place_expected, name) in NAMES.iter().enumerate() {
+        for (place_expected, name) in channel::ALL.iter().map(|known| known.name).enumerate() {
             let full = format!("lariat/{rig}/{name}");
             assert_eq!(place(&full), Some(("default".into(), place_expected)));
             assert_eq!(place(&format!("{full}-ready")), place(&full));
