@@ -3,12 +3,11 @@
 //! Each piece of the mask, one rope or several that cross, gets its own K centers. They begin where those of the last frame
 //! ended that lie on the piece, or else, by the same seed every time, among its pixels.
 
-use super::cells::Cells;
 use super::nerve::Nerve;
-use super::{FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::components::{Components, budget};
 use crate::options::Method;
+use lariat_clustering::{Cells, FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
 
 /// Where the random numbers of a cold start begin: any number, the same every time.
 const SEED: u64 = 0;

@@ -16,8 +16,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::cells::Cell;
 use crate::bitmap::bits::BitPlane;
+use lariat_clustering::Cell;
 
 /// No cell.
 const NONE: u16 = u16::MAX;

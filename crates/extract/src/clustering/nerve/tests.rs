@@ -1,9 +1,8 @@
 //! Nerves of small masks.
 
-use super::super::cells::Cells;
-use super::super::{Pixels, Run};
 use super::*;
 use crate::bitmap::components::Components;
+use lariat_clustering::{Cells, Pixels, Run};
 
 /// The nerve of centers in a mask that is set where `is_set` says so.
 fn nerve(

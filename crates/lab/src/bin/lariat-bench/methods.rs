@@ -6,10 +6,8 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use lariat_capture::RenderOptions;
-use lariat_extract::{
-    FuzzyMeans, Image, KMeans, Mask, Mixture, Outcome, PixelFormat, Pixels, Som, Start, mask_of,
-    seed_centers,
-};
+use lariat_clustering::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Som, Start, seed_centers};
+use lariat_extract::{Mask, mask_of};
 use lariat_lab::{Samples, Table, millis, rendered, times};
 use serde::{Deserialize, Serialize};
 
@@ -195,10 +193,8 @@ fn masks(seed: u64) -> Result<[Pixels; 2]> {
     let mut masks = Vec::new();
     for frame in &frames {
         let image = frame.picture.image();
-        let (width, height) = (image.width(), image.height());
         let mask = mask_of(&image, &Mask::default());
-        let mask = Image::new(&mask, width, height, width, PixelFormat::Gray8)?;
-        masks.push(Pixels::of_mask(&mask)?);
+        masks.push(Pixels::of_rows(mask.chunks(image.width())));
     }
     <[Pixels; 2]>::try_from(masks)
         .ok()

@@ -1,6 +1,6 @@
 """Reference clusterings by scikit-learn, for tests/all/kmeans.rs.
 
-    python3 crates/extract/tests/kmeans.py > crates/extract/tests/kmeans.json
+    python3 crates/clustering/tests/kmeans.py > crates/clustering/tests/kmeans.json
 
 Made with Python 3.11.7, NumPy 2.4.6, scikit-learn 1.9.1, one thread. Each case holds the runs of a mask ([row, first
 column, behind the last column]), 40 centers to start from, and what sklearn.cluster.KMeans makes of them: the centers,

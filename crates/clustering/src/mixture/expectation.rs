@@ -231,7 +231,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::{Pixels, Run};
+    use crate::{Pixels, Run};
     use lariat_portable::Arch;
     use proptest::prelude::*;
 

@@ -1,8 +1,5 @@
 //! The pixels of a mask, as runs along the rows and as two lists of coordinates.
 
-use crate::image::{Image, PixelFormat};
-use crate::mask::MaskError;
-
 /// Pixels of one row, side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
@@ -23,17 +20,10 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// The pixels of `mask`, `Gray8`, that are 128 or more.
-    ///
-    /// # Errors
-    /// When the mask has another format.
-    pub fn of_mask(mask: &Image) -> Result<Self, MaskError> {
-        if mask.format() != PixelFormat::Gray8 {
-            return Err(MaskError::Format(mask.format()));
-        }
+    /// Of a mask's rows, a byte a pixel, those that are 128 or more. A row has at most 65,535 pixels, and there are as many rows.
+    pub fn of_rows<'a>(rows: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let mut pixels = Self::default();
-        for y in 0..mask.height() {
-            let row = &mask.row(y)[..mask.width()];
+        for (y, row) in rows.into_iter().enumerate() {
             let mut x = 0;
             while let Some(skip) = row[x..].iter().position(|&value| value >= 128) {
                 let from = x + skip;
@@ -42,7 +32,6 @@ impl Pixels {
                     .take_while(|&&value| value >= 128)
                     .count();
                 x = from + length;
-                // An image has at most 16,384 pixels a side.
                 pixels.push(Run {
                     y: y as u16,
                     from: from as u16,
@@ -50,7 +39,7 @@ impl Pixels {
                 });
             }
         }
-        Ok(pixels)
+        pixels
     }
 
     /// Forgets all pixels, keeping the memory.
@@ -101,17 +90,10 @@ mod tests {
     #[test]
     fn the_pixels_of_a_mask_are_its_runs_row_by_row() {
         let bytes = [0, 200, 255, 0, 128, 127, 0, 0, 0, 0, 255, 255];
-        let mask = Image::new(&bytes, 6, 2, 6, PixelFormat::Gray8).expect("an image of 6 × 2");
-        let pixels = Pixels::of_mask(&mask).expect("a gray mask");
+        let pixels = Pixels::of_rows(bytes.chunks(6));
         let run = |y, from, to| Run { y, from, to };
         assert_eq!(pixels.runs(), [run(0, 1, 3), run(0, 4, 5), run(1, 4, 6)]);
         assert_eq!(pixels.xs(), [1.0, 2.0, 4.0, 4.0, 5.0]);
         assert_eq!(pixels.ys(), [0.0, 0.0, 0.0, 1.0, 1.0]);
-    }
-
-    #[test]
-    fn a_mask_of_colors_is_refused() {
-        let mask = Image::new(&[0; 6], 2, 1, 6, PixelFormat::Rgb8).expect("an image of 2 × 1");
-        assert!(Pixels::of_mask(&mask).is_err());
     }
 }

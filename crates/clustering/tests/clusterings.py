@@ -1,6 +1,6 @@
 """Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for src/clustering/references.rs.
 
-    python3 crates/extract/tests/clusterings.py > crates/extract/tests/clusterings.json
+    python3 crates/clustering/tests/clusterings.py > crates/clustering/tests/clusterings.json
 
 Made with Python 3.11.7, NumPy 2.4.6, MiniSom 2.3.6, scikit-learn 1.9.1, scikit-fuzzy 0.5.0. The pixels are those
 within 4.5 px of a curve that crosses itself. All three begin from the same centers, chosen among the pixels, each one

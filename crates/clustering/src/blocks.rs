@@ -103,7 +103,7 @@ impl Blocks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
 
     #[test]
     fn every_pixel_is_in_one_piece_and_pieces_are_in_the_order_of_runs() {

@@ -1,6 +1,6 @@
 //! What may be relied on from a self-organizing map, a mixture and fuzzy c-means, whatever they are given.
 
-use lariat_extract::{FuzzyMeans, Mixture, Outcome, Pixels, Run, Som, Start};
+use lariat_clustering::{FuzzyMeans, Mixture, Outcome, Pixels, Run, Som, Start};
 use proptest::prelude::*;
 
 type Method = Box<dyn FnMut(&Pixels, Start, &mut [[f32; 2]]) -> Outcome>;

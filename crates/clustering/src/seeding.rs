@@ -250,7 +250,7 @@ fn larger(a: f32, b: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
 
     /// A ring of 10 to 20 pixels around (100, 100).
     fn ring() -> Pixels {

@@ -8,20 +8,20 @@ use super::nearest::Nearest;
 
 /// Pixels of one row, side by side, that have the same center nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Cell {
+pub struct Cell {
     /// Which row.
-    pub(crate) y: u16,
+    pub y: u16,
     /// The first pixel.
-    pub(crate) from: u16,
+    pub from: u16,
     /// Behind the last pixel.
-    pub(crate) to: u16,
+    pub to: u16,
     /// Which center.
-    pub(crate) center: u16,
+    pub center: u16,
 }
 
 /// The memory of an assignment, and its result.
 #[derive(Debug, Default)]
-pub(crate) struct Cells {
+pub struct Cells {
     blocks: Blocks,
     nearest: Nearest,
     /// What each center has of each piece, block by block: where it ends, and the center.
@@ -33,7 +33,7 @@ pub(crate) struct Cells {
 
 impl Cells {
     /// Finds the cells of `centers`, all finite, at most 65,536. Without centers there are none.
-    pub(crate) fn assign(&mut self, pixels: &Pixels, centers: &[[f32; 2]]) {
+    pub fn assign(&mut self, pixels: &Pixels, centers: &[[f32; 2]]) {
         self.cells.clear();
         if centers.is_empty() {
             return;
@@ -45,7 +45,7 @@ impl Cells {
     }
 
     /// The cells' runs, in the order of rows: together they are the runs of the mask.
-    pub(crate) fn runs(&self) -> &[Cell] {
+    pub fn runs(&self) -> &[Cell] {
         &self.cells
     }
 
@@ -127,7 +127,7 @@ impl WithSimd for Listing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
     use proptest::prelude::*;
 
     /// Runs drawn from pairs of a gap and a length.

@@ -1,7 +1,7 @@
 //! k-means against scikit-learn's from the same start (the script beside the fixture says how it was made), and what it
 //! makes of input that is no rope.
 
-use lariat_extract::{KMeans, Pixels, Run, Start};
+use lariat_clustering::{KMeans, Pixels, Run, Start};
 use proptest::prelude::*;
 use serde_json::Value;
 

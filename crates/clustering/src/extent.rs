@@ -46,7 +46,7 @@ impl Extent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
 
     #[test]
     fn centers_are_brought_to_the_nearest_point_of_the_box() {

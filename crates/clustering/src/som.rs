@@ -228,7 +228,7 @@ impl<S: Simd> Line<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
     use proptest::prelude::*;
 
     proptest! {

@@ -28,7 +28,7 @@ fn points(value: &Value) -> Vec<[f32; 2]> {
 }
 
 fn cases() -> Vec<Case> {
-    let fixture = include_str!("../../tests/clusterings.json");
+    let fixture = include_str!("../tests/clusterings.json");
     let fixture: Value = serde_json::from_str(fixture).expect("the fixture is JSON");
     let mut pixels = Pixels::default();
     for run in list(&fixture["runs"]) {

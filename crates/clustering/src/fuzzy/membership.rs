@@ -11,7 +11,7 @@
 use lariat_portable::{Simd, WithSimd};
 
 use super::Pixels;
-use crate::clustering::aligned::{Aligned, LINE};
+use crate::aligned::{Aligned, LINE};
 
 /// Registers of pixels in a block: their coordinates and sums stay in registers, and the weights of 120 centers in the
 /// nearest cache.
@@ -304,7 +304,7 @@ fn square<S: Simd>(simd: S, x: S::f32s, y: S::f32s, center: [S::f32s; 2]) -> S::
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clustering::Run;
+    use crate::Run;
     use lariat_portable::Arch;
     use proptest::prelude::*;
 
