@@ -1,0 +1,58 @@
+//! `[extract]`: what is a rope, and how it is described.
+
+use lariat_extract::{Mask, Method, Region};
+use std::time::Duration;
+
+/// What is a rope, and how it is described.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extract {
+    /// Which pixels are rope.
+    pub mask: Mask,
+    /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
+    pub mask_deadline: Duration,
+    /// How the mask becomes a centerline.
+    pub method: Method,
+    /// Points of a centerline.
+    pub points: usize,
+    /// The most ropes reported.
+    pub ropes: usize,
+    /// Near which position (px) the first point is, in the first frame.
+    pub start: Option<[f32; 2]>,
+    /// For how long a rope that is out of sight is reported.
+    pub keep_lost: Duration,
+    /// The part of the image that is read; without it, all.
+    pub roi: Option<Region>,
+}
+
+impl Default for Extract {
+    fn default() -> Self {
+        Self {
+            mask: Mask::Auto,
+            mask_deadline: Duration::from_millis(50),
+            method: Method::Skeleton,
+            points: 120,
+            ropes: 8,
+            start: None,
+            keep_lost: Duration::from_secs(1),
+            roi: None,
+        }
+    }
+}
+
+impl Extract {
+    /// The extractor's own options.
+    pub fn options(&self) -> lariat_extract::Options {
+        lariat_extract::Options {
+            mask: self.mask.clone(),
+            method: self.method,
+            points: self.points,
+            ropes: self.ropes,
+            // The extractor sees the region alone.
+            start: match (self.start, self.roi) {
+                (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),
+                (start, _) => start,
+            },
+            keep_lost: self.keep_lost,
+        }
+    }
+}

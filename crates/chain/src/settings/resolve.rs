@@ -1,0 +1,169 @@
+//! Which settings hold: defaults, then the file, then the flags, and what of that makes no sense together.
+
+use crate::settings::keys::{self, KEYS};
+use crate::settings::problem::Origin;
+use crate::settings::{Family, Flags, Order, Problems, Settings, curve, file, range};
+use anyhow::Result;
+use lariat_fit::Fitter;
+
+/// Settings, and where each of them came from.
+pub struct Resolved {
+    /// All of them.
+    pub settings: Settings,
+    /// In the order of [`KEYS`].
+    origins: Vec<Origin>,
+}
+
+impl Resolved {
+    /// Of flags, file and defaults.
+    ///
+    /// # Errors
+    /// What is wrong with each of them.
+    pub fn new(flags: &Flags) -> Result<Self> {
+        let mut resolved = Self {
+            settings: Settings::default(),
+            origins: vec![Origin::Default; KEYS.len()],
+        };
+        let mut problems = Problems::default();
+        if let Some(path) = file::path(flags.config.as_deref()) {
+            for entry in file::read(&path, &mut problems)? {
+                resolved.set(entry.key, entry.value, entry.origin, &mut problems);
+            }
+            resolved.settings.file = Some(path);
+        }
+        for (flag, key, value) in flags.given() {
+            resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);
+        }
+        resolved.settle_fit(&mut problems);
+        // What depends on several settings is judged only where each of them makes sense.
+        if problems.is_empty() {
+            resolved.check_fit(&mut problems);
+            resolved.check_arrangement(&mut problems);
+            resolved.check_camera(&mut problems);
+            resolved.check_source(&mut problems);
+        }
+        problems.into_result()?;
+        Ok(resolved)
+    }
+
+    fn set(&mut self, key: usize, value: toml::Value, origin: Origin, problems: &mut Problems) {
+        match (KEYS[key].set)(&mut self.settings, &value) {
+            Ok(()) => self.origins[key] = origin,
+            Err(why) => problems.add(&origin, format!("{}: {why}", origin.quote(key, &value))),
+        }
+    }
+
+    /// Which of basis and order holds, where one of them leaves no room for the other: what was said later. A flag is later
+    /// than the file.
+    fn settle_fit(&mut self, problems: &mut Problems) {
+        let keys = ["basis", "order"].map(|name| keys::position("fit", name));
+        let [Some(basis_key), Some(order_key)] = keys else {
+            return;
+        };
+        let [basis, order] = [basis_key, order_key].map(|key| self.origins[key].clone());
+        let rank = |origin: &Origin| match origin {
+            Origin::Default => 0,
+            Origin::File { .. } => 1,
+            Origin::Flag(_) => 2,
+        };
+        let fit = &mut self.settings.fit;
+        match (fit.basis, fit.order) {
+            (Family::Auto, Some(_)) if rank(&basis) < rank(&order) => {
+                fit.basis = Family::Bezier;
+                self.origins[basis_key] = order;
+            }
+            (Family::Auto, Some(_)) if rank(&basis) > rank(&order) => fit.order = None,
+            (Family::Auto, Some(_)) => problems.add(
+                &order,
+                "the basis \"auto\" chooses the order itself: leave the order out, or name another basis".to_owned(),
+            ),
+            (Family::Auto, None) | (_, Some(_)) => {}
+            (_, None) => fit.order = Some(Order::Named(curve::DEFAULT_ORDER)),
+        }
+    }
+
+    /// Whether there are fitters, of open and of closed curves, for these settings and number of points.
+    fn check_fit(&self, problems: &mut Problems) {
+        let fit = &self.settings.fit;
+        let error = [false, true].into_iter().find_map(|closed| {
+            let options = fit.options(self.settings.extract.points, closed);
+            Fitter::new(options).err().map(|error| error.to_string())
+        });
+        let Some(error) = error.or(fit.unfilterable().map(str::to_owned)) else {
+            return;
+        };
+        // Blamed on what the user has said last, of all that together make it impossible.
+        let said = keys::of_section("fit")
+            .chain(keys::position("extract", "points"))
+            .map(|key| &self.origins[key])
+            .max()
+            .unwrap_or(&Origin::Default);
+        problems.add(said, error);
+    }
+
+    /// Whether the calibration that is named is one.
+    fn check_camera(&self, problems: &mut Problems) {
+        if let Some(why) = self.settings.camera.problem() {
+            let said = keys::of_section("camera")
+                .map(|key| &self.origins[key])
+                .max();
+            problems.add(said.unwrap_or(&Origin::Default), why);
+        }
+    }
+
+    /// Whether what is asked of the source can be asked of it. What stands in the file for another source than the one that a
+    /// flag names is no fault.
+    fn check_source(&self, problems: &mut Problems) {
+        let origin = |name: &str| {
+            keys::position("capture", name).map_or(&Origin::Default, |key| &self.origins[key])
+        };
+        // A new file names the rendered rope, which is no wish.
+        let source_is_in_file = matches!(origin("source"), Origin::File { .. })
+            && !self.is_default("capture", "source");
+        let capture = &self.settings.capture;
+        for (name, why) in range::meaningless(capture) {
+            let is_meant = match origin(name) {
+                Origin::Default => false,
+                Origin::File { .. } => source_is_in_file && !self.is_default("capture", name),
+                Origin::Flag(_) => true,
+            };
+            if is_meant {
+                problems.add(origin(name), why);
+            }
+        }
+        if problems.is_empty()
+            && let Some((name, why)) = range::contradiction(capture)
+        {
+            problems.add(origin(name).max(origin("follow")), why);
+        }
+    }
+
+    /// Whether a setting is what it is if nobody says anything.
+    fn is_default(&self, section: &str, name: &str) -> bool {
+        keys::position(section, name).is_none_or(|key| {
+            let get = KEYS[key].get;
+            get(&self.settings) == get(&Settings::default())
+        })
+    }
+
+    /// Whether the stages can be arranged so.
+    fn check_arrangement(&self, problems: &mut Problems) {
+        if let Some(why) = self.settings.run.arrangement.contradiction() {
+            let said = ["cpus", "wake"].into_iter();
+            let said = said.filter_map(|name| keys::position("run", name));
+            let said = said.map(|key| &self.origins[key]).max();
+            problems.add(said.unwrap_or(&Origin::Default), why);
+        }
+    }
+
+    /// All settings as the text of a `lariat.toml`, each with where it came from.
+    pub fn show(&self) -> String {
+        keys::document(|index, key| {
+            let origin = &self.origins[index];
+            match (key.get)(&self.settings) {
+                Some(value) => format!("{} = {value}  # {origin}\n", key.name),
+                None => format!("# {} is not set\n", key.name),
+            }
+        })
+    }
+}

@@ -1,0 +1,58 @@
+//! `[run]`: the chain as a whole.
+
+use crate::settings::Arrangement;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// The chain as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The name of the camera chain: 1 to 32 of a–z, 0–9, `_` and `-`.
+    pub rig: String,
+    /// Whether capture waits for slow readers, so that no frame is lost.
+    pub lossless: bool,
+    /// How long to run; without it, until the source ends or the user says so.
+    pub duration: Option<Duration>,
+    /// How many frames to capture at most.
+    pub frames: Option<u64>,
+    /// The folder for the report; without it, none is written.
+    pub out: Option<PathBuf>,
+    /// The file for the timeline of the last frames; without it, none is written.
+    pub trace: Option<PathBuf>,
+    /// The latency that counts as a miss; without it, the frame period.
+    pub deadline: Option<Duration>,
+    /// The recording; without it, none is made.
+    pub record: Option<PathBuf>,
+    /// Whether capture, extract and fit are threads of one process.
+    pub fuse: bool,
+    /// How the stages are arranged on the machine.
+    pub arrangement: Arrangement,
+}
+
+impl Run {
+    /// How long to run, in nanoseconds.
+    pub fn duration_ns(&self) -> Option<u64> {
+        self.duration.map(nanoseconds)
+    }
+}
+
+pub(super) fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Self {
+            rig: "default".to_owned(),
+            lossless: false,
+            duration: None,
+            frames: None,
+            out: None,
+            trace: None,
+            record: None,
+            deadline: None,
+            fuse: false,
+            arrangement: Arrangement::default(),
+        }
+    }
+}
