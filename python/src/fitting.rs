@@ -67,11 +67,7 @@ impl Fitter {
         weighted: bool,
         robust: bool,
     ) -> PyResult<Self> {
-        let knots = named(
-            "knots",
-            knots,
-            [("uniform", Knots::Uniform), ("averaged", Knots::Averaged)],
-        )?;
+        let knots = named("knots", knots, Knots::NAMED)?;
         let largest = match order {
             Order::Named(order) => order,
             Order::Auto => max_order,
@@ -80,23 +76,11 @@ impl Fitter {
             basis: basis_of(basis, closed, largest, degree, knots)?,
             choose_size: matches!(order, Order::Auto),
             points,
-            solver: named(
-                "solver",
-                solver,
-                [
-                    ("pinv", Solver::Pinv),
-                    ("cholesky", Solver::Cholesky),
-                    ("qr", Solver::Qr),
-                ],
-            )?,
+            solver: named("solver", solver, Solver::ALL)?,
             ridge,
             // A closed curve has no ends.
             pin_ends: pin_ends && !closed,
-            rho: named(
-                "rho",
-                rho,
-                [("even", Rho::Even), ("measured", Rho::Measured)],
-            )?,
+            rho: named("rho", rho, Rho::ALL)?,
             weights: match (robust, weighted) {
                 (true, _) => Weights::Robust,
                 (false, true) => Weights::Given,

@@ -19,6 +19,11 @@ pub enum Knots {
     Averaged,
 }
 
+impl Knots {
+    /// Those that can be asked for, with their names.
+    pub const NAMED: [(&str, Self); 2] = [("uniform", Self::Uniform), ("averaged", Self::Averaged)];
+}
+
 /// The family of curves that a descriptor's control points belong to, and its size.
 ///
 /// Whoever sends a curve has to name its family, so a new one is to be met by all of them: the list is exhaustive.

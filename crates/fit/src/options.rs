@@ -25,13 +25,19 @@ pub enum Solver {
     Qr,
 }
 
+impl Solver {
+    /// All of them, with their names.
+    pub const ALL: [(&str, Self); 3] = [
+        ("pinv", Self::Pinv),
+        ("cholesky", Self::Cholesky),
+        ("qr", Self::Qr),
+    ];
+}
+
 impl fmt::Display for Solver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Solver::Pinv => "pinv",
-            Solver::Cholesky => "cholesky",
-            Solver::Qr => "qr",
-        })
+        let named = Self::ALL.iter().find(|(_, solver)| solver == self);
+        f.pad(named.map_or("", |(name, _)| name))
     }
 }
 
@@ -43,6 +49,11 @@ pub enum Rho {
     /// Measured along the given points, chord by chord, for points that are not evenly spaced: the algebra is
     /// done anew for each fit.
     Measured,
+}
+
+impl Rho {
+    /// Both, with their names.
+    pub const ALL: [(&str, Self); 2] = [("even", Self::Even), ("measured", Self::Measured)];
 }
 
 /// How much each point counts.

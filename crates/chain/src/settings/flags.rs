@@ -2,9 +2,10 @@
 
 use crate::settings::curve::Family;
 use crate::settings::keys::{self, KEYS};
-use crate::settings::{Settings, arrangement, camera, duration, meaning, recording, view};
+use crate::settings::{Settings, arrangement, camera, duration, recording, view};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lariat_extract::Method;
+use lariat_fit::{Knots, Rho, Solver};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use toml::Value;
@@ -99,13 +100,13 @@ const FLAGS: &[Flag] = flags! {
         "--basis" fit.basis Name("NAME", || names(&Family::ALL)), SHAPES, "Family of the curve";
         "--order" fit.order Whole("N"), SHAPES, "Order of the curve, 1 to 31, or `auto`";
         "--degree" fit.degree Whole("N"), SHAPES, "Degree of a B-spline's pieces";
-        "--knots" fit.knots Name("NAME", || names(&meaning::KNOTS)), SHAPES, "Where a B-spline's pieces meet";
-        "--rho" fit.rho Name("NAME", || names(&meaning::RHO)), SHAPES, "Arc length that each point stands for";
+        "--knots" fit.knots Name("NAME", || names(&Knots::NAMED)), SHAPES, "Where a B-spline's pieces meet";
+        "--rho" fit.rho Name("NAME", || names(&Rho::ALL)), SHAPES, "Arc length that each point stands for";
         "--ridge" fit.ridge Number("NUMBER"), SHAPES, "What a bend of the control polygon costs";
         "--pin-ends" fit.pin_ends Nothing, SHAPES, "Begin and end at the centerline's ends";
         "--robust" fit.robust Nothing, SHAPES, "Let points far off the curve weigh less";
         "--filter" fit.filter Nothing, "fit trace replay", "Filter the control points in time";
-        "--solver" fit.solver Name("NAME", || names(&meaning::SOLVERS)), SHAPES, "How the curve is computed";
+        "--solver" fit.solver Name("NAME", || names(&Solver::ALL)), SHAPES, "How the curve is computed";
     }
     "Millimetres" {
         "--calibration" camera.calibration Text("FILE"), SHAPES, "Lens: a YAML file of OpenCV or ROS";

@@ -3,7 +3,7 @@
 use crate::settings::curve::Order;
 use crate::settings::{Fps, duration};
 use lariat_extract::{HsvRange, Mask};
-use lariat_fit::{Knots, MAX_ORDER, Rho, Solver};
+use lariat_fit::MAX_ORDER;
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::Value;
@@ -220,17 +220,6 @@ fn pair(value: &Value) -> Option<[f64; 2]> {
         _ => None,
     }
 }
-
-pub(super) const SOLVERS: [(&str, Solver); 3] = [
-    ("pinv", Solver::Pinv),
-    ("cholesky", Solver::Cholesky),
-    ("qr", Solver::Qr),
-];
-
-pub(super) const KNOTS: [(&str, Knots); 2] =
-    [("uniform", Knots::Uniform), ("averaged", Knots::Averaged)];
-
-pub(super) const RHO: [(&str, Rho); 2] = [("even", Rho::Even), ("measured", Rho::Measured)];
 
 /// One of a few values that have names; `kind` is what they are called together.
 pub(super) fn named<T: Copy>(

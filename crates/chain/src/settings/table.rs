@@ -4,7 +4,7 @@ use crate::settings::curve::{Family, Order};
 use crate::settings::keys::Key;
 use crate::settings::{arrangement, camera, meaning, range, recording, simulation, view};
 use lariat_extract::Method;
-use lariat_fit::MAX_ORDER;
+use lariat_fit::{Knots, MAX_ORDER, Rho, Solver};
 use std::path::PathBuf;
 use toml::Value;
 
@@ -535,18 +535,16 @@ pub(super) const KEYS: &[Key] = &[
         about: "Where a B-spline's pieces meet: at even steps (\"uniform\") or evenly among the points (\"averaged\").",
         example: "",
         set: |s, v| {
-            meaning::named("kinds of knots", &meaning::KNOTS, v).map(|knots| s.fit.knots = knots)
+            meaning::named("kinds of knots", &Knots::NAMED, v).map(|knots| s.fit.knots = knots)
         },
-        get: |s| meaning::name_of(&meaning::KNOTS, s.fit.knots),
+        get: |s| meaning::name_of(&Knots::NAMED, s.fit.knots),
     },
     Key {
         section: "fit",
         name: "solver",
         about: "How it is computed: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
         example: "",
-        set: |s, v| {
-            meaning::named("solvers", &meaning::SOLVERS, v).map(|solver| s.fit.solver = solver)
-        },
+        set: |s, v| meaning::named("solvers", &Solver::ALL, v).map(|solver| s.fit.solver = solver),
         get: |s| Some(Value::String(s.fit.solver.to_string())),
     },
     Key {
@@ -570,8 +568,8 @@ pub(super) const KEYS: &[Key] = &[
         name: "rho",
         about: "The arc length that each point stands for: in \"even\" steps, or \"measured\" along the points, chord by chord.",
         example: "",
-        set: |s, v| meaning::named("ways", &meaning::RHO, v).map(|rho| s.fit.rho = rho),
-        get: |s| meaning::name_of(&meaning::RHO, s.fit.rho),
+        set: |s, v| meaning::named("ways", &Rho::ALL, v).map(|rho| s.fit.rho = rho),
+        get: |s| meaning::name_of(&Rho::ALL, s.fit.rho),
     },
     Key {
         section: "fit",
