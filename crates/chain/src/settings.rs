@@ -1,8 +1,8 @@
 //! What the user wants, from three places: the defaults, `lariat.toml`, and the flags, each overruling the
 //! one before.
 //!
-//! Every setting is one entry of the table in `table`: its section, name and comment, how it is read and how it
-//! is written. The file's check, `config init`, `config show` and the flags all go by that table.
+//! Every setting is one row of the table in `table`: its field, name, kind, comment and flag. The file's check, `config
+//! init`, `config show`, the command line and its help all go by that table.
 
 mod arrangement;
 mod camera;
@@ -13,6 +13,7 @@ mod extract;
 mod file;
 mod flags;
 mod keys;
+mod kind;
 mod meaning;
 mod problem;
 pub mod range;

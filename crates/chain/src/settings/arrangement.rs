@@ -40,7 +40,7 @@ pub const STAGES: [&str; 4] = [
 /// The largest core number that Linux's own set of cores has room for.
 const MAX_CORE: i64 = 1023;
 /// The priority of capture; extract's, fit's and sink's are one, two and three more, and the highest there is is 99.
-pub(super) const MAX_PRIORITY: i64 = 96;
+pub(super) const MAX_PRIORITY: u8 = 96;
 /// The longest a reader looks before it sleeps: longer than any of a chain's waits, shorter than anything waits for it.
 const MAX_SPIN: Duration = Duration::from_millis(10);
 
@@ -229,4 +229,8 @@ pub(super) fn spin(value: &Value) -> Result<Duration, String> {
         ));
     }
     Ok(time)
+}
+
+pub(super) fn spin_value(spin: &Duration) -> Value {
+    meaning::number_value(spin.as_nanos() as f64 / 1e3)
 }

@@ -74,7 +74,7 @@ pub(super) fn raw_names() -> String {
     format!("{} or {last}", others.join(", "))
 }
 
-pub(super) fn pixel_format_value(format: Option<FormatName>) -> Value {
+pub(super) fn pixel_format_value(format: &Option<FormatName>) -> Value {
     let name = match format {
         None => "auto".to_owned(),
         Some(FormatName { raw: Some(raw), .. }) => raw.name().to_owned(),
@@ -83,15 +83,12 @@ pub(super) fn pixel_format_value(format: Option<FormatName>) -> Value {
     Value::String(name.to_ascii_lowercase())
 }
 
-/// Adds to the controls, or overrules those that have a value already.
-pub(super) fn add_controls(
-    value: &Value,
-    controls: &mut BTreeMap<String, String>,
-) -> Result<(), String> {
+/// Names of controls, and what to set them to.
+pub(super) fn controls(value: &Value) -> Result<BTreeMap<String, String>, String> {
     let Some(table) = value.as_table() else {
         return Err("controls are names and values: { auto_exposure = 1, gain = 20 }".to_owned());
     };
-    for (name, value) in table {
+    let text = |(name, value): (&String, &Value)| {
         let text = match value {
             Value::Integer(number) => number.to_string(),
             Value::Boolean(yes) => if *yes { "on" } else { "off" }.to_owned(),
@@ -102,9 +99,9 @@ pub(super) fn add_controls(
                 ));
             }
         };
-        controls.insert(name.clone(), text);
-    }
-    Ok(())
+        Ok((name.clone(), text))
+    };
+    table.iter().map(text).collect()
 }
 
 /// The controls as the file has them; `None` if there are none.

@@ -1,6 +1,8 @@
 //! What a setting is, and what is asked of the table of all settings.
 
 use crate::settings::Settings;
+use crate::settings::flags::Flag;
+use crate::settings::kind::Takes;
 use toml::Value;
 
 pub(super) use crate::settings::table::KEYS;
@@ -11,12 +13,15 @@ pub(super) struct Key {
     pub(super) name: &'static str,
     /// What it does, for the comment above it in a new file.
     pub(super) about: &'static str,
-    /// A value to show where the default is to have none.
-    pub(super) example: &'static str,
     /// Takes a value over, or says why not.
     pub(super) set: fn(&mut Settings, &Value) -> Result<(), String>,
     /// The value, as the file has it; `None` where it is not set.
     pub(super) get: fn(&Settings) -> Option<Value>,
+    /// What follows its flag.
+    pub(super) takes: fn() -> Takes,
+    /// A value to show where the default is to have none.
+    pub(super) example: fn() -> &'static str,
+    pub(super) flag: Option<Flag>,
 }
 
 /// What each section is about.
@@ -94,7 +99,7 @@ pub fn template() -> String {
             .collect();
         match (key.get)(&defaults) {
             Some(value) => format!("\n{comment}{} = {value}\n", key.name),
-            None => format!("\n{comment}# {} = {}\n", key.name, key.example),
+            None => format!("\n{comment}# {} = {}\n", key.name, (key.example)()),
         }
     });
     format!(

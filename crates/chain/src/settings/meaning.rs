@@ -4,7 +4,7 @@ use crate::settings::curve::Order;
 use crate::settings::{Fps, duration};
 use lariat_extract::{HsvRange, Mask};
 use lariat_fit::MAX_ORDER;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Value;
 
@@ -12,12 +12,6 @@ const NO_FPS: &str = "frames per second are a number such as 30, \"max\" or \"au
 
 /// More frames a second than any camera has.
 const MAX_FPS: f64 = 1e6;
-
-pub(super) fn yes_or_no(value: &Value) -> Result<bool, String> {
-    value
-        .as_bool()
-        .ok_or_else(|| "write true or false, without quotes".to_owned())
-}
 
 pub(super) fn text(value: &Value) -> Result<&str, String> {
     match value.as_str() {
@@ -28,7 +22,7 @@ pub(super) fn text(value: &Value) -> Result<&str, String> {
 }
 
 /// The number that a value is, be it written with a point or without.
-fn number(value: &Value) -> Option<f64> {
+pub(super) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Integer(n) => Some(*n as f64),
         Value::Float(x) => Some(*x),
@@ -104,6 +98,17 @@ pub(super) fn paths(value: &Value) -> Result<Vec<PathBuf>, String> {
     .ok_or_else(why)
 }
 
+pub(super) fn paths_value(paths: &Vec<PathBuf>) -> Value {
+    match &paths[..] {
+        [one] => path_value(one),
+        many => Value::Array(many.iter().map(|path| path_value(path)).collect()),
+    }
+}
+
+pub(super) fn path_value(path: &Path) -> Value {
+    Value::String(path.to_string_lossy().into_owned())
+}
+
 pub(super) fn fps(value: &Value) -> Result<Fps, String> {
     if let Some(fps) = number(value) {
         return if fps > 0.0 && fps <= MAX_FPS {
@@ -150,9 +155,9 @@ fn unit_in_s(unit: &str) -> f64 {
     }
 }
 
-pub(super) fn fps_value(fps: Fps) -> Value {
+pub(super) fn fps_value(fps: &Fps) -> Value {
     match fps {
-        Fps::PerSecond(number) => number_value(number),
+        Fps::PerSecond(number) => number_value(*number),
         Fps::Max => Value::String("max".to_owned()),
         Fps::Auto => Value::String("auto".to_owned()),
     }
@@ -187,9 +192,9 @@ pub(super) fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
     }
 }
 
-pub(super) fn size_value(size: Option<[u32; 2]>) -> Value {
+pub(super) fn size_value(size: &Option<[u32; 2]>) -> Value {
     match size {
-        Some(size) => Value::Array(size.map(|side| Value::Integer(side.into())).into()),
+        Some(size) => Value::Array(size.map(|side| side.into()).map(Value::Integer).into()),
         None => Value::String("auto".to_owned()),
     }
 }
@@ -213,41 +218,16 @@ pub(super) fn position(value: &Value) -> Result<[f32; 2], String> {
     }
 }
 
+pub(super) fn position_value(position: &[f32; 2]) -> Value {
+    Value::Array(position.map(|c| number_value(c.into())).into())
+}
+
 /// Two finite numbers.
 fn pair(value: &Value) -> Option<[f64; 2]> {
     match value.as_array().map(Vec::as_slice) {
         Some([a, b]) => Some([number(a)?, number(b)?]).filter(|p| p.iter().all(|x| x.is_finite())),
         _ => None,
     }
-}
-
-/// One of a few values that have names; `kind` is what they are called together.
-pub(super) fn named<T: Copy>(
-    kind: &str,
-    names: &[(&'static str, T)],
-    value: &Value,
-) -> Result<T, String> {
-    let given = value.as_str().unwrap_or_default();
-    if let Some((_, meant)) = names.iter().find(|(name, _)| *name == given) {
-        return Ok(*meant);
-    }
-    let guess = nearest(given, names.iter().map(|(name, _)| *name))
-        .map_or(String::new(), |near| format!("Did you mean \"{near}\"? "));
-    let quoted: Vec<_> = names
-        .iter()
-        .map(|(name, _)| format!("\"{name}\""))
-        .collect();
-    let (last, others) = quoted.split_last().expect("a list of names is not empty");
-    Err(format!(
-        "{guess}The {kind} are {} and {last}",
-        others.join(", ")
-    ))
-}
-
-/// The name that a value has in the file.
-pub(super) fn name_of<T: PartialEq>(names: &[(&str, T)], value: T) -> Option<Value> {
-    let (name, _) = names.iter().find(|(_, other)| *other == value)?;
-    Some(Value::String((*name).to_owned()))
 }
 
 pub(super) fn order(value: &Value) -> Result<Order, String> {
@@ -260,16 +240,11 @@ pub(super) fn order(value: &Value) -> Result<Order, String> {
     }
 }
 
-pub(super) fn at_least_zero(value: &Value) -> Result<f64, String> {
-    number(value)
-        .filter(|x| *x >= 0.0 && x.is_finite())
-        .ok_or_else(|| "choose a number of at least 0".to_owned())
-}
-
-pub(super) fn above_zero(value: &Value) -> Result<f64, String> {
-    number(value)
-        .filter(|x| *x > 0.0 && x.is_finite())
-        .ok_or_else(|| "choose a number above 0".to_owned())
+pub(super) fn order_value(order: &Order) -> Value {
+    match order {
+        Order::Named(order) => Value::Integer(*order as i64),
+        Order::Auto => Value::String("auto".to_owned()),
+    }
 }
 
 pub(super) fn mask(value: &Value) -> Result<Mask, String> {

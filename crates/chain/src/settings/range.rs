@@ -11,12 +11,12 @@ use toml::Value;
 use crate::settings::{Capture, camera, duration, meaning};
 
 /// A place in a sequence: a frame's number, or a time from its beginning.
-pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
+pub(super) fn position(value: &Value) -> Result<Position, String> {
     const WHY: &str = "a place is a frame's number, from 1, such as 120, or a time from the beginning, with its unit, \
                        such as \"2.5s\"";
     let text = match value {
         Value::Integer(number @ 1..) => {
-            return Ok(Some(Position::Frame(number.unsigned_abs())));
+            return Ok(Position::Frame(number.unsigned_abs()));
         }
         Value::String(text) => text.trim(),
         _ => return Err(WHY.to_owned()),
@@ -30,7 +30,7 @@ pub(super) fn position(value: &Value) -> Result<Option<Position>, String> {
         0.0 => Duration::ZERO,
         seconds => duration::from_s(seconds)?,
     };
-    Ok(Some(Position::Time(time)))
+    Ok(Position::Time(time))
 }
 
 /// The same, as a flag has it.
@@ -39,20 +39,23 @@ pub fn position_of_flag(text: &str) -> Result<Position, String> {
         Ok(number) => Value::Integer(number),
         Err(_) => Value::String(text.to_owned()),
     };
-    // Only nothing is no place, and nothing is no flag.
-    position(&value)?.ok_or_else(|| "a place is a frame's number or a time".to_owned())
+    position(&value)
 }
 
-pub(super) fn position_value(position: Option<Position>) -> Option<Value> {
-    Some(match position? {
-        Position::Frame(number) => Value::Integer(i64::try_from(number).unwrap_or(i64::MAX)),
+pub(super) fn position_value(position: &Position) -> Value {
+    match position {
+        Position::Frame(number) => Value::Integer(i64::try_from(*number).unwrap_or(i64::MAX)),
         Position::Time(time) => Value::String(format!("{}s", time.as_secs_f64())),
-    })
+    }
 }
 
 pub(super) fn every(value: &Value) -> Result<NonZeroU64, String> {
     let number = meaning::whole(value, 1, i64::MAX)?.unsigned_abs();
     Ok(NonZeroU64::new(number).unwrap_or(NonZeroU64::MIN))
+}
+
+pub(super) fn every_value(every: &NonZeroU64) -> Value {
+    Value::Integer(i64::try_from(every.get()).unwrap_or(i64::MAX))
 }
 
 /// What kinds of sources there are to a setting.
@@ -133,7 +136,7 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
         ));
     }
     if let Some(name) = capture.camera.pixel_format {
-        let named = camera::pixel_format_value(Some(name));
+        let named = camera::pixel_format_value(&Some(name));
         if capture.is_camera() && name.code.is_none() {
             return Some((
                 "pixel_format",

@@ -1,8 +1,7 @@
 //! `[simulation]`: the rope that is simulated, and what disturbs its picture.
 
-use crate::settings::{Capture, meaning};
+use crate::settings::Capture;
 use lariat_capture::{HandOptions, SimulatedOptions};
-use toml::Value;
 
 /// The simulated rope.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,17 +61,4 @@ impl Simulation {
         rope.picture_px = capture.likely_size().map(f64::from);
         options
     }
-}
-
-/// A number from `low` to `high`.
-pub(super) fn between(value: &Value, low: f64, high: f64) -> Result<f64, String> {
-    let number = match value {
-        Value::Integer(n) => Some(*n as f64),
-        Value::Float(x) => Some(*x),
-        _ => None,
-    };
-    number.filter(|x| (low..=high).contains(x)).ok_or_else(|| {
-        let [low, high] = [low, high].map(meaning::number_value);
-        format!("choose a number from {low} to {high}")
-    })
 }

@@ -119,13 +119,13 @@ pub(super) fn region(value: &Value) -> Result<Region, String> {
     }
 }
 
-pub(super) fn region_value(region: Region) -> Value {
+pub(super) fn region_value(region: &Region) -> Value {
     let Region {
         x,
         y,
         width,
         height,
-    } = region;
+    } = *region;
     Value::Array(
         [x, y, width, height]
             .map(|n| Value::Integer(n as i64))
