@@ -2,17 +2,23 @@
 
 use std::fmt;
 
-/// Rows under a head; the first column is words, the others are figures.
+use lariat_chain::layout::{self, Column};
+
+/// Rows under a head; the first column is words, the others are figures. As wide as it is.
 #[derive(Debug, Clone)]
 pub struct Table {
+    columns: Vec<Column>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// An empty table with this head.
     pub fn new(head: &[&str]) -> Self {
+        let words = head.iter().take(1).map(|&heading| Column::words(heading));
+        let figures = head.iter().skip(1).map(|&heading| Column::figures(heading));
         Self {
-            rows: vec![head.iter().map(|&word| word.into()).collect()],
+            columns: words.chain(figures).collect(),
+            rows: Vec::new(),
         }
     }
 
@@ -24,25 +30,8 @@ impl Table {
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..columns)
-            .map(|c| {
-                let cells = self.rows.iter().filter_map(|row| row.get(c));
-                cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-            })
-            .collect();
-        for row in &self.rows {
-            for (c, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-                let is_last = c + 1 == row.len();
-                match c {
-                    0 if is_last => write!(f, "{cell}")?,
-                    0 => write!(f, "{cell:<width$}")?,
-                    _ => write!(f, "  {cell:>width$}")?,
-                }
-            }
-            writeln!(f)?;
-        }
-        Ok(())
+        let columns = self.columns.clone();
+        f.write_str(&layout::Table::text(columns, &self.rows, usize::MAX))
     }
 }
 
