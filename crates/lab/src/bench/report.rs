@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use anyhow::Result;
+use lariat_plot::escaped;
 use lariat_sink::Figure as Digits;
 
 use super::figures::{Group, Item};
 use super::plan::Plan;
-use super::plot::{Line, escaped, percentiles};
+use super::plot::{Line, percentiles};
 use super::summary::Summary;
 use super::table;
 use lariat_chain::output::OutputFolder;
@@ -29,14 +30,14 @@ pub(super) fn write(folder: &OutputFolder, plan: &Plan, summary: &Summary) -> Re
         times.write_hgrm(&mut text)?;
         put(&format!("{}.hgrm", item.id), &text)?;
     }
-    put("report.html", html(plan, summary).as_bytes())?;
+    put("report.html", html(plan, summary)?.as_bytes())?;
     let mut json = serde_json::to_vec_pretty(summary)?;
     json.push(b'\n');
     put("summary.json", &json)
 }
 
 /// The page. It needs nothing but itself.
-fn html(plan: &Plan, summary: &Summary) -> String {
+fn html(plan: &Plan, summary: &Summary) -> Result<String> {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>lariat bench</title>\
          <style>{STYLE}</style></head><body>\n<h1>lariat bench</h1>\n<pre>{}</pre>\n",
@@ -47,7 +48,7 @@ fn html(plan: &Plan, summary: &Summary) -> String {
             page,
             "<h2>{}</h2>\n{}",
             escaped(&title),
-            percentiles(&lines)
+            percentiles(&lines)?
         );
     }
     page += "<h2>Every figure</h2>\n<table><tr><th>what</th><th>figure</th><th>median</th><th>least</th><th>greatest</th></tr>\n";
@@ -96,7 +97,7 @@ fn html(plan: &Plan, summary: &Summary) -> String {
             escaped(item.note)
         );
     }
-    page + "</table>\n</body></html>\n"
+    Ok(page + "</table>\n</body></html>\n")
 }
 
 /// What is drawn: the comparison, the chain everywhere, the floor in all its arrangements.

@@ -7,8 +7,12 @@ use crate::words::{digits, raised};
 
 #[derive(Debug, Clone, PartialEq)]
 enum Scale {
-    Linear { step: f64 },
+    Linear {
+        step: f64,
+    },
     Log,
+    /// 1/(1 − q) of a quantile q.
+    Nines,
     Names(Vec<String>),
 }
 
@@ -39,6 +43,14 @@ impl Axis {
             scale: Scale::Log,
             first,
             last,
+        }
+    }
+
+    /// Of quantiles q as 1/(1 − q), by the logarithm: the middle is at 2, each of so many steps is another nine.
+    pub fn nines(label: &str, nines: u32) -> Self {
+        Self {
+            scale: Scale::Nines,
+            ..Self::log(label, [1.0, 10f64.powi(nines as i32)])
         }
     }
 
@@ -91,7 +103,7 @@ impl Axis {
         let (low, high) = (self.low(), self.high());
         let place = match self.scale {
             Scale::Linear { .. } => number,
-            Scale::Log => number.max(f64::MIN_POSITIVE).log10(),
+            Scale::Log | Scale::Nines => number.max(f64::MIN_POSITIVE).log10(),
             Scale::Names(_) => -number,
         };
         place.clamp(low, high)
@@ -100,7 +112,7 @@ impl Axis {
     fn free_place(&self, number: f64) -> f64 {
         match self.scale {
             Scale::Linear { .. } => number,
-            Scale::Log => number.log10(),
+            Scale::Log | Scale::Nines => number.log10(),
             Scale::Names(_) => -number,
         }
     }
@@ -153,6 +165,9 @@ impl Axis {
                     .filter(|p| (self.low() - slack..=self.high() + slack).contains(p))
                     .collect()
             }
+            Scale::Nines => (0..=self.last.log10().round() as i32)
+                .map(f64::from)
+                .collect(),
             Scale::Names(names) => (0..names.len()).map(|i| -(i as f64)).collect(),
         }
     }
@@ -186,6 +201,12 @@ impl Axis {
                     digits(number)
                 }
             }
+            Scale::Nines => match place.round() as usize {
+                0 => "0 %".to_owned(),
+                1 => "90 %".to_owned(),
+                2 => "99 %".to_owned(),
+                nines => format!("99.{} %", "9".repeat(nines - 2)),
+            },
             Scale::Names(names) => {
                 let index = (-place).round().max(0.0) as usize;
                 names.get(index).cloned().unwrap_or_default()
@@ -253,6 +274,10 @@ mod tests {
 
     #[test]
     fn ticks_say_round_numbers() {
+        assert_eq!(
+            texts(&Axis::nines("", 4)),
+            ["0 %", "90 %", "99 %", "99.9 %", "99.99 %"]
+        );
         assert_eq!(
             texts(&Axis::linear("", [0.0, 1.0], 0.5)),
             ["0.0", "0.5", "1.0"]
