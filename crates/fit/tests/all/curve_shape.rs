@@ -179,7 +179,7 @@ fn circles_bend_by_one_over_their_radius() {
 fn in_space_a_curve_bends_to_no_side() {
     // A flat parabola, tipped by 45°.
     let flat = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0]];
-    let tipped = flat.map(|[x, y]| [x, y * y * FRAC_1_SQRT_2]);
+    let tipped = flat.map(|[x, y]| [x, y * FRAC_1_SQRT_2, y * FRAC_1_SQRT_2]);
     let (flat, tipped) = (
         Curve::bezier(&flat).unwrap(),
         Curve::bezier(&tipped).unwrap(),
