@@ -263,7 +263,7 @@ impl Matrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::linalg::solvers::SolveLstsq;
+    use nalgebra::DMatrix;
     use proptest::prelude::*;
 
     /// Numbers between −1 and 1 whose columns grow apart by up to `10⁻⁶`.
@@ -280,8 +280,8 @@ mod tests {
         })
     }
 
-    fn faers(m: &Matrix) -> faer::Mat<f64> {
-        faer::Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)])
+    fn nalgebras(m: &Matrix) -> DMatrix<f64> {
+        DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)])
     }
 
     proptest! {
@@ -308,9 +308,9 @@ mod tests {
         }
 
         #[test]
-        fn singular_values_and_least_squares_are_faers(a in matrices()) {
+        fn singular_values_and_least_squares_are_nalgebras(a in matrices()) {
             let factors = Qr::new(&a);
-            let values = faers(&a).singular_values().unwrap();
+            let values = nalgebras(&a).singular_values();
             let expected = values[0] / values[a.ncols() - 1];
             prop_assume!(expected < 1e10);
             prop_assert!((factors.condition() / expected - 1.0).abs() < 1e-15 * expected + 1e-12);
@@ -318,8 +318,10 @@ mod tests {
             let mut found = right.clone();
             factors.apply_transposed(&mut found);
             solve_upper(factors.r(), &mut found[..a.ncols()]);
-            let column = faer::Mat::from_fn(a.nrows(), 1, |i, _| right[i]);
-            let solved = faers(&a).qr().solve_lstsq(&column);
+            let mut column = DMatrix::from_fn(a.nrows(), 1, |i, _| right[i]);
+            let oracle = nalgebras(&a).qr();
+            oracle.q_tr_mul(&mut column);
+            let solved = oracle.r().solve_upper_triangular(&column.rows(0, a.ncols())).unwrap();
             let size = (0..a.ncols()).map(|j| solved[(j, 0)].abs()).fold(0.0, f64::max);
             let inverse = factors.pseudoinverse();
             for j in 0..a.ncols() {

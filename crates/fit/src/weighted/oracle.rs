@@ -2,9 +2,8 @@
 //! random numbers.
 
 use crate::bezier::bernstein;
-use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
 use lariat_portable::SplitMix64;
+use nalgebra::DMatrix;
 
 /// The Bernstein polynomials of `count − 1` at each `ρ`, row by row.
 pub(crate) fn bernstein_rows(rho: &[f64], count: usize) -> Vec<f64> {
@@ -22,13 +21,13 @@ pub(crate) fn uniform(points: usize) -> Vec<f64> {
         .collect()
 }
 
-pub(crate) fn matrix(rows: &[f64], width: usize) -> Mat<f64> {
-    Mat::from_fn(rows.len() / width, width, |i, j| rows[i * width + j])
+pub(crate) fn matrix(rows: &[f64], width: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len() / width, width, |i, j| rows[i * width + j])
 }
 
 /// `R⁻¹` of the QR of `rows`, row by row.
 pub(crate) fn r_inverse(rows: &[f64], width: usize) -> Vec<f64> {
-    let r = matrix(rows, width).qr().thin_R().to_owned();
+    let r = matrix(rows, width).qr().r();
     let mut inverse = vec![0.0; width * width];
     for column in 0..width {
         for i in (0..=column).rev() {
@@ -90,11 +89,11 @@ pub(crate) fn solve<const D: usize>(
         })
         .chain(penalty.chunks_exact(count).map(|row| (row, 1.0, [0.0; D])))
         .collect();
-    let left = Mat::from_fn(rows.len(), free.len(), |i, j| {
+    let left = DMatrix::from_fn(rows.len(), free.len(), |i, j| {
         rows[i].1 * rows[i].0[free.start + j]
     });
     let ends = [points[0], points[points.len() - 1]];
-    let right = Mat::from_fn(rows.len(), D, |i, axis| {
+    let mut right = DMatrix::from_fn(rows.len(), D, |i, axis| {
         let (row, scale, point) = rows[i];
         let mut right = point[axis];
         if pins {
@@ -102,7 +101,12 @@ pub(crate) fn solve<const D: usize>(
         }
         scale * right
     });
-    let inner = left.qr().solve_lstsq(&right);
+    let factors = left.qr();
+    factors.q_tr_mul(&mut right);
+    let inner = factors
+        .r()
+        .solve_upper_triangular(&right.rows(0, free.len()))
+        .expect("as many rows as columns that differ");
     let mut control_points: Vec<[f64; D]> = (0..free.len())
         .map(|j| std::array::from_fn(|axis| inner[(j, axis)]))
         .collect();

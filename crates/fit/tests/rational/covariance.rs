@@ -1,8 +1,8 @@
 //! How sure a fit is.
 
 use crate::sampling::*;
-use faer::Mat;
 use lariat_fit::RationalFitter;
+use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 proptest! {
@@ -22,11 +22,11 @@ proptest! {
         // P, whose row k is control point k by the points, from the textbook's formula.
         let basis = rational_basis(&weights, 40);
         let ends = usize::from(pinned);
-        let r = Mat::from_fn(40, count - 2 * ends, |i, k| basis[i][k + ends]);
+        let r = DMatrix::from_fn(40, count - 2 * ends, |i, k| basis[i][k + ends]);
         let gram = r.transpose() * &r;
-        let inverse = invert(&gram);
+        let inverse = gram.cholesky().expect("positive definite").inverse();
         let inner = inverse * r.transpose();
-        let mut p = Mat::<f64>::zeros(count, 40);
+        let mut p = DMatrix::<f64>::zeros(count, 40);
         for k in 0..count - 2 * ends {
             for i in 0..40 {
                 p[(k + ends, i)] += inner[(k, i)];
@@ -48,27 +48,6 @@ proptest! {
             }
         }
     }
-}
-
-/// The inverse of a small positive definite matrix, by Gauss and Jordan.
-fn invert(matrix: &Mat<f64>) -> Mat<f64> {
-    let size = matrix.nrows();
-    let (mut left, mut right) = (matrix.clone(), Mat::<f64>::identity(size, size));
-    for k in 0..size {
-        let pivot = left[(k, k)];
-        for column in 0..size {
-            left[(k, column)] /= pivot;
-            right[(k, column)] /= pivot;
-        }
-        for row in (0..size).filter(|row| *row != k) {
-            let factor = left[(row, k)];
-            for column in 0..size {
-                left[(row, column)] -= factor * left[(k, column)];
-                right[(row, column)] -= factor * right[(k, column)];
-            }
-        }
-    }
-    right
 }
 
 #[test]
