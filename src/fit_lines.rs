@@ -158,7 +158,7 @@ impl Fitters {
         }
         let closed = line
             .closed
-            .unwrap_or(self.settings.fit.basis == Family::Fourier);
+            .unwrap_or(self.settings.fit.basis == Family::Named(lariat_wire::Basis::Fourier));
         if let Some(first) = repeated(&line.points) {
             let [x, y] = line.points[first];
             return Err(format!(

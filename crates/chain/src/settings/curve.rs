@@ -12,36 +12,28 @@ pub(super) const DEFAULT_ORDER: usize = 8;
 pub enum Family {
     /// The fewest control points that keep the curve on the rope: a cubic Bezier curve or a cubic B-spline.
     Auto,
-    /// Bernstein polynomials.
-    Bezier,
-    /// Clamped B-splines.
-    BSpline,
-    /// Rational Bernstein functions.
-    Rational,
-    /// For lines of points that are all closed; in the chain an open rope is then a Bezier curve.
-    Fourier,
-    /// Points of the centerline, joined by straight lines.
-    Points,
-    /// The mean of its points.
-    Mass,
+    /// This one. A Fourier series is for lines of points that are all closed; in the chain an open rope is then a Bezier curve.
+    Named(Sent),
 }
 
 impl Family {
-    pub(super) const ALL: [(&'static str, Self); 7] = [
-        ("auto", Self::Auto),
-        (Sent::Bezier.name(), Self::Bezier),
-        (Sent::BSpline.name(), Self::BSpline),
-        (Sent::RationalBezier.name(), Self::Rational),
-        (Sent::Fourier.name(), Self::Fourier),
-        (Sent::FeaturePoints.name(), Self::Points),
-        (Sent::CenterOfMass.name(), Self::Mass),
-    ];
+    pub(super) const ALL: [(&'static str, Self); 1 + Sent::ALL.len()] = {
+        let mut all = [("auto", Self::Auto); 1 + Sent::ALL.len()];
+        let mut i = 0;
+        while i < Sent::ALL.len() {
+            all[i + 1] = (Sent::ALL[i].name(), Self::Named(Sent::ALL[i]));
+            i += 1;
+        }
+        all
+    };
 }
 
 impl fmt::Display for Family {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = Self::ALL.iter().find(|(_, family)| family == self);
-        f.write_str(name.map_or("", |(name, _)| name))
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Named(basis) => basis.name(),
+        })
     }
 }
 
@@ -113,7 +105,7 @@ impl Fit {
     /// Why curves of these settings cannot be filtered in time, if they cannot.
     pub(super) fn unfilterable(&self) -> Option<&'static str> {
         match (self.filter, self.basis) {
-            (true, Family::Rational) => Some(
+            (true, Family::Named(Sent::RationalBezier)) => Some(
                 "rational curves cannot be filtered, as their weights change from frame to frame: choose another \
                  basis, or leave the filter out",
             ),
@@ -143,7 +135,7 @@ impl Fit {
     /// The family, where an order alone names the paper's.
     pub(super) fn family(&self) -> Family {
         match (self.basis, self.order) {
-            (Family::Auto, Some(_)) => Family::Bezier,
+            (Family::Auto, Some(_)) => Family::Named(Sent::Bezier),
             (basis, _) => basis,
         }
     }
@@ -163,15 +155,15 @@ impl Fit {
             _ if closed => Basis::Fourier {
                 harmonics: (order / 2).max(1),
             },
-            Family::Bezier | Family::Fourier => Basis::Bezier { order },
-            Family::BSpline => Basis::BSpline {
+            Family::Named(Sent::Bezier | Sent::Fourier) => Basis::Bezier { order },
+            Family::Named(Sent::BSpline) => Basis::BSpline {
                 degree: self.degree.min(order),
                 control_points: order + 1,
                 knots: self.knots,
             },
-            Family::Rational => Basis::RationalBezier { order },
-            Family::Points => Basis::FeaturePoints { count: order + 1 },
-            Family::Mass => Basis::CenterOfMass,
+            Family::Named(Sent::RationalBezier) => Basis::RationalBezier { order },
+            Family::Named(Sent::FeaturePoints) => Basis::FeaturePoints { count: order + 1 },
+            Family::Named(Sent::CenterOfMass) => Basis::CenterOfMass,
         };
         Options {
             basis,

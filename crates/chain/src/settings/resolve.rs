@@ -69,7 +69,7 @@ impl Resolved {
         let fit = &mut self.settings.fit;
         match (fit.basis, fit.order) {
             (Family::Auto, Some(_)) if rank(&basis) < rank(&order) => {
-                fit.basis = Family::Bezier;
+                fit.basis = Family::Named(lariat_wire::Basis::Bezier);
                 self.origins[basis_key] = order;
             }
             (Family::Auto, Some(_)) if rank(&basis) > rank(&order) => fit.order = None,

@@ -38,21 +38,7 @@ fn the_architecture_has_every_field_and_every_code() {
             let head = format!("**`{}`**", layout.name);
             text = with_table(&text, &head, "| offset |", &fields(layout));
             text = with_version(&text, layout);
-            let said = text
-                .split(&head)
-                .nth(1)
-                .and_then(|after| after.split("bytes").next());
-            let digits = said.map(|said| {
-                said.chars()
-                    .filter(char::is_ascii_digit)
-                    .collect::<String>()
-            });
-            // The version stands before the size.
-            let size = layout.size.to_string();
-            assert!(
-                digits.is_some_and(|digits| digits.ends_with(&size)),
-                "{head} has {size} bytes"
-            );
+            text = with_size(&text, &head, layout.size);
         }
         with_table(&text, "**Codes**", "| field |", &codes())
     });
@@ -70,6 +56,18 @@ fn with_version(text: &str, layout: &Layout) -> String {
         whole += part.trim_start_matches(|c: char| c.is_ascii_digit());
     }
     whole
+}
+
+/// The text with a message's size in the sentence that begins so.
+fn with_size(text: &str, head: &str, size: usize) -> String {
+    let at = text.find(head).expect("it is described");
+    let end = at + text[at..].find(" bytes").expect("its size");
+    let from = at + text[at..end].rfind(", ").expect("its size") + 2;
+    let size = match size {
+        0..10_000 => size.to_string(),
+        _ => format!("{} {:03}", size / 1000, size % 1000),
+    };
+    format!("{}{size}{}", &text[..from], &text[end..])
 }
 
 /// The text with this table behind a heading.

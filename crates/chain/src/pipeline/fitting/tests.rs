@@ -117,12 +117,21 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
     };
     for (fit, quality) in [
         (settings::Fit::default(), FitQuality::Good),
-        (named(Family::Bezier, 4), FitQuality::Coarse),
-        (named(Family::BSpline, 5), FitQuality::Coarse),
-        (named(Family::BSpline, 16), FitQuality::Good),
-        (named(Family::Rational, 4), FitQuality::Coarse),
-        (named(Family::Points, 31), FitQuality::Good),
-        (named(Family::Mass, 1), FitQuality::Coarse),
+        (named(Family::Named(Basis::Bezier), 4), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 5), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 16), FitQuality::Good),
+        (
+            named(Family::Named(Basis::RationalBezier), 4),
+            FitQuality::Coarse,
+        ),
+        (
+            named(Family::Named(Basis::FeaturePoints), 31),
+            FitQuality::Good,
+        ),
+        (
+            named(Family::Named(Basis::CenterOfMass), 1),
+            FitQuality::Coarse,
+        ),
     ] {
         let descriptor = described(&fit, &winding(2.0));
         assert_eq!(descriptor.fit(), Some(quality), "{fit:?}");
@@ -131,7 +140,7 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
     let mut covered = winding(0.0);
     covered.set_hidden((0..MAX_POINTS).map(|i| i == 60));
     covered.points[60][1] += 20.0;
-    let descriptor = described(&named(Family::Bezier, 3), &covered);
+    let descriptor = described(&named(Family::Named(Basis::Bezier), 3), &covered);
     assert_eq!(descriptor.fit(), Some(FitQuality::Good));
 }
 
@@ -206,7 +215,11 @@ fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
         let (sin, cos) = (std::f32::consts::TAU * i as f32 / 120.0).sin_cos();
         *point = [300.0 + 80.0 * cos, 200.0 + 80.0 * sin];
     }
-    for basis in [Family::Bezier, Family::Rational, Family::Points] {
+    for basis in [
+        Family::Named(Basis::Bezier),
+        Family::Named(Basis::RationalBezier),
+        Family::Named(Basis::FeaturePoints),
+    ] {
         let settings = settings::Fit { basis, ..order_8() };
         let descriptor = described(&settings, &ring);
         assert_eq!(descriptor.basis(), Some(Basis::Fourier));
@@ -225,7 +238,7 @@ fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
 #[test]
 fn a_splines_inner_knots_go_along() {
     let settings = settings::Fit {
-        basis: Family::BSpline,
+        basis: Family::Named(Basis::BSpline),
         ..order_8()
     };
     let descriptor = described(&settings, &rope());
