@@ -98,8 +98,8 @@ pub(super) fn paths(value: &Value) -> Result<Vec<PathBuf>, String> {
     .ok_or_else(why)
 }
 
-pub(super) fn paths_value(paths: &Vec<PathBuf>) -> Value {
-    match &paths[..] {
+pub(super) fn paths_value(paths: &[PathBuf]) -> Value {
+    match paths {
         [one] => path_value(one),
         many => Value::Array(many.iter().map(|path| path_value(path)).collect()),
     }

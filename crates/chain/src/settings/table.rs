@@ -100,7 +100,7 @@ pub(super) const KEYS: &[Key] = keys! {
         "For how long it looks, in microseconds: at most 10000.",
         "--spin TIME", "extract fit sink", "Real time", "How long --wake spin looks, such as 50us";
 
-    capture.source: By(meaning::paths, meaning::paths_value, Takes::Paths),
+    capture.source: By(meaning::paths, |paths| meaning::paths_value(paths), Takes::Paths),
         "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), \"external\" (frames that a program of\n\
          yours writes), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
          stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them. \"-\": standard input, a\n\
