@@ -68,21 +68,30 @@ fn the_examples_in_a_new_file_are_good() {
     let folder = TempDir::new().unwrap();
     outcome(&folder, &["config", "init"]).unwrap();
     let path = folder.path().join("lariat.toml");
-    let examples = std::fs::read_to_string(&path)
+    // What needs files that are not there, and the order that the basis "auto" has no room for.
+    let others = ["topic", "calibration", "plane", "unit", "order"];
+    let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let example = |line: &&str| {
+        let name = line.split(" = ").next().unwrap();
+        line.contains(" = ") && name.chars().all(is_name) && !others.contains(&name)
+    };
+    let examples: Vec<_> = std::fs::read_to_string(&path)
         .unwrap()
-        .replace("# duration_s", "duration_s")
-        .replace("# frames", "frames")
-        .replace("# out", "out")
-        .replace("# trace", "trace")
-        .replace("# deadline_us", "deadline_us")
-        .replace("# start", "start")
-        .replace("# controls", "controls")
+        .lines()
+        .map(|line| {
+            line.strip_prefix("# ")
+                .filter(example)
+                .unwrap_or(line)
+                .to_owned()
+        })
+        .collect();
+    let examples = examples
+        .join("\n")
         .replace("mask = \"auto\"", "")
         .replace("# [{", "mask = [{");
-    std::fs::write(&path, examples).unwrap();
+    std::fs::write(&path, &examples).unwrap();
     let shown = values(&outcome(&folder, &["config", "show"]).unwrap());
-    assert_eq!(shown["run"].as_table().unwrap().len(), 15);
-    assert_eq!(shown["extract"].as_table().unwrap().len(), 7);
+    assert_eq!(shown, values(&examples));
     assert_eq!(shown["capture"]["controls"]["auto_exposure"], 1.into());
     assert_eq!(
         shown["extract"]["mask"].to_string(),
@@ -183,21 +192,28 @@ fn another_file_is_read_where_one_is_named() {
 #[test]
 fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
-        complaint("[fit]\n\n# the curve\noder = 7\n"),
-        "lariat: lariat.toml, line 4: [fit] has no key \"oder\". Did you mean \"order\"? Its keys are basis, \
-         order, max_order, tolerance, tolerance_px, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
+        complaint("[camera]\n\n# in the world\nunits = 7\n"),
+        "lariat: lariat.toml, line 4: [camera] has no key \"units\". Did you mean \"unit\"? Its keys are calibration, \
+         plane, unit\n"
     );
-    assert_eq!(
-        complaint("[run]\nduration = 7\n"),
-        "lariat: lariat.toml, line 2: [run] has no key \"duration\". Did you mean \"duration_s\"? Its keys \
-         are rig, lossless, duration_s, frames, out, trace, record, deadline_us, fuse, realtime, cpus, scheduling, priority, \
-         lock_memory, wake, spin_us\n"
-    );
-    assert_eq!(
-        complaint("[fit]\npoints = 7\n"),
-        "lariat: lariat.toml, line 2: [fit] has no key \"points\". It belongs in [extract]. Its keys are \
-         basis, order, max_order, tolerance, tolerance_px, degree, knots, solver, ridge, pin_ends, rho, robust, filter, acceleration_px_s2\n"
-    );
+    for (text, why) in [
+        (
+            "[fit]\noder = 7\n",
+            "[fit] has no key \"oder\". Did you mean \"order\"? Its keys are basis, order, max_order, ",
+        ),
+        (
+            "[run]\nduration = 7\n",
+            "[run] has no key \"duration\". Did you mean \"duration_s\"? Its keys are rig, lossless, duration_s, ",
+        ),
+        (
+            "[fit]\npoints = 7\n",
+            "[fit] has no key \"points\". It belongs in [extract]. Its keys are basis, order, max_order, ",
+        ),
+    ] {
+        let said = complaint(text);
+        let expected = format!("lariat: lariat.toml, line 2: {why}");
+        assert!(said.starts_with(&expected), "{said}");
+    }
     assert_eq!(
         complaint("\n[captur]\nfps = 7\n"),
         "lariat: lariat.toml, line 2: there is no section [captur]. Did you mean [capture]? The sections are \
