@@ -11,22 +11,8 @@ use lariat_message::Trace;
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Row {
-    /// Exposed → received: the whole way.
-    Total,
-    /// Exposed → fitted: without the way to the reader.
-    Fitted,
-    /// Exposed → captured.
-    Capture,
-    /// Captured → extract begins.
-    WaitExtract,
-    /// Extract begins → extracted.
-    Extract,
-    /// Extracted → fit begins.
-    WaitFit,
-    /// Fit begins → fitted.
-    Fit,
-    /// Fitted → received.
-    WaitSink,
+    /// A step of the way, or the whole of it.
+    Way(Step),
     /// The whole way without the work of extraction and fit: what the chain itself costs.
     Overhead,
     /// The three waits together: the overhead without how late capture was.
@@ -35,51 +21,39 @@ pub(crate) enum Row {
     Jitter,
 }
 
+/// How many rows there are.
+const ROWS: usize = Step::ALL.len() + 3;
+
 impl Row {
     /// All rows, as they stand in the table.
-    pub(crate) const ALL: [Self; 11] = [
-        Self::Total,
-        Self::Fitted,
-        Self::Capture,
-        Self::WaitExtract,
-        Self::Extract,
-        Self::WaitFit,
-        Self::Fit,
-        Self::WaitSink,
-        Self::Overhead,
-        Self::Links,
-        Self::Jitter,
-    ];
-
-    /// The step of the way that it times; `None` if it is another figure.
-    pub(crate) fn step(self) -> Option<Step> {
-        match self {
-            Self::Total => Some(Step::Received),
-            Self::Fitted => Some(Step::Fitted),
-            Self::Capture => Some(Step::Capture),
-            Self::WaitExtract => Some(Step::WaitExtract),
-            Self::Extract => Some(Step::Extract),
-            Self::WaitFit => Some(Step::WaitFit),
-            Self::Fit => Some(Step::Fit),
-            Self::WaitSink => Some(Step::WaitSink),
-            Self::Overhead | Self::Links | Self::Jitter => None,
-        }
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let way = Step::ALL.into_iter().map(Self::Way);
+        way.chain([Self::Overhead, Self::Links, Self::Jitter])
     }
 
     /// The row's name, as in `summary.json` where it stands there, and of its `.hgrm` file.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Total => "total",
-            Self::Fitted => "fitted",
-            Self::Capture => "capture",
-            Self::WaitExtract => "wait_extract",
-            Self::Extract => "extract",
-            Self::WaitFit => "wait_fit",
-            Self::Fit => "fit",
-            Self::WaitSink => "wait_sink",
+            Self::Way(Step::Received) => "total",
+            Self::Way(Step::Fitted) => "fitted",
+            Self::Way(Step::Capture) => "capture",
+            Self::Way(Step::WaitExtract) => "wait_extract",
+            Self::Way(Step::Extract) => "extract",
+            Self::Way(Step::WaitFit) => "wait_fit",
+            Self::Way(Step::Fit) => "fit",
+            Self::Way(Step::WaitSink) => "wait_sink",
             Self::Overhead => "overhead",
             Self::Links => "links",
             Self::Jitter => "jitter",
+        }
+    }
+
+    fn place(self) -> usize {
+        match self {
+            Self::Way(step) => step as usize,
+            Self::Overhead => ROWS - 3,
+            Self::Links => ROWS - 2,
+            Self::Jitter => ROWS - 1,
         }
     }
 }
@@ -87,7 +61,7 @@ impl Row {
 /// The histograms of all rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Latency {
-    rows: [Times; Row::ALL.len()],
+    rows: [Times; ROWS],
     saturated: u64,
     backwards: u64,
     previous: Option<(u64, u64)>,
@@ -105,7 +79,7 @@ impl Latency {
 
     /// The durations of a row.
     pub(crate) fn row(&self, row: Row) -> &Times {
-        &self.rows[row as usize]
+        &self.rows[row.place()]
     }
 
     /// Times longer than the histograms reach.
@@ -121,11 +95,10 @@ impl Latency {
     /// Records one message. Returns the whole way in nanoseconds, if it is known.
     pub(crate) fn record(&mut self, trace: &Trace, received_ns: u64) -> Option<u64> {
         let mut backwards = false;
-        for row in Row::ALL {
-            let ends = row.step().and_then(|step| step.ends_ns(trace, received_ns));
-            if let Some((from, to)) = ends {
+        for step in Step::ALL {
+            if let Some((from, to)) = step.ends_ns(trace, received_ns) {
                 backwards |= to < from;
-                self.add(row, to.saturating_sub(from));
+                self.add(Row::Way(step), to.saturating_sub(from));
             }
         }
         self.backwards += u64::from(backwards);
@@ -134,8 +107,8 @@ impl Latency {
         (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
     }
 
-    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is not a percentile
-    /// of the differences.
+    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is not
+    /// a percentile of the differences.
     fn without_work(&mut self, trace: &Trace, received_ns: u64) {
         let stamps = [
             trace.exposed_ns,
@@ -156,7 +129,7 @@ impl Latency {
         ] {
             let way_ns = received_ns.saturating_sub(from_ns);
             // Longer than a histogram reaches: counted with the whole way already.
-            self.rows[row as usize].add(way_ns.saturating_sub(work_ns));
+            self.rows[row.place()].add(way_ns.saturating_sub(work_ns));
         }
     }
 
@@ -180,6 +153,6 @@ impl Latency {
 
     fn add(&mut self, row: Row, ns: u64) {
         self.saturated += u64::from(ns > LONGEST_NS);
-        self.rows[row as usize].add(ns);
+        self.rows[row.place()].add(ns);
     }
 }

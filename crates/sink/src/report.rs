@@ -53,7 +53,7 @@ impl Report {
     /// None but those of writing to memory.
     pub fn files(&self) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = Vec::new();
-        for row in Row::ALL {
+        for row in Row::all() {
             let mut text = Vec::new();
             hgrm::write(self.latency.row(row), &mut text)?;
             files.push((format!("{}.hgrm", row.name()), text));

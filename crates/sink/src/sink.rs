@@ -4,6 +4,7 @@ use crate::latency::{Latency, Row};
 use crate::live::Live;
 use crate::losses::{Arrival, Ledger};
 use crate::report::Facts;
+use crate::step::Step;
 use crate::summary::{Deadline, Errors, Frames, Latencies, Summary};
 use crate::timeline::Timeline;
 use crate::times::to_hundredths;
@@ -152,13 +153,13 @@ impl Sink {
             schema: 1,
             frames: self.frames(),
             latency_us: Latencies {
-                total: spread(Row::Total),
-                capture: spread(Row::Capture),
-                extract: spread(Row::Extract),
-                fit: spread(Row::Fit),
-                wait_extract: spread(Row::WaitExtract),
-                wait_fit: spread(Row::WaitFit),
-                wait_sink: spread(Row::WaitSink),
+                total: spread(Row::Way(Step::Received)),
+                capture: spread(Row::Way(Step::Capture)),
+                extract: spread(Row::Way(Step::Extract)),
+                fit: spread(Row::Way(Step::Fit)),
+                wait_extract: spread(Row::Way(Step::WaitExtract)),
+                wait_fit: spread(Row::Way(Step::WaitFit)),
+                wait_sink: spread(Row::Way(Step::WaitSink)),
             },
             error_px: Errors {
                 centerline: self.truth.centerline.nearest.distances(),

@@ -52,11 +52,9 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
         write!(f, "  p50/period")?;
     }
     writeln!(f)?;
-    let whole = median_us(report, Row::Total);
-    for row in Row::ALL {
-        let Some(step) = row.step() else {
-            continue;
-        };
+    let whole = median_us(report, Row::Way(Step::Received));
+    for step in Step::ALL {
+        let row = Row::Way(step);
         let indent = match step {
             Step::Received | Step::Fitted => "",
             step if step.is_wait() => "    ",
@@ -80,10 +78,10 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
 /// What limits it, in one line: what takes the most of the way, and how many frames a second the slowest stage could do.
 fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     let (Some(whole), Some(capture), Some(extract), Some(fit)) = (
-        median_us(report, Row::Total),
-        median_us(report, Row::Capture),
-        median_us(report, Row::Extract),
-        median_us(report, Row::Fit),
+        median_us(report, Row::Way(Step::Received)),
+        median_us(report, Row::Way(Step::Capture)),
+        median_us(report, Row::Way(Step::Extract)),
+        median_us(report, Row::Way(Step::Fit)),
     ) else {
         return Ok(());
     };
@@ -101,7 +99,11 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
             Figure(Some(period))
         );
     }
-    let waits = [Row::WaitExtract, Row::WaitFit, Row::WaitSink];
+    let waits = [
+        Row::Way(Step::WaitExtract),
+        Row::Way(Step::WaitFit),
+        Row::Way(Step::WaitSink),
+    ];
     let waiting = waits.into_iter().filter_map(|row| median_us(report, row));
     // A paced frame is ready before it is due: what it takes until it is sent is the wake.
     let sending = match period {
@@ -192,7 +194,7 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn deadline(report: &Report, f: &mut Formatter<'_>) -> Result {
     let deadline = &report.summary.deadline;
     if let (Some(us), Some(missed)) = (deadline.us, deadline.missed) {
-        let timed = report.latency.row(Row::Total).count();
+        let timed = report.latency.row(Row::Way(Step::Received)).count();
         writeln!(
             f,
             "{:<20} {us:>6} µs, missed by {missed} of {timed}",
