@@ -362,6 +362,20 @@ fn a_recording_and_a_timeline_go_to_standard_output_and_what_else_is_said_beside
     assert_eq!(both.status.code(), Some(2));
 }
 
+/// A pipe that nobody reads.
+fn unread() -> std::io::PipeWriter {
+    std::io::pipe().expect("a pipe").1
+}
+
+/// What a command says that cannot print there, and fails.
+fn failure(bench: &Bench, command: &[&str], stdout: impl Into<Stdio>) -> String {
+    let ended = bench.command(command).stdout(stdout).output();
+    let ended = ended.expect("the binary runs");
+    let said = said(&ended);
+    assert_eq!(ended.status.code(), Some(1), "{command:?}: {said}");
+    said
+}
+
 /// Commands that print, each with what it needs.
 const PRINTING: [&[&str]; 9] = [
     &["info", "a.mcap"],
@@ -379,30 +393,11 @@ const PRINTING: [&[&str]; 9] = [
 fn a_command_whose_output_nobody_reads_ends_in_order() {
     let bench = bench();
     for command in PRINTING {
-        let (reader, writer) = std::io::pipe().expect("a pipe");
-        drop(reader);
-        let ended = bench
-            .command(command)
-            .stdout(writer)
-            .stderr(Stdio::piped())
-            .output()
-            .expect("the binary runs");
-        assert_eq!(
-            ended.status.code(),
-            Some(1),
-            "{command:?}: {}",
-            said(&ended)
-        );
-        assert!(
-            !said(&ended).contains("panic"),
-            "{command:?}: {}",
-            said(&ended)
-        );
+        let said = failure(&bench, command, unread());
+        assert!(!said.contains("panic"), "{command:?}: {said}");
         // And one that can complain nowhere.
-        let (reader, writer) = std::io::pipe().expect("a pipe");
-        drop(reader);
         let mut command = bench.command(command);
-        command.stdout(Stdio::null()).stderr(writer);
+        command.stdout(Stdio::null()).stderr(unread());
         assert_eq!(
             command.status().expect("the binary runs").code(),
             Some(0),
@@ -422,14 +417,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
     ];
     let overlays = ["trace", "rope.png", "rope.png", "--overlay", "drawn"];
     for (command, file) in [(&plane[..], "plane.toml"), (&overlays, "drawn/rope-2.png")] {
-        let (reader, writer) = std::io::pipe().expect("a pipe");
-        drop(reader);
-        let ended = bench.command(command).stdout(writer).output();
-        assert_eq!(
-            ended.expect("the binary runs").status.code(),
-            Some(1),
-            "{command:?}"
-        );
+        failure(&bench, command, unread());
         assert!(bench.path(file).exists(), "{command:?}");
     }
     bench.assert_nothing_is_left();
@@ -443,33 +431,12 @@ fn output_that_cannot_be_written_is_said_and_is_no_success() {
             .write(true)
             .open("/dev/full")
             .expect("there");
-        let ended = bench
-            .command(
-                &[
-                    command,
-                    if command[0] == "run" {
-                        &["--out", "out"]
-                    } else {
-                        &[]
-                    },
-                ]
-                .concat(),
-            )
-            .stdout(full)
-            .stderr(Stdio::piped())
-            .output()
-            .expect("the binary runs");
-        assert_eq!(
-            ended.status.code(),
-            Some(1),
-            "{command:?}: {}",
-            said(&ended)
-        );
-        assert!(
-            said(&ended).contains("No space left"),
-            "{command:?}: {}",
-            said(&ended)
-        );
+        let more: &[_] = match command[0] {
+            "run" => &["--out", "out"],
+            _ => &[],
+        };
+        let said = failure(&bench, &[command, more].concat(), full);
+        assert!(said.contains("No space left"), "{command:?}: {said}");
     }
     // What could be written is.
     assert!(bench.path("out/summary.json").exists());

@@ -30,7 +30,7 @@ fn write_grey(path: &Path, grey: u8) {
 }
 
 /// The next frame's pixels, written over a pattern so that unwritten bytes show.
-fn next_pixels(source: &mut dyn FrameSource) -> Option<(Frame, Vec<u8>)> {
+pub(crate) fn next_pixels(source: &mut dyn FrameSource) -> Option<(Frame, Vec<u8>)> {
     let frame = source.next().unwrap()?;
     assert!(frame.bytes() <= source.largest_frame_bytes());
     let mut pixels = vec![0xA5; frame.bytes()];

@@ -7,6 +7,8 @@ use lariat_capture::{FileOptions, Frame, FrameSource, RenderOptions, Source, Sou
 use lariat_message::{PixelFormat, SourceKind};
 use tempfile::TempDir;
 
+use crate::pictures::next_pixels;
+
 type Opened = Result<Box<dyn FrameSource>, SourceError>;
 
 /// A video file's bytes: its first line, then its frames.
@@ -33,14 +35,6 @@ fn open_bytes(bytes: &[u8], looped: bool) -> (Opened, TempDir) {
     let path = folder.path().join("video.y4m");
     fs::write(&path, bytes).unwrap();
     (open_path(&path, looped), folder)
-}
-
-fn next_pixels(source: &mut dyn FrameSource) -> Option<(Frame, Vec<u8>)> {
-    let frame = source.next().unwrap()?;
-    assert!(frame.bytes() <= source.largest_frame_bytes());
-    let mut pixels = vec![0xA5; frame.bytes()];
-    source.write(&mut pixels);
-    Some((frame, pixels))
 }
 
 fn refusal(bytes: &[u8]) -> String {

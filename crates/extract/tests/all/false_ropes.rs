@@ -65,6 +65,14 @@ fn seen_once(ropes: &[Rope]) -> (Vec<(f32, Status)>, Option<Notice>) {
     seen(&mut extractor, &draw(ropes, 1))
 }
 
+/// Two, and neither is doubted.
+fn assert_two_ropes((curves, notice): (Vec<(f32, Status)>, Option<Notice>)) {
+    assert_eq!(curves.len(), 2);
+    let undoubted = curves.iter().all(|curve| curve.1 == Status::Ok);
+    assert!(undoubted, "{curves:?}");
+    assert_eq!(notice, None);
+}
+
 #[test]
 fn ropes_without_an_inside_are_no_shadow_of_each_other() {
     for width_px in [1.6, 2.0, 2.4] {
@@ -142,13 +150,7 @@ fn a_pen_is_doubted_beside_a_rope_and_a_rope_by_itself() {
 #[test]
 fn a_piece_of_the_same_rope_is_a_rope() {
     let piece = Rope::along(10.0, BLUE, |t| [150.0 + 110.0 * t, 290.0]);
-    let (curves, notice) = seen_once(&[rope(BLUE), piece]);
-    assert_eq!(curves.len(), 2);
-    assert!(
-        curves.iter().all(|curve| curve.1 == Status::Ok),
-        "{curves:?}"
-    );
-    assert_eq!(notice, None);
+    assert_two_ropes(seen_once(&[rope(BLUE), piece]));
 }
 
 #[test]
@@ -163,13 +165,8 @@ fn a_mask_that_the_user_gave_is_not_doubted() {
         ..Options::default()
     })
     .expect("a valid range");
-    let (curves, notice) = seen(&mut extractor, &draw(&[rope(BLUE), pen(BLACK, 260.0)], 1));
-    assert_eq!(curves.len(), 2);
-    assert!(
-        curves.iter().all(|curve| curve.1 == Status::Ok),
-        "{curves:?}"
-    );
-    assert_eq!(notice, None);
+    let drawn = draw(&[rope(BLUE), pen(BLACK, 260.0)], 1);
+    assert_two_ropes(seen(&mut extractor, &drawn));
 }
 
 #[test]

@@ -38,15 +38,7 @@ fn check(bytes: &[u8], width: usize, height: usize, stride: usize, format: Pixel
         let mut extractor = Extractor::new(options).expect("valid options");
         for _ in 0..2 {
             let scene = extractor.extract(&image);
-            assert!(scene.curves.len() <= 8 && scene.crossings.len() <= 32);
-            for curve in scene.curves {
-                assert_eq!((curve.points.len(), curve.widths_px.len()), (120, 120));
-                for [x, y] in &curve.points {
-                    assert!((0.0..=width as f32 - 1.0).contains(x), "{x}");
-                    assert!((0.0..=height as f32 - 1.0).contains(y), "{y}");
-                }
-                assert!(curve.length_px.is_finite() && curve.width_px.is_finite());
-            }
+            crate::methods::check(&scene, [width, height]);
             for crossing in scene.crossings {
                 assert!(crossing.over < scene.curves.len() && crossing.under < scene.curves.len());
             }
