@@ -83,7 +83,7 @@ pub(crate) struct Any {
 }
 
 /// All channels of a rig, in the order of a frame's way.
-pub(crate) const ALL: [Any; 6] = [
+pub(crate) const ALL: &[Any] = &[
     Any::of(&FRAMES),
     Any::of(&MASKS),
     Any::of(&CENTERLINES),
