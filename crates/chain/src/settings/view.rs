@@ -6,6 +6,7 @@ use crate::picture::Picture;
 use crate::settings::Settings;
 use anyhow::{Result, bail};
 use lariat_extract::Region;
+use lariat_wire::Unit as Sent;
 use std::fmt;
 use std::path::PathBuf;
 use toml::Value;
@@ -19,13 +20,16 @@ pub enum Unit {
     Mm,
 }
 
-pub(super) const UNITS: [(&str, Unit); 2] = [("px", Unit::Px), ("mm", Unit::Mm)];
+pub(super) const UNITS: [(&str, Unit); 2] = [
+    (Sent::Pixel.name(), Unit::Px),
+    (Sent::Millimeter.name(), Unit::Mm),
+];
 
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Px => "px",
-            Self::Mm => "mm",
+            Self::Px => Sent::Pixel.name(),
+            Self::Mm => Sent::Millimeter.name(),
         })
     }
 }
