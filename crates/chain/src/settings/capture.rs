@@ -28,7 +28,7 @@ pub struct Capture {
     pub source: Vec<PathBuf>,
     /// When frames are due.
     pub fps: Fps,
-    /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly [`USUAL_SIZE`].
+    /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly the usual size.
     pub size: Option<[u32; 2]>,
     /// Which of all rendered or simulated ropes.
     pub seed: u64,

@@ -307,7 +307,7 @@ pub fn precise_timer() {
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
 
-/// Gives this thread realtime priority, and no more of it than [`KILLED_AFTER`] at a time.
+/// Gives this thread realtime priority, and no more of it at a time than the kernel ends it for.
 pub fn run_before_others(priority: u8) -> bool {
     let before = getrlimit(Resource::Rttime);
     let most = KILLED_AFTER.as_micros() as u64;

@@ -15,13 +15,13 @@ pub enum Method {
     /// The mask is thinned, and each cross-section measured between pixels.
     #[default]
     Skeleton,
-    /// Centers by [`KMeans`](crate::KMeans).
+    /// Centers by `KMeans` of the clusterings.
     KMeans,
-    /// Centers by [`Som`](crate::Som).
+    /// Centers by `Som` of the clusterings.
     Som,
-    /// Centers by [`Mixture`](crate::Mixture).
+    /// Centers by `Mixture` of the clusterings.
     Mixture,
-    /// Centers by [`FuzzyMeans`](crate::FuzzyMeans).
+    /// Centers by `FuzzyMeans` of the clusterings.
     FuzzyMeans,
 }
 
