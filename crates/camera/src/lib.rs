@@ -35,6 +35,21 @@
 //!
 //! Pure: no I/O, no clock, and nothing is allocated once a [`Mapping`] is made. The centre of the top-left pixel is (0, 0),
 //! as in OpenCV.
+//!
+//! # How it works
+//!
+//! **Lens** (`lens`, `brown`, `fisheye`). OpenCV's models, undone by Newton's method to 10⁻¹³ in tangents
+//! of the angle (OpenCV's own values to 10⁻⁶ px: `crates/camera/tests/opencv.py`). Polynomials fold over far out; a lens is used
+//! in the largest disc about its axis in which the symmetric part of its derivative is positive definite, where it is
+//! provably one-to-one, and a pixel outside is refused. *Ideal* pixels are of the same camera matrix; a `rectification_matrix`
+//! and `projection_matrix` (of stereo rigs) are not used. A calibration of images of another size is scaled if the sides' ratio
+//! is the same to a pixel, about the edge of the image (c ↦ (c + ½) s − ½), and refused if not; one that does not say its size
+//! must have its principal point within the frames.
+//!
+//! **Plane** (`plane`, `homography`). A homography whose third coordinate is positive on the visible side of the horizon.
+//! From four pairs it is exact; from more it is the least squares of distances on the plane, by Levenberg and Marquardt, begun
+//! at the linear solution in Hartley's normalized coordinates. Its file is a setting's own (`plane.toml`), not inline: a
+//! command writes it whole. It names the intrinsics whose distortion was taken off, so that another calibration is refused.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,4 +1,10 @@
 //! When each frame is due: absolute deadlines, so that lateness never adds up and is never hidden.
+//!
+//! Frame k is due at start + k periods, whatever happened before it. Capture has pixels and truth in their slot
+//! *before* that moment, sleeps until it, stamps and sends. `exposed_ns` is the moment the frame was due, not when it was
+//! sent: a chain that falls behind shows it as latency instead of slowing its own clock (coordinated omission). Moments more
+//! than 0.1 s past are given up, but for the newest, and count as frames lost at the source: a source too slow for its pace
+//! would otherwise be late for good. `--lossless` gives none up. With `--fps max` a frame is due when it is ready.
 
 use std::str::FromStr;
 

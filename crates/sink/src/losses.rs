@@ -8,6 +8,11 @@
 //!
 //! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
 //! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
+//!
+//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit`, always. By hand, without a chain to say it to, frames
+//! skipped for want of a mask are in `lost.capture`. What was under way when the chain stopped is known too: each stage says at its end what it
+//! sent, the chain tells sink on its standard input, and the difference to the last message is lost on its link. A stage that did not live to say
+//! leaves its share on the link before it, with the sum still exact.
 
 use crate::{FinalCounts, Lost};
 use lariat_message::Trace;

@@ -1,5 +1,12 @@
 #![allow(unsafe_code)] // Removing the transport's last trace is marked unsafe there.
 //! Where the channels of a machine live, and the names of the camera chains in it.
+//!
+//! Processes see each other if they are in the same domain: the one that the environment variable `LARIAT_DOMAIN`
+//! names (1 to 16 of a–z, 0–9, `-`, `_`), or their user's, whose name is the user's number. It has the prefix `lariat_<name>_` in
+//! `/dev/shm` and the folder `/tmp/lariat-<name>`. `XDG_RUNTIME_DIR` is not asked: two shells of a user, one with it and one without, would not
+//! meet, and it is emptied under a running chain when its user logs out. The transport makes its files for their owner alone, so a
+//! domain is one user's: who joins another's is refused before anything is made there (`owner`), root too. How users deal with
+//! that: `docs/domains.md`. Every test runs in a domain of its own.
 
 use std::fmt;
 use std::path::PathBuf;

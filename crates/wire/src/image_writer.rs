@@ -1,6 +1,10 @@
 #![allow(unsafe_code)] // A writer may go to another thread, which the transport's own counters do not know.
 //! A camera or a mask network of the user's own: images into a rig's shared memory, with a header and stamps that the chain
 //! counts and times by.
+//!
+//! A writer of images takes the channel as it is, lossless or not; its slots are made for the largest image so far, and anew for a larger one. Python's
+//! arrays of a slot are views of it: they are counted, and while one lives the writer's memory stays mapped (closing waits for the last one, larger slots
+//! are refused, as `mmap` has it). Frames in Python are copies, as messages are.
 
 use std::fmt;
 use std::sync::Arc;

@@ -2,6 +2,8 @@
 //!
 //! A file for each, in a folder beside the domain's own, which its process holds a lock on: the kernel gives that back
 //! however the process ends, so that what stands in an unlocked file is of the dead, and is removed by whoever finds it.
+//!
+//! Recorders, `top` and `doctor` read it; no stage depends on it.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};

@@ -3,6 +3,9 @@
 //! It knows when the chain has had what was asked for, where the writer's numbers stood when the chain began and when it ended,
 //! and says when no frames come. It makes no frames of its own then: the channel has one writer, and readers see by themselves
 //! how old what they know is (`Stale`). A writer that knows that its camera is blind says so with blank frames.
+//!
+//! Extract ends with `--frames` and `--duration`, takes nothing after a signal that was captured after it, and says where the writer's numbers stood
+//! when the chain began and ended (`taken` on its status line), so that the ledger begins there.
 
 use std::time::{Duration, Instant};
 

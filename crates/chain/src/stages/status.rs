@@ -2,6 +2,13 @@
 //!
 //! The stage says [`Word`]s on a pipe whose number stands in `LARIAT_STATUS_FD`; its own end says that the process is gone,
 //! however it went. The chain says its [`LastWord`] on the standard input of sink and recorder.
+//!
+//! Each stage writes `ready` once, and `lacks` before
+//! it with what it may not have of `priority`, `memory` and `core` (see `arrangement`). Capture writes
+//! `done` when its source has ended; sink `ending` when a signal has ended its work, so that a chain that did not send it
+//! still tells it the counts, and `unread` when nobody reads standard output any more, which ends the chain like Ctrl-C; the other three `sent COUNT LAST_SEQUENCE` last, and extract before it `late COUNT` if it
+//! waited for masks. The pipe's end says that the process is gone, however it went. A stage without the variable was
+//! started by hand, and behaves the same but for that.
 
 use std::fmt;
 use std::fs::File;

@@ -1,4 +1,9 @@
 //! A part of a picture: what lies outside of it is not read.
+//!
+//! `roi` makes the extractor's image a view into the same memory (`Image::region`): no pixel outside is read, or, where
+//! a wide load takes in some, counts. Its edge is the image's edge to the extractor: a rope that crosses it *leaves the image*. Points,
+//! crossings, `start` and masks from elsewhere are those of the whole image. Where pixels share their colour it begins at an even
+//! column (YUYV, NV12, Bayer) and row (NV12, Bayer), a pixel before what was asked for.
 
 use super::{Image, PixelFormat};
 
