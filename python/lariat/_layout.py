@@ -1,4 +1,4 @@
-"""The layout of a message of descriptors: ARCHITECTURE.md, "The contract", as types of NumPy."""
+"""The layout of a message of descriptors: docs/messages.md, as types of NumPy."""
 
 from __future__ import annotations
 

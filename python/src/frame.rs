@@ -91,7 +91,7 @@ impl Frame {
         views::message(this, |frame| frame.frame().message())
     }
 
-    /// All that the message says, by the names and in the layout of ARCHITECTURE.md, "The contract", as one record of NumPy
+    /// All that the message says, by the names and in the layout of docs/messages.md, as one record of NumPy
     /// (`lariat.MESSAGE`): for writing it down. It says nothing of how old it is now; `count` fields say how much of an array
     /// is meant. `None` before the first message.
     #[getter]

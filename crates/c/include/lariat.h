@@ -564,7 +564,7 @@ int lariat_covariance_at(const struct lariat_descriptor *rope,
 int lariat_covariance(const struct lariat_descriptor *rope,
                       double *matrix);
 
-// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that ARCHITECTURE.md lists.
+// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that docs/messages.md lists.
 //
 // Returns the number, or an error.
 LARIAT_MUST_USE

@@ -31,7 +31,7 @@ fn given<'a>(writer: *mut lariat_writer) -> Result<&'a mut FrameWriter, Failure>
     Ok(unsafe { &mut *ptr::addr_of_mut!((*writer).writer) })
 }
 
-/// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that ARCHITECTURE.md lists.
+/// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that docs/messages.md lists.
 ///
 /// Returns the number, or an error.
 #[unsafe(no_mangle)]

@@ -238,7 +238,7 @@ pub fn keep_apart(wanted: &Arrangement) {
     }
 }
 
-/// The core that was measured to be best for the stages: one for all (ARCHITECTURE.md, "Arrangement").
+/// The core that was measured to be best for the stages: one for all (see above).
 fn chosen_core() -> Option<usize> {
     let isolated = fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
     let usable = match sched_getaffinity(None) {

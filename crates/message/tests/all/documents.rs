@@ -1,4 +1,4 @@
-//! The tables of ARCHITECTURE.md.
+//! The tables of docs/messages.md.
 
 use std::fmt::Write;
 
@@ -31,8 +31,8 @@ const CODES: [&Codes; 6] = [
 ];
 
 #[test]
-fn the_architecture_has_every_field_and_every_code() {
-    hold("ARCHITECTURE.md", |committed| {
+fn the_document_of_messages_has_every_field_and_every_code() {
+    hold("docs/messages.md", |committed| {
         let mut text = committed.to_owned();
         for layout in MESSAGES {
             let head = format!("**`{}`**", layout.name);
