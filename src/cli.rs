@@ -27,7 +27,7 @@ use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use lariat_chain::settings::{Flags, Settings, nearest};
-use lariat_chain::stages::Seat;
+use lariat_chain::stages::Supervision;
 use lariat_chain::{exit, launcher, layout, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
@@ -137,7 +137,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Sink(flags)) => {
             let mut settings = Settings::resolve(&flags)?;
             settings.sink.live &= !verbosity.quiet;
-            stages::sink::run(&settings, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
+            stages::sink::run(&settings, Supervision::of_this_process()?)
+                .map(|()| ExitCode::SUCCESS)
         }
         Some(Command::Record(args)) => record::run(args),
         Some(Command::Recorder(flags)) => record::run_for_chain(&flags),
@@ -158,8 +159,8 @@ pub(crate) fn run() -> Result<ExitCode> {
     }
 }
 
-fn stage(flags: &Flags, run: fn(&Settings, Seat) -> Result<()>) -> Result<ExitCode> {
-    run(&Settings::resolve(flags)?, Seat::of_this_process()?).map(|()| ExitCode::SUCCESS)
+fn stage(flags: &Flags, run: fn(&Settings, Supervision) -> Result<()>) -> Result<ExitCode> {
+    run(&Settings::resolve(flags)?, Supervision::of_this_process()?).map(|()| ExitCode::SUCCESS)
 }
 
 /// The words of the command line, with `run` before a source that stands where a command would.

@@ -21,17 +21,17 @@ use super::{STAGE, report};
 use lariat_chain::run_files::check_recording;
 use lariat_chain::settings::Settings;
 use lariat_chain::stages::status::{LastWord, Word};
-use lariat_chain::stages::{Seat, Station, arrangement};
+use lariat_chain::stages::{Station, Supervision, arrangement};
 
 /// What was lost is written down this often, if it is more than before.
 const LOSSES_EVERY: Duration = Duration::from_secs(1);
 
 /// Records until a signal comes, as much is recorded as was asked, or there is no room for more.
-pub(super) fn run(settings: &Settings, file: &Path, seat: Seat) -> Result<ExitCode> {
+pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) -> Result<ExitCode> {
     check_recording(settings, file)?;
     // Before any thread is made: all are kept where this one is.
     arrangement::keep_apart(&settings.run.arrangement);
-    let mut station = Station::beside(settings, STAGE, seat)?;
+    let mut station = Station::beside(settings, STAGE, supervision)?;
     let supervised = station.status.is_supervised();
     // A rig of others may have its masks made elsewhere.
     let masks = !supervised || settings.extract.mask == Mask::External;

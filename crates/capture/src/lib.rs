@@ -9,7 +9,7 @@
 //! `FrameSource` makes one frame after the other ready and writes its pixels into the memory it is lent: a slot of shared
 //! memory, so that they are written once. A source that fills memory ahead of need (a camera's driver, a thread) is lent as
 //! many slots at a time as it asks for (`slots_wanted`), gives one back with each frame that is in it (`Frame::slot`), and is
-//! lent another for it; `crates/chain/src/stages/feed.rs` keeps the books, and drops the source before the slots. A frame that has a time
+//! lent another for it; `crates/chain/src/stages/slot_lender.rs` keeps the books, and drops the source before the slots. A frame that has a time
 //! of its own (`Frame::exposed_ns`) is not paced. A source waits through `Until`: one `poll` for its own descriptor, its own
 //! moment, the end of `--duration` and the signals' pipe.
 //!

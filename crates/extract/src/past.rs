@@ -29,7 +29,7 @@ const ASKED: usize = 64;
 
 /// A place on a rope of the past.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Trace {
+pub(crate) struct FormerPlace {
     /// Index into `Past::ropes`, or `NONE`.
     pub(crate) rope: u32,
     /// Arc length from the rope's first point.
@@ -40,7 +40,7 @@ pub(crate) struct Trace {
     pub(crate) off: f32,
 }
 
-impl Trace {
+impl FormerPlace {
     const NONE: Self = Self {
         rope: NONE,
         along_px: 0.0,
@@ -51,16 +51,16 @@ impl Trace {
 
 /// The likeliest traces of a place, the nearest first: where strands touch there are several.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Traces([Trace; 3]);
+pub(crate) struct FormerPlaces([FormerPlace; 3]);
 
-impl Default for Traces {
+impl Default for FormerPlaces {
     fn default() -> Self {
-        Self([Trace::NONE; 3])
+        Self([FormerPlace::NONE; 3])
     }
 }
 
-impl Traces {
-    fn iter(&self) -> impl Iterator<Item = &Trace> {
+impl FormerPlaces {
+    fn iter(&self) -> impl Iterator<Item = &FormerPlace> {
         self.0.iter().filter(|t| t.rope != NONE)
     }
 
@@ -75,12 +75,12 @@ impl Traces {
     }
 
     /// Those that the ropes' motion leaves open: hardly farther off than the nearest.
-    pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &Trace> {
+    pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &FormerPlace> {
         let most = self.0[0].off + past.moved + DOUBT;
         self.iter().filter(move |t| t.off <= most)
     }
 
-    fn add(&mut self, new: Trace) {
+    fn add(&mut self, new: FormerPlace) {
         if let Some(i) = self.0.iter().position(|t| new.off < t.off)
             && new.rope != NONE
         {
@@ -155,7 +155,7 @@ impl Rope {
     }
 
     /// How far it is along the rope from one trace to another, the way `ahead` says.
-    pub(crate) fn way_px(&self, from: &Trace, to: &Trace, ahead: bool) -> f32 {
+    pub(crate) fn way_px(&self, from: &FormerPlace, to: &FormerPlace, ahead: bool) -> f32 {
         let way = if ahead {
             to.along_px - from.along_px
         } else {
@@ -286,15 +286,15 @@ impl Past {
     }
 
     /// Where on the past's ropes a strand at `at` that runs in direction `toward` was.
-    pub(crate) fn recall(&self, at: Vec2, toward: Vec2) -> Traces {
-        let mut traces = Traces::default();
+    pub(crate) fn recall(&self, at: Vec2, toward: Vec2) -> FormerPlaces {
+        let mut traces = FormerPlaces::default();
         let toward = vec2::unit_or(toward, [1.0, 0.0]);
         if !self.trusted {
             return traces;
         }
         for (r, rope) in self.ropes().iter().enumerate() {
             // Each stretch of the rope that comes near counts once, by its nearest place.
-            let mut best = Trace::NONE;
+            let mut best = FormerPlace::NONE;
             if rope.is_far_from(at) {
                 continue;
             }
@@ -305,7 +305,7 @@ impl Past {
                     Some(here) if here.off < best.off => best = here,
                     Some(_) => {}
                     None => {
-                        traces.add(std::mem::replace(&mut best, Trace::NONE));
+                        traces.add(std::mem::replace(&mut best, FormerPlace::NONE));
                     }
                 }
             }
@@ -316,13 +316,13 @@ impl Past {
 
     /// What the past has against reading two arms of a crossing, `chord_px` apart, both traced in
     /// their directions into it, as one strand.
-    pub(crate) fn against(&self, a: &Traces, b: &Traces, chord_px: f32) -> f32 {
+    pub(crate) fn against(&self, a: &FormerPlaces, b: &FormerPlaces, chord_px: f32) -> f32 {
         if a.is_empty() || b.is_empty() {
             return 0.0;
         }
         let mut least = 1.0f32;
         for ta in a.likely(self) {
-            let onward = |tb: &&Trace| tb.rope == ta.rope && tb.ahead != ta.ahead;
+            let onward = |tb: &&FormerPlace| tb.rope == ta.rope && tb.ahead != ta.ahead;
             for tb in b.likely(self).filter(onward) {
                 let rope = &self.ropes[ta.rope as usize];
                 let way = rope.way_px(ta, tb, ta.ahead);
@@ -336,12 +336,12 @@ impl Past {
     }
 
     /// Whether two arms, as above, were no one strand: on no reading of their traces.
-    pub(crate) fn denies(&self, a: &Traces, b: &Traces, chord_px: f32) -> bool {
+    pub(crate) fn denies(&self, a: &FormerPlaces, b: &FormerPlaces, chord_px: f32) -> bool {
         self.against(a, b, chord_px) >= 0.9 * AGAINST
     }
 
     /// Whether an end of a line lies where a rope was lost under something, and no more is known.
-    pub(crate) fn was_covered(&self, end: &Traces) -> bool {
+    pub(crate) fn was_covered(&self, end: &FormerPlaces) -> bool {
         end.likely(self).all(|t| {
             let rope = &self.ropes[t.rope as usize];
             let reach = self.reach_px(rope.width_px) + rope.width_px;
@@ -351,8 +351,8 @@ impl Past {
     }
 
     /// What the past has against an arm that ends in the crossing it runs into.
-    pub(crate) fn against_end(&self, arm: &Traces) -> f32 {
-        let goes_on = |t: &Trace| {
+    pub(crate) fn against_end(&self, arm: &FormerPlaces) -> f32 {
+        let goes_on = |t: &FormerPlace| {
             let rope = &self.ropes[t.rope as usize];
             let left = if t.ahead {
                 rope.length_px - t.along_px
@@ -378,7 +378,7 @@ fn trace(
     [a, b]: [Vec2; 2],
     at: Vec2,
     toward: Vec2,
-) -> Option<Trace> {
+) -> Option<FormerPlace> {
     let step = vec2::sub(b, a);
     let length = vec2::norm(step);
     if length < 1e-6 {
@@ -392,7 +392,7 @@ fn trace(
         && (i == 0 && beyond * length < -rope.width_px
             || last && (beyond - 1.0) * length > rope.width_px);
     let off = vec2::distance(at, vec2::along(a, step, t)) / rope.width_px;
-    (off <= FARTHEST_WIDTHS && cos.abs() >= TURNED).then(|| Trace {
+    (off <= FARTHEST_WIDTHS && cos.abs() >= TURNED).then(|| FormerPlace {
         rope: if past_tip { NONE } else { index },
         along_px: (i as f32 + t) * rope.step_px(),
         ahead: cos > 0.0,

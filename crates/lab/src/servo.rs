@@ -15,11 +15,11 @@
 //! - **The controller** (`controller`) is `crates/control` between a `Reader` and the channel of commands. It knows what a robot knows of
 //!   itself (where its grippers start, how fast they may go, where they may be: `job`) and the target's points, which it fits as the
 //!   chain fits ropes. A command goes out for each image, and every 20 ms without one; the robot stops by itself after 250.
-//! - **What it sees** (`controller/eye`): the ends are in the jaws, so that a rope is `Partial` always; what counts is whether a point
+//! - **What it sees** (`controller/observer`): the ends are in the jaws, so that a rope is `Partial` always; what counts is whether a point
 //!   of it is hidden, or it is seen shorter or longer than in its first sights, by 3 %.
 //! - **By colour**: the rig's ropes are masked by their colour. With the automatic mask the rope is as well seen, and nearer to the truth, but a hand
 //!   that comes and goes over a rope in grippers may leave it bridged into a gripper: then the controller holds for good.
-//! - **A slower link** is a queue in the eye: a sight is known so much later than it came, with its own moment of exposure.
+//! - **A slower link** is a queue in the observer: a sight is known so much later than it came, with its own moment of exposure.
 //! - **The judge** (`judge`): mean distance of 120 points at equal steps. There is there when it stays: a case is closed when the rope has been
 //!   within 5 px for 1.5 s, or after `--time`.
 //! - **The film** (`camera`, `film/`) is made of the rig's frames as they pass; `report/` makes table, sentences and page from the errors alone.

@@ -76,7 +76,7 @@ pub(crate) struct Shapes {
 /// Draws ropes and looks at them.
 pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
     let mut shapes = Shapes::empty(true);
-    let mut eye = Eye::new()?;
+    let mut extractor = TimedExtractor::new()?;
     for i in 0..effort.shapes {
         let (class, kind) = KINDS[i % KINDS.len()];
         let rope_seed = seed.wrapping_mul(100_000).wrapping_add(i as u64);
@@ -85,7 +85,7 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
             None => gentle(kind, rope_seed, effort)?,
         };
         let reference = even(&drawing.dense, POINTS);
-        let seen = eye.look(&drawing.picture)?;
+        let seen = extractor.look(&drawing.picture)?;
         let seen = match &seen[..] {
             [seen] => along(&seen.points, &reference, ASTRAY_WIDTHS * drawing.width_px),
             _ => None,
@@ -105,7 +105,7 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
             shapes.pictures.push(drawing.picture);
         }
     }
-    shapes.extraction_us = eye.median_us();
+    shapes.extraction_us = extractor.median_us();
     Ok(shapes)
 }
 
@@ -195,12 +195,12 @@ pub(crate) fn pictured(
     effort: &Effort,
 ) -> Result<Shapes, PaperError> {
     let mut shapes = Shapes::empty(false);
-    let mut eye = Eye::new()?;
+    let mut extractor = TimedExtractor::new()?;
     let mut count = 0;
     for picture in pictures {
         let picture = picture.map_err(PaperError::Picture)?;
         count += 1;
-        let seen = eye.look(&picture)?;
+        let seen = extractor.look(&picture)?;
         shapes.unseen += usize::from(seen.is_empty());
         let bytes: usize = shapes.pictures.iter().map(|p| p.rgb.len()).sum();
         let fits = shapes.pictures.is_empty() || bytes + picture.rgb.len() <= KEPT_BYTES;
@@ -231,7 +231,7 @@ pub(crate) fn pictured(
     if shapes.all.is_empty() {
         return Err(PaperError::NoRope { pictures: count });
     }
-    shapes.extraction_us = eye.median_us();
+    shapes.extraction_us = extractor.median_us();
     Ok(shapes)
 }
 
@@ -274,12 +274,12 @@ pub(crate) struct Seen {
 }
 
 /// The extractor, looking at each picture as if it were the first.
-pub(crate) struct Eye {
+pub(crate) struct TimedExtractor {
     extractor: Extractor,
     times_us: Vec<f64>,
 }
 
-impl Eye {
+impl TimedExtractor {
     pub(crate) fn new() -> Result<Self, PaperError> {
         let options = Options {
             points: POINTS,

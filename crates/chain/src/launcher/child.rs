@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use super::Part;
 use crate::settings::Settings;
-use crate::stages::Seat;
+use crate::stages::Supervision;
 use crate::stages::arrangement::Lacks;
 use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken, Word};
 use crate::stop::{Stop, Stopper};
@@ -57,7 +57,7 @@ impl fmt::Display for Ending {
 }
 
 /// What a stage does until it is told to stop.
-pub(super) type Run = fn(&Settings, Seat) -> anyhow::Result<()>;
+pub(super) type Run = fn(&Settings, Supervision) -> anyhow::Result<()>;
 
 /// What a stage runs in.
 enum Host {
@@ -130,8 +130,8 @@ impl Child {
         let status = Status::on(its_end);
         let outcome = std::thread::Builder::new()
             .name(part.name().to_owned())
-            // The end of the line is dropped with the seat, also by a panic.
-            .spawn(move || run(&settings, Seat { stop, status }))
+            // The end of the line is dropped with the supervision, also by a panic.
+            .spawn(move || run(&settings, Supervision { stop, status }))
             .with_context(starting)?;
         let outcome = Some(outcome);
         Ok(Self::new(part, Host::Thread { outcome, stopper }, line))

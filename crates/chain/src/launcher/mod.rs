@@ -1,7 +1,7 @@
 //! The whole chain: starts the four stages as processes, watches them, and stops them in order.
 //!
 //! **`lariat run --fuse`** runs capture, extract and fit as threads of the chain's own process, and sink as ever. A stage is
-//! given its *seat* (what ends it, and its status line) instead of taking it from the process: the same shells, channels,
+//! given its *supervision* (what ends it, and its status line) instead of taking it from the process: the same shells, channels,
 //! status lines and order of stopping, so that nothing else differs, and whoever reads the channels sees no difference. Threads
 //! rather than one loop: a frame can be made while the last is worked off, a slow stage loses frames exactly as in a process of its
 //! own, and cores and priorities are a thread's anyway. What

@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer};
 use rustix::process::{Signal, getpid, kill_process};
 
-use super::{Seat, capture, extract, fit, sink};
+use super::{Supervision, capture, extract, fit, sink};
 use crate::settings::{Fps, Settings};
 
-type Stage = fn(&Settings, Seat) -> anyhow::Result<()>;
+type Stage = fn(&Settings, Supervision) -> anyhow::Result<()>;
 
 const STAGES: [(&str, Stage); 4] = [
     ("sink", sink::run),
@@ -80,7 +80,11 @@ fn no_stage_allocates_per_frame_once_warm() {
             let settings = &settings;
             scope.spawn(move || {
                 STAGE.set(Some(index));
-                run(settings, Seat::of_this_process().expect("a seat")).expect("the stage runs");
+                run(
+                    settings,
+                    Supervision::of_this_process().expect("a supervision"),
+                )
+                .expect("the stage runs");
             });
         }
         let domain = Domain::open().expect("a domain");

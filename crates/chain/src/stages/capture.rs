@@ -9,16 +9,16 @@ use lariat_wire::{
 };
 
 use super::arrangement::{Rest, precise_timer};
-use super::feed::{self, Feed};
+use super::slot_lender::{self, SlotLender};
 use super::status::{Sent, Word};
-use super::{Seat, Station};
+use super::{Station, Supervision};
 use crate::pipeline::{Schedule, frame_header};
 use crate::settings::{Fps, Settings, Stage};
 use crate::stop::Stop;
 
 /// Sends frames until the source or its time ends, or a signal comes.
-pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, Stage::Capture, seat)?;
+pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, Stage::Capture, supervision)?;
     let mut source = open(settings, &station)?;
     let first = match source.largest_frame_bytes() {
         // What room the frames need is known with the first.
@@ -41,7 +41,7 @@ pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
         delivery,
         ..
     } = &station;
-    let frames = feed::writer(domain, rig, delivery, source.as_ref())?;
+    let frames = slot_lender::writer(domain, rig, delivery, source.as_ref())?;
     let truth = source
         .has_truth()
         .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
@@ -49,7 +49,7 @@ pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
     let mut sender = Sender {
-        feed: Feed::new(source, &frames)?,
+        lender: SlotLender::new(source, &frames)?,
         truth: truth.as_ref(),
         schedule: Schedule::new(
             &settings.capture,
@@ -99,7 +99,7 @@ fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameS
 }
 
 struct Sender<'w> {
-    feed: Feed<'w>,
+    lender: SlotLender<'w>,
     truth: Option<&'w Writer<Centerlines>>,
     schedule: Schedule,
     sent: Sent,
@@ -118,9 +118,9 @@ impl Sender<'_> {
             let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
             let deadline_ns = self.end_ns.or(latest_ns);
             let until = Until::new(deadline_ns, stop.as_fd());
-            let next = self.feed.source.advance(&until);
+            let next = self.lender.source.advance(&until);
             rest.has_waited(until.waited_ns());
-            tell(self.feed.source.as_mut());
+            tell(self.lender.source.as_mut());
             match next.context("the source ended with a fault")? {
                 Next::Frame(frame) => {
                     let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));
@@ -141,17 +141,17 @@ impl Sender<'_> {
     /// `wait`: sleeps until the frame is due; `false` if a signal came.
     fn send(&mut self, frame: &Frame, wait: &mut impl FnMut(u64) -> bool) -> anyhow::Result<bool> {
         // Everything is in its place before the frame is due: then only the sending is left.
-        let mut slot = self.feed.slot_of(frame)?;
+        let mut slot = self.lender.slot_of(frame)?;
         let truth_slot = match self.truth {
             None => None,
             Some(writer) => {
                 let mut slot = writer.slot()?;
-                self.feed.source.truth(&mut slot).then_some(slot)
+                self.lender.source.truth(&mut slot).then_some(slot)
             }
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
-        let after_ns = self.feed.source.due_after_ns();
+        let after_ns = self.lender.source.due_after_ns();
         let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
         let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
         let is_over = self
@@ -170,7 +170,7 @@ impl Sender<'_> {
             captured_ns: now_ns(),
             ..Trace::EMPTY
         };
-        *slot.header_mut() = frame_header(frame, self.feed.source.kind(), trace);
+        *slot.header_mut() = frame_header(frame, self.lender.source.kind(), trace);
         slot.send()?;
         if let Some(mut slot) = truth_slot {
             slot.trace = trace;
@@ -179,7 +179,7 @@ impl Sender<'_> {
         // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader
         // on the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
         std::thread::yield_now();
-        self.feed.lend()?;
+        self.lender.lend()?;
         Ok(true)
     }
 }

@@ -5,13 +5,13 @@ use lariat_wire::{CENTERLINES, Centerlines, FRAMES, Writer, now_ns};
 use super::external::External;
 use super::masks::Masks;
 use super::status::{Sent, Word};
-use super::{Came, Inbox, Seat, Station};
+use super::{Came, Inbox, Station, Supervision};
 use crate::pipeline::{FrameExtractor, FrameView};
 use crate::settings::{Settings, Stage};
 
 /// Extracts until a signal comes.
-pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, Stage::Extract, seat)?;
+pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, Stage::Extract, supervision)?;
     let mut extractor = FrameExtractor::prepared(settings)?;
     let mut masks = Masks::open(settings, &station)?;
     let Station {

@@ -3,13 +3,13 @@
 use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
 
 use super::status::{Sent, Word};
-use super::{Inbox, Seat, Station};
+use super::{Inbox, Station, Supervision};
 use crate::pipeline::CurveFitter;
 use crate::settings::{Settings, Stage};
 
 /// Fits until a signal comes.
-pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
-    let mut station = Station::open(settings, Stage::Fit, seat)?;
+pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
+    let mut station = Station::open(settings, Stage::Fit, supervision)?;
     let mut curves = CurveFitter::new(settings)?;
     let Station {
         domain,

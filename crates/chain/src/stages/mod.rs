@@ -6,10 +6,10 @@ pub mod arrangement;
 pub mod capture;
 mod external;
 pub mod extract;
-mod feed;
 pub mod fit;
 mod masks;
 pub mod sink;
+mod slot_lender;
 pub mod status;
 
 use std::cell::Cell;
@@ -50,14 +50,14 @@ pub struct Station {
 }
 
 /// What ends a stage, and whom it tells how it is.
-pub struct Seat {
+pub struct Supervision {
     /// What ends it.
     pub stop: Stop,
     /// Whom it tells how it is.
     pub status: Status,
 }
 
-impl Seat {
+impl Supervision {
     /// Of a stage that is this process.
     pub fn of_this_process() -> anyhow::Result<Self> {
         Ok(Self {
@@ -69,8 +69,12 @@ impl Seat {
 
 impl Station {
     /// Of a stage.
-    pub fn open(settings: &Settings, stage: Stage, seat: Seat) -> anyhow::Result<Self> {
-        let station = Self::beside(settings, stage.name(), seat)?;
+    pub fn open(
+        settings: &Settings,
+        stage: Stage,
+        supervision: Supervision,
+    ) -> anyhow::Result<Self> {
+        let station = Self::beside(settings, stage.name(), supervision)?;
         Ok(Self {
             stage: Some(stage),
             ..station
@@ -78,8 +82,12 @@ impl Station {
     }
 
     /// Of what stands beside the stages, under a name, and has no place of its own on the machine.
-    pub fn beside(settings: &Settings, name: &'static str, seat: Seat) -> anyhow::Result<Self> {
-        let Seat { stop, status } = seat;
+    pub fn beside(
+        settings: &Settings,
+        name: &'static str,
+        supervision: Supervision,
+    ) -> anyhow::Result<Self> {
+        let Supervision { stop, status } = supervision;
         for (key, value) in settings.changed() {
             tracing::debug!("{name}: {key} = {value}");
         }

@@ -10,7 +10,7 @@ use lariat_sink::{FinalCounts, Machine, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
 use super::status::{LastWord, Word};
-use super::{Seat, Station};
+use super::{Station, Supervision};
 use crate::layout;
 use crate::run_files::RunFiles;
 use crate::settings::{Settings, Stage};
@@ -21,11 +21,11 @@ const ON_TERMINAL: Duration = Duration::from_millis(100);
 const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal comes, then reports.
-pub fn run(settings: &Settings, seat: Seat) -> anyhow::Result<()> {
+pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
     let files = RunFiles::open(settings)?;
-    let mut station = Station::open(settings, Stage::Sink, seat)?;
+    let mut station = Station::open(settings, Stage::Sink, supervision)?;
     let supervised = station.status.is_supervised();
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();

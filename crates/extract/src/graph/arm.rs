@@ -1,6 +1,6 @@
 //! An arm of a crossing: what the pairing of strands weighs.
 
-use crate::past::Traces;
+use crate::past::FormerPlaces;
 use crate::vec2::Vec2;
 
 /// One end of an edge where it meets a zone.
@@ -22,7 +22,7 @@ pub(crate) struct Arm {
     /// On which side of an overlap its strand lies at the overlap's near end, −1 to 1, by how sure it is; 0: of none.
     pub(crate) side: f32,
     /// Where it was in the last image.
-    pub(crate) past: Traces,
+    pub(crate) past: FormerPlaces,
 }
 
 impl Arm {

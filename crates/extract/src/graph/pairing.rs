@@ -149,7 +149,7 @@ pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::past::Traces;
+    use crate::past::FormerPlaces;
 
     /// An arm of a crossing in the middle, coming from `angle_deg`.
     fn spoke(angle_deg: f32, color: f32) -> Arm {
@@ -164,7 +164,7 @@ mod tests {
             half_px: 5.0,
             color: [color; 3],
             side: 0.0,
-            past: Traces::default(),
+            past: FormerPlaces::default(),
         }
     }
 

@@ -12,7 +12,7 @@ use super::Graph;
 use super::arm::Arm;
 use super::unroll::Unroll;
 use crate::image::{Image, color};
-use crate::past::{Past, Traces};
+use crate::past::{FormerPlaces, Past};
 use crate::skeleton::{NONE, Skeleton};
 use crate::statistics::quantile_of_positive;
 use crate::vec2::{self, Vec2};
@@ -268,7 +268,7 @@ impl Zones {
             half_px,
             color: [0.0; 3],
             side: 0.0,
-            past: Traces::default(),
+            past: FormerPlaces::default(),
         }
     }
 }

@@ -8,7 +8,7 @@
 use super::ends::{ALIKE, End, Scenery, known_way, plain_cost};
 use crate::centerline::line::{Line, Sample};
 use crate::image::color;
-use crate::past::{Past, Trace};
+use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
 
 /// A stretch of a joined line that is hidden, in arc length from the line's first sample.
@@ -25,7 +25,7 @@ struct Candidate {
     cost: f32,
     ends: [usize; 2],
     /// The way between them as the past has it.
-    way: Option<[Trace; 2]>,
+    way: Option<[FormerPlace; 2]>,
 }
 
 /// Memory and result of the step.
@@ -228,7 +228,7 @@ impl Bridger {
 }
 
 /// Lays the samples between two ends behind the first one's.
-fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([Trace; 2], &Past)>) {
+fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) {
     let chord_px = vec2::distance(from.at, to.at);
     let width_px = [from, to].map(|end| end.width_px);
     let way_px = way.map_or(chord_px, |([a, b], past)| {

@@ -3,7 +3,7 @@
 use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
 use crate::image::gray::GrayPlane;
-use crate::past::{Past, Trace, Traces};
+use crate::past::{FormerPlace, FormerPlaces, Past};
 use crate::vec2::{self, Vec2};
 
 /// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
@@ -35,7 +35,7 @@ pub(crate) struct End {
     pub(crate) out: Vec2,
     pub(crate) width_px: f32,
     pub(crate) color: [f32; 3],
-    pub(crate) past: Traces,
+    pub(crate) past: FormerPlaces,
     pub(crate) used: bool,
 }
 
@@ -52,11 +52,16 @@ pub(crate) struct Scenery<'a> {
 }
 
 /// What it costs to join ends between which a rope of the past ran, and the way it took.
-pub(crate) fn known_way(a: &End, b: &End, past: &Past, same: bool) -> Option<(f32, [Trace; 2])> {
+pub(crate) fn known_way(
+    a: &End,
+    b: &End,
+    past: &Past,
+    same: bool,
+) -> Option<(f32, [FormerPlace; 2])> {
     let chord = vec2::sub(b.at, a.at);
     let chord_px = vec2::norm(chord);
     let width_px = 0.5 * (a.width_px + b.width_px);
-    let mut best: Option<(f32, [Trace; 2])> = None;
+    let mut best: Option<(f32, [FormerPlace; 2])> = None;
     for ta in a.past.likely(past) {
         // The way in at b is the way out of it, turned around.
         for tb in b

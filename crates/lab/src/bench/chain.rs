@@ -11,7 +11,7 @@ use lariat_wire::{Domain, Receiver};
 use serde_json::Value;
 
 use super::figures::Outcome;
-use super::guard::{Guarded, Seat, end_all};
+use super::guard::{Guarded, Placement, end_all};
 use super::usage;
 use super::workplace::Workplace;
 
@@ -58,17 +58,17 @@ pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> R
     let mut beside = Vec::new();
     if setup.load {
         for &core in &workplace.cores {
-            let seat = Seat {
+            let placement = Placement {
                 core: Some(core),
                 fifo: false,
             };
-            let mut command = workplace.lariat(seat);
+            let mut command = workplace.lariat(placement);
             command.args(["bench-part", "spin"]);
             beside.push(Guarded::start(&mut command)?);
         }
     }
     if setup.second {
-        let mut command = workplace.lariat(Seat::default());
+        let mut command = workplace.lariat(Placement::default());
         // It outlasts the first, and is ended with it.
         command
             .arg("run")
@@ -78,7 +78,7 @@ pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> R
         workplace.sleep(Duration::from_millis(500))?;
     }
     let out = workplace.path("chain");
-    let mut command = workplace.lariat(Seat::default());
+    let mut command = workplace.lariat(Placement::default());
     command.arg("run").args(setup.arguments("bench", time));
     command.arg("--out").arg(&out);
     let measured = watch(workplace, &mut command, time, &out, "the chain");
@@ -157,7 +157,7 @@ pub(super) fn read(out: &Path, time: Duration, what: &str) -> Result<Outcome> {
 pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
     let domain = Domain::named(&workplace.domain)?;
     let reader = Receiver::descriptors(&domain, &"bench".parse()?)?;
-    let mut command = workplace.lariat(Seat::default());
+    let mut command = workplace.lariat(Placement::default());
     command.arg("run").args(setup.arguments("bench", AROUND));
     let begin = Instant::now();
     let program = Guarded::start(&mut command)?;
@@ -192,7 +192,7 @@ pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
 pub(super) fn idle(workplace: &Workplace, time: Duration) -> Result<Outcome> {
     let mut stages = Vec::new();
     for stage in ["sink", "fit", "extract"] {
-        let mut command = workplace.lariat(Seat::default());
+        let mut command = workplace.lariat(Placement::default());
         command
             .args([stage, "--rig=idle"])
             .stderr(std::process::Stdio::null());

@@ -131,7 +131,7 @@ pub(super) fn end_all(programs: Vec<Guarded>) {
 
 /// Where a program runs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Seat {
+pub(super) struct Placement {
     /// On this core alone.
     pub(super) core: Option<usize>,
     /// Under FIFO scheduling.
@@ -154,15 +154,15 @@ pub(super) struct GuardArgs {
     program: Vec<std::ffi::OsString>,
 }
 
-/// A command that becomes this program, guarded, in a seat.
-pub(super) fn command(itself: &std::path::Path, seat: Seat) -> Command {
+/// A command that becomes this program, guarded, in a placement.
+pub(super) fn command(itself: &std::path::Path, placement: Placement) -> Command {
     let mut command = Command::new(itself);
     command.args(["bench-part", "guard"]);
     command.arg(std::process::id().to_string());
-    if let Some(core) = seat.core {
+    if let Some(core) = placement.core {
         command.arg("--core").arg(core.to_string());
     }
-    if seat.fifo {
+    if placement.fifo {
         command.arg("--fifo");
     }
     command.arg("--");

@@ -11,7 +11,7 @@ use lariat_sink::Times;
 use lariat_wire::{Domain, now_ns};
 
 use super::figures::Outcome;
-use super::guard::{Guarded, Seat, end_all};
+use super::guard::{Guarded, Placement, end_all};
 use super::workplace::Workplace;
 use lariat_chain::stages::arrangement::precise_timer;
 use lariat_chain::stop::Stop;
@@ -70,13 +70,13 @@ impl Arrangement {
         )
     }
 
-    fn seat(self, place: usize, cores: &[usize]) -> Seat {
+    fn placement(self, place: usize, cores: &[usize]) -> Placement {
         let core = match self {
             Self::Free => None,
             Self::OneCore { .. } => cores.last().copied(),
             Self::Spread { .. } => cores.get(place % cores.len().max(1)).copied(),
         };
-        Seat {
+        Placement {
             core,
             fifo: self.is_fifo(),
         }
@@ -94,7 +94,7 @@ pub(super) fn measure(
     let out = workplace.path("relay");
     let mut programs = Vec::new();
     for place in (0..PROCESSES).rev() {
-        let mut command = workplace.lariat(arrangement.seat(place, &workplace.cores));
+        let mut command = workplace.lariat(arrangement.placement(place, &workplace.cores));
         command.args(["bench-part", "relay"]);
         command.arg("--place").arg(place.to_string());
         command.arg("--fps").arg(fps.to_string());

@@ -10,7 +10,7 @@ use lariat_wire::Domain;
 use rustix::thread::CpuSet;
 use tempfile::TempDir;
 
-use super::guard::{self, Guarded, Seat};
+use super::guard::{self, Guarded, Placement};
 use lariat_chain::stop::Stop;
 
 /// A domain, a folder, and what every measurement needs.
@@ -48,8 +48,8 @@ impl Workplace {
     }
 
     /// A guarded program.
-    pub(super) fn program(&self, seat: Seat, program: &Path) -> Command {
-        let mut command = guard::command(&self.itself, seat);
+    pub(super) fn program(&self, placement: Placement, program: &Path) -> Command {
+        let mut command = guard::command(&self.itself, placement);
         command
             .arg(program)
             // Of the folder it works in no settings are read.
@@ -63,8 +63,8 @@ impl Workplace {
     }
 
     /// A guarded lariat.
-    pub(super) fn lariat(&self, seat: Seat) -> Command {
-        self.program(seat, &self.itself)
+    pub(super) fn lariat(&self, placement: Placement) -> Command {
+        self.program(placement, &self.itself)
     }
 
     /// Waits until a program has ended well; otherwise the error is what it said last.

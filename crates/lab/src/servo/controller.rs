@@ -1,7 +1,7 @@
 //! The controller as a process: descriptors in by the public reader, velocities out. It knows its robot and its target, and
 //! nothing of the rope but what the camera sees.
 
-mod eye;
+mod observer;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,10 +15,10 @@ use lariat_control::{
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
 use super::job::{Job, Learner};
-use eye::{Eye, Sight};
 use lariat_chain::output::print;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stop::Stop;
+use observer::{Observer, Sight};
 
 /// A robot is told something this often at least, so that its watchdog stays quiet.
 const BEAT: Duration = Duration::from_millis(20);
@@ -46,12 +46,12 @@ pub(crate) fn run(args: &ControllerArgs) -> Result<ExitCode> {
     let domain = Domain::open()?;
     let rig = settings.run.rig.parse().context("the rig has no name")?;
     let robot = Writer::<Command>::create(&domain, &rig, &COMMANDS, &Delivery::NewestWins)?;
-    let mut eye = Eye::open(&settings, &job)?;
-    let mut servo = Servo::new(options(&job, eye.metric()?), eye.target())?;
+    let mut observer = Observer::open(&settings, &job)?;
+    let mut servo = Servo::new(options(&job, observer.metric()?), observer.target())?;
     let mut count = 0;
     let mut said = None;
     while !stop.asked() {
-        let sight = eye.look(Instant::now() + BEAT)?;
+        let sight = observer.look(Instant::now() + BEAT)?;
         let exposed_ns = sight.exposed_ns().unwrap_or(0);
         let wish = decide(&mut servo, &sight);
         count += 1;

@@ -9,7 +9,7 @@ use crate::csv::Csv;
 use crate::curves::{fitter, sampled};
 use crate::figure::{Figure, Table};
 use crate::polyline::{even, rms_apart_px, rms_from_line_px};
-use crate::shapes::{Eye, POINTS, along, still};
+use crate::shapes::{POINTS, TimedExtractor, along, still};
 use crate::{Effort, PaperError, Picture};
 
 /// Kinds of pictures, the plain one first.
@@ -48,7 +48,7 @@ pub(crate) struct Lights {
 
 impl Lights {
     pub(crate) fn run(seed: u64, effort: &Effort) -> Result<Self, PaperError> {
-        let mut eye = Eye::new()?;
+        let mut extractor = TimedExtractor::new()?;
         let mut fit = fitter(Basis::Bezier { order: 8 })?;
         let [width, height] = effort.size_px;
         let (mut rows, mut halved_px) = (Vec::new(), Vec::new());
@@ -72,7 +72,7 @@ impl Lights {
                         height,
                         rgb: still.rgb,
                     };
-                    let seen = eye.look(&picture)?;
+                    let seen = extractor.look(&picture)?;
                     let astray_px = ASTRAY_WIDTHS * rope.width_px;
                     let seen = match &seen[..] {
                         [seen] => along(&seen.points, &truth, astray_px),

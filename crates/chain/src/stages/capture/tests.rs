@@ -139,10 +139,10 @@ fn with_sender<T>(
     let domain = Domain::named(&format!("f{}", std::process::id())).expect("a domain");
     let rig: Rig = rig.parse().expect("a plain name");
     let delivery = Delivery::NewestWins;
-    let frames = feed::writer(&domain, &rig, &delivery, source.as_ref()).expect("a writer");
+    let frames = slot_lender::writer(&domain, &rig, &delivery, source.as_ref()).expect("a writer");
     let reader = Receiver::create(&domain, &rig, &FRAMES, None).expect("a reader");
     let mut sender = Sender {
-        feed: Feed::new(source, &frames).expect("slots"),
+        lender: SlotLender::new(source, &frames).expect("slots"),
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.
         schedule: schedule(Fps::PerSecond(1e-7), false),

@@ -13,7 +13,7 @@ use lariat_sink::Times;
 use serde::{Deserialize, Serialize};
 
 use crate::bench::figures::Outcome;
-use crate::bench::guard::{Guarded, Seat};
+use crate::bench::guard::{Guarded, Placement};
 use crate::bench::workplace::Workplace;
 
 /// The scripts, as they are in `crates/lab/rivals`: with them in the program, it needs no source tree.
@@ -104,7 +104,7 @@ pub(in crate::bench) fn measure(
     time: Duration,
 ) -> Result<Outcome> {
     let request = prepare(workplace, size, fps, time)?;
-    let mut command = workplace.program(Seat::default(), &workplace.python);
+    let mut command = workplace.program(Placement::default(), &workplace.python);
     command.arg(workplace.path(script.file())).arg(request);
     command.env("PYTHONDONTWRITEBYTECODE", "1");
     let mut program = Guarded::start(command.stdout(Stdio::piped()))?;

@@ -10,10 +10,10 @@ use lariat_sink::FinalCounts;
 use lariat_wire::{Centerlines, Descriptors};
 
 use super::encoding;
-use super::steps::{Camera, Counter, Eye, Hand, Task};
+use super::steps::{CaptureStep, ExtractStep, FitStep, SinkStep, Task};
 use crate::bench::chain;
 use crate::bench::figures::Outcome;
-use crate::bench::guard::{Guarded, Seat, end_all};
+use crate::bench::guard::{Guarded, Placement, end_all};
 use crate::bench::workplace::Workplace;
 use lariat_chain::stop::Stop;
 
@@ -36,7 +36,7 @@ pub(in crate::bench) fn measure(
     ];
     let mut programs = Vec::new();
     for (place, (input, output)) in ends.into_iter().enumerate() {
-        let mut command = workplace.lariat(Seat::default());
+        let mut command = workplace.lariat(Placement::default());
         command.args(["bench-part", "socket-stage", "--place"]);
         command.arg(place.to_string());
         command.args(Task::words(size, fps, time.as_secs_f64(), &out));
@@ -82,9 +82,9 @@ pub(in crate::bench) fn run(args: &StageArgs) -> Result<()> {
 
 fn capture(args: &StageArgs, mut to: UnixStream) -> Result<()> {
     let stop = Stop::on_signals()?;
-    let mut camera = Camera::new(&args.task.settings())?;
-    let mut pixels = vec![0; camera.frame_bytes()];
-    while let Some(header) = camera.next(&mut pixels, &stop)? {
+    let mut capture = CaptureStep::new(&args.task.settings())?;
+    let mut pixels = vec![0; capture.frame_bytes()];
+    while let Some(header) = capture.next(&mut pixels, &stop)? {
         encoding::write_frame(&mut to, &header, &pixels)?;
         std::thread::yield_now();
     }
@@ -93,12 +93,12 @@ fn capture(args: &StageArgs, mut to: UnixStream) -> Result<()> {
 
 fn look(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()> {
     let settings = args.task.settings();
-    let mut eye = Eye::new(&settings)?;
-    let mut pixels = vec![0; Camera::new(&settings)?.frame_bytes()];
+    let mut extract = ExtractStep::new(&settings)?;
+    let mut pixels = vec![0; CaptureStep::new(&settings)?.frame_bytes()];
     let mut message = Box::new(Centerlines::EMPTY);
     let mut bytes = Vec::new();
     while let Some(header) = encoding::read_frame(&mut from, &mut pixels)? {
-        eye.look(&header, &pixels, &mut message);
+        extract.look(&header, &pixels, &mut message);
         encoding::write(&mut to, &mut bytes, |bytes| {
             encoding::put_centerlines(bytes, &message);
         })?;
@@ -107,13 +107,13 @@ fn look(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()
 }
 
 fn fit(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()> {
-    let mut hand = Hand::new(&args.task.settings())?;
+    let mut fit = FitStep::new(&args.task.settings())?;
     let mut seen = Box::new(Centerlines::EMPTY);
     let mut message = Box::new(Descriptors::EMPTY);
     let mut bytes = Vec::new();
     while encoding::read(&mut from, &mut bytes)? {
         encoding::take_centerlines(&bytes, &mut seen);
-        hand.fit(&seen, &mut message);
+        fit.fit(&seen, &mut message);
         encoding::write(&mut to, &mut bytes, |bytes| {
             encoding::put_descriptors(bytes, &message);
         })?;
@@ -123,12 +123,12 @@ fn fit(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()>
 
 fn count(args: &StageArgs, mut from: UnixStream) -> Result<()> {
     let settings = args.task.settings();
-    let mut counter = Counter::new(&settings);
+    let mut sink = SinkStep::new(&settings);
     let mut message = Box::new(Descriptors::EMPTY);
     let mut bytes = Vec::new();
     while encoding::read(&mut from, &mut bytes)? {
         encoding::take_descriptors(&bytes, &mut message);
-        counter.count(&message);
+        sink.count(&message);
     }
-    counter.report(&settings, FinalCounts::default())
+    sink.report(&settings, FinalCounts::default())
 }

@@ -62,7 +62,7 @@ impl Task {
 }
 
 /// The first stage: the rendered rope, each frame drawn before it is due.
-pub(super) struct Camera {
+pub(super) struct CaptureStep {
     source: Box<dyn FrameSource>,
     schedule: Schedule,
     end_ns: Option<u64>,
@@ -70,7 +70,7 @@ pub(super) struct Camera {
     captured: u64,
 }
 
-impl Camera {
+impl CaptureStep {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         precise_timer();
         Ok(Self {
@@ -112,12 +112,12 @@ impl Camera {
 }
 
 /// The second stage.
-pub(super) struct Eye {
+pub(super) struct ExtractStep {
     extractor: FrameExtractor,
     extracted: u64,
 }
 
-impl Eye {
+impl ExtractStep {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
             extractor: FrameExtractor::prepared(settings)?,
@@ -138,12 +138,12 @@ impl Eye {
 }
 
 /// The third stage.
-pub(super) struct Hand {
+pub(super) struct FitStep {
     curves: CurveFitter,
     fitted: u64,
 }
 
-impl Hand {
+impl FitStep {
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
             curves: CurveFitter::new(settings)?,
@@ -163,11 +163,11 @@ impl Hand {
 }
 
 /// The last stage: the chain's own sink.
-pub(super) struct Counter {
+pub(super) struct SinkStep {
     sink: Sink,
 }
 
-impl Counter {
+impl SinkStep {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
             sink: Sink::new(settings.sink_options(true)),

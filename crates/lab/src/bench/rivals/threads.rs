@@ -7,10 +7,10 @@ use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use lariat_sink::FinalCounts;
 use lariat_wire::{Centerlines, Descriptors, FrameHeader};
 
-use super::steps::{Camera, Counter, Eye, Hand, Task};
+use super::steps::{CaptureStep, ExtractStep, FitStep, SinkStep, Task};
 use crate::bench::chain;
 use crate::bench::figures::Outcome;
-use crate::bench::guard::Seat;
+use crate::bench::guard::Placement;
 use crate::bench::workplace::Workplace;
 use lariat_chain::settings::Settings;
 use lariat_chain::stop::Stop;
@@ -28,7 +28,7 @@ pub(in crate::bench) fn measure(
     time: Duration,
 ) -> Result<Outcome> {
     let out = workplace.path("threads");
-    let mut command = workplace.lariat(Seat::default());
+    let mut command = workplace.lariat(Placement::default());
     command.args(["bench-part", "threads"]);
     command.args(Task::words(size, fps, time.as_secs_f64(), &out));
     chain::watch(workplace, &mut command, time, &out, "the four threads")
@@ -115,23 +115,23 @@ impl<T> Incoming<T> {
 /// Is the four threads, until the time is over; then writes the report.
 pub(in crate::bench) fn run(args: &ThreadsArgs) -> Result<()> {
     let (settings, stop) = (&args.task.settings(), &Stop::on_signals()?);
-    let bytes = Camera::new(settings)?.frame_bytes();
+    let bytes = CaptureStep::new(settings)?.frame_bytes();
     let frames = Link::new(|| Frame {
         header: FrameHeader::default(),
         pixels: vec![0; bytes],
     });
     let centerlines = Link::new(|| Box::new(Centerlines::EMPTY));
     let descriptors = Link::new(|| Box::new(Descriptors::EMPTY));
-    let (to_eye, from_camera) = frames.ends();
-    let (to_hand, from_eye) = centerlines.ends();
-    let (to_counter, from_hand) = descriptors.ends();
+    let (to_extract, from_capture) = frames.ends();
+    let (to_fit, from_extract) = centerlines.ends();
+    let (to_sink, from_fit) = descriptors.ends();
     std::thread::scope(|scope| {
         // Each owns its ends, so that a thread that broke off ends the others.
-        let counter = scope.spawn(move || count(settings, &from_hand));
-        let hand = scope.spawn(move || fit(settings, &from_eye, to_counter));
-        let eye = scope.spawn(move || look(settings, &from_camera, to_hand));
-        let camera = scope.spawn(move || capture(settings, stop, to_eye));
-        for thread in [camera, eye, hand, counter] {
+        let sink = scope.spawn(move || count(settings, &from_fit));
+        let fit = scope.spawn(move || fit(settings, &from_extract, to_sink));
+        let extract = scope.spawn(move || look(settings, &from_capture, to_fit));
+        let capture = scope.spawn(move || capture(settings, stop, to_extract));
+        for thread in [capture, extract, fit, sink] {
             thread.join().map_err(|_| anyhow!("a thread broke off"))??;
         }
         Ok(())
@@ -139,9 +139,9 @@ pub(in crate::bench) fn run(args: &ThreadsArgs) -> Result<()> {
 }
 
 fn capture(settings: &Settings, stop: &Stop, mut frames: Outgoing<Frame>) -> Result<()> {
-    let mut camera = Camera::new(settings)?;
+    let mut capture = CaptureStep::new(settings)?;
     while let Some(mut frame) = frames.buffer() {
-        let Some(header) = camera.next(&mut frame.pixels, stop)? else {
+        let Some(header) = capture.next(&mut frame.pixels, stop)? else {
             break;
         };
         frame.header = header;
@@ -157,12 +157,12 @@ fn look(
     frames: &Incoming<Frame>,
     mut centerlines: Outgoing<Box<Centerlines>>,
 ) -> Result<()> {
-    let mut eye = Eye::new(settings)?;
+    let mut extract = ExtractStep::new(settings)?;
     for frame in &frames.full {
         let Some(mut message) = centerlines.buffer() else {
             break;
         };
-        eye.look(&frame.header, &frame.pixels, &mut message);
+        extract.look(&frame.header, &frame.pixels, &mut message);
         frames.give_back(frame);
         centerlines.send(message);
     }
@@ -174,12 +174,12 @@ fn fit(
     centerlines: &Incoming<Box<Centerlines>>,
     mut descriptors: Outgoing<Box<Descriptors>>,
 ) -> Result<()> {
-    let mut hand = Hand::new(settings)?;
+    let mut fit = FitStep::new(settings)?;
     for seen in &centerlines.full {
         let Some(mut message) = descriptors.buffer() else {
             break;
         };
-        hand.fit(&seen, &mut message);
+        fit.fit(&seen, &mut message);
         centerlines.give_back(seen);
         descriptors.send(message);
     }
@@ -187,10 +187,10 @@ fn fit(
 }
 
 fn count(settings: &Settings, descriptors: &Incoming<Box<Descriptors>>) -> Result<()> {
-    let mut counter = Counter::new(settings);
+    let mut sink = SinkStep::new(settings);
     for message in &descriptors.full {
-        counter.count(&message);
+        sink.count(&message);
         descriptors.give_back(message);
     }
-    counter.report(settings, FinalCounts::default())
+    sink.report(settings, FinalCounts::default())
 }

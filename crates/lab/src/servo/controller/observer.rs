@@ -47,8 +47,8 @@ impl Sight {
     }
 }
 
-/// The eye of a controller.
-pub(super) struct Eye {
+/// What a controller sees by.
+pub(super) struct Observer {
     source: Source,
     target: Vec<[f64; 2]>,
     /// The rows of the basis that the target is made of; none of points.
@@ -91,7 +91,7 @@ enum Source {
     Points(Box<Receiver<Centerlines>>),
 }
 
-impl Eye {
+impl Observer {
     pub(super) fn open(settings: &Settings, job: &Job) -> Result<Self> {
         let domain = Domain::open()?;
         let rig = settings.run.rig.parse().context("the rig has no name")?;

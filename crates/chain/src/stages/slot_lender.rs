@@ -20,7 +20,7 @@ pub(super) fn writer(
 }
 
 /// A source with what it is lent.
-pub(super) struct Feed<'w> {
+pub(super) struct SlotLender<'w> {
     /// Dropped first: it lets go of the slots.
     pub(super) source: Box<dyn FrameSource>,
     /// Those in the source's hands, each under its number; none where one was given back and not yet replaced.
@@ -28,7 +28,7 @@ pub(super) struct Feed<'w> {
     writer: &'w Writer<[u8]>,
 }
 
-impl<'w> Feed<'w> {
+impl<'w> SlotLender<'w> {
     /// Lends the source what it wants. `writer`: made for this source.
     pub(super) fn new(
         source: Box<dyn FrameSource>,
@@ -36,13 +36,13 @@ impl<'w> Feed<'w> {
     ) -> Result<Self, WireError> {
         let mut lent = Vec::new();
         lent.resize_with(source.slots_wanted(), || None);
-        let mut feed = Self {
+        let mut lender = Self {
             source,
             lent,
             writer,
         };
-        feed.lend()?;
-        Ok(feed)
+        lender.lend()?;
+        Ok(lender)
     }
 
     /// Replaces the slots that were given back. Only when those are sent: the writer borrows no more than there are.
