@@ -11,7 +11,8 @@ use super::stages::{Stages, prepare};
 use super::table;
 use crate::recording::{Decoder, Gather, Gathered, RecordedSettings};
 use anyhow::{Context, Result, bail};
-use figures::{Column, Times};
+pub(super) use figures::Figures;
+use figures::Times;
 use lariat_chain::output::print;
 use lariat_chain::settings::Settings;
 use lariat_record::{Recording, Span};
@@ -27,8 +28,8 @@ pub(super) struct Comparison {
     pub(super) frames: u64,
     /// Frames whose image is not there, or whose mask.
     pub(super) skipped: u64,
-    pub(super) recorded: Column,
-    pub(super) now: Column,
+    pub(super) recorded: Figures,
+    pub(super) now: Figures,
 }
 
 /// Runs the comparison.
@@ -72,8 +73,8 @@ pub(super) struct Race {
     then: Stages,
     now: Stages,
     decoders: [Decoder; 2],
-    recorded: Column,
-    figures: Column,
+    recorded: Figures,
+    figures: Figures,
     /// With the settings of then, and of now.
     times: [Times; 2],
     count: u64,
@@ -87,8 +88,8 @@ impl Race {
             then: Stages::new(then)?,
             now: Stages::new(now)?,
             decoders: Default::default(),
-            recorded: Column::new(),
-            figures: Column::new(),
+            recorded: Figures::new(),
+            figures: Figures::new(),
             times: [Times::default(), Times::default()],
             count: 0,
             skipped: 0,

@@ -1,6 +1,6 @@
 //! A comparison as people read it.
 
-use super::compare::Comparison;
+use super::compare::{Comparison, Figures};
 use lariat_chain::layout::{self, Column, Table};
 use std::fmt::Write;
 
@@ -13,6 +13,30 @@ enum Kind {
     Time,
     /// Whole numbers; the change as such.
     Count,
+}
+
+/// What is known of the two columns beside their distances.
+type Figure = fn(&Figures) -> Option<f64>;
+
+#[rustfmt::skip]
+const FIGURES: [(&str, Kind, Figure); 13] = [
+    ("rms of the fit, mean", Kind::Distance, |c| c.rms),
+    ("frames with descriptors", Kind::Count, |c| count(c.frames)),
+    ("frames lost on the way", Kind::Count, |c| count(c.lost.total())),
+    ("frames without a rope", Kind::Count, |c| count(c.frames_without_rope)),
+    ("ropes told apart", Kind::Count, |c| count(c.ropes.len() as u64)),
+    ("ropes seen whole, in all frames", Kind::Count, |c| count(c.ropes_ok)),
+    ("ropes covered in part", Kind::Count, |c| count(c.ropes_partial)),
+    ("doubtful ropes", Kind::Count, |c| count(c.ropes_doubtful)),
+    ("ropes lost", Kind::Count, |c| count(c.ropes_lost)),
+    ("extract p50, µs", Kind::Time, |c| c.extract_us.p50),
+    ("extract p99, µs", Kind::Time, |c| c.extract_us.p99),
+    ("fit p50, µs", Kind::Time, |c| c.fit_us.p50),
+    ("fit p99, µs", Kind::Time, |c| c.fit_us.p99),
+];
+
+fn count(n: u64) -> Option<f64> {
+    Some(n as f64)
 }
 
 /// The table.
@@ -33,7 +57,6 @@ pub(super) fn text(comparison: &Comparison) -> String {
         _ => "from the recorded",
     };
     let columns = [recorded, now];
-    let count = |n: u64| Some(n as f64);
     let mut rows = Vec::new();
     for (name, distances) in [
         ("centerline", columns.map(|column| column.centerline_px)),
@@ -48,67 +71,7 @@ pub(super) fn text(comparison: &Comparison) -> String {
             rows.push(row(&name, values, Kind::Distance));
         }
     }
-    for (name, values, kind) in [
-        (
-            "rms of the fit, mean",
-            columns.map(|c| c.rms),
-            Kind::Distance,
-        ),
-        (
-            "frames with descriptors",
-            columns.map(|c| count(c.frames)),
-            Kind::Count,
-        ),
-        (
-            "frames lost on the way",
-            columns.map(|c| count(c.lost.total())),
-            Kind::Count,
-        ),
-        (
-            "frames without a rope",
-            columns.map(|c| count(c.frames_without_rope)),
-            Kind::Count,
-        ),
-        (
-            "ropes told apart",
-            columns.map(|c| count(c.ropes.len() as u64)),
-            Kind::Count,
-        ),
-        (
-            "ropes seen whole, in all frames",
-            columns.map(|c| count(c.ropes_ok)),
-            Kind::Count,
-        ),
-        (
-            "ropes covered in part",
-            columns.map(|c| count(c.ropes_partial)),
-            Kind::Count,
-        ),
-        (
-            "ropes that may be none",
-            columns.map(|c| count(c.ropes_doubtful)),
-            Kind::Count,
-        ),
-        (
-            "ropes lost",
-            columns.map(|c| count(c.ropes_lost)),
-            Kind::Count,
-        ),
-        (
-            "extract p50, µs",
-            columns.map(|c| c.extract_us.p50),
-            Kind::Time,
-        ),
-        (
-            "extract p99, µs",
-            columns.map(|c| c.extract_us.p99),
-            Kind::Time,
-        ),
-        ("fit p50, µs", columns.map(|c| c.fit_us.p50), Kind::Time),
-        ("fit p99, µs", columns.map(|c| c.fit_us.p99), Kind::Time),
-    ] {
-        rows.push(row(name, values, kind));
-    }
+    rows.extend(FIGURES.map(|(name, kind, figure)| row(name, columns.map(figure), kind)));
     let figures = ["recorded", "now", "change"].map(|heading| Column::figures(heading).wide(10));
     let columns = std::iter::once(Column::words("")).chain(figures).collect();
     format!(

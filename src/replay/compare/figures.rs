@@ -8,7 +8,7 @@ use std::time::Duration;
 
 /// One run's column, while it is filled in and when it is full.
 #[derive(Debug, Serialize)]
-pub(in crate::replay) struct Column {
+pub(in crate::replay) struct Figures {
     #[serde(skip)]
     sink: Sink,
     /// Frames with descriptors.
@@ -75,7 +75,7 @@ fn spread(mut times: Vec<Duration>) -> Spread {
     }
 }
 
-impl Column {
+impl Figures {
     pub(super) fn new() -> Self {
         Self {
             sink: Sink::new(Options::default()),
