@@ -275,3 +275,23 @@ fn long_help(key: &Key, takes: &Takes) -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The commands that take some of the flags, and ask for them by their own name.
+    const TAKE_SOME: [&str; 8] = [
+        "capture", "extract", "fit", "sink", "record", "snapshot", "trace", "replay",
+    ];
+
+    #[test]
+    fn every_flag_is_of_commands_that_there_are_and_stands_under_a_heading_that_there_is() {
+        for flag in KEYS.iter().filter_map(|key| key.flag.as_ref()) {
+            assert!(HEADINGS.contains(&flag.heading), "{}", flag.usage);
+            for command in flag.of.split_whitespace() {
+                assert!(TAKE_SOME.contains(&command), "{}: {command}", flag.usage);
+            }
+        }
+    }
+}

@@ -220,6 +220,7 @@ pub(super) const PATH: By<PathBuf> = By(
     Takes::Text,
 );
 
+/// A number of at least 0.
 pub(super) const AT_LEAST_0: By<f64> = By(
     |value| {
         let number = number(value).filter(|x| *x >= 0.0 && x.is_finite());
@@ -229,6 +230,7 @@ pub(super) const AT_LEAST_0: By<f64> = By(
     Takes::Number,
 );
 
+/// A number above 0.
 pub(super) const ABOVE_0: By<f64> = By(
     |value| {
         let number = number(value).filter(|x| *x > 0.0 && x.is_finite());
