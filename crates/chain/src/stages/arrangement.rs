@@ -372,6 +372,7 @@ impl Rest {
     pub fn if_due(&mut self, now_ns: u64) {
         let run_ns = now_ns.saturating_sub(self.awake_since_ns);
         if self.is_needed && u128::from(run_ns) > LONGEST_RUN.as_nanos() {
+            // Nothing is waited for: an ordinary program gets the core for so long.
             self.while_waiting(|| std::thread::sleep(REST));
         }
     }

@@ -1,4 +1,4 @@
-//! How much a rope differs from the table along a line: the mean over the middle of each so-many-th section, and of those
+//! How much a rope differs from the table along a line: the mean over the middle of some of its sections, and of those
 //! the median over three widths to either side, so that no speck of shine counts.
 
 use std::ops::Range;

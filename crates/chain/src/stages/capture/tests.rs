@@ -254,6 +254,7 @@ impl FrameSource for Slow {
     fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         self.0 += 1;
         if self.0 == 2 {
+            // It is the lateness that is tested; nothing is waited for.
             std::thread::sleep(Duration::from_millis(200));
         }
         Ok(Next::Frame(grey(self.0)))
