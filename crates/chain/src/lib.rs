@@ -9,6 +9,7 @@
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
+//! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`] | camera and plane as files have them |
 //! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
 
