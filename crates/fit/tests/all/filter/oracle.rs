@@ -1,7 +1,7 @@
 //! The filter is the textbook's, whatever its coordinates: held to one that is written in control points,
 //! with inverses, full matrices and Joseph's form.
 
-use crate::dense::{Dense, normals};
+use super::dense::{Dense, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;

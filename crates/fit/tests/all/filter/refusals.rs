@@ -1,6 +1,6 @@
 //! What a filter refuses, and in which words; it is then as it was.
 
-use crate::dense::Dense;
+use super::dense::Dense;
 use lariat_fit::{CurveSpace, Filter, FilterOptions, Noise};
 use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! What a filter does with ropes.
 
-use crate::dense::Dense;
+use super::dense::Dense;
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 

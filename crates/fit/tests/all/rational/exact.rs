@@ -1,6 +1,6 @@
 //! Points without noise.
 
-use crate::sampling::*;
+use super::sampling::*;
 use lariat_fit::{RationalFitter, point_at};
 use proptest::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The filter's covariances are true: over 1,000 ropes that move as it is told they do, its errors are as
 //! large as it says, within the bounds that chance allows (Bar-Shalom, Li, Kirubarajan, 5.4.2).
 
-use crate::dense::{Dense, errors, normalized_squared, normals};
+use super::dense::{Dense, errors, normalized_squared, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 

@@ -1,6 +1,6 @@
 //! How sure a fit is.
 
-use crate::sampling::*;
+use super::sampling::*;
 use lariat_fit::RationalFitter;
 use nalgebra::DMatrix;
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Points with noise, and points of any kind.
 
-use crate::sampling::*;
+use super::sampling::*;
 use lariat_fit::RationalFitter;
 use proptest::prelude::*;
 
