@@ -2,12 +2,12 @@
 
 use anyhow::{Context, Result};
 use clap::Args;
-use image::{GrayImage, ImageFormat};
+use image::GrayImage;
+use image::codecs::png::PngEncoder;
 use lariat_chain::output::{Existing, Output, print};
 use lariat_chain::picture::Picture;
 use lariat_chain::settings::mask_text;
 use lariat_extract::{Mask, doubt_pick, mask_of, pick};
-use std::io::Cursor;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -104,7 +104,7 @@ fn write(output: &Output, pixels: Vec<u8>, [width, height]: [u32; 2]) -> Result<
     let about = "cannot encode the mask";
     let mask = GrayImage::from_raw(width, height, pixels).context(about)?;
     let mut png = Vec::new();
-    mask.write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
+    mask.write_with_encoder(PngEncoder::new(&mut png))
         .context(about)?;
     output.write(&png)
 }

@@ -2,7 +2,6 @@
 //!
 //! Colours are those that the mask sees, so that what `lariat pick` finds in the picture holds in the chain.
 
-use std::io::Cursor;
 use std::os::fd::AsFd;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,7 +9,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use image::{GrayImage, ImageFormat, RgbImage};
+use image::codecs::png::PngEncoder;
+use image::{GrayImage, RgbImage};
 use lariat_capture::{Frame, FrameSource, Next, Until};
 use lariat_extract::{Image, PixelFormat};
 use lariat_wire::now_ns;
@@ -127,18 +127,18 @@ fn png(frame: &Frame, bytes: &[u8]) -> Result<Vec<u8>> {
         format,
     )?;
     let about = || "cannot encode the picture";
-    let mut png = Cursor::new(Vec::new());
+    let mut png = Vec::new();
     if matches!(format, PixelFormat::Gray8 | PixelFormat::Gray16) {
         let pixels = seen.to_rgb().into_iter().step_by(3).collect();
         let picture = GrayImage::from_raw(width, height, pixels).with_context(about)?;
         picture
-            .write_to(&mut png, ImageFormat::Png)
+            .write_with_encoder(PngEncoder::new(&mut png))
             .with_context(about)?;
     } else {
         let picture = RgbImage::from_raw(width, height, seen.to_rgb()).with_context(about)?;
         picture
-            .write_to(&mut png, ImageFormat::Png)
+            .write_with_encoder(PngEncoder::new(&mut png))
             .with_context(about)?;
     }
-    Ok(png.into_inner())
+    Ok(png)
 }

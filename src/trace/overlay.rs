@@ -5,12 +5,12 @@ use crate::descriptor_json::{Descriptor, Quality};
 use crate::trace::frames::Shown;
 use crate::trace::report::{CurveReport, Report};
 use anyhow::{Context, Result};
-use image::{ImageFormat, RgbImage};
+use image::RgbImage;
+use image::codecs::png::PngEncoder;
 use lariat_camera::Mapping;
 use lariat_chain::canvas::Canvas;
 use lariat_chain::output::{Existing, Output, OutputFolder};
 use std::collections::HashSet;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// A colour a rope, told apart also by those who see fewer colours (Okabe and Ito's set, without the black).
@@ -79,7 +79,7 @@ impl Overlays {
         )?;
         let mut png = Vec::new();
         draw(shown.picture.into_rgb(), report, mapping)
-            .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
+            .write_with_encoder(PngEncoder::new(&mut png))
             .with_context(|| format!("cannot encode {}", target.display()))?;
         output.write(&png)
     }

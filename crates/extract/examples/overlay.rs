@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(out)?;
     let mut extractor = Extractor::new(Options::default())?;
     for path in images {
-        let picture = image::open(path)?.to_rgb8();
+        let picture = image::load_from_memory(&std::fs::read(path)?)?.to_rgb8();
         let (width, height) = picture.dimensions();
         let (width, height) = (width as usize, height as usize);
         let view = Image::new(

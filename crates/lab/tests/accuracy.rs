@@ -59,7 +59,8 @@ fn a_good_set_gives_a_table_a_csv_and_overlays() {
     assert!((0.97..=1.0).contains(&dice), "{row}");
     assert_eq!(fs::read_to_string(csv).unwrap().lines().count(), 2);
     for name in ["bar.png", "contact.png"] {
-        let picture = image::open(overlay.join("bars").join(name)).unwrap();
+        let picture = fs::read(overlay.join("bars").join(name)).unwrap();
+        let picture = image::load_from_memory(&picture).unwrap();
         assert!(picture.width() > 0);
     }
 }

@@ -5,11 +5,11 @@
 //! rope, for only that is seen there). At a crossing the strand on top
 //! is white, over a black stretch of the lower one; what the extractor is unsure of (confidence below a half) is ringed.
 
-use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use image::{ImageFormat, RgbImage, imageops};
+use image::codecs::png::PngEncoder;
+use image::{RgbImage, imageops};
 use lariat_extract::{Crossing, Curve};
 
 use super::dataset::Pair;
@@ -44,11 +44,11 @@ pub(super) fn write_set(folder: &Path, pairs: &[Pair], images: &[Measured]) -> R
 }
 
 fn write(path: &Path, picture: &RgbImage) -> Result<()> {
-    let mut bytes = Cursor::new(Vec::new());
+    let mut png = Vec::new();
     picture
-        .write_to(&mut bytes, ImageFormat::Png)
+        .write_with_encoder(PngEncoder::new(&mut png))
         .with_context(|| format!("cannot encode {}", path.display()))?;
-    whole_file::write(path, bytes.get_ref())
+    whole_file::write(path, &png)
 }
 
 /// The thumbnails in rows, each in a cell as high as the highest.

@@ -1,5 +1,7 @@
 //! A picture file, decoded and upright.
 
+use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -11,9 +13,11 @@ use image::{DynamicImage, ImageDecoder, ImageReader};
 /// There is no such file, it is no picture, or it is damaged.
 pub(super) fn load(path: &Path) -> Result<DynamicImage> {
     let shown = path.display();
-    let reader = ImageReader::open(path)
-        .and_then(ImageReader::with_guessed_format)
-        .with_context(|| format!("cannot open the picture {shown}"))?;
+    let unread = || format!("cannot open the picture {shown}");
+    let bytes = fs::read(path).with_context(unread)?;
+    let reader = ImageReader::new(Cursor::new(&bytes[..]))
+        .with_guessed_format()
+        .with_context(unread)?;
     let about = || format!("cannot read {shown} as a PNG or JPEG picture");
     let mut decoder = reader.into_decoder().with_context(about)?;
     // A damaged note beside the pixels does not spoil them.
