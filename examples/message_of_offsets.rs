@@ -10,12 +10,11 @@
 //! standard input ends, and "sent" is printed after the first.
 
 use std::io::Read;
-use std::mem::offset_of;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use lariat_wire::fields::{Message, Place};
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Rig, Writer};
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Rig, Writer};
 
 #[allow(dead_code, reason = "a test has the message alone")]
 fn main() -> anyhow::Result<()> {
@@ -50,11 +49,6 @@ fn main() -> anyhow::Result<()> {
 pub(crate) fn message() -> Box<Descriptors> {
     let mut message = Box::new(Descriptors::EMPTY);
     fill(&mut *message, 0);
-    // What is reserved says where it lies too.
-    for (i, rope) in message.curves.iter_mut().enumerate() {
-        let at = offset_of!(Descriptors, curves) + i * size_of::<Descriptor>();
-        rope.reserved = (at + offset_of!(Descriptor, reserved)) as u32;
-    }
     message
 }
 
@@ -62,7 +56,7 @@ pub(crate) fn message() -> Box<Descriptors> {
 fn fill(message: &mut dyn Message, at: usize) {
     message.visit_mut(&mut |field, place| {
         let at = at + field.offset;
-        // Exact, as no offset has more than 16 bits.
+        // Exact, as no offset has more than 18 bits.
         match place {
             Place::U32(word) => *word = at as u32,
             Place::U64(word) => *word = at as u64,

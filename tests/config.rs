@@ -172,7 +172,7 @@ fn flags_win_over_the_file_and_the_file_over_the_defaults() {
         "frames = 240  # --frames",
         "points = 60  # --points",
         "out = \"report\"  # --out",
-        "ropes = 8  # default",
+        "ropes = 24  # default",
     ] {
         assert!(shown.lines().any(|shown| shown == line), "{line}\n{shown}");
     }

@@ -251,7 +251,11 @@ fn every_field_of_a_message_is_read_in_its_place() {
     for (i, rope) in message.curves.iter().enumerate() {
         let at = offset_of!(Descriptors, curves) + i * size_of::<Descriptor>();
         integers!(Descriptor, rope, at; track, status, basis, order, count, samples, closed, border, age_ns, hidden,
-            filtered, fit, reserved);
+            filtered, fit);
+        assert_eq!(
+            f64::from(rope.confidence),
+            (at + offset_of!(Descriptor, confidence)) as f64 + 0.5
+        );
         floats!(rope, at; rms, max, residual_variance, condition, length, width);
         arrays!(rope, at; control_points, covariances, velocities);
         for (j, (weight, knot)) in rope.weights.iter().zip(rope.knots).enumerate() {

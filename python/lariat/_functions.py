@@ -31,7 +31,7 @@ def trace(
     mask: Literal["auto"] | MaskImage | HsvRange | Sequence[HsvRange] = "auto",
     method: MethodName = "skeleton",
     points: int = 120,
-    ropes: int = 8,
+    ropes: int = 24,
     start: tuple[float, float] | None = None,
     roi: tuple[int, int, int, int] | None = None,
     pixel_format: PixelFormat | None = None,
@@ -47,7 +47,7 @@ def trace(
             proposes them; or a picture of the same size, ``bool``, or ``uint8`` with rope from 128 on.
         method: How the mask becomes a centerline.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
-        ropes: The most ropes reported, the longest first.
+        ropes: The most ropes reported, the surest and longest.
         start: A rope's first point is the end nearest to this position, in px. If not given, to the top left.
         roi: The part of the image that is read: x, y, width, height in px.
         pixel_format: ``"bgr"`` for what OpenCV reads; if not given, ``"gray"`` or ``"rgb"`` by the shape.

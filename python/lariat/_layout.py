@@ -42,7 +42,7 @@ _DESCRIPTOR = np.dtype(
         ("hidden", "u4"),
         ("filtered", "u4"),
         ("fit", "u4"),
-        ("reserved", "u4"),
+        ("confidence", "f4"),
         ("control_points", "f8", (32, 2)),
         ("weights", "f8", (32,)),
         ("covariances", "f8", (32, 3)),
@@ -68,11 +68,11 @@ MESSAGE = np.dtype(
         ("height", "u4"),
         ("count", "u4"),
         ("unit", "u4"),
-        ("curves", _DESCRIPTOR, (8,)),
-        ("centerlines", _CENTERLINE, (8,)),
+        ("curves", _DESCRIPTOR, (24,)),
+        ("centerlines", _CENTERLINE, (24,)),
     ]
 )
-"""The type of ``Frame.message``: ``lariat.Descriptors.v5``."""
+"""The type of ``Frame.message``: ``lariat.Descriptors.v6``."""
 
 
 def record(message: NDArray[np.uint8]) -> Any:

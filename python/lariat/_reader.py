@@ -36,9 +36,10 @@ class Reader(_native.Reader):
         timeout: How long to wait for the next image, s.
         accept_coarse: A curve that does not lie on the rope is ``Fresh`` all the same: for who compares descriptors, and needs no
             point of the curve to be on the rope. Otherwise such a rope is ``Unsure``.
+        min_confidence: The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is ``Unsure``.
 
     Raises:
-        ValueError: no such name.
+        ValueError: no such name, or a confidence outside 0 to 1.
         OSError: no shared memory, a chain of another release or of another user, or 24 readers already.
     """
 

@@ -28,12 +28,24 @@ pub(crate) struct Reader {
 #[pymethods]
 impl Reader {
     #[new]
-    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false))]
-    fn new(py: Python<'_>, rig: &str, timeout: f64, accept_coarse: bool) -> PyResult<Self> {
+    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false, min_confidence=0.0))]
+    fn new(
+        py: Python<'_>,
+        rig: &str,
+        timeout: f64,
+        accept_coarse: bool,
+        min_confidence: f32,
+    ) -> PyResult<Self> {
         let timeout = seconds("timeout", timeout)?;
+        if !(0.0..=1.0).contains(&min_confidence) {
+            return Err(value_error(format!(
+                "invalid min_confidence {min_confidence}: give a number from 0 to 1"
+            )));
+        }
         let opened = py.detach(|| lariat_wire::Reader::open_in(Domain::open()?, &rig.parse()?));
         let mut reader = opened.map_err(wire_error)?;
         reader.accept_coarse(accept_coarse);
+        reader.min_confidence(min_confidence);
         Ok(Self {
             reader: Mutex::new(Some(reader)),
             rig: rig.to_owned(),

@@ -123,6 +123,12 @@ impl Rope {
         self.descriptor().fit().map(FitQuality::name)
     }
 
+    /// How sure it is that this is a rope, and its centerline whole and in order, 0 to 1: of those at 0.9, nine of ten are.
+    #[getter]
+    fn confidence(&self) -> f32 {
+        self.descriptor().confidence
+    }
+
     /// Its curve: any point of it, its direction, its covariance.
     #[getter]
     fn shape(this: &Bound<'_, Self>) -> PyResult<Shape> {

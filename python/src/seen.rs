@@ -143,11 +143,12 @@ impl Unsure {
     }
 
     /// `"coarse"`: the curve does not lie on the rope, but its `centerline` does. `"no-rope"`: it may be a shadow, a pen or
-    /// an edge.
+    /// an edge. `"low-confidence"`: its `confidence` is less than the reader's `min_confidence`.
     #[getter]
     fn why(&self) -> &'static str {
         match self.why {
             Doubt::Coarse => "coarse",
+            Doubt::LowConfidence => "low-confidence",
             // The only other one that this release has.
             _ => "no-rope",
         }

@@ -42,12 +42,14 @@ pub(crate) struct Tracer {
 #[pymethods]
 impl Tracer {
     #[new]
-    #[pyo3(signature = (*, mask=None, method="skeleton", points=120, ropes=8, start=None, keep_lost_s=1.0, roi=None))]
+    #[pyo3(signature = (*, mask=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, keep_lost_s=1.0, roi=None))]
+    #[allow(clippy::too_many_arguments)] // Of Python they are named.
     fn new(
         mask: Option<&Bound<'_, PyAny>>,
         method: &str,
         points: usize,
         ropes: usize,
+        min_confidence: f32,
         start: Option<[f32; 2]>,
         keep_lost_s: f64,
         roi: Option<[usize; 4]>,
@@ -63,6 +65,7 @@ impl Tracer {
             method: method.parse::<Method>().map_err(value_error)?,
             points,
             ropes,
+            min_confidence,
             // The extractor sees the region alone.
             start: match (start, region) {
                 (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),

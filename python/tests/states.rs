@@ -71,6 +71,7 @@ fn fill(message: &mut Descriptors, what: &str) -> Result<(), Box<dyn std::error:
         "partial" => (rope_0.status, rope_0.hidden) = (Status::Partial as u32, 30),
         "lost" => (rope_0.status, rope_0.age_ns) = (Status::Lost as u32, 250_000_000),
         "coarse" => (rope_0.fit, rope_0.max) = (FitQuality::Coarse as u32, 15.8),
+        "unsure" => rope_0.confidence = 0.42,
         "doubtful" => rope_0.status = Status::Doubtful as u32,
         "unfiltered" => rope_0.filtered = 0,
         "points" => rope_0.basis = Basis::FeaturePoints as u32,
@@ -101,6 +102,7 @@ fn rope(track: u32) -> Result<Descriptor, Box<dyn std::error::Error>> {
         condition: fitter.last().condition,
         length: 147.9,
         width: 9.0,
+        confidence: 0.97,
         filtered: 1,
         ..Descriptor::EMPTY
     };

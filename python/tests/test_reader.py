@@ -117,6 +117,23 @@ def test_a_coarse_curve_and_a_doubtful_rope_are_not_fresh(states: States, reader
             pytest.fail(str(other))
 
 
+def test_a_rope_below_the_confidence_that_is_asked_for_is_not_fresh(states: States, reader: lariat.Reader) -> None:
+    states.send("unsure")
+    rope = wait_new(reader).only_rope(ANY_AGE).or_raise()
+    assert rope.confidence == pytest.approx(0.42)
+    with lariat.Reader(min_confidence=0.9) as asks:
+        states.send("unsure")
+        match wait_new(asks).only_rope(ANY_AGE):
+            case lariat.Unsure(_, "low-confidence") as seen:
+                assert "42 %" in str(seen)
+            case other:
+                pytest.fail(str(other))
+        states.send("whole")
+        assert wait_new(asks).only_rope(ANY_AGE).or_raise().confidence == pytest.approx(0.97)
+    with pytest.raises(ValueError, match="from 0 to 1"):
+        lariat.Reader(min_confidence=1.5)
+
+
 def test_the_points_come_with_the_curve_and_are_not_copied(states: States, reader: lariat.Reader) -> None:
     states.send("two")
     ropes = [seen.or_raise() for seen in wait_new(reader).ropes(ANY_AGE)]

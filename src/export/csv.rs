@@ -8,7 +8,7 @@ use lariat_wire::Descriptors;
 use std::io::{self, Write};
 
 /// The columns before the control points.
-const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,fit,rms,max,filtered";
+const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,confidence,fit,rms,max,filtered";
 
 pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     let about = || part.failure();
@@ -68,7 +68,7 @@ fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io:
     for (i, curve) in message.curves().iter().enumerate() {
         write!(
             to,
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             beginning[0],
             beginning[1],
             i + 1,
@@ -80,6 +80,7 @@ fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io:
             unit(message),
             curve.length,
             curve.width,
+            curve.confidence,
             fit(curve),
             curve.rms,
             curve.max,
@@ -110,7 +111,7 @@ mod tests {
         write_frame(&mut text, &message, 3).unwrap();
         let text = head(3) + &String::from_utf8(text).unwrap();
         let columns: Vec<_> = text.lines().map(|row| row.split(',').count()).collect();
-        assert_eq!(columns, [21; 4]);
+        assert_eq!(columns, [22; 4]);
         assert!(text.contains(",x2,y2\n"));
     }
 }

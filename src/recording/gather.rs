@@ -227,9 +227,9 @@ impl Gather {
         match entry {
             Entry::Frame(frame) => copy(&frame, &mut gathered.frame),
             Entry::Mask(mask) => copy(&mask, &mut gathered.mask),
-            Entry::Centerlines(message) => *gathered.centerlines = *message,
-            Entry::Descriptors(message) => *gathered.descriptors = *message,
-            Entry::Truth(message) => *gathered.truth = *message,
+            Entry::Centerlines(message) => gathered.centerlines.copy_meant(message),
+            Entry::Descriptors(message) => gathered.descriptors.copy_meant(message),
+            Entry::Truth(message) => gathered.truth.copy_meant(message),
             Entry::Losses(_) => {}
         }
         Ok(())

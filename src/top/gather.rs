@@ -280,10 +280,8 @@ impl Look {
             self.recent.add(trace);
         }
         self.rates(trace);
-        match &mut self.newest {
-            Some(newest) => **newest = *message,
-            None => self.newest = Some(Box::new(*message)),
-        }
+        let empty = || Box::new(Descriptors::EMPTY);
+        self.newest.get_or_insert_with(empty).copy_meant(message);
         self.reach = message
             .curves()
             .iter()
@@ -352,6 +350,7 @@ fn rope(descriptor: &Descriptor) -> Rope {
         order: descriptor.order,
         length: descriptor.length,
         rms: descriptor.rms,
+        confidence: descriptor.confidence,
         is_coarse: descriptor.fit() == Some(FitQuality::Coarse),
         age_s: descriptor.age_ns as f64 / 1e9,
         // A Fourier series has coefficients, not points.

@@ -83,6 +83,8 @@ pub(super) struct Rope {
     pub(super) order: u32,
     pub(super) length: f64,
     pub(super) rms: f64,
+    /// How sure it is that it is a rope, 0 to 1.
+    pub(super) confidence: f32,
     /// Its curve does not lie on its points.
     pub(super) is_coarse: bool,
     /// How long before the image it was last seen.

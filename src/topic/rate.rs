@@ -292,8 +292,14 @@ mod tests {
     use super::*;
     use lariat_wire::Centerlines;
 
-    fn shape(sequence: u64, captured: u64, extracted: u64, fitted: u64, ms: u64) -> Descriptors {
-        let mut message = Descriptors::EMPTY;
+    fn shape(
+        sequence: u64,
+        captured: u64,
+        extracted: u64,
+        fitted: u64,
+        ms: u64,
+    ) -> Box<Descriptors> {
+        let mut message = Box::new(Descriptors::EMPTY);
         message.trace = Trace {
             sequence,
             captured,

@@ -30,6 +30,8 @@ pub(super) struct CurveReport {
     pub(super) closed: bool,
     /// Whether the first and the last point lie where the rope leaves the image.
     pub(super) border: [bool; 2],
+    /// How sure it is that it is a rope, whole and in order: 0 to 1.
+    pub(super) confidence: f64,
     pub(super) length_px: f64,
     pub(super) width_px: f64,
     pub(super) points: Vec<[f64; 2]>,
@@ -162,6 +164,7 @@ fn curve_report(
         status: curve.status.name(),
         closed: curve.closed,
         border: curve.border,
+        confidence: rounded(&curve.confidence),
         length_px: rounded(&curve.length_px),
         width_px: rounded(&curve.width_px),
         points: curve
@@ -215,6 +218,7 @@ impl Table {
                 .rank(3),
             Column::figures("rope"),
             Column::words("status").wide("doubtful".len()),
+            Column::figures("sure %").rank(4),
             Column::figures("long px").wide("1234.5".len()),
             Column::figures("wide px"),
             Column::figures("crossings").rank(1),
@@ -245,7 +249,7 @@ impl Table {
             let none = String::new();
             let row = [
                 &name, &size, "-", "no rope", &none, &none, &none, &none, &none, &none, &none,
-                &time,
+                &none, &time,
             ];
             return output.write_all(self.table.row(row).as_bytes());
         }
@@ -257,6 +261,7 @@ impl Table {
                 size,
                 curve.track.to_string(),
                 curve.status.to_owned(),
+                format!("{:.0}", 100.0 * curve.confidence),
                 format!("{:.1}", curve.length_px),
                 format!("{:.1}", curve.width_px),
                 report.crossings_of(curve.track).to_string(),

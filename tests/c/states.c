@@ -54,6 +54,7 @@ static void ask_before_the_chain_runs(void) {
     HOLDS(lariat_before_poll(reader, &timeout_ms) == 0 && timeout_ms >= -1 && timeout_ms <= 100);
     HOLDS(lariat_centerline_of(reader, rope.fresh) == NULL);
     HOLDS(lariat_accept_coarse(reader, 1) == 0 && lariat_accept_coarse(NULL, 1) == LARIAT_ERROR_NULL);
+    HOLDS(lariat_min_confidence(reader, 0.9f) == 0 && lariat_min_confidence(NULL, 0.9f) == LARIAT_ERROR_NULL);
     HOLDS(lariat_look_for(reader, 0) == 0 && lariat_expect_motion(reader, 500, 0.1) == 0);
     lariat_close(reader);
 }

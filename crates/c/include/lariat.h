@@ -102,7 +102,7 @@
 #define LARIAT_ERROR_IMAGE -15
 
 // Most ropes in one frame.
-#define LARIAT_MAX_ROPES 8
+#define LARIAT_MAX_ROPES 24
 
 // Most control points of one rope.
 #define LARIAT_MAX_CONTROL_POINTS 32
@@ -191,7 +191,8 @@ typedef enum lariat_seen {
   LARIAT_OTHER_RUN = 10,
   // Its numbers make no rope. A chain of this release sends none such.
   LARIAT_UNREADABLE = 11,
-  // A rope, or what looks like one, but its curve does not lie on it, or it may be no rope: `doubt` says which.
+  // A rope, or what looks like one, but its curve does not lie on it, it may be no rope, or its confidence is less than was
+  // asked for: `doubt` says which.
   LARIAT_UNSURE = 12,
 } lariat_seen;
 
@@ -203,6 +204,8 @@ typedef enum lariat_doubt {
   LARIAT_DOUBT_COARSE = 1,
   // It is seen whole, but what is seen may be no rope: a shadow, a pen, an edge.
   LARIAT_DOUBT_NO_ROPE = 2,
+  // Its confidence is less than was asked for: lariat_min_confidence.
+  LARIAT_DOUBT_CONFIDENCE = 3,
 } lariat_doubt;
 
 // A control loop's end of a rig.
@@ -263,8 +266,8 @@ typedef struct lariat_descriptor {
   uint32_t filtered;
   // A LARIAT_FIT_…: whether the curve lies on its points.
   uint32_t fit;
-  // Always 0.
-  uint32_t reserved;
+  // How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+  float confidence;
   // The control points, `[x, y]` in the message's unit.
   double control_points[LARIAT_MAX_CONTROL_POINTS][2];
   // Their weights: rational bases only, 1 elsewhere.
@@ -339,7 +342,7 @@ typedef struct lariat_rope {
   const struct lariat_descriptor *fresh;
   // LARIAT_PARTIAL: the rope with a covered part. Else NULL.
   const struct lariat_descriptor *partial;
-  // LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none. Else NULL.
+  // LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none, or too low a confidence. Else NULL.
   const struct lariat_descriptor *unsure;
   // LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
   const struct lariat_descriptor *last_known;
@@ -447,6 +450,13 @@ int lariat_look_for(struct lariat_reader *reader,
 // Returns 0, or an error.
 int lariat_accept_coarse(struct lariat_reader *reader,
                          int accept);
+
+// The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is LARIAT_UNSURE. From the start 0,
+// which asks for nothing.
+//
+// Returns 0, or an error.
+int lariat_min_confidence(struct lariat_reader *reader,
+                          float least);
 
 // How ropes are taken to move, for lariat_predict: the standard deviation of a point's acceleration along each axis, in
 // units/s² (`acceleration_px_s2` in the chain's settings), and how long one lasts, in s. From the start 1000 and 0.1, the

@@ -166,6 +166,18 @@ pub unsafe extern "C" fn lariat_accept_coarse(reader: *mut lariat_reader, accept
     })
 }
 
+/// The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is LARIAT_UNSURE. From the start 0,
+/// which asks for nothing.
+///
+/// Returns 0, or an error.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lariat_min_confidence(reader: *mut lariat_reader, least: f32) -> c_int {
+    answer(|| {
+        given(reader)?.reader.min_confidence(least);
+        Ok(0)
+    })
+}
+
 /// How ropes are taken to move, for lariat_predict: the standard deviation of a point's acceleration along each axis, in
 /// units/s² (`acceleration_px_s2` in the chain's settings), and how long one lasts, in s. From the start 1000 and 0.1, the
 /// chain's own in pixels.

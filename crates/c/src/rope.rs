@@ -40,7 +40,8 @@ pub enum lariat_seen {
     LARIAT_OTHER_RUN = 10,
     /// Its numbers make no rope. A chain of this release sends none such.
     LARIAT_UNREADABLE = 11,
-    /// A rope, or what looks like one, but its curve does not lie on it, or it may be no rope: `doubt` says which.
+    /// A rope, or what looks like one, but its curve does not lie on it, it may be no rope, or its confidence is less than was
+    /// asked for: `doubt` says which.
     LARIAT_UNSURE = 12,
 }
 
@@ -54,6 +55,8 @@ pub enum lariat_doubt {
     LARIAT_DOUBT_COARSE = 1,
     /// It is seen whole, but what is seen may be no rope: a shadow, a pen, an edge.
     LARIAT_DOUBT_NO_ROPE = 2,
+    /// Its confidence is less than was asked for: lariat_min_confidence.
+    LARIAT_DOUBT_CONFIDENCE = 3,
 }
 
 use lariat_doubt::*;
@@ -83,7 +86,7 @@ pub struct lariat_rope {
     pub fresh: *const lariat_descriptor,
     /// LARIAT_PARTIAL: the rope with a covered part. Else NULL.
     pub partial: *const lariat_descriptor,
-    /// LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none. Else NULL.
+    /// LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none, or too low a confidence. Else NULL.
     pub unsure: *const lariat_descriptor,
     /// LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
     pub last_known: *const lariat_descriptor,
@@ -117,6 +120,7 @@ impl lariat_rope {
     fn of(seen: Seen) -> Self {
         let doubt = match seen {
             Seen::Unsure(_, Doubt::Coarse) => LARIAT_DOUBT_COARSE,
+            Seen::Unsure(_, Doubt::LowConfidence) => LARIAT_DOUBT_CONFIDENCE,
             Seen::Unsure(..) => LARIAT_DOUBT_NO_ROPE,
             _ => LARIAT_DOUBT_NONE,
         };
@@ -258,7 +262,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         LARIAT_FRESH => c"the rope is seen whole",
         LARIAT_PARTIAL => c"a part of the rope is covered",
         LARIAT_UNSURE => {
-            c"the curve does not lie on the rope, but its centerline does; or it may be no rope"
+            c"the curve does not lie on the rope, but its centerline does; or it may be no rope, or its confidence is too low"
         }
         LARIAT_LOST => c"the rope is out of sight",
         LARIAT_STALE => c"the last image of the rope is too old",

@@ -144,6 +144,7 @@ mod bitmap;
 mod centerline;
 mod chords;
 mod clustering;
+mod confidence;
 mod crossings;
 mod extractor;
 mod graph;

@@ -30,8 +30,11 @@ pub enum Notice {
     LikeAnEdge,
     /// Something round may be a rim.
     LikeARim,
-    /// More curves were found than are ever reported: the shortest were left out.
+    /// More curves were found than are ever reported: the least sure and shortest were left out.
     TooMany,
+    /// A curve's [confidence](crate::Curve::confidence) is below [the threshold](crate::Options::min_confidence), and nothing
+    /// else says why.
+    Unsure,
     /// The whole image is black.
     Black,
     /// The whole image is white.
@@ -53,6 +56,7 @@ impl Notice {
             Notice::LikeAnEdge => "like-an-edge",
             Notice::LikeARim => "like-a-rim",
             Notice::TooMany => "too-many",
+            Notice::Unsure => "unsure",
             Notice::Black => "black",
             Notice::White => "white",
         }
@@ -107,8 +111,12 @@ impl fmt::Display for Notice {
                  light the table from more sides, or give the rope's own colour as the mask"
             }
             Notice::TooMany => {
-                "there are more ropes, or things like them, than can be reported, and the shortest were left out: show \
+                "there are more ropes, or things like them, than can be reported, and the least sure and shortest were left out: show \
                  fewer, read a region only (roi), or give the ropes' own colour as the mask"
+            }
+            Notice::Unsure => {
+                "a rope's edges are faint, uneven or unlike each other, or much of it is covered, so that it may be no rope, or not \
+                 whole: put it on a table of another colour, light it better, or give the rope's own colour as the mask"
             }
             Notice::Black => {
                 "the whole image is black: uncover the lens, put the light on, or expose longer"

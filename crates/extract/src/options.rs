@@ -41,8 +41,11 @@ pub struct Options {
     pub method: Method,
     /// N, the points of each centerline, 2 to 256.
     pub points: usize,
-    /// The most curves reported (the longest ones), 1 to 64.
+    /// The most curves reported (the surest and longest: those of the largest confidence × length), 1 to 64.
     pub ropes: usize,
+    /// The [confidence](crate::Curve::confidence) below which a curve is told of
+    /// ([`Notice::Unsure`](crate::Notice::Unsure)), 0 to 1. It is reported all the same.
+    pub min_confidence: f32,
     /// On the first frame, the end nearest to this position (in pixels) is the first point;
     /// `None`: the end nearest to the top left.
     pub start: Option<[f32; 2]>,
@@ -56,7 +59,8 @@ impl Default for Options {
             mask: Mask::Auto,
             method: Method::Skeleton,
             points: 120,
-            ropes: 8,
+            ropes: 24,
+            min_confidence: 0.5,
             start: None,
             keep_lost: Duration::from_secs(1),
         }
@@ -72,6 +76,9 @@ pub enum OptionsError {
     /// The number of ropes is out of range.
     #[error("at most {0} ropes: choose 1 to 64")]
     Ropes(usize),
+    /// The confidence is out of range.
+    #[error("a confidence of {0}: choose 0 to 1")]
+    Confidence(f32),
     /// No colour range was given.
     #[error("the mask is by HSV but has no range: give at least one, or use the automatic mask")]
     NoRange,
@@ -115,6 +122,9 @@ impl Options {
         }
         if !(1..=64).contains(&self.ropes) {
             return Err(OptionsError::Ropes(self.ropes));
+        }
+        if !(0.0..=1.0).contains(&self.min_confidence) {
+            return Err(OptionsError::Confidence(self.min_confidence));
         }
         if let Some(start) = self.start
             && !(start[0].is_finite() && start[1].is_finite())

@@ -24,7 +24,7 @@ pub use frame_header::FrameHeader;
 pub use trace::Trace;
 
 /// Most curves in one frame.
-pub const MAX_CURVES: usize = 8;
+pub const MAX_CURVES: usize = 24;
 /// Most points of one centerline.
 pub const MAX_POINTS: usize = 256;
 /// Most control points of one descriptor.

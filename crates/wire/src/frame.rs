@@ -1,6 +1,6 @@
-#![allow(unsafe_code)] // A message that is kept begins as zeros, in its place.
 //! What a reader knows at one moment: the newest message, and how old it is now.
 
+use std::sync::Mutex;
 use std::time::Duration;
 
 use crate::rope::Moment;
@@ -102,12 +102,17 @@ impl<'a> Frame<'a> {
 
 /// A frame that is kept: what its message says, copied out of shared memory, so that it stays when the reader looks again,
 /// and can go to another thread.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct KeptFrame {
     message: Option<Box<Descriptors>>,
     moment: Moment,
     is_new: bool,
 }
+
+/// Messages that are kept no more. A new one has to be cleared whole, which takes longer than to copy what one rope means.
+static SPARE: Mutex<Vec<Box<Descriptors>>> = Mutex::new(Vec::new());
+/// So many: a loop keeps the last frame while it looks at the next.
+const MOST_SPARE: usize = 4;
 
 impl Frame<'_> {
     /// Copies what the message means, 4 KB a rope, to keep the frame.
@@ -120,27 +125,33 @@ impl Frame<'_> {
     }
 }
 
-/// What is meant of a message; the rest is zero. To copy all of it would take four times as long, the most of it to fetch what is
+/// What is meant of a message; the rest is empty. To copy all of it would take many times as long, the most of it to fetch what is
 /// stale.
 fn copied(message: &Descriptors) -> Box<Descriptors> {
-    let mut copy = Box::<Descriptors>::new_uninit();
-    // SAFETY: it is all written, with zeros; every bit pattern is a message.
-    let mut copy = unsafe {
-        copy.as_mut_ptr().write_bytes(0, 1);
-        copy.assume_init()
-    };
-    copy.trace = message.trace;
-    (copy.width, copy.height) = (message.width, message.height);
-    (copy.count, copy.unit) = (message.count, message.unit);
-    let curves = message.curves();
-    copy.curves[..curves.len()].copy_from_slice(curves);
-    for (to, from) in copy.centerlines.iter_mut().zip(message.centerlines()) {
-        let (points, widths) = (from.points(), from.widths());
-        (to.count, to.closed, to.hidden) = (from.count, from.closed, from.hidden);
-        to.points[..points.len()].copy_from_slice(points);
-        to.widths[..widths.len()].copy_from_slice(widths);
-    }
+    // Nobody waits for another thread here.
+    let spare = SPARE.try_lock().ok().and_then(|mut spare| spare.pop());
+    let mut copy = spare.unwrap_or_else(|| Box::new(Descriptors::EMPTY));
+    let used = copy.curves().len();
+    copy.curves[..used].fill(Descriptor::EMPTY);
+    copy.centerlines[..used].fill(CenterlinePoints::EMPTY);
+    copy.copy_meant(message);
     copy
+}
+
+impl Clone for KeptFrame {
+    fn clone(&self) -> Self {
+        self.frame().keep()
+    }
+}
+
+impl Drop for KeptFrame {
+    fn drop(&mut self) {
+        if let (Some(message), Ok(mut spare)) = (self.message.take(), SPARE.try_lock())
+            && spare.len() < MOST_SPARE
+        {
+            spare.push(message);
+        }
+    }
 }
 
 impl KeptFrame {

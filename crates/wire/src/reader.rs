@@ -28,6 +28,7 @@ pub struct Reader {
     runs: Runs,
     motion: Motion,
     coarse: bool,
+    min_confidence: f32,
 }
 
 // SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
@@ -70,6 +71,7 @@ impl Reader {
             runs: Runs::default(),
             motion: Motion::default(),
             coarse: false,
+            min_confidence: 0.0,
         })
     }
 
@@ -158,6 +160,12 @@ impl Reader {
         self.coarse = accept;
     }
 
+    /// The least [confidence](crate::Rope::confidence) that a rope is taken for one by, 0 to 1: one that is seen with less is
+    /// [`Unsure`](crate::Seen::Unsure). From the start 0, which asks for nothing.
+    pub fn min_confidence(&mut self, least: f32) {
+        self.min_confidence = least;
+    }
+
     /// Takes up the newest message; `false` if nothing came.
     fn take(&mut self) -> Result<bool, WireError> {
         let mut is_new = false;
@@ -184,6 +192,7 @@ impl Reader {
             period_s: self.runs.period_s(),
             motion: self.motion,
             coarse: self.coarse,
+            min_confidence: self.min_confidence,
         };
         Frame::new(message, moment, is_new)
     }

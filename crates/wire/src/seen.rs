@@ -61,11 +61,14 @@ impl<'a> Seen<'a> {
         let rope = Rope::new(descriptor, points, moment);
         let image_age = moment.now_ns.saturating_sub(moment.exposed_ns);
         let is_stale = u128::from(image_age) > max_age.as_nanos();
+        // What is no number is no confidence.
+        let is_sure = descriptor.confidence >= moment.min_confidence;
         let is_coarse = fit == FitQuality::Coarse && !moment.coarse;
         match status {
             _ if is_stale => Self::Stale(LastKnown(rope)),
             Status::Lost => Self::Lost(LastKnown(rope)),
             Status::Doubtful => Self::Unsure(rope, Doubt::NoRope),
+            Status::Ok | Status::Partial if !is_sure => Self::Unsure(rope, Doubt::LowConfidence),
             // What is bridged is not seen, what a coarse curve misses is: so that comes first.
             Status::Ok | Status::Partial if is_coarse => Self::Unsure(rope, Doubt::Coarse),
             Status::Ok => Self::Fresh(rope),
@@ -92,6 +95,12 @@ impl fmt::Display for Seen<'_> {
                     rope.track()
                 )
             }
+            Self::Unsure(rope, Doubt::LowConfidence) => write!(
+                f,
+                "that rope {} is one, whole and in order, is sure to {:.0} % only, and more was asked for",
+                rope.track(),
+                100.0 * rope.confidence()
+            ),
             Self::Unsure(rope, why) => write!(f, "rope {} is doubtful: {why}", rope.track()),
             Self::Lost(last) => write!(
                 f,
@@ -122,6 +131,10 @@ pub enum Doubt {
     /// It is seen whole, but what is seen may be no rope.
     #[error("it may be no rope, but a shadow, a pen or an edge")]
     NoRope,
+    /// Its [confidence](Rope::confidence) is less than was asked for
+    /// ([`Reader::min_confidence`](crate::Reader::min_confidence)).
+    #[error("its confidence is less than was asked for")]
+    LowConfidence,
 }
 
 /// A shape that a rope had, and may have no more.

@@ -130,11 +130,12 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
     let of_rope = |rope: &Rope| {
         let mut lines = vec![heading(rope)];
         if !is_short {
-            let closed = if rope.is_closed { ", closed" } else { "" };
+            let extent = if rope.is_closed { "closed" } else { "long" };
             let unit = shape.unit;
             lines.push(Line::raw(format!(
-                "  {:.1} {unit} long{closed}",
-                rope.length
+                "  {:.1} {unit} {extent}, {}",
+                rope.length,
+                sure(rope)
             )));
             let rms = Figure(Some(rope.rms));
             lines.push(Line::styled(
@@ -145,6 +146,11 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
         lines
     };
     shape.ropes.iter().flat_map(of_rope).collect()
+}
+
+/// The confidence: 26 columns hold it beside a length of thousands.
+fn sure(rope: &Rope) -> String {
+    format!("{:.0} %", 100.0 * rope.confidence)
 }
 
 fn heading(rope: &Rope) -> Line<'static> {

@@ -32,6 +32,7 @@ fn rope(track: u32, status: Status) -> Rope {
         order: 2,
         length: 761.23,
         rms: 0.456,
+        confidence: 0.97,
         age_s: 0.75,
         control_points: vec![[60.0, y(60.0)], [317.4, 663.8], [574.8, y(574.8)]],
         points: points.map(|x| [x, y(x)]).collect(),

@@ -69,7 +69,7 @@ fn a_descriptor_is_told_with_all_its_fields_to_the_last_bit() {
     assert_eq!(rope["centerline"], centerline);
     // Every field of the message, but for those that other keys stand for.
     let keys = rope.as_object().expect("an object").len();
-    assert_eq!(keys, 23);
+    assert_eq!(keys, 24);
 }
 
 #[test]

@@ -91,7 +91,7 @@ impl Lookahead {
         let mut room = old
             .flatten()
             .unwrap_or_else(|| Box::new(Centerlines::EMPTY));
-        *room = *truth;
+        room.copy_meant(truth);
         self.truths.push_back(room);
     }
 
@@ -145,7 +145,7 @@ impl Lookahead {
         let Some(truth) = self.truths.iter().find(|truth| is_it(truth)) else {
             return false;
         };
-        *into = **truth;
+        into.copy_meant(truth);
         true
     }
 }

@@ -274,7 +274,7 @@ fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
         to.count = points as u32;
         to.width_px = from.width_px;
         to.length_px = from.length_px;
-        to.reserved = 0;
+        to.confidence = from.confidence;
         to.age_ns = from.age_ns;
         to.set_hidden(from.hidden.iter().copied());
         for (to, from) in to.points[..points].iter_mut().zip(&from.points) {

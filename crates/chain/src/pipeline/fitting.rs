@@ -287,6 +287,7 @@ fn write_rope(curve: &Curve, descriptor: &mut Descriptor) {
     descriptor.border = curve.border;
     descriptor.length = curve.length_px.into();
     descriptor.width = curve.width_px.into();
+    descriptor.confidence = curve.confidence;
     descriptor.age_ns = curve.age_ns;
     descriptor.hidden = (0..count).filter(|&i| curve.is_hidden(i)).count() as u32;
 }

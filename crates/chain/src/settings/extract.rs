@@ -1,6 +1,7 @@
 //! `[extract]`: what is a rope, and how it is described.
 
 use lariat_extract::{Mask, Method, Region};
+use lariat_wire::MAX_CURVES;
 use std::time::Duration;
 
 /// What is a rope, and how it is described.
@@ -16,6 +17,8 @@ pub struct Extract {
     pub points: usize,
     /// The most ropes reported.
     pub ropes: usize,
+    /// The confidence below which a rope is warned of.
+    pub min_confidence: f64,
     /// Near which position (px) the first point is, in the first frame.
     pub start: Option<[f32; 2]>,
     /// For how long a rope that is out of sight is reported.
@@ -31,7 +34,8 @@ impl Default for Extract {
             mask_deadline: Duration::from_millis(50),
             method: Method::Skeleton,
             points: 120,
-            ropes: 8,
+            ropes: MAX_CURVES,
+            min_confidence: 0.5,
             start: None,
             keep_lost: Duration::from_secs(1),
             roi: None,
@@ -47,6 +51,7 @@ impl Extract {
             method: self.method,
             points: self.points,
             ropes: self.ropes,
+            min_confidence: self.min_confidence as f32,
             // The extractor sees the region alone.
             start: match (self.start, self.roi) {
                 (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),

@@ -11,6 +11,7 @@ use crate::settings::{arrangement, camera, meaning, range, recording, view};
 use lariat_capture::Position;
 use lariat_extract::Method;
 use lariat_fit::{Knots, MAX_ORDER, MAX_POINTS, Rho, Solver};
+use lariat_wire::MAX_CURVES;
 use toml::Value;
 
 // A row is a setting: its field in `Settings`, which begins with its section; `as` its name, if the field's is another;
@@ -196,9 +197,12 @@ pub(super) const KEYS: &[Key] = keys! {
     extract.points: Whole(2..=MAX_POINTS),
         "Points of a centerline, at equal steps of arc length: more than the order, at most 256.",
         "--points N", "capture extract fit trace replay", "Rope", "Points of a centerline";
-    extract.ropes: Whole(1..=8),
-        "The most ropes reported, the longest first: 1 to 8.",
-        "--ropes N", SEEN, "Rope", "The most ropes reported, 1 to 8";
+    extract.ropes: Whole(1..=MAX_CURVES),
+        "The most ropes reported, the surest and longest: 1 to 24.",
+        "--ropes N", SEEN, "Rope", "The most ropes reported, 1 to 24";
+    extract.min_confidence: Between(0.0..=1.0),
+        "The confidence, 0 to 1, below which a rope is warned of where nothing else says why it may be wrong. It is reported\n\
+         all the same: a loop asks for its own.";
     extract.start: Maybe("[0, 0]", By(meaning::position, meaning::position_value, Takes::Numbers)),
         "A rope's first point in the first frame is the end nearest to this position [x, y], in pixels; if not\n\
          set, the end nearest to the top left.",

@@ -21,6 +21,7 @@ pub(crate) fn fill(
     curve.count = count as u32;
     curve.width_px = width_px as f32;
     curve.length_px = length_px as f32;
+    curve.confidence = 1.0;
     curve.age_ns = 0;
     curve.set_hidden([]);
     for i in 0..count {

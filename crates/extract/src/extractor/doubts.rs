@@ -1,6 +1,7 @@
 //! Which of the curves may be no ropes.
 
 use super::Extractor;
+use crate::confidence;
 use crate::image::Image;
 use crate::notice::Notice;
 use crate::options::Options;
@@ -8,15 +9,25 @@ use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
 
 impl Extractor {
-    /// Says of the first `seen` curves which may be no ropes. A mask that the user gave knows its ropes.
+    /// Says of the first `seen` curves which may be no ropes, and how sure it is of each.
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
         // Who asks for fewer ropes than that wants the longest.
         let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
         self.doubt = is_crowded.then_some(Notice::TooMany);
-        if self.masker.cut.is_none() {
-            self.doubt = None;
-            return;
+        // A mask that the user gave knows its ropes.
+        if self.masker.cut.is_some() {
+            self.doubt_ropes(image, seen);
         }
+        let mut is_unsure = false;
+        for curve in &mut self.curves[..seen] {
+            curve.confidence = confidence::of(curve);
+            self.tracker.note_confidence(curve.track, curve.confidence);
+            is_unsure |= curve.confidence < self.options.min_confidence;
+        }
+        self.doubt = self.doubt.or(is_unsure.then_some(Notice::Unsure));
+    }
+
+    fn doubt_ropes(&mut self, image: &Image, seen: usize) {
         let surroundings = Surroundings {
             image,
             background: &self.masker.background,

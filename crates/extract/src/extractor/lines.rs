@@ -5,11 +5,12 @@ use lariat_portable::{Arch, NullaryFnOnce};
 use super::Extractor;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::centerline::source::Source;
+use crate::confidence;
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::occlusion::bridge::Gap;
 use crate::options::Method;
-use crate::scene::Curve;
+use crate::scene::{Curve, Status};
 use crate::statistics::median;
 use crate::tracking::part::part;
 use crate::tracking::refit::{self, Refitter};
@@ -149,17 +150,7 @@ impl Extractor {
     pub(super) fn points(&mut self, count: usize) {
         self.count = 0;
         self.looks.clear();
-        self.is_crowded = false;
         for l in 0..count {
-            if self.count == self.options.ropes {
-                let line = &self.lines[l];
-                let width_px = line
-                    .samples
-                    .get(line.samples.len() / 2)
-                    .map_or(0.0, |s| s.width_px);
-                self.is_crowded = line.length_px() > LONG * width_px;
-                break;
-            }
             self.fill_curve(l);
             let curve = &self.curves[self.count];
             if curve.length_px < SHORTEST * curve.width_px {
@@ -182,6 +173,31 @@ impl Extractor {
             // Lines and curves go by the same number from here on.
             self.lines.swap(self.count, l);
             self.count += 1;
+        }
+        self.leave_out();
+    }
+
+    /// Leaves out of more curves than are asked for those of the least confidence × length.
+    fn leave_out(&mut self) {
+        self.is_crowded = false;
+        while self.count > self.options.ropes {
+            let weight = |curve: &Curve| curve.confidence * curve.length_px;
+            let curves = self.curves[..self.count].iter_mut().enumerate();
+            let weights = curves.map(|(c, curve)| {
+                curve.status = Status::Ok;
+                curve.confidence = confidence::of(curve);
+                (weight(curve), c)
+            });
+            // Of equal ones the last, which is the shortest.
+            let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+            let c = least.map_or(self.count - 1, |(_, c)| c);
+            let left_out = &self.curves[c];
+            self.is_crowded |= left_out.length_px > LONG * left_out.width_px;
+            // The order stays: lines and curves go by the same number.
+            self.curves[c..self.count].rotate_left(1);
+            self.lines[c..self.count].rotate_left(1);
+            self.looks.remove(c);
+            self.count -= 1;
         }
     }
 

@@ -68,6 +68,8 @@ struct Track {
     width_px: f32,
     length_px: f32,
     color: Option<[f32; 3]>,
+    /// That of when it was last seen.
+    confidence: f32,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
     /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
@@ -219,6 +221,13 @@ impl Tracker {
         track.sure < 0
     }
 
+    /// Keeps how sure it is of a rope that is seen, for when it is not.
+    pub(crate) fn note_confidence(&mut self, number: u32, confidence: f32) {
+        if let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) {
+            track.confidence = confidence;
+        }
+    }
+
     /// Takes the ropes of the last image, which were followed into this one and are all that is known.
     pub(crate) fn go_on(&mut self, curves: &[Curve]) {
         for track in &mut self.tracks {
@@ -364,6 +373,7 @@ impl Tracker {
             curve.hidden.clear();
             curve.hidden.resize(track.points.len(), true);
             (curve.width_px, curve.length_px) = (track.width_px, track.length_px);
+            curve.confidence = track.confidence;
             count += 1;
         }
         count

@@ -180,7 +180,7 @@ fn check_mask(method: Method, mask: &[u8], [width, height]: [usize; 2]) -> usize
 
 /// What holds of any scene of any picture.
 pub(crate) fn check(scene: &Scene, [width, height]: [usize; 2]) {
-    assert!(scene.curves.len() <= 8 && scene.crossings.len() <= 32);
+    assert!(scene.curves.len() <= 24 && scene.crossings.len() <= 32);
     for curve in scene.curves {
         assert_eq!((curve.points.len(), curve.widths_px.len()), (120, 120));
         for [x, y] in &curve.points {

@@ -9,7 +9,7 @@ use crate::{MAX_CROSSINGS, MAX_CURVES, MAX_POINTS, Status, Trace};
 message! {
     /// One rope's centerline: points at equal steps of arc length, in pixels of the full image (x right, y down, the
     /// centre of the top-left pixel is (0, 0)).
-    pub struct Curve = "lariat.Curve.v2" {
+    pub struct Curve = "lariat.Curve.v3" {
         /// The rope's number; it keeps it from frame to frame.
         track: u32 = 0 => number,
         /// A [`Status`]'s number.
@@ -24,8 +24,8 @@ message! {
         width_px: f32 = 0.0 => number,
         /// Arc length of the centerline.
         length_px: f32 = 0.0 => number,
-        /// Always 0.
-        reserved: u32 = 0 => reserved,
+        /// How sure it is that the curve is a rope, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+        confidence: f32 = 0.0 => number,
         /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
         age_ns: u64 = 0 => number,
         /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
@@ -86,7 +86,7 @@ message! {
 
 message! {
     /// What extract saw in one frame. No rope is an answer too: `count` is 0.
-    pub struct Centerlines = "lariat.Centerlines.v2" {
+    pub struct Centerlines = "lariat.Centerlines.v3" {
         /// The frame's way so far.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels.
@@ -108,6 +108,15 @@ impl Centerlines {
     /// The curves that are meant.
     pub fn curves(&self) -> &[Curve] {
         &self.curves[..(self.count as usize).min(MAX_CURVES)]
+    }
+
+    /// Takes over what another message means; what it does not mean stays as it was.
+    pub fn copy_meant(&mut self, from: &Self) {
+        self.trace = from.trace;
+        (self.width, self.height) = (from.width, from.height);
+        (self.count, self.crossing_count) = (from.count, from.crossing_count);
+        self.curves[..from.curves().len()].copy_from_slice(from.curves());
+        self.crossings[..from.crossings().len()].copy_from_slice(from.crossings());
     }
 
     /// The crossings that are meant.

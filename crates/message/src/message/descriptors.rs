@@ -10,7 +10,7 @@ use crate::{Basis, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Statu
 
 message! {
     /// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
-    pub struct Descriptor = "lariat.Descriptor.v5" {
+    pub struct Descriptor = "lariat.Descriptor.v6" {
         /// The rope's number; it keeps it from frame to frame.
         track: u32 = 0 => number,
         /// A [`Status`]'s number.
@@ -48,8 +48,8 @@ message! {
         filtered: u32 = 0 => flag,
         /// A [`FitQuality`]'s number: whether the curve lies on its points.
         fit: u32 = FitQuality::NotJudged as u32 => code(FitQuality),
-        /// Always 0.
-        reserved: u32 = 0 => reserved,
+        /// How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+        confidence: f32 = 0.0 => number,
         /// The control points, `[x, y]` in the message's unit.
         control_points: [[f64; 2]; MAX_CONTROL_POINTS] = [[0.0; 2]; MAX_CONTROL_POINTS] => points(control_points),
         /// Their weights: rational bases only, 1 elsewhere.
@@ -153,6 +153,14 @@ impl CenterlinePoints {
         &self.widths[..(self.count as usize).min(MAX_POINTS)]
     }
 
+    /// Takes over what others mean; what they do not mean stays as it was.
+    fn copy_meant(&mut self, from: &Self) {
+        let (points, widths) = (from.points(), from.widths());
+        (self.count, self.closed, self.hidden) = (from.count, from.closed, from.hidden);
+        self.points[..points.len()].copy_from_slice(points);
+        self.widths[..widths.len()].copy_from_slice(widths);
+    }
+
     /// Whether point `i` is covered by something, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
         is_hidden(&self.hidden, i)
@@ -166,7 +174,7 @@ impl CenterlinePoints {
 
 message! {
     /// What a control loop reads: the shape of every rope in one frame.
-    pub struct Descriptors = "lariat.Descriptors.v5" {
+    pub struct Descriptors = "lariat.Descriptors.v6" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels; 0 while the camera gives none.
@@ -188,6 +196,17 @@ impl Descriptors {
     /// What the curves are measured in; `None` for a number this version does not know.
     pub const fn unit(&self) -> Option<Unit> {
         Unit::from_code(self.unit)
+    }
+
+    /// Takes over what another message means; what it does not mean stays as it was.
+    pub fn copy_meant(&mut self, from: &Self) {
+        self.trace = from.trace;
+        (self.width, self.height) = (from.width, from.height);
+        (self.count, self.unit) = (from.count, from.unit);
+        self.curves[..from.curves().len()].copy_from_slice(from.curves());
+        for (to, from) in self.centerlines.iter_mut().zip(from.centerlines()) {
+            to.copy_meant(from);
+        }
     }
 
     /// The curves that are meant.

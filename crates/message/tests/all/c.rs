@@ -144,7 +144,7 @@ fn of(of: &Type, field: &str) -> String {
 fn length(count: usize, field: &str) -> String {
     match (count, field) {
         (8, "hidden") => "LARIAT_HIDDEN_WORDS".to_owned(),
-        (8, _) => "LARIAT_MAX_ROPES".to_owned(),
+        (24, _) => "LARIAT_MAX_ROPES".to_owned(),
         (32, _) => "LARIAT_MAX_CONTROL_POINTS".to_owned(),
         (256, _) => "LARIAT_MAX_POINTS".to_owned(),
         _ => count.to_string(),

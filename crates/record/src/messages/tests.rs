@@ -1,7 +1,7 @@
 //! Every message comes back to the bit, and hostile bytes are errors.
 
 use lariat_message::fields::Type;
-use lariat_message::{CenterlinePoints, Crossing, Curve, Descriptor, Trace, Unit};
+use lariat_message::{CenterlinePoints, Crossing, Curve, Descriptor, MAX_CURVES, Trace, Unit};
 use proptest::prelude::*;
 
 use super::*;
@@ -184,7 +184,7 @@ fn counts_beyond_the_arrays_are_read_as_full() {
     sent.encode(&mut cdr);
     let mut read = Box::new(Descriptors::EMPTY);
     read.decode(&cdr).unwrap();
-    assert_eq!(read.curves().len(), 8);
+    assert_eq!(read.curves().len(), MAX_CURVES);
 }
 
 #[test]

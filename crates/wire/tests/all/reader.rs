@@ -217,6 +217,44 @@ fn a_covered_and_a_lost_rope_are_other_things_than_a_rope() {
     }
 }
 
+#[test]
+fn a_rope_below_the_confidence_that_a_loop_asks_for_is_not_fresh() {
+    let place = Place::new("confidence");
+    for (least, confidence, status, expected) in [
+        // From the start nothing is asked for, but a number.
+        (None, 0.0, Status::Ok, "fresh"),
+        (None, f32::NAN, Status::Ok, "LowConfidence"),
+        (Some(0.9), 0.91, Status::Ok, "fresh"),
+        (Some(0.9), 0.91, Status::Partial, "partial"),
+        (Some(0.9), 0.89, Status::Ok, "LowConfidence"),
+        (Some(0.9), 0.89, Status::Partial, "LowConfidence"),
+        (Some(0.9), f32::NAN, Status::Ok, "LowConfidence"),
+        (Some(f32::NAN), 1.0, Status::Ok, "LowConfidence"),
+        (Some(0.9), 0.89, Status::Doubtful, "NoRope"),
+    ] {
+        let (mut reader, mut chain) = (place.reader(), place.chain());
+        if let Some(least) = least {
+            reader.min_confidence(least);
+        }
+        let mut sent = rope(1, status, 5.0);
+        sent.confidence = confidence;
+        chain.send(&[sent]);
+        let frame = reader.latest().unwrap();
+        let seen = frame.only_rope(ANY_AGE);
+        if expected == "LowConfidence" && !confidence.is_nan() {
+            let sentence = format!("is sure to {:.0} % only", 100.0 * confidence);
+            assert!(seen.to_string().contains(&sentence), "{seen}");
+        }
+        let said = match seen {
+            Seen::Fresh(_) => "fresh".to_owned(),
+            Seen::Partial(_) => "partial".to_owned(),
+            Seen::Unsure(_, why) => format!("{why:?}"),
+            other => other.to_string(),
+        };
+        assert_eq!(said, expected, "{least:?} {confidence} {status:?}");
+    }
+}
+
 /// What a reader says of a rope with this status and fit.
 fn seen_as(place: &Place, accept: bool, status: Status, fit: u32) -> String {
     let (mut reader, mut chain) = (place.reader(), place.chain());

@@ -160,7 +160,7 @@ pub(super) fn put_centerlines(bytes: &mut Vec<u8>, message: &Centerlines) {
             bytes.extend(number.to_ne_bytes());
         }
         bytes.extend(curve.age_ns.to_ne_bytes());
-        let sizes = [curve.width_px, curve.length_px];
+        let sizes = [curve.width_px, curve.length_px, curve.confidence];
         let points = curve.points().iter().flatten();
         for &number in sizes.iter().chain(points).chain(curve.widths_px()) {
             bytes.extend(number.to_ne_bytes());
@@ -181,6 +181,7 @@ pub(super) fn take_centerlines(bytes: &[u8], message: &mut Centerlines) {
         curve.hidden.fill_with(|| numbers.u32());
         curve.age_ns = numbers.u64();
         (curve.width_px, curve.length_px) = (numbers.f32(), numbers.f32());
+        curve.confidence = numbers.f32();
         curve.points[..count].fill_with(|| [numbers.f32(), numbers.f32()]);
         curve.widths_px[..count].fill_with(|| numbers.f32());
     }
@@ -247,6 +248,7 @@ mod tests {
         (sent.trace, sent.width, sent.height, sent.count) = (trace(), 640, 480, 1);
         (sent.curves[0].track, sent.curves[0].count) = (7, 120);
         (sent.curves[0].age_ns, sent.curves[0].hidden[3]) = (11, 5);
+        sent.curves[0].confidence = 0.9;
         sent.curves[0].points[..120].fill([1.5, -2.5]);
         sent.curves[0].widths_px[..120].fill(12.0);
         let (mut socket, mut bytes) = (Vec::new(), Vec::new());

@@ -1,11 +1,18 @@
 //! Which curve is which rope: the pairing with the largest sum of scores.
 
 /// For each row of `scores` the column paired with it, none twice, so that the scores' sum is largest. Every row has
-/// the same number of columns, at most 16. Pairs of score 0 are left unpaired.
+/// the same number of columns; rows or columns are at most 16. Pairs of score 0 are left unpaired.
 ///
-/// By dynamic programming over the sets of columns taken: with the 8 curves of an extractor, 256 of them.
+/// By dynamic programming over the sets taken of the fewer: a picture has few ropes, however many curves were found.
 pub(super) fn best(scores: &[Vec<f64>]) -> Vec<Option<usize>> {
     let columns = scores.first().map_or(0, Vec::len);
+    if columns > scores.len() {
+        let column = |c: usize| scores.iter().map(|row| row[c]).collect();
+        let turned: Vec<Vec<f64>> = (0..columns).map(column).collect();
+        let rows = best(&turned);
+        let column_of = |row: usize| rows.iter().position(|taken| *taken == Some(row));
+        return (0..scores.len()).map(column_of).collect();
+    }
     debug_assert!(
         columns <= 16,
         "{columns} columns are too many for all their sets"

@@ -93,6 +93,7 @@ pub(in crate::accuracy) mod tests {
             points: points.iter().map(|p| p.map(|v| v as f32)).collect(),
             widths_px: vec![width_px as f32; points.len()],
             hidden: vec![false; points.len()],
+            confidence: 1.0,
             age_ns: 0,
             width_px: width_px as f32,
             length_px: steps
