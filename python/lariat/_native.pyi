@@ -62,6 +62,7 @@ class Tracer:
         cls,
         *,
         mask: MaskName | HsvRange | Sequence[HsvRange] | None = None,
+        mask_level: int | None = None,
         method: MethodName = "skeleton",
         points: int = 120,
         ropes: int = 24,

@@ -61,7 +61,7 @@ class FrameSlot(_Slot):
 
 
 class MaskSlot(_Slot):
-    """The slot of a frame's mask: ``uint8``, from 128 on rope. It is sent at the end of the ``with``."""
+    """The slot of a frame's mask: ``uint8``, the higher the likelier rope. It is sent at the end of the ``with``."""
 
     def _send(self, slot: _native.Slot) -> None:
         slot.send_mask()
@@ -152,8 +152,8 @@ class MaskWriter(_native.Writer):
         """Sends a frame's mask: how likely each of its pixels is rope.
 
         Args:
-            mask: Of the frame's size, (height, width): ``bool``; or probabilities, as floats from 0 to 1; or ``uint8``, from 128
-                on rope.
+            mask: Of the frame's size, (height, width): ``bool``; or probabilities, as floats from 0 to 1; or ``uint8``,
+                the higher the likelier rope.
             frame: The frame that it was made of.
 
         Raises:

@@ -7,6 +7,7 @@ use lariat_extract::{Extractor, HsvRange, Mask, MaskError, Method, Options, Regi
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::num::NonZeroU8;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 use thiserror::Error;
@@ -42,10 +43,11 @@ pub(crate) struct Tracer {
 #[pymethods]
 impl Tracer {
     #[new]
-    #[pyo3(signature = (*, mask=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, keep_lost_s=1.0, roi=None))]
+    #[pyo3(signature = (*, mask=None, mask_level=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, keep_lost_s=1.0, roi=None))]
     #[allow(clippy::too_many_arguments)] // Of Python they are named.
     fn new(
         mask: Option<&Bound<'_, PyAny>>,
+        mask_level: Option<NonZeroU8>,
         method: &str,
         points: usize,
         ropes: usize,
@@ -62,6 +64,7 @@ impl Tracer {
         });
         let options = Options {
             mask: mask.map_or(Ok(Mask::Auto), mask_of)?,
+            mask_level,
             method: method.parse::<Method>().map_err(value_error)?,
             points,
             ropes,

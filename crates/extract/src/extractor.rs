@@ -28,6 +28,7 @@ use crate::scene::{Crossing, Curve, Scene};
 use crate::skeleton::thin::Thinner;
 use crate::skeleton::{Pixel, Skeleton};
 use crate::tracking::refit::{self, Refitter};
+use crate::tracking::strays::Strays;
 use crate::tracking::track::{Look, Tracker};
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
@@ -85,6 +86,7 @@ pub struct Extractor {
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
     refitter: Refitter,
+    strays: Strays,
     looks: Vec<Look>,
     spaced: Vec<Sample>,
     now_ns: u64,
@@ -132,6 +134,7 @@ impl Extractor {
             colors: Vec::new(),
             bridger: Bridger::default(),
             refitter: Refitter::default(),
+            strays: Strays::default(),
             looks: Vec::new(),
             spaced: Vec::new(),
             now_ns: 0,
@@ -216,8 +219,9 @@ impl Extractor {
     }
 
     /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
-    /// the extractor's own: `Gray8` of the image's size, from 128 on rope. Where its edges are soft, as
-    /// probabilities are, the rope's place between pixels is read from them.
+    /// the extractor's own: `Gray8` of the image's size, the higher the likelier rope
+    /// ([`Options::mask_level`]). Where its edges are soft, as probabilities are, the rope's place between pixels is
+    /// read from them.
     ///
     /// # Errors
     /// When the mask is no `Gray8` of the image's size. The image is then not looked at, and the next one goes on from
@@ -236,7 +240,7 @@ impl Extractor {
         mask: &Image,
         after: &mut dyn FnMut(Step),
     ) -> Result<Scene<'_>, MaskError> {
-        self.masker.take(image, mask)?;
+        self.masker.take(image, mask, self.options.mask_level)?;
         self.turn_to(image);
         self.chords.drop();
         let mut unpacker = std::mem::take(&mut self.unpacker);
@@ -310,9 +314,15 @@ impl Extractor {
             level: SOMETHING,
             occluder: &self.occluder.plane,
             yuv,
+            elsewhere: self.masker.is_given.then_some(image),
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
+        let joined = if self.masker.cut.is_none() {
+            self.drop_strays(joined)
+        } else {
+            joined
+        };
         self.lengthen(joined);
         // A refitted line is measured anew: the centers would be lost.
         let joined = match self.options.method {
@@ -389,6 +399,7 @@ impl Extractor {
         self.doubts.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
+        self.strays.reserve(MOST_PIECES);
         self.occluder.reserve(width, height);
         self.masker.shadows.reserve(width, height);
         self.tracker.reserve(self.options.points);

@@ -28,12 +28,12 @@
 //!
 //! | step | folder | from → to |
 //! |---|---|---|
-//! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `hysteresis`, `cast`, `diagnosis` | image, or a mask made elsewhere → one bit a pixel, and how unlike the table each pixel is |
+//! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `hysteresis`, `cast`, `diagnosis` | image, or a mask made elsewhere (`level`) → one bit a pixel, and how unlike the table each pixel is |
 //! | skeleton | `skeleton`: `thin`, `pixels` | mask → lines one pixel wide |
 //! | graph | `graph`: `edges`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `centerline`: `path`, `section`, `smooth`, `extender` | strands → samples along the middle of each rope |
 //! | | `occlusion`: `occluder`, `bridge` | what hides a rope leaves the mask; lines → lines joined across it |
-//! | | `tracking`: `refit`, `part`, `tips`, `track`, `plausible` | lines → curves with numbers that last |
+//! | | `tracking`: `strays`, `refit`, `part`, `tips`, `track`, `plausible` | lines → curves with numbers that last |
 //! | | `crossings`: `meet`, `over` | curves → where they cross, and which is on top |
 //!
 //! [`Extractor`] takes the steps in this order (`extractor`), as the `options` say; `past` is what they know of the last
@@ -101,6 +101,12 @@
 //! knotoids, closed over the rest). *Straight* is said when Reidemeister's moves, and ends that slip out from above, take
 //! every crossing away; *knotted* when the Alexander polynomial at −1 (the determinant), 2, 3 or 5 is not ±tᵏ. A crossing
 //! of less confidence than 0.1 counts both ways, and both must agree. Other ropes are left out.
+//!
+//! **Masks from elsewhere** (`mask/level`, `occlusion/ends`, `tracking/strays`). A soft mask is cut near the lower heap of its
+//! histogram. Two ends that face each other are joined over as many as 24 widths where three fifths of the way between have a trace in the
+//! mask, lie on another rope, or show a band of the ropes' colour in the picture; on a bare table none of these holds. Then strays
+//! (few squares of the ropes' width, each counted as the mask is sure of it) and slivers (thinner or shorter, all along beside a
+//! longer line) are dropped; so they are from colour ranges' masks.
 //!
 //! **Picking colours** (`pick`, `pick/`). What is rope is known first: from the automatic mask, each of its pixels given to
 //! the nearest curve and curves of one colour to one class; or, at a point that it does not cover, from the region of like

@@ -8,6 +8,7 @@ pub(crate) mod difference;
 mod faint;
 pub(crate) mod hsv;
 mod hysteresis;
+mod level;
 mod masker;
 mod pattern;
 pub(crate) mod shadow;

@@ -2,6 +2,7 @@
 
 mod method;
 
+use std::num::NonZeroU8;
 use std::time::Duration;
 
 use thiserror::Error;
@@ -37,6 +38,9 @@ pub enum Mask {
 pub struct Options {
     /// How the rope's pixels are told from the table's.
     pub mask: Mask,
+    /// From which level on a pixel of a mask that was made elsewhere is rope; `None`: chosen by the mask's own
+    /// histogram, low for soft masks, so that a rope is not broken where a network is unsure of it.
+    pub mask_level: Option<NonZeroU8>,
     /// How they become a centerline.
     pub method: Method,
     /// N, the points of each centerline, 2 to 256.
@@ -57,6 +61,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            mask_level: None,
             method: Method::Skeleton,
             points: 120,
             ropes: 24,

@@ -6,6 +6,7 @@ mod matching;
 pub(crate) mod part;
 pub(crate) mod plausible;
 pub(crate) mod refit;
+pub(crate) mod strays;
 pub(crate) mod tips;
 pub(crate) mod track;
 mod turn;

@@ -2,6 +2,7 @@
 
 use lariat_extract::{Mask, Method, Region};
 use lariat_wire::MAX_CURVES;
+use std::num::NonZeroU8;
 use std::time::Duration;
 
 /// What is a rope, and how it is described.
@@ -9,6 +10,8 @@ use std::time::Duration;
 pub struct Extract {
     /// Which pixels are rope.
     pub mask: Mask,
+    /// From which level on a mask made elsewhere is rope; without one, by its histogram.
+    pub mask_level: Option<NonZeroU8>,
     /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
     pub mask_deadline: Duration,
     /// How the mask becomes a centerline.
@@ -31,6 +34,7 @@ impl Default for Extract {
     fn default() -> Self {
         Self {
             mask: Mask::Auto,
+            mask_level: None,
             mask_deadline: Duration::from_millis(50),
             method: Method::Skeleton,
             points: 120,
@@ -48,6 +52,7 @@ impl Extract {
     pub fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options {
             mask: self.mask.clone(),
+            mask_level: self.mask_level,
             method: self.method,
             points: self.points,
             ropes: self.ropes,

@@ -4,6 +4,7 @@ use crate::settings::curve::Order;
 use crate::settings::{Fps, duration};
 use lariat_extract::{HsvRange, Mask};
 use lariat_fit::MAX_ORDER;
+use std::num::NonZeroU8;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Value;
@@ -261,6 +262,23 @@ pub(super) fn mask(value: &Value) -> Result<Mask, String> {
              [0.2, 1] }] (a folder of masks is `lariat trace --masks DIR`)"
                 .to_owned(),
         ),
+    }
+}
+
+pub(super) fn mask_level(value: &Value) -> Result<Option<NonZeroU8>, String> {
+    match value.as_str() {
+        Some("auto") => Ok(None),
+        Some(text) if text.trim().parse::<i64>().is_err() => {
+            Err("a level is a whole number from 1 to 255, or \"auto\"".to_owned())
+        }
+        _ => whole(value, 1, 255).map(|n| u8::try_from(n).ok().and_then(NonZeroU8::new)),
+    }
+}
+
+pub(super) fn mask_level_value(level: &Option<NonZeroU8>) -> Value {
+    match level {
+        Some(level) => Value::Integer(i64::from(level.get())),
+        None => Value::String("auto".to_owned()),
     }
 }
 

@@ -188,6 +188,9 @@ pub(super) const KEYS: &[Key] = keys! {
          value from 0 to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them.\n\
          Or \"external\": another process writes each frame's mask to lariat/<rig>/masks.",
         "--mask MASK", SEEN, "Rope", "What is rope: auto, external or colours";
+    extract.mask_level: By(meaning::mask_level, meaning::mask_level_value, Takes::Whole),
+        "From which level on a pixel of an external mask is rope, 1 to 255. \"auto\" chooses it by the mask itself: low where\n\
+         it is soft, as a network's probabilities are, so that ropes do not break where the network is unsure.";
     extract.mask_deadline as mask_deadline_us: MICROSECONDS,
         "A frame whose external mask has not come this long after its capture is skipped, in microseconds.";
     extract.method: Named("methods", &Method::ALL),

@@ -83,6 +83,26 @@ impl Extractor {
         count
     }
 
+    /// Drops those of the first `count` lines that are no ropes; returns how many stay, in their order.
+    pub(super) fn drop_strays(&mut self, count: usize) -> usize {
+        let levels = &self.masker.difference;
+        self.strays.find(&self.lines[..count], levels);
+        let mut kept = 0;
+        for l in 0..count {
+            if self.strays.is_stray(l) {
+                self.bridger.gaps.retain(|gap| gap.line != l);
+                continue;
+            }
+            self.lines.swap(kept, l);
+            self.colors.swap(kept, l);
+            for gap in self.bridger.gaps.iter_mut().filter(|gap| gap.line == l) {
+                gap.line = kept;
+            }
+            kept += 1;
+        }
+        kept
+    }
+
     /// Gives those of the first `count` lines of which a tip lies upon another strand, or under an occluder, their rope's
     /// length.
     pub(super) fn lengthen(&mut self, count: usize) {

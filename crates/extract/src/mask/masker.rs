@@ -6,6 +6,7 @@ use super::diagnosis::{Diagnosis, Evidence};
 use super::difference::Differencer;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
+use super::level;
 use super::threshold::{self, Cut, Levels};
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::neighbors::{self, Around, Rule};
@@ -16,14 +17,12 @@ use crate::image::unpack::Unpacker;
 use crate::image::{Image, PixelFormat};
 use crate::notice::Notice;
 use crate::options::Mask;
+use std::num::NonZeroU8;
 use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
 /// are wrong, and a "skeleton" of it would mean nothing.
 const MOST_COVERED: f32 = 0.6;
-
-/// From this level on a pixel of a mask made elsewhere is rope: the upper half of its bytes.
-const ROPE_LEVEL: u8 = 128;
 
 /// Why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -67,6 +66,8 @@ pub(crate) struct Masker {
     pub(crate) width_px: f32,
     /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
     pub(crate) cut: Option<u8>,
+    /// Whether the mask was made elsewhere: the difference is then its own bytes.
+    pub(crate) is_given: bool,
     /// What the automatic mask is unsure of.
     pub(crate) notice: Option<Notice>,
 }
@@ -104,6 +105,7 @@ impl Masker {
             }
         }
         self.clean_or_empty();
+        self.is_given = false;
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.shadows.cast = Cast::None;
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
@@ -152,12 +154,17 @@ impl Masker {
         self.diagnosis.notice(&evidence, components)
     }
 
-    /// Takes the mask of `image` that somebody else made. Its edges are where it passes through half of the rope's own
+    /// Takes the mask of `image` that somebody else made, rope from `level` on, or by its histogram. Its edges are where it passes through half of the rope's own
     /// level, so that one of probabilities is as good between pixels as an image.
     ///
     /// # Errors
     /// When it is no `Gray8` of the image's size.
-    pub(crate) fn take(&mut self, image: &Image, mask: &Image) -> Result<(), MaskError> {
+    pub(crate) fn take(
+        &mut self,
+        image: &Image,
+        mask: &Image,
+        level: Option<NonZeroU8>,
+    ) -> Result<(), MaskError> {
         if mask.format() != PixelFormat::Gray8 {
             return Err(MaskError::Format(mask.format()));
         }
@@ -172,9 +179,11 @@ impl Masker {
         for y in 0..mask.height() {
             self.difference.row_mut(y).copy_from_slice(mask.row(y));
         }
-        threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
+        let level = level.map_or_else(|| level::choose(&self.difference), NonZeroU8::get);
+        threshold::apply(&self.kernels, &self.difference, level, &mut self.mask);
         self.strips.take(&self.mask);
         self.clean_or_empty();
+        self.is_given = true;
         self.cut = None;
         self.shadows.cast = Cast::None;
         self.notice = None;

@@ -5,7 +5,7 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
-use super::ends::{ALIKE, End, Scenery, known_way, plain_cost};
+use super::ends::{End, Scenery, cubic, known_way, plain_cost};
 use crate::centerline::line::{Line, Sample};
 use crate::image::color;
 use crate::past::{FormerPlace, Past};
@@ -112,7 +112,8 @@ impl Bridger {
                 let same = a.line == b.line;
                 let width = (a.width_px / b.width_px).max(b.width_px / a.width_px);
                 let levels = color::distance(a.color, b.color, scenery.yuv);
-                if !same && (levels > ALIKE.0 || width > ALIKE.1) {
+                let (like_levels, like_width) = scenery.alike();
+                if !same && (levels > like_levels || width > like_width) {
                     continue;
                 }
                 // Where one rope was lost under something and another came out of it, they may be one.
@@ -266,14 +267,6 @@ fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlac
     }
 }
 
-/// Hermite's cubic from one end to the other.
-fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
-    let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-    let straight = vec2::along(from.at, vec2::sub(to.at, from.at), s);
-    let leaving = vec2::along(straight, from.out, chord_px * t * u * u);
-    vec2::along(leaving, to.out, chord_px * t * t * u)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -307,6 +300,7 @@ mod tests {
             level: 20.0,
             occluder: &BitPlane::default(),
             yuv: false,
+            elsewhere: None,
         };
         let mut colors = vec![[50.0; 3]; lines.len()];
         let mut bridger = Bridger::default();

@@ -3,6 +3,7 @@
 use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
 use crate::image::gray::GrayPlane;
+use crate::image::{Image, color};
 use crate::past::{FormerPlace, FormerPlaces, Past};
 use crate::vec2::{self, Vec2};
 
@@ -15,6 +16,15 @@ const COVERED: (f32, f32) = (16.0, 0.25);
 const SHOWN: f32 = 0.6;
 /// Levels of color, and factor of width, by which the two sides may differ.
 pub(crate) const ALIKE: (f32, f32) = (40.0, 1.35);
+/// The same of a mask that was made elsewhere: it thins before it breaks.
+const ALIKE_ELSEWHERE: (f32, f32) = (60.0, 2.5);
+/// And the widest gap there in which the rope, or another one over it, is seen, and the most bending (a turn by 44°).
+const SEEN: (f32, f32) = (24.0, 0.15);
+/// Levels of such a mask that are not just its background's: a network gives this to what it knows a little.
+const TRACE: f32 = 6.0;
+/// How much nearer to the ropes' color than what lies on both sides of it the picture is where a rope shows, and how near
+/// in levels.
+const RIDGE: (f32, f32) = (0.6, 48.0);
 /// With a past: widths, and share of its way, that a gap may be shorter or longer than the rope was.
 const STRETCH: (f32, f32) = (4.0, 0.35);
 /// With a past: the way that counts as much as ends that lie a width off.
@@ -49,6 +59,18 @@ pub(crate) struct Scenery<'a> {
     /// What was found to be no rope.
     pub(crate) occluder: &'a BitPlane,
     pub(crate) yuv: bool,
+    /// The image, where the mask was made elsewhere: what the mask has missed may be seen in it.
+    pub(crate) elsewhere: Option<&'a Image<'a>>,
+}
+
+impl Scenery<'_> {
+    /// Levels of color, and factor of width, by which two ends of one rope may differ.
+    pub(crate) fn alike(&self) -> (f32, f32) {
+        match self.elsewhere {
+            Some(_) => ALIKE_ELSEWHERE,
+            None => ALIKE,
+        }
+    }
 }
 
 /// What it costs to join ends between which a rope of the past ran, and the way it took.
@@ -100,16 +122,24 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
     let chord_px = vec2::distance(a.at, b.at);
     let width_px = 0.5 * (a.width_px + b.width_px);
     let gap_widths = chord_px / width_px;
-    if gap_widths > COVERED.0 || chord_px > 2.0 * length_px {
+    let over = if scenery.elsewhere.is_some() {
+        SEEN
+    } else {
+        COVERED
+    };
+    if gap_widths > over.0 || chord_px > 2.0 * length_px {
         return None;
     }
     let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
     // Most ends do not face each other, and that is known at once.
-    if bend > COVERED.1.max(FLAW.1) {
+    if bend > over.1.max(FLAW.1) {
         return None;
     }
-    let covered = shown(a.at, b.at, scenery) >= SHOWN;
-    let (widest, most_bent) = if covered { COVERED } else { FLAW };
+    let covered = match scenery.elsewhere {
+        Some(image) => seen(a, b, image, scenery),
+        None => shown(a.at, b.at, scenery),
+    } >= SHOWN;
+    let (widest, most_bent) = if covered { over } else { FLAW };
     // Later than all that the past knows, and the straighter and nearer the earlier.
     (gap_widths <= widest && bend <= most_bent)
         .then_some(100.0 + bend / most_bent + gap_widths / widest)
@@ -124,4 +154,36 @@ fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
         covered || scenery.difference.sample(at) >= scenery.level
     });
     hits.count() as f32 / (ASKED - 1) as f32
+}
+
+/// The share of the way from a to b on which the mask has a trace of the rope, or lies on another one, or the picture shows a
+/// band of the ropes' color: not so on a bare table.
+fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
+    const ASKED: usize = 24;
+    let chord_px = vec2::distance(a.at, b.at);
+    let aside = vec2::normal(vec2::unit_or(vec2::sub(b.at, a.at), a.out));
+    let aside_px = 0.75 * (a.width_px + b.width_px);
+    let mut color = [0.0; 3];
+    for (c, color) in color.iter_mut().enumerate() {
+        *color = 0.5 * (a.color[c] + b.color[c]);
+    }
+    let off = |at: Vec2| color::distance(color::between(image, at), color, scenery.yuv);
+    let hits = (1..ASKED).filter(|&k| {
+        let at = cubic(a, b, chord_px, k as f32 / ASKED as f32);
+        let covered = scenery.occluder.get(at[0] as i32, at[1] as i32);
+        if covered || scenery.difference.sample(at) >= TRACE {
+            return true;
+        }
+        let beside = [aside_px, -aside_px].map(|px| off(vec2::along(at, aside, px)));
+        off(at) < RIDGE.1.min(RIDGE.0 * beside[0].min(beside[1]))
+    });
+    hits.count() as f32 / (ASKED - 1) as f32
+}
+
+/// Hermite's cubic from one end to the other.
+pub(crate) fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
+    let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+    let straight = vec2::along(from.at, vec2::sub(to.at, from.at), s);
+    let leaving = vec2::along(straight, from.out, chord_px * t * u * u);
+    vec2::along(leaving, to.out, chord_px * t * t * u)
 }

@@ -3,7 +3,8 @@
 use crate::drawing;
 
 use drawing::{Rope, Table, error};
-use lariat_extract::{Extractor, Image, Mask, MaskError, Options, PixelFormat};
+use lariat_extract::{Curve, Extractor, Image, Mask, MaskError, Options, PixelFormat};
+use std::num::NonZeroU8;
 
 const SIZE: (usize, usize) = (320, 240);
 
@@ -121,4 +122,95 @@ fn a_mask_of_another_size_or_format_is_refused_and_changes_nothing() {
     let refused = extractor.extract_masked(&gray(&table), &colored).err();
     assert_eq!(refused, Some(MaskError::Format(PixelFormat::Rgb8)));
     assert_eq!(track(&mut extractor), before);
+}
+
+const TABLE: [f32; 3] = [200.0, 195.0, 190.0];
+const RED: [f32; 3] = [180.0, 40.0, 40.0];
+
+/// A straight rope from `from` to `to`, so wide, at this height.
+fn bar([from, to]: [f32; 2], y: f32, width_px: f32, color: [f32; 3]) -> Rope {
+    Rope::along(width_px, color, move |t| [from + (to - from) * t, y])
+}
+
+fn picture(ropes: &[Rope]) -> Vec<u8> {
+    Table::new(SIZE.0, SIZE.1, TABLE).draw(ropes)
+}
+
+/// A mask of these ropes, each with its own probability.
+fn mask(ropes: &[(Rope, u8)]) -> Vec<u8> {
+    let mut mask = vec![0; SIZE.0 * SIZE.1];
+    for (rope, probability) in ropes {
+        let white = Rope {
+            color: [255.0; 3],
+            ..rope.clone()
+        };
+        let rgb = Table::new(SIZE.0, SIZE.1, [0.0; 3]).draw(&[white]);
+        for (mask, pixel) in mask.iter_mut().zip(rgb.chunks_exact(3)) {
+            if pixel[0] >= 128 {
+                *mask = *probability;
+            }
+        }
+    }
+    mask
+}
+
+fn curves(rgb: &[u8], mask: &[u8], mask_level: Option<u8>) -> Vec<Curve> {
+    let options = Options {
+        mask: Mask::External,
+        mask_level: mask_level.and_then(NonZeroU8::new),
+        ..Options::default()
+    };
+    let mut extractor = Extractor::new(options).expect("valid options");
+    let image = Image::new(rgb, SIZE.0, SIZE.1, 3 * SIZE.0, PixelFormat::Rgb8).expect("whole");
+    let scene = extractor.extract_masked(&image, &gray(mask));
+    scene.expect("a mask of the size").curves.to_vec()
+}
+
+#[test]
+fn a_rope_goes_on_where_a_soft_mask_is_unsure_unless_a_level_says_otherwise() {
+    let whole = [40.0, 280.0];
+    let rgb = picture(&[bar(whole, 120.0, 9.0, RED)]);
+    let mask = mask(&[
+        (bar(whole, 120.0, 9.0, RED), 250),
+        (bar([120.0, 200.0], 120.0, 12.0, RED), 60),
+    ]);
+    let hidden = |level| {
+        let curves = curves(&rgb, &mask, level);
+        assert_eq!(curves.len(), 1);
+        assert!((curves[0].length_px - 240.0).abs() < 3.0);
+        curves[0].hidden.iter().filter(|&&hidden| hidden).count()
+    };
+    assert_eq!(hidden(None), 0);
+    assert_eq!(hidden(Some(40)), 0);
+    // Cut there, it is bridged.
+    assert!(hidden(Some(128)) > 20);
+}
+
+#[test]
+fn pieces_are_joined_where_the_picture_shows_the_rope_and_left_alone_on_the_table() {
+    let (left, right) = ([40.0, 130.0], [190.0, 280.0]);
+    let pieces = [left, right].map(|ends| bar(ends, 120.0, 9.0, RED));
+    let broken = mask(&pieces.clone().map(|piece| (piece, 255)));
+    let one = curves(
+        &picture(&[bar([40.0, 280.0], 120.0, 9.0, RED)]),
+        &broken,
+        None,
+    );
+    assert_eq!(one.len(), 1);
+    assert!((one[0].length_px - 240.0).abs() < 3.0);
+    assert!(one[0].hidden.contains(&true));
+    assert_eq!(curves(&picture(&pieces), &broken, None).len(), 2);
+}
+
+#[test]
+fn crumbs_and_slivers_of_a_mask_are_no_ropes() {
+    let rope = bar([40.0, 280.0], 120.0, 9.0, RED);
+    let rgb = picture(&[rope.clone()]);
+    let sliver = bar([60.0, 260.0], 130.0, 3.0, RED);
+    let crumb = bar([60.0, 90.0], 60.0, 8.0, RED);
+    let second = bar([60.0, 260.0], 200.0, 8.0, RED);
+    let masked = mask(&[(rope, 255), (sliver, 255), (crumb, 255), (second, 255)]);
+    let found = curves(&rgb, &masked, None);
+    assert_eq!(found.len(), 2);
+    assert!(found.iter().all(|curve| curve.length_px > 190.0));
 }

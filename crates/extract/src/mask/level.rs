@@ -1,0 +1,106 @@
+//! From which of its bytes on a mask that was made elsewhere is rope.
+//!
+//! A network's probabilities have two heaps, near 0 and near 255, and a long slope between: what it has not seen often, an
+//! edge, a strand below another, lies on it. Ridler and Calvard's iteration (see [`threshold`](super::threshold)) finds the
+//! heaps, and the cut lies near the lower one, so that a rope breaks only where the network has hardly a doubt. A mask of 0
+//! and 255 is the same whatever the level.
+
+use crate::image::gray::GrayPlane;
+
+/// The upper half of the bytes: what a mask means that has no two heaps.
+const HALF: u8 = 128;
+/// Where the cut lies between the mean of the rest and the mean of the rope: at a probability of an eighth. Anything from a
+/// twentieth to a sixth leaves real masks as whole.
+const SHARE: f32 = 0.12;
+/// Least distance from the mean of the rest, in mean deviations: 5 standard deviations of Gaussian noise.
+const DEVIATIONS: f32 = 6.0;
+/// The least mean of what is a rope: below, nothing in the mask is sure, and only what is likelier rope than not is taken.
+const LEAST_ROPE: f32 = 96.0;
+/// Rows that are counted, evenly spread: the means change little from row to row.
+const ROWS: usize = 64;
+
+/// How often each byte occurs in some rows of `mask`.
+fn histogram(mask: &GrayPlane) -> [u32; 256] {
+    let mut counts = [0; 256];
+    let mut nothing = 0;
+    for y in (0..mask.height()).step_by((mask.height() / ROWS).max(1)) {
+        let (eights, rest) = mask.row(y).as_chunks::<8>();
+        for eight in eights {
+            // Most of a mask is none.
+            if u64::from_ne_bytes(*eight) == 0 {
+                nothing += 8;
+            } else {
+                eight.iter().for_each(|&b| counts[usize::from(b)] += 1);
+            }
+        }
+        rest.iter().for_each(|&b| counts[usize::from(b)] += 1);
+    }
+    counts[0] += nothing;
+    counts
+}
+
+/// The level by the mask's own histogram.
+pub(crate) fn choose(mask: &GrayPlane) -> u8 {
+    let counts = histogram(mask);
+    let mean = |range: std::ops::Range<usize>, of: &dyn Fn(usize) -> f32| {
+        let (mut count, mut sum) = (0, 0.0);
+        for level in range {
+            count += counts[level];
+            sum += counts[level] as f32 * of(level);
+        }
+        sum / count.max(1) as f32
+    };
+    let level = |level: usize| level as f32;
+    let mut cut = usize::from(HALF);
+    let [mut rest, mut rope] = [0.0; 2];
+    for _ in 0..32 {
+        (rest, rope) = (mean(0..cut, &level), mean(cut..256, &level));
+        let next = (0.5 * (rest + rope)).ceil() as usize;
+        if next == cut {
+            break;
+        }
+        cut = next.clamp(1, 255);
+    }
+    if rope < LEAST_ROPE {
+        return HALF;
+    }
+    let deviation = mean(0..cut, &|level| (level as f32 - rest).abs());
+    let low = (SHARE * (rope - rest)).max(DEVIATIONS * deviation);
+    (rest + low).ceil().clamp(1.0, cut as f32) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plane in which the levels come round again and again, each as often as it is listed.
+    fn plane(levels: &[u8]) -> GrayPlane {
+        let mut plane = GrayPlane::default();
+        plane.resize(100, 10);
+        for y in 0..10 {
+            let row = plane.row_mut(y).iter_mut().enumerate();
+            row.for_each(|(x, level)| *level = levels[(7 * y + x) % levels.len()]);
+        }
+        plane
+    }
+
+    #[test]
+    fn probabilities_are_cut_near_their_lower_heap() {
+        let mut levels = [[0, 1, 2, 0, 1, 3, 0, 0].repeat(10), vec![250; 10]].concat();
+        levels.extend([20, 60, 110, 170, 200]);
+        let level = choose(&plane(&levels));
+        assert!((20..40).contains(&level), "{level}");
+    }
+
+    #[test]
+    fn a_restless_background_stays_out() {
+        let levels = [[30, 50, 40, 60, 35].repeat(16), vec![240; 12]].concat();
+        assert!(choose(&plane(&levels)) > 60);
+    }
+
+    #[test]
+    fn a_mask_in_which_nothing_is_sure_is_cut_in_the_middle() {
+        assert_eq!(choose(&plane(&[0, 3, 12, 7, 0, 40])), HALF);
+        assert_eq!(choose(&plane(&[0])), HALF);
+    }
+}
