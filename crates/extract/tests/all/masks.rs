@@ -205,7 +205,7 @@ fn pieces_are_joined_where_the_picture_shows_the_rope_and_left_alone_on_the_tabl
 #[test]
 fn crumbs_and_slivers_of_a_mask_are_no_ropes() {
     let rope = bar([40.0, 280.0], 120.0, 9.0, RED);
-    let rgb = picture(&[rope.clone()]);
+    let rgb = picture(std::slice::from_ref(&rope));
     let sliver = bar([60.0, 260.0], 130.0, 3.0, RED);
     let crumb = bar([60.0, 90.0], 60.0, 8.0, RED);
     let second = bar([60.0, 260.0], 200.0, 8.0, RED);
