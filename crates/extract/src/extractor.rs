@@ -11,6 +11,7 @@ use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::chords::ChordFollower;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
+use crate::confidence::Evidence;
 use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::graph::overlaps::Overlaps;
@@ -100,6 +101,8 @@ pub struct Extractor {
     chords: ChordFollower,
     /// What each curve may be instead of a rope, and what to say of it.
     doubts: Vec<Option<Notice>>,
+    /// What speaks for each curve and against it.
+    evidence: Vec<Evidence>,
     doubt: Option<Notice>,
     /// Whether there were more ropes than are reported.
     is_crowded: bool,
@@ -146,6 +149,7 @@ impl Extractor {
             crossings: Vec::new(),
             chords: ChordFollower::default(),
             doubts: Vec::new(),
+            evidence: Vec::new(),
             doubt: None,
             is_crowded: false,
             plain_frames: 0,
@@ -330,7 +334,7 @@ impl Extractor {
             _ => joined,
         };
         self.lengthen(joined);
-        self.points(joined);
+        self.points(image, joined);
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, seen, looks, &self.options);
@@ -397,6 +401,7 @@ impl Extractor {
         self.overlaps.reserve();
         self.colors.reserve(MOST_PIECES);
         self.doubts.reserve(MOST_PIECES);
+        self.evidence.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
         self.strays.reserve(MOST_PIECES);
@@ -428,6 +433,12 @@ impl Extractor {
         self.plain_frames = 0;
         self.clusterer.forget();
         self.tracker.reset();
+    }
+
+    /// What the confidence of each curve of the last image that was extracted whole comes from, in the curves' order: for
+    /// calibrating it. Lost ropes have none.
+    pub fn evidence(&self) -> &[Evidence] {
+        &self.evidence
     }
 
     /// The mask of the last image.

@@ -1,12 +1,15 @@
 //! Which of the curves may be no ropes.
 
 use super::Extractor;
-use crate::confidence;
+use crate::confidence::{self, Known};
 use crate::image::Image;
 use crate::notice::Notice;
-use crate::options::Options;
+use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
+
+/// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
+const THINNEST_PX: f32 = 3.0;
 
 impl Extractor {
     /// Says of the first `seen` curves which may be no ropes, and how sure it is of each.
@@ -18,11 +21,21 @@ impl Extractor {
         if self.masker.cut.is_some() {
             self.doubt_ropes(image, seen);
         }
+        let is_noticed = !matches!(self.masker.notice, None | Some(Notice::OwnShadow));
         let mut is_unsure = false;
+        self.evidence.clear();
         for curve in &mut self.curves[..seen] {
-            curve.confidence = confidence::of(curve);
+            let known = Known {
+                is_doubted: curve.status == Status::Doubtful,
+                is_noticed,
+                is_elsewhere: self.options.mask == Mask::External,
+            };
+            let evidence = confidence::evidence(image, curve, known);
+            self.evidence.push(evidence);
+            curve.confidence = evidence.confidence();
             self.tracker.note_confidence(curve.track, curve.confidence);
-            is_unsure |= curve.confidence < self.options.min_confidence;
+            let is_below = curve.confidence < self.options.min_confidence;
+            is_unsure |= is_below && curve.width_px >= THINNEST_PX;
         }
         self.doubt = self.doubt.or(is_unsure.then_some(Notice::Unsure));
     }

@@ -5,11 +5,11 @@ use lariat_portable::{Arch, NullaryFnOnce};
 use super::Extractor;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::centerline::source::Source;
-use crate::confidence;
+use crate::confidence::{self, Known};
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::occlusion::bridge::Gap;
-use crate::options::Method;
+use crate::options::{Mask, Method};
 use crate::scene::{Curve, Status};
 use crate::statistics::median;
 use crate::tracking::part::part;
@@ -34,6 +34,7 @@ impl Extractor {
     /// how many there are.
     pub(super) fn lay_lines(&mut self, image: &Image) -> usize {
         self.colors.clear();
+        self.is_crowded = false;
         let (mut count, mut samples) = (0, 0);
         let ropes = self.strands.strands.iter().take(self.options.ropes);
         let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
@@ -41,6 +42,7 @@ impl Extractor {
             let enough = count >= self.options.ropes && samples >= MOST_SAMPLES;
             let piece = strand.length_px >= PIECE * self.zones.half_px;
             if count == MOST_PIECES || enough || !piece {
+                self.is_crowded = piece && strand.length_px > 2.0 * LONG * self.zones.half_px;
                 break;
             }
             if self.lines.len() <= count {
@@ -167,7 +169,7 @@ impl Extractor {
     }
 
     /// A curve for each of the first `count` lines that is long enough to be a rope.
-    pub(super) fn points(&mut self, count: usize) {
+    pub(super) fn points(&mut self, image: &Image, count: usize) {
         self.count = 0;
         self.looks.clear();
         for l in 0..count {
@@ -194,20 +196,27 @@ impl Extractor {
             self.lines.swap(self.count, l);
             self.count += 1;
         }
-        self.leave_out();
+        self.leave_out(image);
     }
 
     /// Leaves out of more curves than are asked for those of the least confidence × length.
-    fn leave_out(&mut self) {
-        self.is_crowded = false;
+    fn leave_out(&mut self, image: &Image) {
+        if self.count <= self.options.ropes {
+            return;
+        }
+        let known = Known {
+            is_elsewhere: self.options.mask == Mask::External,
+            ..Known::default()
+        };
+        for curve in &mut self.curves[..self.count] {
+            curve.status = Status::Ok;
+            let evidence = confidence::evidence(image, curve, known);
+            curve.confidence = evidence.confidence();
+        }
         while self.count > self.options.ropes {
             let weight = |curve: &Curve| curve.confidence * curve.length_px;
-            let curves = self.curves[..self.count].iter_mut().enumerate();
-            let weights = curves.map(|(c, curve)| {
-                curve.status = Status::Ok;
-                curve.confidence = confidence::of(curve);
-                (weight(curve), c)
-            });
+            let curves = self.curves[..self.count].iter().enumerate();
+            let weights = curves.map(|(c, curve)| (weight(curve), c));
             // Of equal ones the last, which is the shortest.
             let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             let c = least.map_or(self.count - 1, |(_, c)| c);

@@ -6,6 +6,7 @@ mod drawing;
 mod allocation;
 mod byte_order;
 mod classes;
+mod confidence;
 mod false_ropes;
 mod follow;
 mod hostile;

@@ -1,6 +1,7 @@
 //! How right lariat's centerlines are, measured on pictures, and how fast its rivals are on them.
 
 mod accuracy;
+mod confidence;
 mod day;
 mod families;
 mod fit_rivals;
@@ -27,6 +28,8 @@ struct Cli {
 enum Command {
     /// How close the extractor's curves are to the truth
     Accuracy(accuracy::Args),
+    /// The weights of a curve's confidence, fitted to drawn pictures, and how true it is on others
+    CalibrateConfidence(confidence::Args),
     /// The same work by OpenCV and scikit-image, side by side with lariat's
     Rivals(rivals::Args),
     /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
@@ -50,6 +53,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::CalibrateConfidence(args) => confidence::run(&args),
         Command::Rivals(args) => rivals::run(&args),
         Command::FitRivals(args) => fit_rivals::run(&args),
         Command::Methods(args) => methods::run(&args),

@@ -1,0 +1,144 @@
+//! `lariat-bench calibrate-confidence`: the weights of a curve's confidence, fitted to drawn pictures, and how true it is on others.
+//!
+//! Each picture of every class is drawn plain, on grounds of growing texture and in noise. The extractor makes its
+//! own mask of it, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
+//! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
+//! along it in order. Four seeds by turns are fitted, four tell how good that is.
+
+mod ground;
+mod logistic;
+mod masks;
+mod right;
+
+use anyhow::Result;
+use lariat_drawn::scenes::{self, Class, Still};
+use lariat_extract::{Evidence, Extractor, Image, Mask, Options, PixelFormat};
+use lariat_portable::SplitMix64;
+
+use ground::Ground;
+use logistic::{Example, Weights};
+
+/// What to draw.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Pictures of each class; half of them are fitted
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    seeds: u64,
+}
+
+/// A picture of a class: of four seeds two of the usual size, one of half of it, in which ropes are short beside their width, and
+/// one that is halved, in which they are thin.
+fn draw(class: Class, seed: u64) -> Option<Still> {
+    let [width, height] = match seed % 4 {
+        2 => [320, 240],
+        _ => [640, 480],
+    };
+    // Not every class fits into the small one.
+    let still = scenes::draw(class, seed, width, height).ok()?;
+    Some(if seed % 4 == 3 { halved(&still) } else { still })
+}
+
+fn halved(still: &Still) -> Still {
+    let (width, height) = (still.width / 2, still.height / 2);
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for y in 0..height {
+        for x in 0..width {
+            for channel in 0..3 {
+                let at =
+                    |x: usize, y: usize| u16::from(still.rgb[3 * (y * still.width + x) + channel]);
+                let [left, top] = [2 * x, 2 * y];
+                let sum =
+                    at(left, top) + at(left + 1, top) + at(left, top + 1) + at(left + 1, top + 1);
+                rgb.push((sum / 4) as u8);
+            }
+        }
+    }
+    let mut truth = still.truth.clone();
+    for rope in &mut truth.ropes {
+        (rope.length_px, rope.width_px) = (rope.length_px / 2.0, rope.width_px / 2.0);
+        for point in &mut rope.points {
+            *point = point.map(|c| (c + 0.5) / 2.0 - 0.5);
+        }
+    }
+    Still {
+        width,
+        height,
+        rgb,
+        truth,
+    }
+}
+
+/// Fits, and prints tables and reliability.
+///
+/// # Errors
+/// An extraction fails.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let mut examples = Vec::new();
+    for class in Class::ALL {
+        for seed in 0..args.seeds {
+            if let Some(still) = draw(class, seed) {
+                for ground in Ground::ALL {
+                    look(&still, (class, seed), ground, &mut examples)?;
+                }
+            }
+        }
+    }
+    for (name, is_elsewhere) in [("OWN", false), ("ELSEWHERE", true)] {
+        let of = |is_fitted: bool| {
+            let some = examples.iter().filter(move |one: &&Example| {
+                one.evidence.is_elsewhere == is_elsewhere && one.is_fitted == is_fitted
+            });
+            some.collect::<Vec<_>>()
+        };
+        let weights = Weights::fit(&of(true));
+        print!("{}", weights.as_rust(name));
+        println!("fitted: {}", weights.reliability(&of(true)));
+        println!("others: {}", weights.reliability(&of(false)));
+    }
+    Ok(())
+}
+
+/// Extracts from a picture on a ground, with every kind of mask.
+fn look(
+    still: &Still,
+    (class, seed): (Class, u64),
+    ground: Ground,
+    examples: &mut Vec<Example>,
+) -> Result<()> {
+    let mut random = SplitMix64::of_stream(seed, 0xC0F1 + 8 * class as u64 + ground as u64);
+    let (width, height) = (still.width, still.height);
+    let cover = masks::cover(still);
+    let mut rgb = still.rgb.clone();
+    ground.lay(&mut rgb, &cover, width, &mut random);
+    let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
+    let damaged = masks::damaged(&cover, still, &mut random);
+    let uneven = masks::uneven(&cover, width, &mut random);
+    let both = masks::uneven(&damaged, width, &mut random);
+    for mask in [
+        None,
+        Some(&cover),
+        Some(&uneven),
+        Some(&damaged),
+        Some(&both),
+    ] {
+        let options = Options {
+            mask: mask.map_or(Mask::Auto, |_| Mask::External),
+            ..Options::default()
+        };
+        let mut extractor = Extractor::new(options)?;
+        let curves = match mask {
+            None => extractor.extract(&image).curves.to_vec(),
+            Some(mask) => {
+                let mask = Image::new(mask, width, height, width, PixelFormat::Gray8)?;
+                extractor.extract_masked(&image, &mask)?.curves.to_vec()
+            }
+        };
+        let judged = curves.iter().zip(extractor.evidence());
+        examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| Example {
+            evidence: *evidence,
+            is_right: right::is_right(&still.truth, curve),
+            is_fitted: seed / 4 % 2 == 0,
+        }));
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! Logistic regression by Newton's method, and how true its probabilities are.
+
+use lariat_extract::Evidence;
+use std::fmt::Write;
+
+const CLUES: usize = Evidence::NAMES.len();
+/// The weights' own cost: a clue that nothing depends on has none.
+const RIDGE: f64 = 1.0;
+const ROUNDS: usize = 30;
+const BINS: usize = 10;
+
+/// A curve that was judged.
+pub(super) struct Example {
+    pub(super) evidence: Evidence,
+    pub(super) is_right: bool,
+    pub(super) is_fitted: bool,
+}
+
+impl Example {
+    fn clues(&self) -> [f64; CLUES] {
+        self.evidence.clues.map(f64::from)
+    }
+}
+
+/// A weight for each clue.
+pub(super) struct Weights([f64; CLUES]);
+
+impl Weights {
+    /// The most likely ones.
+    pub(super) fn fit(examples: &[&Example]) -> Self {
+        let mut weights = Self([0.0; CLUES]);
+        for _ in 0..ROUNDS {
+            let mut bend = [[0.0; CLUES]; CLUES];
+            let mut slope = weights.0.map(|weight| -RIDGE * weight);
+            (0..CLUES).for_each(|i| bend[i][i] = RIDGE);
+            for example in examples {
+                let (clues, p) = (example.clues(), weights.probability(example));
+                let off = f64::from(u8::from(example.is_right)) - p;
+                for i in 0..CLUES {
+                    slope[i] += off * clues[i];
+                    for j in 0..CLUES {
+                        bend[i][j] += p * (1.0 - p) * clues[i] * clues[j];
+                    }
+                }
+            }
+            let step = solve(bend, slope);
+            (0..CLUES).for_each(|i| weights.0[i] += step[i]);
+        }
+        weights
+    }
+
+    fn probability(&self, example: &Example) -> f64 {
+        let sum: f64 = example
+            .clues()
+            .iter()
+            .zip(&self.0)
+            .map(|(x, w)| x * w)
+            .sum();
+        1.0 / (1.0 + libm::exp(-sum))
+    }
+
+    /// As the extractor has them.
+    pub(super) fn as_rust(&self, name: &str) -> String {
+        let mut text = format!("pub(super) const {name}: [f32; CLUES] = [\n");
+        for (weight, clue) in self.0.iter().zip(Evidence::NAMES) {
+            let _ = writeln!(text, "    {weight:.3}, // {clue}");
+        }
+        text + "];\n"
+    }
+
+    /// How many curves there are, how far what is said is from how many are right, and both in tenths.
+    pub(super) fn reliability(&self, examples: &[&Example]) -> String {
+        let mut bins = [(0.0, 0.0, 0.0); BINS];
+        for example in examples {
+            let p = self.probability(example);
+            let (count, said, right) = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
+            *count += 1.0;
+            *said += p;
+            *right += f64::from(u8::from(example.is_right));
+        }
+        let off: f64 = bins
+            .iter()
+            .map(|(_, said, right)| (said - right).abs())
+            .sum();
+        let count = examples.len();
+        let mut text = format!(
+            "{count} curves, expected calibration error {:.3}\n",
+            off / count.max(1) as f64
+        );
+        for (count, said, right) in bins.iter().filter(|bin| bin.0 > 0.0) {
+            let _ = writeln!(
+                text,
+                "  said {:.2}, right {:.2} of {count}",
+                said / count,
+                right / count
+            );
+        }
+        text
+    }
+}
+
+/// The solution of `matrix · x = right`, by elimination: the matrix is symmetric and positive.
+fn solve(mut matrix: [[f64; CLUES]; CLUES], mut right: [f64; CLUES]) -> [f64; CLUES] {
+    for i in 0..CLUES {
+        let pivot = matrix[i];
+        for k in i + 1..CLUES {
+            let share = matrix[k][i] / pivot[i];
+            (i..CLUES).for_each(|j| matrix[k][j] -= share * pivot[j]);
+            right[k] -= share * right[i];
+        }
+    }
+    for i in (0..CLUES).rev() {
+        let known: f64 = (i + 1..CLUES).map(|j| matrix[i][j] * right[j]).sum();
+        right[i] = (right[i] - known) / matrix[i][i];
+    }
+    right
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_of_a_known_law_are_found_again() {
+        // Of curves with the first clue nine of ten are right, of those without three of ten.
+        let example = |clue: f32, is_right: bool| {
+            let mut clues = [0.0; CLUES];
+            (clues[0], clues[1]) = (1.0, clue);
+            Example {
+                evidence: Evidence {
+                    clues,
+                    is_elsewhere: false,
+                },
+                is_right,
+                is_fitted: true,
+            }
+        };
+        let examples: Vec<_> = (0..2000)
+            .map(|i| match i % 2 {
+                0 => example(1.0, i % 20 != 0),
+                _ => example(0.0, i % 20 < 6),
+            })
+            .collect();
+        let examples: Vec<_> = examples.iter().collect();
+        let weights = Weights::fit(&examples);
+        assert!((weights.probability(examples[0]) - 0.9).abs() < 0.01);
+        assert!((weights.probability(examples[1]) - 0.3).abs() < 0.01);
+        assert!(weights.reliability(&examples).contains("error 0.00"));
+    }
+}

@@ -1,0 +1,57 @@
+//! Whether a curve is a rope, whole and in order.
+
+use lariat_drawn::scenes::{SeenCurve, TrueRope, Truth, score};
+use lariat_extract::Curve;
+
+/// The share of a rope that is covered, and of a curve that lies on it.
+const WHOLE: f64 = 0.93;
+/// Between two of a curve's points as many places are looked at.
+const STEPS: usize = 6;
+
+/// Whether it is one of the true ropes.
+pub(super) fn is_right(truth: &Truth, curve: &Curve) -> bool {
+    let points: Vec<[f64; 2]> = curve.points.iter().map(|p| p.map(f64::from)).collect();
+    let back = curve.closed.then(|| points[0]);
+    let after = points[1..].iter().copied().chain(back);
+    let dense: Vec<_> = (points.iter().zip(after))
+        .flat_map(|(from, to)| {
+            (0..STEPS).map(move |k| {
+                let share = k as f64 / STEPS as f64;
+                [0, 1].map(|c| from[c] + share * (to[c] - from[c]))
+            })
+        })
+        .chain(points.last().copied())
+        .collect();
+    truth.ropes.iter().any(|rope| {
+        let sparse: Vec<_> = rope.points.iter().copied().step_by(8).collect();
+        let reach_px = (0.5 * rope.width_px + 1.0).max(3.0);
+        share_near(&sparse, &dense, reach_px) >= WHOLE
+            && share_near(&points, &sparse, reach_px + 0.1 * rope.width_px) >= WHOLE
+            && is_in_order(rope, curve)
+    })
+}
+
+/// The share of these points that others are near to.
+fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64) -> f64 {
+    let is_near = |p: &&[f64; 2]| {
+        let mut others = others.iter();
+        others.any(|q| libm::hypot(p[0] - q[0], p[1] - q[1]) <= reach_px)
+    };
+    points.iter().filter(is_near).count() as f64 / points.len().max(1) as f64
+}
+
+/// Whether points at the same share of both lengths are the same: what is missing at an end moves them by no more than that.
+fn is_in_order(rope: &TrueRope, curve: &Curve) -> bool {
+    let truth = Truth {
+        ropes: vec![rope.clone()],
+        ..Truth::default()
+    };
+    let seen = SeenCurve {
+        points: &curve.points,
+        width_px: curve.width_px,
+        closed: curve.closed,
+    };
+    let off_px = score(&truth, &[seen], &[]).correspondences_px;
+    let most_px = (1.0 - WHOLE) * rope.length_px + 2.0 * rope.width_px;
+    off_px.iter().all(|off| *off <= most_px)
+}
