@@ -406,7 +406,7 @@ impl Extractor {
         self.bridger.reserve(samples);
         self.strays.reserve(MOST_PIECES);
         self.occluder.reserve(width, height);
-        self.masker.shadows.reserve(width, height);
+        self.masker.reserve(width, height);
         self.tracker.reserve(self.options.points);
         self.tracker.remember(&mut self.zones.past);
         let scene = refit::Scene {

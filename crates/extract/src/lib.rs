@@ -29,6 +29,7 @@
 //! | step | folder | from → to |
 //! |---|---|---|
 //! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `hysteresis`, `cast`, `diagnosis` | image, or a mask made elsewhere (`level`) → one bit a pixel, and how unlike the table each pixel is |
+//! | | `ribbons`: `picture`, `spans`, `chains`, `pieces`, `trace`, `groups`, `paint` | where there is no plain table: image → how much of each pixel is a ribbon between two edges |
 //! | skeleton | `skeleton`: `thin`, `pixels` | mask → lines one pixel wide |
 //! | graph | `graph`: `edges`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `centerline`: `path`, `section`, `smooth`, `extender` | strands → samples along the middle of each rope |
@@ -53,7 +54,7 @@
 //! # Bounds
 //!
 //! Any bytes are taken, without a panic, in bounded time: the mask step reads each pixel a fixed
-//! number of times; a mask that covers more than 60% of the image, or that breaks into more than one
+//! number of times, and cuts at most 500 lines of a picture made smaller into at most 128 spans each; a mask that covers more than 60% of the image, or that breaks into more than one
 //! run for each 16 pixels, is no picture of ropes and gives none; thinning makes at most 128 passes,
 //! over the rows that still change; a skeleton of more than 131,072 pixels or 4096 strands is noise
 //! and gives none; crossings of more than ten arms are resolved pair by pair; 64 rings are opened; all lines
@@ -70,6 +71,7 @@
 //! | step | modules of `crates/extract/src` | method |
 //! |---|---|---|
 //! | mask | `mask/`: `background`, `difference`, `threshold`; or `hsv`; then `hysteresis` (`widths`, `shadow`); `diagnosis` (`pattern`, `faint`); `cast`. `bitmap/`: `pieces` (`components`), `morphology` (`octagon`, `tiles`) | `auto`: the table is a quadratic surface a channel, fitted robustly to a sparse grid; a pixel's difference is the largest over the channels, in the camera's own format (YUYV and NV12 are not converted; BGRA, gray of 16 bits and Bayer patterns are unpacked once a frame, into RGB and gray: `image/unpack`), and what is asked of every pixel is asked while its row is in reach: first, whether a block of 64 × 8 leaves the table's noise at all. Only such blocks and those within eight pixels are worked out, the others are 0 (in doubt they are filled in later); the cut is Ridler and Calvard's, above a floor from the table's noise. Specks dropped, pinholes filled by runs |
+//! | any ground | `ribbons/` | where a notice says that what differs from the table may not be the ropes, and where the table ends in the picture: ropes are found by their shape. Scan lines (every fourth row, every fourth column of the smoothed picture) are cut into spans of one color between two edges, which dynamic programming puts together from line to line; chains, the best first, take their ground; each is traced on from its ends; ends that face each other are linked; and a group is rope by its contrast in its own spread, its color's distance from both sides and how rare that is elsewhere, its length, evenness, sharp edges, bend, and its width beside the surest ones'. Painted by the share of the rope's color between the ground's, it is a mask like one of probabilities |
 //! | skeleton | `skeleton/`: `thin`, `pixels`; `bitmap/edge_distance` | Guo and Hall's thinning (1989), only where it still changes. All kernels on bits run over `bitmap/strips` (`neighbors`): 64 pixels wide, a word a row, rows one after the other, so that a rope fills the widest registers whichever way it runs, and only blocks of eight rows that hold something are visited |
 //! | graph | `graph/`: `edges`, `zones` (`arm`), `overlaps`, `unroll`, `necks`, `pairing`, `strands`, `double_crossing` | ends and junctions joined by edges; spurs pruned by the local width. Two strands that cross at a flat angle make two junctions: the geometry of the inscribed circles says which belong to one crossing. The arms of a crossing are paired by least bending energy over all pairings, with width and colour; an arm may stay alone, as an end. Where strands lie along each other they change sides at the necks of their overlap, where the mask is one rope wide; without a neck they only touch. The two crossings at the ends of a narrow gap are judged at once, by what the strands bend over its whole length |
 //! | points | `centerline/`: `source`, `path`, `line`, `centerliner`, `section` (`edge`, `contrast`, `shading`), `extender` (`extrapolate`, `tip_contact`), `smooth`; `image/gray`, `image/ray` | the strand's pixels smoothed without shrinking (Whittaker 1923), each sample moved to the middle of its cross-section, between the places where the difference is half of what the rope shows at its rim: how a round rope darkens toward its edges is fitted to its middle, Lambert's law (half of the contrast in the middle drew ropes 0.4 px too narrow). At the image's border one edge and the width tell. Bridged through crossings by the curve of least bending; tips run on along a parabola to half difference, then measured as well; a tip against a strand ends at its cut or at the strand's near edge; N equal steps of arc length |
@@ -169,6 +171,7 @@ mod occlusion;
 mod options;
 mod past;
 mod pick;
+mod ribbons;
 mod scene;
 mod skeleton;
 mod statistics;

@@ -86,13 +86,12 @@ impl fmt::Display for Notice {
                 return write!(f, "something is as round as the rim of a cup: {NO_ROPE}");
             }
             Notice::CheckeredTable => {
-                "the table is checkered, striped or grained, and the automatic mask cannot tell a rope from its \
-                 pattern for sure: cover it with a plain cloth, or give the rope's own colour as the mask"
+                "the table is checkered, striped or grained, and the automatic mask took what has the shape of a rope, which \
+                 is not sure: cover the table with a plain cloth, or give the rope's own colour as the mask"
             }
             Notice::UnevenTable => {
-                "light and shade, or more than one surface, lie across the image, and the automatic mask takes only \
-                 what stands out more than they do: light the table evenly, show one surface only, or give the rope's \
-                 own colour as the mask"
+                "light and shade, or more than one surface, lie across the image, and the automatic mask took what has the \
+                 shape of a rope: light the table evenly, show one surface only, or give the rope's own colour as the mask"
             }
             Notice::LikeTheTable => {
                 "something of almost the table's colour lies on it, too faint for the automatic mask to follow: put a \

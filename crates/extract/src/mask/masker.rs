@@ -17,12 +17,19 @@ use crate::image::unpack::Unpacker;
 use crate::image::{Image, PixelFormat};
 use crate::notice::Notice;
 use crate::options::Mask;
+use crate::ribbons::Ribbons;
 use std::num::NonZeroU8;
 use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
 /// are wrong, and a "skeleton" of it would mean nothing.
 const MOST_COVERED: f32 = 0.6;
+
+/// The share of the picture's border from which on what lies there is no rope.
+const FRAMED: f32 = 0.18;
+
+/// From this level on a pixel that is painted by shape is rope.
+const ROPE_LEVEL: u8 = 128;
 
 /// Why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -43,6 +50,12 @@ pub enum MaskError {
     Format(PixelFormat),
 }
 
+/// Whether a notice says that what differs from the table may not be the ropes.
+fn is_no_plain_table(notice: Notice) -> bool {
+    use Notice::*;
+    matches!(notice, CheckeredTable | UnevenTable | Covered)
+}
+
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Masker {
@@ -56,6 +69,9 @@ pub(crate) struct Masker {
     diagnosis: Diagnosis,
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
+    ribbons: Ribbons,
+    /// How much of each pixel is a ribbon.
+    ribbon: GrayPlane,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,
@@ -109,9 +125,49 @@ impl Masker {
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.shadows.cast = Cast::None;
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
-        if chosen.is_some() && self.notice.is_none() {
+        if chosen.is_none() {
+            return;
+        }
+        if self.notice.is_none() && self.is_framed() {
+            self.notice = Some(Notice::UnevenTable);
+        }
+        if self.notice.is_some_and(is_no_plain_table) {
+            self.take_ribbons(image);
+        }
+        if self.notice.is_none() {
             self.take_shadows_out(image);
         }
+    }
+
+    /// Whether much of the picture's border is in the mask: the table ends in the picture.
+    fn is_framed(&self) -> bool {
+        let mask = &self.mask;
+        let (width, height) = (mask.width(), mask.height());
+        let ones = |row: &[u64]| row.iter().map(|word| word.count_ones()).sum::<u32>();
+        let ends = |y: i32| u32::from(mask.get(0, y)) + u32::from(mask.get(width as i32 - 1, y));
+        let sides: u32 = (0..height as i32).map(ends).sum();
+        let border = ones(mask.row(0)) + ones(mask.row(height - 1)) + sides;
+        border as f32 > FRAMED * 2.0 * (width + height) as f32
+    }
+
+    /// Takes the ropes that are found by their shape, if any are, in the place of what differs from the table.
+    fn take_ribbons(&mut self, image: &Image) {
+        self.ribbon.resize(image.width(), image.height());
+        if self.ribbons.find(image, &mut self.ribbon) {
+            std::mem::swap(&mut self.ribbon, &mut self.difference);
+            threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
+            self.strips.take(&self.mask);
+            self.clean_or_empty();
+            self.cut = None;
+            self.is_given = true;
+        }
+    }
+
+    /// Makes the buffers that the drawn picture of [`prepare`](Self::prepare) has no use for.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        self.shadows.reserve(width, height);
+        self.ribbons.reserve(width, height);
+        self.ribbon.resize(width, height);
     }
 
     /// Takes the ropes' own shadow out of an automatic mask.

@@ -4,6 +4,7 @@
 mod drawing;
 
 mod allocation;
+mod any_ground;
 mod byte_order;
 mod classes;
 mod confidence;

@@ -1,0 +1,362 @@
+//! Pieces that go on from each other are grouped, and each group is weighed: is it a rope?
+
+use super::picture::Picture;
+use super::pieces::{Ground, Piece, are_alike};
+use super::{Color, Rib, dot, grade, is_shade, minus, unlikeness};
+use crate::statistics;
+use crate::vec2::{self, Vec2};
+
+/// The widest gap between two ends that go on from each other, in widths and pixels.
+const GAP: (f32, f32) = (7.0, 30.0);
+/// How unlike and how much wider they may be; how straight they go on, by the cosine of what they turn.
+const UNLIKE: f32 = 25.0;
+const WIDER: f32 = 1.7;
+const FACING: f32 = 0.6;
+const STRAIGHT: f32 = 0.75;
+/// What a link may cost.
+const COST: f32 = 9.0;
+/// Of an end that lies on another piece: how unlike and wider that may be.
+const ON: (f32, f32) = (20.0, 1.6);
+/// The evidence from which on a group is a rope, and its least length in pixels.
+const ROPE: f32 = 4.0;
+const SHORTEST_PX: f32 = 40.0;
+/// The evidence and length from which on a group's width is one that ropes have here.
+const SURE: (f32, f32) = (4.5, 60.0);
+/// What it says that a group has such a width, or no such.
+const FITS: f32 = 1.2;
+/// Groups that are straight (beside their line by less than so many widths), parallel (by the cosine) and as wide: so many
+/// are a pattern.
+const PATTERN: (f32, f32, f32, usize) = (0.3, 0.995, 1.4, 5);
+/// Pixels from one to the next of those that are asked for a group's color.
+const STRIDE: usize = 5;
+
+/// An end of a piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub(super) piece: usize,
+    pub(super) rib: usize,
+    pub(super) at: Vec2,
+    /// Outward.
+    pub(super) along: Vec2,
+    /// The end that it is linked with.
+    pub(super) linked: Option<usize>,
+}
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(super) struct Grouper {
+    /// Two a piece: its first and its last.
+    pub(super) ends: Vec<End>,
+    links: Vec<(f32, u32, u32)>,
+    /// Each piece's group, by one of its pieces.
+    group: Vec<usize>,
+    /// Of each group, under that piece's number.
+    lengths: Vec<f32>,
+    widths: Vec<f32>,
+    evidence: Vec<f32>,
+    /// The direction of what is straight.
+    straight: Vec<Option<Vec2>>,
+    ribs: Vec<Rib>,
+    values: Vec<f32>,
+    sure: Vec<f32>,
+    is_rope: Vec<bool>,
+}
+
+impl Grouper {
+    /// Makes the buffers for so many pieces.
+    pub(super) fn reserve(&mut self, pieces: usize, ribs: usize) {
+        self.ends.reserve(2 * pieces);
+        // Ends have few others before them.
+        self.links.reserve(8 * pieces);
+        self.group.reserve(pieces);
+        for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
+            values.reserve(pieces);
+        }
+        self.straight.reserve(pieces);
+        self.ribs.reserve(ribs);
+        self.values.reserve(ribs);
+        self.sure.reserve(pieces);
+        self.is_rope.reserve(pieces);
+    }
+
+    /// Groups the pieces, and says which are rope.
+    pub(super) fn run(
+        &mut self,
+        picture: &Picture,
+        ground: &Ground,
+        pieces: &[Piece],
+        ribs: &[Rib],
+    ) {
+        self.find_ends(pieces, ribs);
+        self.group.clear();
+        self.group.extend(0..pieces.len());
+        self.link(pieces);
+        self.lay_on(picture, ground, pieces);
+        self.weigh(picture, ground, pieces, ribs);
+    }
+
+    /// Whether a piece is part of a rope.
+    pub(super) fn is_rope(&self, piece: usize) -> bool {
+        self.is_rope[piece]
+    }
+
+    /// Whether any is.
+    pub(super) fn any(&self) -> bool {
+        self.is_rope.contains(&true)
+    }
+
+    fn find_ends(&mut self, pieces: &[Piece], ribs: &[Rib]) {
+        self.ends.clear();
+        for (number, piece) in pieces.iter().enumerate() {
+            let own = &ribs[piece.from..piece.to];
+            let last = own.len() - 1;
+            for (end, inside) in [(0, 3.min(last)), (last, last - 3.min(last))] {
+                let way = vec2::sub(own[end].at, own[inside].at);
+                self.ends.push(End {
+                    piece: number,
+                    rib: piece.from + end,
+                    at: own[end].at,
+                    along: vec2::unit_or(way, own[end].along),
+                    linked: None,
+                });
+            }
+        }
+    }
+
+    /// Links ends that face each other, the cheapest pairs first.
+    fn link(&mut self, pieces: &[Piece]) {
+        self.links.clear();
+        for (i, a) in self.ends.iter().enumerate() {
+            for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
+                if let Some(cost) = cost(pieces, a, b).filter(|&cost| cost <= COST) {
+                    self.links.push((cost, i as u32, j as u32));
+                }
+            }
+        }
+        (self.links).sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        for k in 0..self.links.len() {
+            let (i, j) = (self.links[k].1 as usize, self.links[k].2 as usize);
+            if self.ends[i].linked.is_none() && self.ends[j].linked.is_none() {
+                (self.ends[i].linked, self.ends[j].linked) = (Some(j), Some(i));
+                self.unite(self.ends[i].piece, self.ends[j].piece);
+            }
+        }
+    }
+
+    /// Groups a piece with what its ends lie on.
+    fn lay_on(&mut self, picture: &Picture, ground: &Ground, pieces: &[Piece]) {
+        for i in 0..self.ends.len() {
+            let End {
+                piece, at, along, ..
+            } = self.ends[i];
+            for widths in [0.0, 0.5, 1.0] {
+                let place = vec2::along(at, along, widths * pieces[piece].width_px);
+                if let Some(other) = ground.at(picture, place)
+                    && other != piece
+                    && are_alike(&pieces[piece], &pieces[other], ON.0, ON.1)
+                {
+                    self.unite(piece, other);
+                }
+            }
+        }
+    }
+
+    fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.group[a.max(b)] = a.min(b);
+    }
+
+    fn root(&mut self, mut piece: usize) -> usize {
+        while self.group[piece] != piece {
+            self.group[piece] = self.group[self.group[piece]];
+            piece = self.group[piece];
+        }
+        piece
+    }
+
+    /// Weighs every group.
+    fn weigh(&mut self, picture: &Picture, ground: &Ground, pieces: &[Piece], ribs: &[Rib]) {
+        let count = pieces.len();
+        for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
+            values.clear();
+            values.resize(count, 0.0);
+        }
+        for (piece, own) in pieces.iter().enumerate() {
+            let group = self.root(piece);
+            self.lengths[group] += own.length_px;
+        }
+        self.straight.clear();
+        self.straight.resize(count, None);
+        for group in 0..count {
+            if self.root(group) == group {
+                self.widths[group] = pieces[group].width_px;
+                self.evidence[group] = self.evidence_of(picture, ground, group, (pieces, ribs));
+            }
+        }
+        let sure = (0..count).filter(|&k| self.evidence[k] >= SURE.0 && self.lengths[k] > SURE.1);
+        self.sure.clear();
+        self.sure.extend(sure.map(|k| self.widths[k]));
+        self.is_rope.clear();
+        for piece in 0..count {
+            let group = self.root(piece);
+            let fits = self.fits(self.widths[group]);
+            let is_rope = self.evidence[group] + fits >= ROPE
+                && self.lengths[group] >= SHORTEST_PX
+                && !self.is_pattern(group);
+            self.is_rope.push(is_rope);
+        }
+    }
+
+    /// Whether a group is one of many straight ones side by side.
+    fn is_pattern(&self, group: usize) -> bool {
+        let Some(along) = self.straight[group] else {
+            return false;
+        };
+        let is_like = |other: usize| {
+            let wider = self.widths[other] / self.widths[group];
+            self.evidence[other] >= ROPE
+                && self.straight[other]
+                    .is_some_and(|other| vec2::dot(along, other).abs() > PATTERN.1)
+                && wider.max(1.0 / wider) < PATTERN.2
+        };
+        (0..self.straight.len()).filter(|&k| is_like(k)).count() >= PATTERN.3
+    }
+
+    /// What it says for a width that the sure ropes have it too.
+    fn fits(&self, width_px: f32) -> f32 {
+        let wider = self
+            .sure
+            .iter()
+            .map(|sure| (sure / width_px).max(width_px / sure));
+        match wider.reduce(f32::min) {
+            Some(wider) => FITS * (grade(wider, 1.8, 1.2) - 0.5),
+            None => 0.0,
+        }
+    }
+
+    /// What speaks for a group's being a rope: each kind of evidence counts up to about one.
+    fn evidence_of(
+        &mut self,
+        picture: &Picture,
+        ground: &Ground,
+        group: usize,
+        (pieces, ribs): (&[Piece], &[Rib]),
+    ) -> f32 {
+        self.ribs.clear();
+        for (piece, own) in pieces.iter().enumerate() {
+            if self.root(piece) == group {
+                let ribs = ribs[own.from..own.to].iter();
+                // Not those that were traced.
+                self.ribs.extend(ribs.filter(|rib| rib.quality > 0.0));
+            }
+        }
+        let values = &mut self.values;
+        let ribs = &self.ribs[..];
+        let mut median = |of: &dyn Fn(&Rib) -> f32| {
+            values.clear();
+            values.extend(ribs.iter().map(of));
+            statistics::median(values)
+        };
+        let share = 1.0 / ribs.len() as f32;
+        let mean = |of: &dyn Fn(&Rib) -> f32| share * ribs.iter().map(of).sum::<f32>();
+        let unlike = median(&|rib| {
+            let [a, b] = rib.sides.map(|side| unlikeness(rib.color, side));
+            a.min(b)
+        });
+        let color = [0, 1, 2].map(|c| median(&|rib| rib.color[c]));
+        let middle = mean(&|rib| rib.width_px);
+        let uneven = mean(&|rib| (rib.width_px - middle) * (rib.width_px - middle)).sqrt() / middle;
+        let is_ground = |rib: &Rib| {
+            rib.sides
+                .iter()
+                .all(|&side| is_shade(rib.color, side, picture.noise))
+        };
+        let shade = mean(&|rib| f32::from(u8::from(is_ground(rib))));
+        let width_px = pieces[group].width_px;
+        let (off_px, along) = line(ribs, share);
+        let bend = off_px / width_px.max(4.0);
+        self.straight[group] = (bend < PATTERN.0).then_some(along);
+        let rare = rarity(picture, ground, color, (0.4 * unlike).clamp(5.0, 14.0));
+        grade(median(&|rib| rib.quality), 2.5, 6.0)
+            + grade(unlike, 15.0, 50.0)
+            + grade(mean(&|rib| accord(rib)), 0.0, 0.9)
+            + grade(self.lengths[group] / width_px, 8.0, 60.0)
+            + grade(median(&|rib| rib.sharpness), 0.35, 0.55)
+            - shade
+            - 2.0 * grade(uneven, 0.15, 0.5)
+            - 1.5 * grade(bend, 0.6, 0.2) * (1.0 - 0.7 * grade(unlike, 40.0, 80.0))
+            + 1.5 * grade(rare, -1.5, 1.5)
+    }
+}
+
+/// What it costs to link two ends; nothing if they do not go on from each other.
+fn cost(pieces: &[Piece], a: &End, b: &End) -> Option<f32> {
+    let (one, other) = (&pieces[a.piece], &pieces[b.piece]);
+    if a.piece == b.piece || !are_alike(one, other, UNLIKE, WIDER) {
+        return None;
+    }
+    let width_px = one.width_px.max(other.width_px);
+    let way = vec2::sub(b.at, a.at);
+    let gap_px = vec2::norm(way);
+    let facing = -vec2::dot(a.along, b.along);
+    if gap_px > (GAP.0 * width_px).max(GAP.1) || facing < FACING {
+        return None;
+    }
+    let straight = match gap_px > width_px {
+        true => [
+            vec2::dot(a.along, way) / gap_px,
+            -vec2::dot(b.along, way) / gap_px,
+        ],
+        false => [facing; 2],
+    };
+    if straight[0].min(straight[1]) < STRAIGHT {
+        return None;
+    }
+    let turn = 8.0 * (2.0 - straight[0] - straight[1]) + 4.0 * (1.0 - facing);
+    let unlike = 0.1 * unlikeness(one.color, other.color) + 2.0 * (one.wider(other.width_px) - 1.0);
+    Some(gap_px / width_px + turn + unlike)
+}
+
+/// Whether a rib differs from both sides in the same way (1), as a rope does, or lies between them (−1), as a step of a
+/// surface or of the light does.
+fn accord(rib: &Rib) -> f32 {
+    let [a, b] = rib.sides.map(|side| minus(rib.color, side));
+    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-6)
+}
+
+/// How far some ribs lie beside a straight line through them, in the mean, and its direction.
+fn line(ribs: &[Rib], share: f32) -> (f32, Vec2) {
+    let middle = ribs
+        .iter()
+        .fold([0.0; 2], |sum, rib| vec2::along(sum, rib.at, share));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for rib in ribs {
+        let [x, y] = vec2::sub(rib.at, middle);
+        (xx, xy, yy) = (xx + share * x * x, xy + share * x * y, yy + share * y * y);
+    }
+    let half = 0.5 * (xx - yy);
+    let root = (half * half + xy * xy).sqrt();
+    let off_px = (0.5 * (xx + yy) - root).max(0.0).sqrt();
+    // Of two forms the one that does not cancel.
+    let along = match half >= 0.0 {
+        true => [half + root, xy],
+        false => [xy, root - half],
+    };
+    (off_px, vec2::unit_or(along, [1.0, 0.0]))
+}
+
+/// How seldom a color is beside of ribbons, against how often it is in them: a logarithm.
+fn rarity(picture: &Picture, ground: &Ground, color: Color, radius: f32) -> f32 {
+    let (mut inside, mut outside) = (4.0, 1.0);
+    for y in (STRIDE / 2..picture.height).step_by(STRIDE) {
+        for x in (STRIDE / 2..picture.width).step_by(STRIDE) {
+            if unlikeness(picture.at(x, y), color) < radius {
+                match ground.is_taken(y * picture.width + x) {
+                    true => inside += 1.0,
+                    false => outside += 1.0,
+                }
+            }
+        }
+    }
+    libm::logf(inside / outside)
+}

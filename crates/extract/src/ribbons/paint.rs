@@ -1,0 +1,171 @@
+//! Ropes as a mask: each pixel gets how much of the rope's color it has, between that and the ground's beside it.
+
+use super::groups::Grouper;
+use super::picture::Picture;
+use super::pieces::Piece;
+use super::{Color, Rib, dot, minus, mix};
+use crate::image::gray::GrayPlane;
+use crate::vec2;
+
+/// How far inside of its edges a rope is all rope, and how far outside of them there may be some, in pixels.
+const EDGE_PX: (f32, f32) = (1.5, 2.0);
+/// How far a rope may go on beyond its last rib, in widths, where its color does.
+const TIP_WIDTHS: f32 = 1.0;
+/// How far an end is from what it runs into, in widths and pixels.
+const INTO: (f32, f32) = (1.5, 6.0);
+
+/// How a stretch between two ribs is painted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// All of it is rope, but for its edges.
+    Seen,
+    /// What has the rope's color is rope.
+    Tip,
+    /// It is rope, as far as is known, but not seen.
+    Hidden,
+}
+
+/// Paints all pieces that are rope.
+pub(super) fn run(
+    picture: &Picture,
+    grouper: &Grouper,
+    (pieces, ribs): (&[Piece], &[Rib]),
+    out: &mut GrayPlane,
+) {
+    for y in 0..out.height() {
+        out.row_mut(y).fill(0);
+    }
+    let mut brush = Brush { picture, out };
+    for (number, piece) in pieces.iter().enumerate() {
+        if !grouper.is_rope(number) {
+            continue;
+        }
+        for pair in ribs[piece.from..piece.to].windows(2) {
+            brush.stroke(&pair[0], &pair[1], Kind::Seen);
+        }
+    }
+    for (i, end) in grouper.ends.iter().enumerate() {
+        if !grouper.is_rope(end.piece) {
+            continue;
+        }
+        let mut rib = ribs[end.rib];
+        if vec2::dot(rib.along, end.along) < 0.0 {
+            rib.sides.swap(0, 1);
+        }
+        rib.along = end.along;
+        rib.width_px = pieces[end.piece].width_px;
+        if let Some(other) = end.linked {
+            let other = &grouper.ends[other];
+            if i < end.linked.unwrap_or(0) {
+                let mut to = ribs[other.rib];
+                to.width_px = pieces[other.piece].width_px;
+                brush.stroke(&rib, &to, Kind::Hidden);
+            }
+            continue;
+        }
+        let reach_px = (INTO.0 * rib.width_px).max(INTO.1);
+        match brush.run_up_px(&rib, reach_px) {
+            Some(px) => brush.stroke(&rib, &ahead(&rib, px), Kind::Hidden),
+            None => brush.stroke(&rib, &ahead(&rib, TIP_WIDTHS * rib.width_px), Kind::Tip),
+        }
+    }
+}
+
+/// The rib so far ahead.
+fn ahead(rib: &Rib, px: f32) -> Rib {
+    Rib {
+        at: vec2::along(rib.at, rib.along, px),
+        ..*rib
+    }
+}
+
+struct Brush<'a> {
+    picture: &'a Picture,
+    out: &'a mut GrayPlane,
+}
+
+impl Brush<'_> {
+    /// How far ahead of an end another rope or the picture's border lies, if it is in reach.
+    fn run_up_px(&self, rib: &Rib, reach_px: f32) -> Option<f32> {
+        let mut px = 3.0;
+        while px < reach_px {
+            let at = ahead(rib, px).at;
+            let Some(_) = self.picture.between(vec2::along(at, rib.along, 1.0)) else {
+                return Some(px + 3.0);
+            };
+            let [x, y] = at.map(|c| ((c + 0.5) * self.picture.scale as f32) as usize);
+            if self.out.row(y.min(self.out.height() - 1))[x.min(self.out.width() - 1)] == 255 {
+                return Some(px);
+            }
+            px += 1.0;
+        }
+        None
+    }
+
+    /// Paints the stretch from one rib to another.
+    fn stroke(&mut self, from: &Rib, to: &Rib, kind: Kind) {
+        let scale = self.picture.scale as f32;
+        let reach_px = 0.5 * from.width_px.max(to.width_px) + EDGE_PX.1 + 1.0;
+        let bound = |c: usize, most: usize| {
+            let low = (from.at[c].min(to.at[c]) - reach_px + 0.5) * scale;
+            let high = (from.at[c].max(to.at[c]) + reach_px + 0.5) * scale;
+            low.max(0.0) as usize..(high.max(0.0) as usize + 1).min(most)
+        };
+        let way = vec2::sub(to.at, from.at);
+        let length_px = vec2::norm(way).max(1e-3);
+        let along = vec2::scale(way, 1.0 / length_px);
+        for y in bound(1, self.out.height()) {
+            for x in bound(0, self.out.width()) {
+                let at = [x, y].map(|c| (c as f32 + 0.5) / scale - 0.5);
+                let off = vec2::sub(at, from.at);
+                let run_px = vec2::dot(off, along);
+                // Where ribs turn, the outer side would be left open.
+                if run_px < -0.75 || run_px > length_px + 0.75 {
+                    continue;
+                }
+                let share = (run_px / length_px).clamp(0.0, 1.0);
+                let side_px = vec2::dot(off, vec2::normal(along));
+                let level = self.level((from, to, share), (at, side_px), kind);
+                let pixel = &mut self.out.row_mut(y)[x];
+                *pixel = (*pixel).max(level);
+            }
+        }
+    }
+
+    /// How much of a pixel is rope.
+    fn level(
+        &self,
+        (from, to, share): (&Rib, &Rib, f32),
+        (at, side_px): (vec2::Vec2, f32),
+        kind: Kind,
+    ) -> u8 {
+        let half_px = 0.5 * (from.width_px + share * (to.width_px - from.width_px));
+        let inside_px = half_px - side_px.abs();
+        if inside_px < -EDGE_PX.1 {
+            return 0;
+        }
+        let is_core = inside_px > EDGE_PX.0.min(0.5 * half_px);
+        if kind == Kind::Hidden {
+            return if inside_px >= 0.0 { 255 } else { 0 };
+        }
+        if kind == Kind::Seen && is_core {
+            return 255;
+        }
+        let k = usize::from(side_px < 0.0);
+        let rope = mix(from.color, to.color, share);
+        let ground = mix(from.sides[k], to.sides[k], share);
+        let part = match self.picture.between(at) {
+            Some(own) => part(own, ground, rope),
+            None => 1.0,
+        };
+        // Farther out than a pixel it is another thing of the rope's color.
+        let most = (0.5 + 0.5 * (inside_px + EDGE_PX.1)).clamp(0.0, 1.0);
+        (255.0 * part.min(most)) as u8
+    }
+}
+
+/// How much of the way from the ground's color to the rope's a color has gone.
+fn part(own: Color, ground: Color, rope: Color) -> f32 {
+    let way = minus(rope, ground);
+    (dot(minus(own, ground), way) / dot(way, way).max(1.0)).clamp(0.0, 1.0)
+}

@@ -1,0 +1,254 @@
+//! Pieces are traced on from their ends: by steps along a slowly turning direction, to where the ribbon's edges and color
+//! are found again.
+
+use super::picture::Picture;
+use super::pieces::{Ground, Piece};
+use super::{Color, Rib, distance, mix, unlikeness};
+use crate::vec2::{self, Vec2};
+
+/// The shortest piece that is traced on, in widths.
+const LEAST_WIDTHS: f32 = 5.0;
+/// Pixels of a step, and the most steps.
+const HOP_PX: f32 = 3.0;
+const MOST: usize = 200;
+/// Ribs from which on no more pieces are traced.
+pub(super) const MOST_TRACED: usize = 8192;
+/// How far it goes without finding anything, in widths and pixels: across a rope that lies on it.
+const BLIND: (f32, f32) = (1.6, 10.0);
+/// The places aside and the changes of width that are tried, in pixels.
+const ASIDE_PX: [f32; 7] = [-2.4, -1.6, -0.8, 0.0, 0.8, 1.6, 2.4];
+const WIDER_PX: [f32; 3] = [-1.0, 0.0, 1.0];
+/// How unlike the color may be, its mean and the mean of how unlike; the least and the largest edge that counts.
+const UNLIKE: (f32, f32) = (14.0, 22.0);
+const EDGES: (f32, f32) = (20.0, 40.0);
+/// The least worth of a place.
+const WORTH: f32 = 10.0;
+/// What another piece may be unlike and wider, for this one to run into it.
+const INTO: (f32, f32) = (20.0, 1.5);
+
+/// Where a trace is.
+struct Walk {
+    at: Vec2,
+    along: Vec2,
+    /// Radians a pixel.
+    turn: f32,
+    width_px: f32,
+    color: Color,
+}
+
+/// Traces all pieces on. `traced` gets the ribs of all of them anew, with those that were found.
+pub(super) fn run(
+    picture: &Picture,
+    ground: &mut Ground,
+    (pieces, ribs): (&mut [Piece], &[Rib]),
+    traced: &mut Vec<Rib>,
+) {
+    traced.clear();
+    for number in 0..pieces.len() {
+        let piece = pieces[number];
+        let own = &ribs[piece.from..piece.to];
+        let from = traced.len();
+        let is_long =
+            traced.len() < MOST_TRACED && piece.length_px >= LEAST_WIDTHS * piece.width_px;
+        if is_long {
+            let turned = |i: usize| backward(own[own.len() - 1 - i.min(own.len() - 1)]);
+            let begin = Walk::from_end(own.len(), piece.width_px, turned);
+            walk(picture, ground, pieces, (number, begin), traced);
+            // They were found from the inside out.
+            traced[from..].reverse();
+            traced[from..]
+                .iter_mut()
+                .for_each(|rib| *rib = backward(*rib));
+        }
+        let before = traced.len() - from;
+        traced.extend_from_slice(own);
+        if is_long {
+            let begin = Walk::from_end(own.len(), piece.width_px, |i| own[i.min(own.len() - 1)]);
+            walk(picture, ground, pieces, (number, begin), traced);
+        }
+        let after = traced.len() - from - before - own.len();
+        ground.take(picture, &traced[from..], number);
+        // Ribs of the trace count a third: their color was sought.
+        let hops = (before + after) as f32;
+        let piece = &mut pieces[number];
+        (piece.from, piece.to) = (from, traced.len());
+        piece.length_px += hops;
+    }
+}
+
+/// The same rib for who comes from the other side.
+fn backward(rib: Rib) -> Rib {
+    let [a, b] = rib.sides;
+    Rib {
+        along: vec2::scale(rib.along, -1.0),
+        sides: [b, a],
+        ..rib
+    }
+}
+
+impl Walk {
+    /// At the last of some ribs.
+    fn from_end(count: usize, width_px: f32, rib: impl Fn(usize) -> Rib) -> Self {
+        let last = count - 1;
+        let far = 4.min(last);
+        let (end, inside, deep) = (
+            rib(last),
+            rib(last - far),
+            rib(last.saturating_sub(2 * far)),
+        );
+        let way = vec2::sub(end.at, inside.at);
+        let along = vec2::unit_or(way, end.along);
+        let before = vec2::sub(inside.at, deep.at);
+        let turn = match vec2::norm(before) {
+            length_px if length_px > 4.0 => {
+                let turn = vec2::cross(vec2::scale(before, 1.0 / length_px), along);
+                turn.clamp(-0.5, 0.5) / (0.5 * (length_px + vec2::norm(way)))
+            }
+            _ => 0.0,
+        };
+        let colors = (0..=far).map(|i| rib(last - i).color);
+        let share = 1.0 / (far + 1) as f32;
+        Self {
+            at: end.at,
+            along,
+            turn,
+            width_px,
+            color: colors.fold([0.0; 3], |sum: Color, color| {
+                std::array::from_fn(|c| sum[c] + share * color[c])
+            }),
+        }
+    }
+
+    /// Goes a step on as it went.
+    fn go(&mut self) -> Vec2 {
+        let turned = vec2::along(self.along, vec2::normal(self.along), HOP_PX * self.turn);
+        self.along = vec2::unit_or(turned, self.along);
+        self.turn *= 0.97;
+        vec2::along(self.at, self.along, HOP_PX)
+    }
+
+    /// Goes to a place that was found.
+    fn turn_to(&mut self, found: &Rib) {
+        let way = vec2::unit_or(vec2::sub(found.at, self.at), self.along);
+        let along = vec2::add(vec2::scale(self.along, 0.65), vec2::scale(way, 0.35));
+        let along = vec2::unit_or(along, self.along);
+        self.turn = 0.9 * self.turn + 0.1 * vec2::cross(self.along, along) / HOP_PX;
+        (self.at, self.along) = (found.at, along);
+        self.width_px = 0.9 * self.width_px + 0.1 * found.width_px;
+        self.color = mix(self.color, found.color, 0.1);
+    }
+
+    fn rib(&self, at: Vec2, sides: [Color; 2]) -> Rib {
+        Rib {
+            at,
+            along: self.along,
+            width_px: self.width_px,
+            color: self.color,
+            sides,
+            quality: 0.0,
+            sharpness: 0.0,
+        }
+    }
+}
+
+/// Walks on from the end of piece `number`, and adds the ribs that are found.
+fn walk(
+    picture: &Picture,
+    ground: &Ground,
+    pieces: &[Piece],
+    (number, mut walk): (usize, Walk),
+    ribs: &mut Vec<Rib>,
+) {
+    let (mut good, mut blind_px) = (ribs.len(), 0.0);
+    let mut is_out = false;
+    let mut sides = [[0.0; 3]; 2];
+    for _ in 0..MOST {
+        let ahead = walk.go();
+        if picture
+            .between(vec2::along(ahead, walk.along, 1.0))
+            .is_none()
+        {
+            // Over the picture's border.
+            ribs.push(walk.rib(vec2::along(walk.at, walk.along, 2.0 * HOP_PX), sides));
+            good = ribs.len();
+            break;
+        }
+        let other = ground.at(picture, ahead);
+        is_out |= other != Some(number);
+        if let Some(other) = other.filter(|&other| is_out && other != number)
+            && unlikeness(pieces[other].color, walk.color) < INTO.0
+            && pieces[other].wider(walk.width_px) < INTO.1
+        {
+            ribs.push(walk.rib(ahead, sides));
+            good = ribs.len();
+            break;
+        }
+        if let Some(found) = seek(picture, &walk, ahead) {
+            walk.turn_to(&found);
+            sides = found.sides;
+            ribs.push(walk.rib(walk.at, sides));
+            (good, blind_px) = (ribs.len(), 0.0);
+        } else {
+            walk.at = ahead;
+            ribs.push(walk.rib(ahead, sides));
+            blind_px += HOP_PX;
+            if blind_px > (BLIND.0 * walk.width_px).max(BLIND.1) {
+                break;
+            }
+        }
+    }
+    ribs.truncate(good);
+}
+
+/// The ribbon near a place, if it is there.
+fn seek(picture: &Picture, walk: &Walk, ahead: Vec2) -> Option<Rib> {
+    let normal = vec2::normal(walk.along);
+    let mut best: Option<(f32, Rib)> = None;
+    for aside_px in ASIDE_PX {
+        let at = vec2::along(ahead, normal, aside_px);
+        for wider_px in WIDER_PX {
+            let width_px = (walk.width_px + wider_px).max(3.0);
+            let Some((worth, rib)) = look(picture, walk, (at, normal, width_px)) else {
+                continue;
+            };
+            let worth = worth - 2.0 * aside_px.abs() / 0.8 - 2.0 * wider_px.abs();
+            if worth > WORTH && best.is_none_or(|(most, _)| worth > most) {
+                best = Some((worth, rib));
+            }
+        }
+    }
+    best.map(|(_, rib)| rib)
+}
+
+/// What a ribbon of this width would be worth at a place, and its rib.
+fn look(
+    picture: &Picture,
+    walk: &Walk,
+    (at, normal, width_px): (Vec2, Vec2, f32),
+) -> Option<(f32, Rib)> {
+    let (mut color, mut spread) = ([0.0; 3], 0.0);
+    for i in -2..=2 {
+        let off_px = 0.25 * i as f32 * (width_px - 2.5).max(0.5);
+        let own = picture.between(vec2::along(at, normal, off_px))?;
+        color = std::array::from_fn(|c: usize| color[c] + 0.2 * own[c]);
+        spread += 0.2 * unlikeness(own, walk.color);
+    }
+    let half_px = 0.5 * width_px;
+    let beside = |off_px: f32| picture.between(vec2::along(at, normal, off_px));
+    let sides = [beside(half_px + 2.0)?, beside(-half_px - 2.0)?];
+    let inside = [beside(half_px - 1.5)?, beside(1.5 - half_px)?];
+    let [a, b] = [0, 1].map(|k| distance(sides[k], inside[k]).min(EDGES.1));
+    let unlike = unlikeness(color, walk.color);
+    if unlike > UNLIKE.0 || spread > UNLIKE.1 || a.max(b) < EDGES.0 {
+        return None;
+    }
+    let worth = a + b + 0.5 * a.min(b) - 1.5 * unlike - 0.5 * spread;
+    let rib = Rib {
+        at,
+        width_px,
+        color,
+        sides,
+        ..Rib::default()
+    };
+    Some((worth, rib))
+}
