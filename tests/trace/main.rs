@@ -116,7 +116,7 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             curve,
-            "age_ms border closed crossing_sequence descriptor hidden length_px points pulls_straight status \
+            "age_ms border closed confidence crossing_sequence descriptor hidden length_px points pulls_straight status \
              track width_px widths_px",
         ),
         (
