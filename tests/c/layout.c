@@ -52,7 +52,7 @@ static void read_rope(const lariat_descriptor *rope, uint64_t at) {
     U64(rope->hidden, at + 88);
     U64(rope->filtered, at + 92);
     U64(rope->fit, at + 96);
-    U64(rope->reserved, at + 100);
+    DOUBLE(rope->confidence, at + 100);
     for (uint64_t j = 0; j < LARIAT_MAX_CONTROL_POINTS; j++) {
         for (uint64_t axis = 0; axis < 2; axis++) {
             DOUBLE(rope->control_points[j][axis], at + 104 + 16 * j + 8 * axis);
@@ -90,10 +90,10 @@ int main(void) {
     U64(message->count, 88);
     U64(message->unit, 92);
     for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 96 + 2408 * i);
-    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 96 + 8 * 2408 + 3112 * i);
+    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 96 + LARIAT_MAX_ROPES * 2408 + 3112 * i);
     // These numbers are a message, and no rope.
-    if (lariat_rope_at(reader, 7, UINT64_MAX, &rope) != LARIAT_UNREADABLE
-        || lariat_rope_at(reader, 8, UINT64_MAX, &rope) != LARIAT_NO_ROPE
+    if (lariat_rope_at(reader, LARIAT_MAX_ROPES - 1, UINT64_MAX, &rope) != LARIAT_UNREADABLE
+        || lariat_rope_at(reader, LARIAT_MAX_ROPES, UINT64_MAX, &rope) != LARIAT_NO_ROPE
         || lariat_point_at(&message->ropes[0], 0.5, at) != LARIAT_ERROR_UNREADABLE || at[0] == at[0]) {
         printf("what is no rope was taken for one\n");
         wrong++;
