@@ -6,6 +6,7 @@
 
 mod camera;
 mod class;
+mod ground;
 mod layout;
 mod leaving;
 mod line;
@@ -143,11 +144,9 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     let look = look::Look::of(class, seed, ropes, layout.width_px, &mut stream(1));
     let painted = paint::paint(&layout, &look, width, height);
     let size = [width, height];
-    let thing = (class == Class::Things).then(|| {
-        let size_px = size.map(|side| side as f64);
-        thing::Thing::of(seed, size_px, &look, &mut stream(3))
-    });
-    let rgb = camera::expose(&painted, &look, thing.as_ref(), size, &mut stream(2));
+    let size_px = size.map(|side| side as f64);
+    let ground = ground::Ground::of(class, seed, size_px, &look, &mut stream(3));
+    let rgb = camera::expose(&painted, &look, &ground, size, &mut stream(2));
     Ok(Still {
         width,
         height,

@@ -18,7 +18,8 @@ fn the_same_class_and_seed_are_the_same_picture() {
 
 #[test]
 fn true_points_are_evenly_spaced_within_the_image() {
-    for class in Class::ALL {
+    for class in Class::ALL.into_iter().chain(Class::HARD) {
+        assert_eq!(class.name().parse(), Ok(class));
         let still = still(class, 3);
         for rope in &still.truth.ropes {
             let wanted_px = rope.length_px / (rope.points.len() - 1) as f64;

@@ -1,8 +1,8 @@
 //! From the light on the table and the ropes to the bytes of a picture: shadow, light, blur, motion, noise.
 
+use super::ground::Ground;
 use super::look::Look;
 use super::paint::Painted;
-use super::thing::Thing;
 use crate::rendered::mottling::Mottling;
 use lariat_portable::SplitMix64;
 
@@ -13,7 +13,7 @@ const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];
 pub(super) fn expose(
     painted: &Painted,
     look: &Look,
-    thing: Option<&Thing>,
+    ground: &Ground,
     [width, height]: [usize; 2],
     random: &mut SplitMix64,
 ) -> Vec<u8> {
@@ -40,10 +40,11 @@ pub(super) fn expose(
         let shade = shadow.get(i).map_or(1.0, |s| 1.0 - look.shadow * s[0]);
         let table =
             shade * (1.0 + look.mottling * pattern.at([x, y].map(|c| c as f64), OCTAVES) as f32);
-        let ground = thing.map_or(look.table, |thing| {
-            thing.on(look.table, [x, y].map(|c| c as f64))
-        });
+        let ground = ground.at(look.table, [x, y].map(|c| c as f64));
         picture.push([0, 1, 2].map(|k| lamp * (light[k] + (1.0 - cover) * ground[k] * table)));
+    }
+    if look.grain > 0.0 {
+        add_grain(&mut picture, look, random);
     }
     blur(&mut picture, [width, height], look.blur_px);
     if look.motion_px != [0.0; 2] {
@@ -55,6 +56,15 @@ pub(super) fn expose(
         bytes.push((noisy + 0.5).clamp(0.0, 255.0) as u8);
     }
     bytes
+}
+
+/// Noise that the lens blurs, of so many levels when it has.
+fn add_grain(picture: &mut [[f32; 3]], look: &Look, random: &mut SplitMix64) {
+    // A Gaussian blur leaves 1 / (2 √π σ) of white noise.
+    let sigma = look.grain * 2.0 * std::f32::consts::PI.sqrt() * look.blur_px;
+    for value in picture.iter_mut().flatten() {
+        *value += sigma * normal(random);
+    }
 }
 
 /// About normal, of variance 1: a sum of four uniform numbers in [−½, ½) has a variance of ⅓.

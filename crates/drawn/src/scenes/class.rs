@@ -67,10 +67,23 @@ pub enum Class {
     SoftShadow,
     /// Something beside the rope that is not a rope: of seeds 5k to 5k + 4 a pen, a marker, a board's edge, a cup's rim, letters.
     Things,
+    /// A white rope that shines, on a light gray table: its dark rim is as light as that.
+    WhiteShine,
+    /// A table that passes from one color to a darker one.
+    Gradient,
+    /// A rope of two colors, twisted.
+    Twisted,
+    /// One to three ropes with a soft shadow on a plain surface: of seeds 4k to 4k + 3 with the usual noise, with noise of 8
+    /// to 14 levels, of 14 to 20, and with as much grain of a pixel or two.
+    OnNoise,
+    /// The same ropes on a texture: of seeds 4k to 4k + 3 wood, cloth, print, gravel.
+    OnTexture,
+    /// The same ropes on a desk with boxes, text, pens, cups.
+    OnClutter,
 }
 
 impl Class {
-    /// Every class, in the order of the table.
+    /// Every class whose ropes stand out from a plain table, in the order of the table.
     pub const ALL: [Self; 29] = [
         Self::Thin,
         Self::Medium,
@@ -102,6 +115,24 @@ impl Class {
         Self::SoftShadow,
         Self::Things,
     ];
+
+    /// The classes in which a rope is not just what differs from the table.
+    pub const HARD: [Self; 9] = [
+        Self::HardShadow,
+        Self::SoftShadow,
+        Self::WhiteShine,
+        Self::Gradient,
+        Self::Twisted,
+        Self::OnNoise,
+        Self::OnTexture,
+        Self::OnClutter,
+        Self::Things,
+    ];
+
+    /// Whether its ropes lie on a surface as they do in photographs.
+    pub fn is_composed(self) -> bool {
+        matches!(self, Self::OnNoise | Self::OnTexture | Self::OnClutter)
+    }
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -135,6 +166,12 @@ impl Class {
             Self::HardShadow => "hard-shadow",
             Self::SoftShadow => "soft-shadow",
             Self::Things => "things",
+            Self::WhiteShine => "white-shine",
+            Self::Gradient => "gradient",
+            Self::Twisted => "twisted",
+            Self::OnNoise => "on-noise",
+            Self::OnTexture => "on-texture",
+            Self::OnClutter => "on-clutter",
         }
     }
 }
@@ -149,9 +186,12 @@ impl FromStr for Class {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|class| class.name() == name);
-        found.ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
+        let mut classes = Self::ALL.to_vec();
+        classes.extend(Self::HARD.iter().filter(|class| !Self::ALL.contains(class)));
+        let found = classes.iter().find(|class| class.name() == name);
+        found.copied().ok_or_else(|| {
+            let names: Vec<_> = classes.iter().map(|class| class.name()).collect();
+            let names = names.join(", ");
             format!("there is no class '{name}': choose one of {names}")
         })
     }

@@ -11,6 +11,9 @@ pub(super) type Rgb = [f32; 3];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coat {
     pub(super) rgb: Rgb,
+    /// The color of every second strand, if it is another one, and how many widths a strand takes.
+    pub(super) second: Option<Rgb>,
+    pub(super) pitch_widths: f32,
     /// How much the grooves between its strands take from the light.
     pub(super) twist: f32,
     /// How much dashes along it take, and their period in widths.
@@ -26,6 +29,8 @@ pub(super) struct Coat {
 pub(super) struct Look {
     pub(super) coats: Vec<Coat>,
     pub(super) table: Rgb,
+    /// What it passes to, if it has a gradient.
+    pub(super) table_to: Rgb,
     /// How much the table's light varies with its pattern.
     pub(super) mottling: f32,
     /// How much light the rope's shadow takes, where it falls, and how soft it is.
@@ -41,6 +46,8 @@ pub(super) struct Look {
     pub(super) blur_px: f32,
     pub(super) motion_px: [f32; 2],
     pub(super) noise: f32,
+    /// Noise that is blurred as the picture is, in levels.
+    pub(super) grain: f32,
 }
 
 impl Look {
@@ -55,6 +62,7 @@ impl Look {
         let mut look = Self {
             coats: Vec::new(),
             table: [0.0; 3],
+            table_to: [0.0; 3],
             mottling: 0.01,
             shadow: 0.0,
             shadow_px: [0.0; 2],
@@ -66,6 +74,7 @@ impl Look {
             blur_px: draw(0.5, 0.7),
             motion_px: [0.0; 2],
             noise: 2.0,
+            grain: 0.0,
         };
         let width = width_px as f32;
         match class {
@@ -101,11 +110,74 @@ impl Look {
                     look.shadow_blur_px = random.uniform(0.2, 0.6) as f32 * width;
                 }
             }
+            composed if composed.is_composed() => {
+                look.shadow = draw(0.1, 0.4);
+                let (turns, widths) = (random.uniform(0.0, 1.0), random.uniform(0.2, 0.6));
+                let away = [cos_turns(turns), sin_turns(turns)];
+                look.shadow_px = away.map(|c| width * (widths * c) as f32);
+                look.shadow_blur_px = random.uniform(0.05, 0.5) as f32 * width;
+                match (class, seed % 4) {
+                    (Class::OnNoise, 1) => look.noise = random.uniform(8.0, 14.0) as f32,
+                    (Class::OnNoise, 2) => look.noise = random.uniform(14.0, 20.0) as f32,
+                    (Class::OnNoise, 3) => look.grain = random.uniform(8.0, 20.0) as f32,
+                    _ => {}
+                }
+            }
             Class::LightChange if seed % 2 == 1 => look.exposure = 0.5,
             _ => {}
         }
-        look.paint(class, ropes, random);
+        match class {
+            Class::WhiteShine => look.paint_white(ropes, random),
+            composed if composed.is_composed() => look.paint_as_found(ropes, random),
+            _ => look.paint(class, ropes, random),
+        }
         look
+    }
+
+    /// White, shining ropes on a light gray table.
+    fn paint_white(&mut self, ropes: usize, random: &mut SplitMix64) {
+        let value = random.uniform(160.0, 205.0);
+        self.table = [(); 3].map(|()| (value * random.uniform(0.97, 1.03)) as f32);
+        for _ in 0..ropes {
+            let white = from_hsv(
+                random.uniform(0.0, 1.0),
+                random.uniform(0.0, 0.06),
+                random.uniform(225.0, 245.0),
+            );
+            self.coats.push(Coat {
+                shine: random.uniform(60.0, 140.0) as f32,
+                shine_power: 24,
+                ..Coat::plain(white)
+            });
+        }
+    }
+
+    /// Cables as they are sold, on a surface of any color: three of four ropes are of some color, the others black or white.
+    fn paint_as_found(&mut self, ropes: usize, random: &mut SplitMix64) {
+        let (hue, tint) = (random.uniform(0.0, 1.0), random.uniform(0.0, 0.35));
+        self.table = from_hsv(hue, tint, random.uniform(60.0, 210.0));
+        while self.coats.len() < ropes {
+            let rgb = if random.uniform(0.0, 1.0) < 0.75 {
+                let hue = random.uniform(0.0, 1.0);
+                from_hsv(hue, random.uniform(0.35, 0.95), random.uniform(60.0, 230.0))
+            } else {
+                let value = [random.uniform(25.0, 50.0), random.uniform(215.0, 240.0)];
+                from_hsv(0.0, 0.0, value[usize::from(random.sign() > 0.0)])
+            };
+            let off = |other: &Rgb| {
+                (0..3)
+                    .map(|k| (other[k] - rgb[k]).abs())
+                    .fold(0.0, f32::max)
+            };
+            if off(&self.table) < 65.0 || self.coats.iter().any(|coat| off(&coat.rgb) < 60.0) {
+                continue;
+            }
+            self.coats.push(Coat {
+                twist: random.uniform(0.0, 0.15) as f32,
+                shine: random.uniform(10.0, 90.0) as f32,
+                ..Coat::plain(rgb)
+            });
+        }
     }
 
     /// Draws colours until every rope differs from the table, and from the other ropes.
@@ -121,6 +193,12 @@ impl Look {
             random.uniform(22.0, 55.0)
         };
         self.table = [(); 3].map(|()| (value * random.uniform(0.93, 1.05)) as f32);
+        self.table_to = self.table;
+        if class == Class::Gradient {
+            let share = random.uniform(0.3, 0.6);
+            let darker = self.table.map(|c| f64::from(c) * share);
+            self.table_to = darker.map(|c| (c * random.uniform(0.85, 1.15)) as f32);
+        }
         // Two ropes that touch are of one colour as often as not.
         let is_alike = class != Class::SeveralColors && random.sign() > 0.0;
         let mut hues: Vec<f64> = Vec::new();
@@ -148,14 +226,25 @@ impl Look {
                     0.7 * rgb[k] - self.table[k] > 70.0
                 }
             });
+            let differs = differs
+                && (class != Class::Gradient
+                    || (0..3).any(|k| (self.table_to[k] - rgb[k]).abs() > 50.0));
             if !differs || !hues.iter().all(apart) {
                 continue;
             }
             hues.push(hue);
             let is_textured = class == Class::Texture;
             let shines = class == Class::Shine;
+            let second = (class == Class::Twisted).then(|| {
+                let other = hue + random.uniform(0.25, 0.75);
+                // It need not stand out from the table.
+                let value = random.uniform(50.0, 230.0);
+                from_hsv(other % 1.0, random.uniform(0.1, 0.95), value)
+            });
             self.coats.push(Coat {
                 rgb,
+                second,
+                pitch_widths: second.map_or(0.55, |_| random.uniform(0.6, 1.3) as f32),
                 twist: if is_textured {
                     random.uniform(0.25, 0.4)
                 } else {
@@ -174,6 +263,22 @@ impl Look {
                 } as f32,
                 shine_power: if shines { 24 } else { 8 },
             });
+        }
+    }
+}
+
+impl Coat {
+    /// Of one color, with strands that hardly show.
+    fn plain(rgb: Rgb) -> Self {
+        Self {
+            rgb,
+            second: None,
+            pitch_widths: 0.55,
+            twist: 0.05,
+            dashes: 0.0,
+            dash_widths: 1.0,
+            shine: 12.0,
+            shine_power: 8,
         }
     }
 }

@@ -213,15 +213,20 @@ fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Seen) -> [f32; 3] {
     let facing = (lamp_across * away + LAMP[2] * up).max(0.0);
     // Strands wind around the rope: seen from above they lean, and curve at the sides.
     let width = width_px as f32;
-    let phase =
-        (seen.along_px / (0.55 * width) + 0.55 * away + 0.15 * away * away * away).rem_euclid(1.0);
+    let turns =
+        seen.along_px / (coat.pitch_widths * width) + 0.55 * away + 0.15 * away * away * away;
+    let phase = turns.rem_euclid(1.0);
     let strand = 4.0 * phase * (1.0 - phase);
     let dash = (seen.along_px / (coat.dash_widths * width)).rem_euclid(1.0) < 0.5;
     let light = (0.62 + 0.45 * facing)
         * (1.0 - coat.twist * (1.0 - strand))
         * if dash { 1.0 - coat.dashes } else { 1.0 };
     let shine = coat.shine * (facing / 0.96).min(1.0).powi(coat.shine_power);
-    coat.rgb.map(|value| value * light + shine)
+    let rgb = match coat.second {
+        Some(second) if turns.rem_euclid(2.0) < 1.0 => second,
+        _ => coat.rgb,
+    };
+    rgb.map(|value| value * light + shine)
 }
 
 #[cfg(test)]

@@ -30,6 +30,12 @@ enum Kind {
         radius_px: f64,
         inside: f32,
     },
+    /// A rectangle around a point, of this many pixels from there along each of two directions.
+    Box {
+        at: Vec2,
+        along: Vec2,
+        half_px: Vec2,
+    },
     /// Straight strokes.
     Letters { strokes: Vec<[Vec2; 2]> },
 }
@@ -43,16 +49,41 @@ pub(super) struct Thing {
 }
 
 impl Thing {
-    /// The thing of a seed, in colours that the table does not have.
+    /// The thing of a seed to the right of the ropes, in colours that the table does not have.
     pub(super) fn of(seed: u64, size_px: Vec2, look: &Look, random: &mut SplitMix64) -> Self {
         let side_px = size_px[0].min(size_px[1]);
         let low = [FROM * size_px[0] + 8.0, 8.0];
         let room = minus([size_px[0] - 8.0, size_px[1] - 8.0], low);
+        Self::within(seed % 5, [low, room], side_px, look, random)
+    }
+
+    /// Some of all kinds, anywhere.
+    pub(super) fn clutter(size_px: Vec2, look: &Look, random: &mut SplitMix64) -> Vec<Self> {
+        let side_px = size_px[0].min(size_px[1]);
+        let count = 6 + random.next_u64() % 9;
+        let thing = |_| {
+            let room = [(); 2].map(|()| side_px * random.uniform(0.2, 0.6));
+            let low = [0, 1].map(|k| random.uniform(-0.3, 1.0) * (size_px[k] - 0.4 * room[k]));
+            // Boxes and text are what lies about most.
+            let kind = [0, 1, 2, 3, 4, 4, 5, 5, 5][random.next_u64() as usize % 9];
+            Self::within(kind, [low, room], side_px, look, random)
+        };
+        (0..count).map(thing).collect()
+    }
+
+    /// A thing of a kind in a part of the picture: its upper left corner and its size.
+    fn within(
+        kind: u64,
+        [low, room]: [Vec2; 2],
+        side_px: f64,
+        look: &Look,
+        random: &mut SplitMix64,
+    ) -> Self {
         let at = |x: f64, y: f64| [low[0] + x * room[0], low[1] + y * room[1]];
         let turns = random.uniform(0.0, 1.0);
         let along = [cos_turns(turns), sin_turns(turns)];
         let colors = [(); 2].map(|()| color_off(look.table, random));
-        let (kind, width_px) = match seed % 5 {
+        let (kind, width_px) = match kind {
             pen @ (0 | 1) => {
                 let length_px = random.uniform(0.75, 0.98) * room[0].min(room[1]);
                 let widths = if pen == 0 {
@@ -84,6 +115,11 @@ impl Thing {
                     inside: random.uniform(0.92, 1.08) as f32,
                 };
                 (kind, radius_px * random.uniform(0.06, 0.14))
+            }
+            5 => {
+                let half_px = [0, 1].map(|k| 0.5 * room[k] * random.uniform(0.4, 1.0));
+                let at = at(0.5, 0.5);
+                (Kind::Box { at, along, half_px }, 1.0)
             }
             _ => {
                 let count = 3.0 + (3.0 * random.uniform(0.0, 1.0)).floor();
@@ -134,6 +170,17 @@ impl Thing {
                 let share = (0.5 - off_px).clamp(0.0, 1.0) as f32;
                 let ground = table.map(|c| c * (1.0 + share * (inside - 1.0)));
                 (ground, off_px.abs(), self.colors[0])
+            }
+            Kind::Box {
+                at: middle,
+                along,
+                half_px,
+            } => {
+                let off = minus(at, *middle);
+                let aside = [-along[1], along[0]];
+                let beyond = [dot(off, *along), dot(off, aside)].map(f64::abs);
+                let far_px = (beyond[0] - half_px[0]).max(beyond[1] - half_px[1]);
+                (table, far_px.max(0.0), self.colors[0])
             }
             Kind::Letters { strokes } => {
                 let far = strokes.iter().map(|&stroke| from_stroke(stroke, at).0);

@@ -8,13 +8,13 @@
 mod ground;
 mod logistic;
 mod masks;
-mod right;
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{Evidence, Extractor, Image, Mask, Options, PixelFormat};
 use lariat_portable::SplitMix64;
 
+use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
 

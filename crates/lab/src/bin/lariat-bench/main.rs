@@ -5,10 +5,12 @@ mod confidence;
 mod day;
 mod families;
 mod fit_rivals;
+mod hard;
 mod methods;
 mod python;
 mod readers;
 mod recording;
+mod right;
 mod rivals;
 mod time;
 
@@ -28,6 +30,8 @@ struct Cli {
 enum Command {
     /// How close the extractor's curves are to the truth
     Accuracy(accuracy::Args),
+    /// How many pictures are right whose ropes are not just what differs from the table, and what is said of the others
+    Hard(hard::Args),
     /// The weights of a curve's confidence, fitted to drawn pictures, and how true it is on others
     CalibrateConfidence(confidence::Args),
     /// The same work by OpenCV and scikit-image, side by side with lariat's
@@ -53,6 +57,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(&args),
+        Command::Hard(args) => hard::run(&args),
         Command::CalibrateConfidence(args) => confidence::run(&args),
         Command::Rivals(args) => rivals::run(&args),
         Command::FitRivals(args) => fit_rivals::run(&args),

@@ -1,4 +1,4 @@
-//! Whether a curve is a rope, whole and in order.
+//! Whether a curve is a rope, whole and in order, and whether a picture's curves are its ropes.
 
 use lariat_drawn::scenes::{SeenCurve, TrueRope, Truth, score};
 use lariat_extract::Curve;
@@ -10,6 +10,35 @@ const STEPS: usize = 6;
 
 /// Whether it is one of the true ropes.
 pub(super) fn is_right(truth: &Truth, curve: &Curve) -> bool {
+    truth.ropes.iter().any(|rope| is_whole(rope, curve))
+}
+
+/// Whether each rope has such a curve, and no curve is left over.
+pub(super) fn is_all_right(truth: &Truth, curves: &[Curve]) -> bool {
+    let has_one = |rope: &TrueRope| curves.iter().any(|curve| is_whole(rope, curve));
+    curves.len() == truth.ropes.len() && truth.ropes.iter().all(has_one)
+}
+
+/// Whether a curve lies off every rope for more than half of its length.
+pub(super) fn is_false(truth: &Truth, curve: &Curve) -> bool {
+    let points: Vec<[f64; 2]> = curve.points.iter().map(|p| p.map(f64::from)).collect();
+    let off = |p: &&[f64; 2]| {
+        let ropes = truth.ropes.iter();
+        !ropes.clone().any(|rope| {
+            let reach_px = reach_px(rope) + 0.1 * rope.width_px;
+            let mut places = rope.points.iter().step_by(8);
+            places.any(|q| libm::hypot(p[0] - q[0], p[1] - q[1]) <= reach_px)
+        })
+    };
+    2 * points.iter().filter(off).count() > points.len()
+}
+
+/// How far from a rope's middle a curve may lie.
+fn reach_px(rope: &TrueRope) -> f64 {
+    (0.5 * rope.width_px + 1.0).max(3.0)
+}
+
+fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
     let points: Vec<[f64; 2]> = curve.points.iter().map(|p| p.map(f64::from)).collect();
     let back = curve.closed.then(|| points[0]);
     let after = points[1..].iter().copied().chain(back);
@@ -22,13 +51,11 @@ pub(super) fn is_right(truth: &Truth, curve: &Curve) -> bool {
         })
         .chain(points.last().copied())
         .collect();
-    truth.ropes.iter().any(|rope| {
-        let sparse: Vec<_> = rope.points.iter().copied().step_by(8).collect();
-        let reach_px = (0.5 * rope.width_px + 1.0).max(3.0);
-        share_near(&sparse, &dense, reach_px) >= WHOLE
-            && share_near(&points, &sparse, reach_px + 0.1 * rope.width_px) >= WHOLE
-            && is_in_order(rope, curve)
-    })
+    let sparse: Vec<_> = rope.points.iter().copied().step_by(8).collect();
+    let reach_px = reach_px(rope);
+    share_near(&sparse, &dense, reach_px) >= WHOLE
+        && share_near(&points, &sparse, reach_px + 0.1 * rope.width_px) >= WHOLE
+        && is_in_order(rope, curve)
 }
 
 /// The share of these points that others are near to.
