@@ -15,8 +15,9 @@ const SHADED: f32 = 0.25;
 /// The least distance of a span from what lies beside it, in levels, and in its own spread and noise.
 const APART: f32 = 14.0;
 const QUALITY: f32 = 1.5;
-/// Levels that any color varies by.
+/// Levels that any color varies by, and how much of the picture's noise: the mean of a span has less of it than a pixel.
 const LEVELS: f32 = 3.0;
+const NOISE: f32 = 0.5;
 /// The most edges and spans of a line that are kept.
 pub(super) const MOST: usize = 128;
 /// What a span is worth by its quality: from where on, at most, at least.
@@ -100,7 +101,7 @@ impl Line {
                 };
                 let apart = sides.map(|side| distance(color, side));
                 let least = apart[0].min(apart[1]);
-                let quality = least / (spread + noise + LEVELS);
+                let quality = least / (spread + NOISE * noise + LEVELS);
                 if quality < QUALITY || least < APART {
                     continue;
                 }
