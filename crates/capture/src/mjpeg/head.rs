@@ -89,13 +89,15 @@ impl Head {
         (self.size[0].div_ceil(8 * self.widest) * self.blocks) as usize
     }
 
-    /// Where the coded image ends: at its end marker if there is one. It is sought from the back, where it is near.
+    /// Where the coded image ends: within its end marker if there is one. It is sought from the back, where it is near.
+    ///
+    /// The marker's first byte is kept, so that a decoder that asks for more when the image's last bit is used finds some.
     pub(super) fn end(&self, jpeg: &[u8]) -> usize {
         let scan = &jpeg[self.scan..];
         let end = scan
             .windows(2)
             .rposition(|pair| *pair == [0xFF, END_OF_IMAGE]);
-        end.map_or(jpeg.len(), |end| self.scan + end)
+        end.map_or(jpeg.len(), |end| self.scan + end + 1)
     }
 }
 

@@ -103,6 +103,18 @@ fn a_frame_comes_out_as_it_was_encoded_however_its_colour_is_sampled() {
 }
 
 #[test]
+fn an_image_whose_last_bit_ends_a_byte_is_whole() {
+    let size = [81, 21];
+    let coding = Coding {
+        restart: 2,
+        step: 0,
+        ..with([[1, 2], [1, 1]])
+    };
+    let Encoded { jpeg, .. } = encode(&waves(size), size, &coding);
+    decode(&jpeg, size).expect("a whole frame");
+}
+
+#[test]
 fn a_frame_without_colour_is_gray() {
     let (rgb, size) = (rope(200, 120), [200, 120]);
     let coding = Coding {
