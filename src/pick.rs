@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Below this agreement the ranges do not tell the rope from the rest, and the user is told.
-const GOOD: f32 = 0.8;
+const GOOD: f32 = 0.7;
 
 /// The colours of the ropes in a picture, as a mask for lariat.toml
 #[derive(Debug, Args)]
@@ -20,9 +20,10 @@ pub(crate) struct PickArgs {
     /// Picture: PNG, JPEG, WebP, TIFF or BMP
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
-    /// A point on the rope, in pixels from the top left (default: the ropes that stand out by themselves)
+    /// A point on the rope, in pixels from the top left; once more for each other colour that it has, or for its colour in
+    /// light and in shade (default: the ropes that stand out by themselves)
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
-    at: Option<[f32; 2]>,
+    at: Vec<[f32; 2]>,
     /// Where to write the picture of the mask, white for rope; - for standard output (default: the picture's name with
     /// -mask.png in this folder)
     #[arg(long, value_name = "FILE.png")]
@@ -52,8 +53,8 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     };
     let picture = Picture::load(&args.image)?;
     let image = picture.image().with_context(|| shown.to_string())?;
-    let picked = pick(&image, args.at).with_context(|| shown.to_string())?;
-    let doubt = doubt_pick(&image, &picked.ranges, args.at);
+    let picked = pick(&image, &args.at).with_context(|| shown.to_string())?;
+    let doubt = doubt_pick(&image, &picked.ranges, &args.at);
     let mask = Mask::Hsv(picked.ranges);
     let pixels = mask_of(&image, &mask);
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;

@@ -83,6 +83,17 @@ fn a_point_chooses_one_rope() {
 }
 
 #[test]
+fn several_points_choose_several_colors() {
+    let folder = TempDir::new().unwrap();
+    save_bars(&folder);
+    let args = ["pick", "bars.png", "--at", "100,45", "--at", "60,114"];
+    let output = lariat(&folder, &args);
+    assert!(output.status.success(), "{output:?}");
+    let bars: Vec<u32> = (40..51).chain(110..121).collect();
+    assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
+}
+
+#[test]
 fn no_file_is_replaced_that_the_user_did_not_name() {
     let folder = TempDir::new().unwrap();
     save_bars(&folder);

@@ -10,6 +10,8 @@ use lariat_extract::{
 
 /// More frames show little that these do not, and cost the fuzzer its runs.
 const MOST_FRAMES: usize = 5;
+/// As many points as a user clicks.
+const MOST_POINTS: usize = 3;
 
 /// Frames after which ropes that lie still are followed.
 const UNTIL_FOLLOWED: usize = 4;
@@ -56,8 +58,8 @@ enum Frame {
     },
     Reset,
     Prepare([u8; 2]),
-    /// The ropes' colors, picked at a place or by themselves.
-    Pick(Picture, Option<[f32; 2]>),
+    /// The ropes' colors, picked at places or by themselves.
+    Pick(Picture, Vec<[f32; 2]>),
 }
 
 #[derive(Arbitrary, Debug)]
@@ -120,7 +122,7 @@ impl Session {
                         self.check(&scene, pixels);
                     }
                 }
-                Frame::Pick(picture, at) => picked(&picture.pixels(), *at),
+                Frame::Pick(picture, at) => picked(&picture.pixels(), &at[..at.len().min(MOST_POINTS)]),
             }
         }
     }
@@ -217,7 +219,7 @@ fn image(pixels: &Pixels) -> Image<'_> {
 }
 
 /// Ranges that are picked are ranges that the options take.
-fn picked(pixels: &Pixels, at: Option<[f32; 2]>) {
+fn picked(pixels: &Pixels, at: &[[f32; 2]]) {
     let image = image(pixels);
     let Ok(picked) = pick(&image, at) else { return };
     assert!(

@@ -54,7 +54,10 @@ __all__ = [
 ]
 
 def pick(
-    image: Picture, at: tuple[float, float] | None = None, *, pixel_format: PixelFormat | None = None
+    image: Picture,
+    at: tuple[float, float] | Sequence[tuple[float, float]] | None = None,
+    *,
+    pixel_format: PixelFormat | None = None,
 ) -> tuple[list[HsvRange], float]: ...
 @final
 class Tracer:

@@ -3,10 +3,11 @@
 use crate::errors::value_error;
 use crate::pixels::Pixels;
 use crate::scene::{Kept, Scene};
-use lariat_extract::{Extractor, HsvRange, Mask, MaskError, Method, Options, Region};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use lariat_extract::{Extractor, HsvRange, Mask, MaskError, Method, Options, PickError, Region};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::num::NonZeroU8;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
@@ -228,22 +229,42 @@ fn range_of(range: &Bound<'_, PyDict>) -> PyResult<HsvRange> {
     Ok(found)
 }
 
+/// One position, or a list of them.
+#[derive(Debug, FromPyObject)]
+pub(crate) enum Points {
+    One([f32; 2]),
+    Some(Vec<[f32; 2]>),
+}
+
 /// The colour ranges of the ropes in a picture, for the setting `mask`: of all that stand out from the table, or of the one
-/// at the position `at`. Also how well they tell rope from table: below some 0.8 a mask of them has holes, or takes table
-/// for rope.
+/// at the position `at`, or at several of them: one for each of its colours. Also how well they tell rope from table: below some 0.7 a mask of them has holes, or takes table
+/// for rope. Warns where what is traced in that mask speaks against it.
 #[pyfunction]
 #[pyo3(signature = (image, at=None, *, pixel_format=None))]
 pub(crate) fn pick<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
-    at: Option<[f32; 2]>,
+    at: Option<Points>,
     pixel_format: Option<&str>,
 ) -> PyResult<(Vec<Bound<'py, PyDict>>, f32)> {
+    let points = match at {
+        None => Vec::new(),
+        Some(Points::One(at)) => vec![at],
+        Some(Points::Some(at)) => at,
+    };
     let pixels = Pixels::of(image, pixel_format)?;
     let image = pixels.image()?;
-    let picked = py
-        .detach(|| lariat_extract::pick(&image, at))
+    let (picked, doubt) = py
+        .detach(|| {
+            let picked = lariat_extract::pick(&image, &points)?;
+            let doubt = lariat_extract::doubt_pick(&image, &picked.ranges, &points);
+            Ok::<_, PickError>((picked, doubt))
+        })
         .map_err(value_error)?;
+    if let Some(doubt) = doubt {
+        let category = py.get_type::<PyUserWarning>();
+        PyErr::warn(py, &category, &CString::new(doubt.to_string())?, 1)?;
+    }
     let ranges = picked.ranges.iter().map(|range| {
         let dict = PyDict::new(py);
         dict.set_item("hue_deg", <(f32, f32)>::from(range.hue_deg))?;

@@ -96,6 +96,22 @@ def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:
     assert lariat.trace(image, mask=np.zeros((240, 320), bool)).curves == []
 
 
+def test_colours_are_picked_at_points(image: Image) -> None:
+    (middle,) = lariat.trace(image).curves
+    points = [tuple(map(float, middle.points[k])) for k in (20, 60, 100)]
+    for at in (points[0], points):
+        ranges, agreement = lariat.pick(image, at)
+        assert agreement > 0.8
+        (curve,) = lariat.trace(image, mask=ranges).curves
+        assert distance_from_wave(curve.points).max() < 1.0
+    strokes = np.full((160, 240, 3), 220, np.uint8)
+    for x in range(20, 200, 60):
+        for y in range(30, 150, 45):
+            strokes[y : y + 5, x : x + 40] = (40, 90, 190)
+    with pytest.warns(UserWarning, match="give two more points"):
+        lariat.pick(strokes, (40.0, 32.0))
+
+
 def test_only_the_region_is_read_and_places_are_those_of_the_whole_picture(image: Image) -> None:
     (curve,) = lariat.trace(image, roi=(0, 0, 160, 240)).curves
     assert curve.leaves_image == (False, True)

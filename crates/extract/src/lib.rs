@@ -110,10 +110,13 @@
 //! (few squares of the ropes' width, each counted as the mask is sure of it) and slivers (thinner or shorter, all along beside a
 //! longer line) are dropped; so they are from colour ranges' masks.
 //!
-//! **Picking colours** (`pick`, `pick/`). What is rope is known first: from the automatic mask, each of its pixels given to
-//! the nearest curve and curves of one colour to one class; or, at a point that it does not cover, from the region of like
-//! colour before the greatest leap of its size over growing tolerances. Then a box in hue, saturation and value is sought by
-//! coordinate ascent of the intersection over union, and each side put half-way between the rope and the first others.
+//! **Picking colours** (`pick`, `pick/`). Without a point the automatic mask says what is rope, each of its pixels given to the nearest
+//! curve and curves of one colour to one class. A box in hue, saturation and value is sought for each class, by coordinate ascent of the
+//! intersection over union over the picture's colours, and each side put half-way between the rope and the first others. At points, regions
+//! of like colour grow from them in smoothed chroma and light, over fifteen tolerances and two weights of light; each gives a box, or two where
+//! it has two colours, and the mask of each is traced. The best is that of the largest area × purity⁴ × √confidence, where the purity is the share that lies along
+//! curves of the clicked one's width. What lies along those in the best three is evidence for new boxes, twice, so that the answer is
+//! the rope's and not the point's. It is then judged by the same tracing (`judge`).
 //!
 //! **Doubt** (`mask/`: `diagnosis`, `pattern`, `faint`; `notice`). The automatic mask is sure where a gap parts the table's levels from
 //! the rope's, so that the cut lies above the floor that the table's noise sets. Where the cut lies on the floor, or nothing

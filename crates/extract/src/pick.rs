@@ -1,13 +1,17 @@
 //! The colour ranges of the ropes in a picture, for a mask by colour: proposed by itself, or for the rope at a point.
 //!
 //! Which pixels are rope is known first, from elsewhere (`evidence`): from the automatic mask where it finds ropes, one
-//! class a colour; else from a region of like colour that grows from the point (`grow`). Then a box in hue, saturation and
-//! value is sought that holds the rope's pixels and keeps all others out (`range`).
+//! class a colour; or from regions of like colour that grow from the points (`grow`). Then a box in hue, saturation and
+//! value is sought that holds the rope's colours (`palette`) and keeps all others out (`range`). At points there are many such
+//! boxes, of which the best is chosen by what is traced in its mask (`choose`, `seen`).
 
+mod choose;
 mod evidence;
 mod grow;
 mod judge;
+mod palette;
 mod range;
+mod seen;
 
 use crate::image::Image;
 use crate::image::unpack::Unpacker;
@@ -26,7 +30,7 @@ pub struct Picked {
     /// A range for each colour of rope, that of the longest rope first.
     pub ranges: Vec<HsvRange>,
     /// How well the ranges tell what they were picked from: pixels that are rope and in range over pixels that are
-    /// either (intersection over union), 0 to 1. Below some 0.8 a mask of these ranges has holes, or takes table for
+    /// either (intersection over union), 0 to 1. Below some 0.7 a mask of these ranges has holes, or takes table for
     /// rope.
     pub agreement: f32,
 }
@@ -56,7 +60,8 @@ pub enum PickError {
     /// What has the point's colour is no rope.
     #[error(
         "what has the colour at ({}, {}) is no rope: give a point on the rope. If it is one, its colour does not tell \
-         it from the table", .at[0], .at[1]
+         it from the rest: give two more points on it, try the automatic mask, or read only the region around it (roi)",
+        .at[0], .at[1]
     )]
     NotARope {
         /// The point.
@@ -67,48 +72,53 @@ pub enum PickError {
     NoRope,
 }
 
-/// Picks the colours of the ropes in `image`, or of the one at `at` (in pixels).
+/// Picks the colours of the ropes in `image`, or of the one that all `points` (in pixels) lie on, if there are any.
 ///
-/// A rope's hue is free where it has none: black, white and gray are told by saturation and value. Allocates: this is
-/// for setting up, not for every frame.
+/// One point is enough where colour tells the rope from the rest; more say what one cannot: the other colours of a twisted
+/// rope, or its colour in light and in shade. The answer is that of the rope, not of the point: neighbours get the same.
+///
+/// A rope's hue is free where it has none: black, white and gray are told by saturation and value. Allocates, and takes
+/// from a tenth of a second to some: this is for setting up, not for every frame.
 ///
 /// # Errors
-/// When the point is outside of the image or on the table, and when no rope is found.
-pub fn pick(image: &Image, at: Option<[f32; 2]>) -> Result<Picked, PickError> {
+/// When a point is outside of the image or on the table, and when no rope is found.
+pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     let mut unpacker = Unpacker::default();
     let image = &unpacker.unpack(image);
     let last = [image.width() - 1, image.height() - 1];
-    if let Some(at) = at {
-        // Half a pixel beyond the outermost centres is still the outermost pixels. False for what is no number.
-        let is_inside = |c: f32, last: usize| c >= -0.5 && c <= last as f32 + 0.5;
+    // Half a pixel beyond the outermost centres is still the outermost pixels. False for what is no number.
+    let is_inside = |c: f32, last: usize| c >= -0.5 && c <= last as f32 + 0.5;
+    for &at in points {
         if !(is_inside(at[0], last[0]) && is_inside(at[1], last[1])) {
             return Err(PickError::Outside { at, last });
         }
     }
-    let evidence = evidence::of_mask(image, Mask::Auto);
-    let Some(at) = at else {
-        let evidence = evidence.ok_or(PickError::NoRope)?;
-        return picked(image, &evidence, 0..evidence.classes).ok_or(PickError::NoRope);
+    let Some(&at) = points.first() else {
+        return of_all(image).ok_or(PickError::NoRope);
     };
-    if let Some(evidence) = evidence
-        && let Some(class) = class_near(&evidence, at)
-        && let Some(picked) = picked(image, &evidence, class..class + 1)
-    {
-        return Ok(picked);
+    if let Some(choice) = choose::ranges(image, points) {
+        return Ok(Picked {
+            ranges: choice.ranges,
+            agreement: choice.agreement,
+        });
     }
-    let region = grow::rope(image, at)?;
-    let picked = picked(image, &region, 0..1).ok_or(PickError::NotARope { at })?;
-    // The table has colours too. What counts is whether they make a rope where the point is.
-    evidence::of_mask(image, Mask::Hsv(picked.ranges.clone()))
-        .and_then(|seen| class_near(&seen, at))
-        .map(|_| picked)
-        .ok_or(PickError::NotARope { at })
+    let on_table = points.iter().find(|&&at| grow::is_table(image, at));
+    Err(match on_table {
+        Some(&at) => PickError::Table { at },
+        None => PickError::NotARope { at },
+    })
 }
 
-/// The ranges of these classes; `None` if none has a pixel.
-fn picked(image: &Image, evidence: &Evidence, classes: std::ops::Range<usize>) -> Option<Picked> {
-    let fits: Vec<range::Fit> = classes
-        .filter_map(|class| range::fit(image, evidence, class))
+/// The ranges of the ropes that stand out by themselves, one for each colour.
+fn of_all(image: &Image) -> Option<Picked> {
+    let evidence = evidence::of_mask(image, Mask::Auto)?;
+    let palette = palette::Palette::new(image);
+    let fits: Vec<range::Fit> = (0..evidence.classes)
+        .filter_map(|class| {
+            let is_rope =
+                |label: &Label| matches!(label, Label::Rope(c) if usize::from(*c) == class);
+            range::fit(&palette, &range::counts(&palette, &evidence, is_rope))
+        })
         .collect();
     let worst = fits.iter().map(|fit| fit.agreement).reduce(f32::min)?;
     Some(Picked {

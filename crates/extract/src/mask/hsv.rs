@@ -14,16 +14,21 @@ use crate::options::HsvRange;
 /// Whether a color lies in any of the ranges.
 pub(crate) fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
     let (hue, saturation, value) = hsv(rgb);
+    ranges
+        .iter()
+        .any(|range| holds(range, [hue, saturation, value]))
+}
+
+/// Whether a range holds this hue in degrees, saturation and value.
+pub(crate) fn holds(range: &HsvRange, [hue, saturation, value]: [f32; 3]) -> bool {
     let within = |[low, high]: [f32; 2], v: f32| (low..=high).contains(&v);
-    ranges.iter().any(|range| {
-        let [low, high] = range.hue_deg;
-        let hue_fits = if low <= high {
-            (low..=high).contains(&hue)
-        } else {
-            hue >= low || hue <= high
-        };
-        hue_fits && within(range.saturation, saturation) && within(range.value, value)
-    })
+    let [low, high] = range.hue_deg;
+    let hue_fits = if low <= high {
+        (low..=high).contains(&hue)
+    } else {
+        hue >= low || hue <= high
+    };
+    hue_fits && within(range.saturation, saturation) && within(range.value, value)
 }
 
 /// Hue in degrees (0 of a gray), saturation and value from 0 to 1.

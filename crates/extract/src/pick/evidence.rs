@@ -35,6 +35,9 @@ pub(super) enum Label {
     Unknown,
 }
 
+/// The curve that a pixel of a mask is nearest to, and how far from its middle in half-widths; `None` of one beside all.
+pub(super) type Owner = Option<(u8, f32)>;
+
 /// All pixels'.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
@@ -63,6 +66,28 @@ impl Evidence {
             classes: 1,
         };
         evidence.guard(|i| region[i]);
+        evidence
+    }
+
+    /// One class of the pixels along curves that are rope, but for their rims; all others but those beside them are
+    /// table.
+    pub(super) fn of_owners(
+        width: usize,
+        owners: &[Owner],
+        is_rope: impl Fn(usize, u8) -> bool,
+    ) -> Self {
+        let label = |(i, owner): (usize, &Owner)| match *owner {
+            Some((curve, _)) if !is_rope(i, curve) => Label::Table,
+            Some((_, far)) if far > EDGE => Label::Unknown,
+            Some(_) => Label::Rope(0),
+            None => Label::Table,
+        };
+        let mut evidence = Self {
+            width,
+            labels: owners.iter().enumerate().map(label).collect(),
+            classes: 1,
+        };
+        evidence.guard(|i| owners[i].is_some_and(|(curve, _)| is_rope(i, curve)));
         evidence
     }
 
@@ -123,11 +148,10 @@ pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
     Some(evidence)
 }
 
-/// For each pixel of the mask that lies along a curve, which it is nearest to, and how far from its middle in
-/// half-widths.
-pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Option<(u8, f32)>> {
+/// Each pixel's of the mask.
+pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Owner> {
     let width = mask.width() as i32;
-    let mut owner: Vec<Option<(u8, f32)>> = vec![None; mask.width() * mask.height()];
+    let mut owner: Vec<Owner> = vec![None; mask.width() * mask.height()];
     for (index, curve) in (0u8..).zip(curves) {
         let half = 0.5 * curve.width_px;
         let reach = 1.5 * half + 1.0;
@@ -157,11 +181,11 @@ pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Option<(u8, f32)>
 }
 
 /// Each curve's class: curves of like colour share one.
-fn classes(image: &Image, curves: &[Curve], owner: &[Option<(u8, f32)>]) -> Vec<u8> {
+fn classes(image: &Image, curves: &[Curve], owner: &[Owner]) -> Vec<u8> {
     let mut known: Vec<[f32; 3]> = Vec::new();
     let mut classes = Vec::new();
     for index in 0..curves.len() {
-        let is_core = |owner: &Option<(u8, f32)>| {
+        let is_core = |owner: &Owner| {
             owner.is_some_and(|(curve, far)| usize::from(curve) == index && far < CORE)
         };
         let pixels = owner.iter().enumerate().filter(|(_, owner)| is_core(owner));

@@ -1,24 +1,23 @@
-//! The rope at a point, where no automatic mask helps: the connected region of like colour.
+//! The rope at some points: connected regions of like colour, one for each of many tolerances.
 //!
-//! How like is found by growing with a wider and wider tolerance. A rope has an edge all around, so its region hardly
-//! grows over a span of tolerances, and then, when the tolerance passes the edge's height, all at once: the region
-//! before the greatest leap is the rope.
+//! What is like is asked of smoothed colours: chroma over more pixels than light, since a camera's chroma is coarser and
+//! noisier, and edges are seen in the light. A rope has an edge all around, so that its region hardly grows over a span of
+//! tolerances; which of them is the rope is for its mask to show (`choose`).
 
-use super::PickError;
-use super::evidence::{Evidence, median_color};
-use super::range;
 use crate::image::{Image, color};
 use crate::mask::background::Background;
-use crate::mask::hsv;
 use crate::vec2::Vec2;
 
-/// Tolerances tried, in levels: from noise to any edge that a camera shows, by steps of a seventh.
-const TOLERANCES: [f32; 20] = [
-    8.0, 9.2, 10.5, 12.0, 13.7, 15.6, 17.8, 20.4, 23.3, 26.6, 30.4, 34.7, 39.7, 45.3, 51.8, 59.2,
-    67.6, 77.3, 88.3, 100.9,
+/// Tolerances tried, in levels: from noise to any edge that a camera shows, by steps of a fifth.
+const TOLERANCES: [f32; 15] = [
+    6.0, 7.3, 8.8, 10.7, 13.0, 15.8, 19.2, 23.4, 28.4, 34.6, 42.1, 51.2, 62.3, 75.8, 92.2,
 ];
+/// How much a difference of light counts beside one of chroma: as much, or, for ropes in light and shade, less.
+const LIGHT: [f32; 2] = [1.0, 0.35];
 /// The largest share of the image that is a rope's.
 const MOST: f32 = 0.25;
+/// Regions that grow by less than this are one.
+const SAME: f32 = 1.05;
 /// A table whose pixels lie farther than this from a smooth surface (in the median, in levels) is not plain, and no
 /// point can be told to be on it by its colour.
 const PLAIN: f32 = 8.0;
@@ -27,60 +26,70 @@ const PLAIN: f32 = 8.0;
 const TABLE_LEVELS: f32 = 14.0;
 const TABLE_RESIDUALS: f32 = 6.0;
 
-/// The rope at `at`, a point in the image: the region, and all that has the region's colours elsewhere.
-pub(super) fn rope(image: &Image, at: Vec2) -> Result<Evidence, PickError> {
-    let mut region = region(image, at)?;
-    let width = image.width();
-    if let Some(fit) = range::fit(image, &Evidence::of_region(&region, width), 0) {
-        // The rope goes on where the region does not reach, behind another strand: that is no table.
-        for (i, set) in region.iter_mut().enumerate() {
-            *set |= hsv::contains(&[fit.range], color::rgb(image, i % width, i / width));
+/// Smoothed colours: light, and blue and red less light.
+pub(super) fn smoothed(image: &Image) -> Vec<[f32; 3]> {
+    let (width, height) = (image.width(), image.height());
+    let mut colors: Vec<[f32; 3]> = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let [r, g, b] = color::rgb(image, x, y).map(f32::from);
+            let light = 0.299 * r + 0.587 * g + 0.114 * b;
+            colors.push([light, b - light, r - light]);
         }
     }
-    Ok(Evidence::of_region(&region, width))
+    // Across, then down: one, four, six, four, one for chroma; one, six, one for light.
+    for (step, count, stride, rows) in [(1, width, width, height), (width, height, 1, width)] {
+        let mut line = vec![[0.0f32; 3]; count];
+        for row in 0..rows {
+            for (k, color) in line.iter_mut().enumerate() {
+                *color = colors[row * stride + k * step];
+            }
+            for k in 0..count {
+                let at = |d: isize| line[k.saturating_add_signed(d).min(count - 1)];
+                let [aa, a, c, b, bb] = [at(-2), at(-1), at(0), at(1), at(2)];
+                let chroma = |i: usize| (aa[i] + bb[i] + 4.0 * (a[i] + b[i]) + 6.0 * c[i]) / 16.0;
+                let light = (a[0] + b[0] + 6.0 * c[0]) / 8.0;
+                colors[row * stride + k * step] = [light, chroma(1), chroma(2)];
+            }
+        }
+    }
+    colors
 }
 
-fn area(region: &[bool]) -> usize {
-    region.iter().filter(|set| **set).count()
-}
-
-/// The region that grows from `at`.
-fn region(image: &Image, at: Vec2) -> Result<Vec<bool>, PickError> {
-    let (width, height) = (image.width(), image.height());
-    let (x, y) = (
-        at[0].round().max(0.0) as usize,
-        at[1].round().max(0.0) as usize,
-    );
-    let (x, y) = (x.min(width - 1), y.min(height - 1));
-    let around = |c: usize, last: usize| c.saturating_sub(2)..=(c + 2).min(last);
-    let pixels: Vec<[u8; 3]> = around(y, height - 1)
-        .flat_map(|y| around(x, width - 1).map(move |x| color::rgb(image, x, y)))
-        .collect();
-    let seed = median_color(&pixels);
-    if is_table(image, [x, y]) {
-        return Err(PickError::Table { at });
+/// The regions that grow from the points, all in the image, over the tolerances.
+pub(super) fn regions(colors: &[[f32; 3]], width: usize, points: &[[usize; 2]]) -> Vec<Vec<bool>> {
+    let seeds: Vec<[f32; 3]> = points.iter().map(|&[x, y]| colors[y * width + x]).collect();
+    let mut regions = Vec::new();
+    for light in LIGHT {
+        let square = |color: &[f32; 3], seed: &[f32; 3]| {
+            let [y, b, r] = [0, 1, 2].map(|c| color[c] - seed[c]);
+            (light * y) * (light * y) + b * b + r * r
+        };
+        let far = |color: &[f32; 3]| {
+            let squares = seeds.iter().map(|seed| square(color, seed));
+            libm::sqrtf(squares.fold(f32::INFINITY, f32::min))
+        };
+        // How far each pixel is from the nearest seed's colour, once for all tolerances.
+        let far: Vec<f32> = colors.iter().map(far).collect();
+        let mut last = 0.0f32;
+        for tolerance in TOLERANCES {
+            let region = flood(&far, width, points, tolerance);
+            let area = region.iter().filter(|set| **set).count() as f32;
+            if area > MOST * far.len() as f32 {
+                break;
+            }
+            if area > SAME * last {
+                last = area;
+                regions.push(region);
+            }
+        }
     }
-    // How far each pixel is from the seed's colour, once for all tolerances.
-    let far: Vec<f32> = (0..width * height)
-        .map(|i| {
-            let rgb = color::rgb(image, i % width, i / width).map(f32::from);
-            color::distance(rgb, seed, false)
-        })
-        .collect();
-    let mut regions = TOLERANCES.map(|tolerance| flood(&far, width, [x, y], tolerance));
-    let areas: Vec<usize> = regions.iter().map(|region| area(region)).collect();
-    let leap = |i: &usize| areas[i + 1] as f32 / areas[*i].max(1) as f32;
-    let before = (0..areas.len() - 1)
-        .filter(|&i| areas[i] as f32 <= MOST * far.len() as f32)
-        .max_by(|a, b| leap(a).total_cmp(&leap(b)));
-    match before {
-        Some(i) if areas[i] > 0 => Ok(std::mem::take(&mut regions[i])),
-        _ => Err(PickError::NotARope { at }),
-    }
+    regions
 }
 
 /// Whether the table is plain and the pixel has its colour.
-fn is_table(image: &Image, [x, y]: [usize; 2]) -> bool {
+pub(super) fn is_table(image: &Image, at: Vec2) -> bool {
+    let [x, y] = pixel(image, at);
     let mut background = Background::default();
     background.estimate(image);
     let table = background.at(x, y);
@@ -89,9 +98,15 @@ fn is_table(image: &Image, [x, y]: [usize; 2]) -> bool {
     background.noise < PLAIN && color::distance(own, table, color::is_yuv(image.format())) < limit
 }
 
-/// The pixels within `tolerance` that are joined to the start through each other, or near it: the start itself may be
+/// The pixel at a point.
+pub(super) fn pixel(image: &Image, at: Vec2) -> [usize; 2] {
+    let last = [image.width() - 1, image.height() - 1];
+    [0, 1].map(|c| (at[c].round().max(0.0) as usize).min(last[c]))
+}
+
+/// The pixels within `tolerance` that are joined to the points through each other, or near them: a point itself may be
 /// a speck.
-fn flood(far: &[f32], width: usize, [x, y]: [usize; 2], tolerance: f32) -> Vec<bool> {
+fn flood(far: &[f32], width: usize, points: &[[usize; 2]], tolerance: f32) -> Vec<bool> {
     let height = far.len() / width;
     let mut region = vec![false; far.len()];
     let mut waiting: Vec<(usize, usize)> = Vec::new();
@@ -104,9 +119,11 @@ fn flood(far: &[f32], width: usize, [x, y]: [usize; 2], tolerance: f32) -> Vec<b
     };
     let around =
         |c: usize, reach: usize, last: usize| c.saturating_sub(reach)..=(c + reach).min(last);
-    for ny in around(y, 2, height - 1) {
-        for nx in around(x, 2, width - 1) {
-            visit(nx, ny, &mut region, &mut waiting);
+    for &[x, y] in points {
+        for ny in around(y, 1, height - 1) {
+            for nx in around(x, 1, width - 1) {
+                visit(nx, ny, &mut region, &mut waiting);
+            }
         }
     }
     while let Some((x, y)) = waiting.pop() {

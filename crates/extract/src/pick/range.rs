@@ -5,9 +5,8 @@
 //! far as the agreement allows, and back half the way: the margin is shared between rope and table, so that neither a
 //! change of light nor noise spoils it at once.
 
-use super::evidence::{Evidence, Label, has_hue, median_color};
-use crate::image::{Image, color};
-use crate::mask::hsv;
+use super::evidence::{Evidence, Label, has_hue};
+use super::palette::Palette;
 use crate::options::HsvRange;
 
 /// Steps of saturation and of value.
@@ -34,40 +33,110 @@ pub(super) struct Fit {
     pub(super) agreement: f32,
 }
 
-/// A pixel in steps of each channel.
-struct Pixel {
+/// A colour in steps of each channel, and how many pixels of the rope and of the table have it.
+struct Color {
     at: [u16; 3],
-    is_rope: bool,
+    count: [f32; 2],
 }
 
 /// First and last step of each channel, both within.
 type Box3 = [[usize; 2]; 3];
 
-/// The range of a class; `None` of one without a pixel.
-pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Option<Fit> {
-    let width = image.width();
-    let rgb = |i: usize| color::rgb(image, i % width, i / width);
-    let is_rope = |label: &Label| matches!(label, Label::Rope(c) if usize::from(*c) == class);
-    let labels = || evidence.labels().iter().enumerate();
-    let own: Vec<[u8; 3]> = labels()
-        .filter(|(_, label)| is_rope(label))
-        .map(|(i, _)| rgb(i))
-        .collect();
-    if own.is_empty() {
+/// Of each colour, how many pixels are rope, and how many are sure not to be.
+pub(super) type Counts = Vec<[f32; 2]>;
+
+pub(super) fn counts(
+    palette: &Palette,
+    evidence: &Evidence,
+    is_rope: impl Fn(&Label) -> bool,
+) -> Counts {
+    let mut counts = vec![[0.0f32; 2]; palette.colors.len()];
+    for (label, &color) in evidence.labels().iter().zip(&palette.of) {
+        if *label != Label::Unknown {
+            counts[color as usize][usize::from(!is_rope(label))] += 1.0;
+        }
+    }
+    counts
+}
+
+/// A range for each of the rope's two colours, if it has two that lie apart, and how well both together tell it from the
+/// rest.
+pub(super) fn fit_two(palette: &Palette, counts: &Counts) -> Option<(Vec<HsvRange>, f32)> {
+    let is_second = halves(palette, counts);
+    let part = |which: bool| -> Counts {
+        let own = |(count, &second): (&[f32; 2], &bool)| match second == which {
+            true => *count,
+            // The other colour is no table.
+            false => [0.0, count[1]],
+        };
+        counts.iter().zip(&is_second).map(own).collect()
+    };
+    let ranges = vec![
+        fit(palette, &part(false))?.range,
+        fit(palette, &part(true))?.range,
+    ];
+    let held = palette.held(&ranges);
+    let [mut rope, mut others, mut within] = [0.0; 3];
+    for (&[own, table], held) in counts.iter().zip(held) {
+        rope += own;
+        if held {
+            within += own;
+            others += table;
+        }
+    }
+    Some((ranges, within / (rope + others)))
+}
+
+/// The rope's colours in two heaps, by their means (Lloyd's, of two): whether each is in the second.
+fn halves(palette: &Palette, counts: &Counts) -> Vec<bool> {
+    let mut is_second: Vec<bool> = Vec::new();
+    let colors = || palette.levels.iter().zip(counts);
+    let mean = |of: &dyn Fn(usize) -> bool| {
+        let mut sum = [0.0f32; 4];
+        for (i, (levels, [own, _])) in colors().enumerate() {
+            if of(i) {
+                (0..3).for_each(|c| sum[c] += own * levels[c]);
+                sum[3] += own;
+            }
+        }
+        [0, 1, 2].map(|c| sum[c] / sum[3].max(1.0))
+    };
+    let square =
+        |a: [f32; 3], b: [f32; 3]| (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>();
+    let middle = mean(&|_| true);
+    // The farthest colour, each by how many pixels have it, is where the second heap begins.
+    let weight = |levels: [f32; 3], own: f32| own * square(levels, middle);
+    let farthest = colors()
+        .max_by(|a, b| weight(*a.0, a.1[0]).total_cmp(&weight(*b.0, b.1[0])))
+        .map_or(middle, |(levels, _)| *levels);
+    let mut means = [middle, farthest];
+    for _ in 0..ROUNDS {
+        is_second = (palette.levels.iter())
+            .map(|&levels| square(levels, means[1]) < square(levels, means[0]))
+            .collect();
+        means = [mean(&|i| !is_second[i]), mean(&|i| is_second[i])];
+    }
+    is_second
+}
+
+/// The range that holds the rope's colours and keeps the others out; `None` if the rope has none.
+pub(super) fn fit(palette: &Palette, counts: &Counts) -> Option<Fit> {
+    let rope: f32 = counts.iter().map(|count| count[0]).sum();
+    if rope == 0.0 {
         return None;
     }
-    let middle = own_hue(&own);
-    let pixels: Vec<Pixel> = labels()
-        .filter(|(_, label)| **label != Label::Unknown)
-        .map(|(i, label)| Pixel {
-            at: steps(rgb(i), middle.unwrap_or(0.0)),
-            is_rope: is_rope(label),
-        })
-        .collect();
+    let middle = own_hue(palette, counts);
+    let steps = |color: &[f32; 3]| steps(*color, middle.unwrap_or(0.0));
+    let colors = palette.colors.iter().zip(counts);
     let search = Search {
-        pixels,
+        colors: (colors.filter(|(_, count)| count[0] + count[1] > 0.0))
+            .map(|(color, &count)| Color {
+                at: steps(color),
+                count,
+            })
+            .collect(),
         has_hue: middle.is_some(),
-        rope: own.len() as f32,
+        rope,
     };
     let sides = search.best_box();
     let agreement = search.agreement(&sides);
@@ -78,19 +147,35 @@ pub(super) fn fit(image: &Image, evidence: &Evidence, class: usize) -> Option<Fi
 }
 
 /// The hue that the rope's pixels have in the mean, each by its chroma; `None` of a rope without colour.
-fn own_hue(own: &[[u8; 3]]) -> Option<f32> {
+fn own_hue(palette: &Palette, counts: &Counts) -> Option<f32> {
     let mut sum = [0.0f32; 2];
-    for &rgb in own {
-        let (hue, saturation, value) = hsv::hsv(rgb);
+    for (&[hue, saturation, value], [rope, _]) in palette.colors.iter().zip(counts) {
         let (sin, cos) = libm::sincosf(hue.to_radians());
-        sum[0] += saturation * value * cos;
-        sum[1] += saturation * value * sin;
+        sum[0] += rope * saturation * value * cos;
+        sum[1] += rope * saturation * value * sin;
     }
-    has_hue(median_color(own)).then(|| libm::atan2f(sum[1], sum[0]).to_degrees().rem_euclid(360.0))
+    let has_hue = has_hue(median_color(palette, counts));
+    has_hue.then(|| libm::atan2f(sum[1], sum[0]).to_degrees().rem_euclid(360.0))
 }
 
-fn steps(rgb: [u8; 3], middle: f32) -> [u16; 3] {
-    let (hue, saturation, value) = hsv::hsv(rgb);
+/// The median of each channel of the rope's pixels.
+fn median_color(palette: &Palette, counts: &Counts) -> [f32; 3] {
+    std::array::from_fn(|channel| {
+        let mut at = [0.0f32; 256];
+        for (levels, [rope, _]) in palette.levels.iter().zip(counts) {
+            at[(levels[channel] + 0.5) as usize] += rope;
+        }
+        let half = 0.5 * at.iter().sum::<f32>();
+        let mut below = 0.0;
+        let is_beyond = |&count: &f32| {
+            below += count;
+            below > half
+        };
+        at.iter().position(is_beyond).unwrap_or(0) as f32
+    })
+}
+
+fn steps([hue, saturation, value]: [f32; 3], middle: f32) -> [u16; 3] {
     let turned = (hue - middle + 180.0).rem_euclid(360.0);
     // The end of a scale belongs to its last step.
     let step = |share: f32, steps: usize| ((share * steps as f32) as usize).min(steps - 1) as u16;
@@ -124,7 +209,7 @@ fn range(sides: &Box3, middle: Option<f32>) -> HsvRange {
 }
 
 struct Search {
-    pixels: Vec<Pixel>,
+    colors: Vec<Color>,
     has_hue: bool,
     /// How many pixels are rope.
     rope: f32,
@@ -156,8 +241,8 @@ impl Search {
                 continue;
             }
             let mut count = [0.0f32; HUES];
-            for pixel in self.pixels.iter().filter(|pixel| pixel.is_rope) {
-                count[usize::from(pixel.at[channel])] += 1.0;
+            for color in &self.colors {
+                count[usize::from(color.at[channel])] += color.count[0];
             }
             let few = 0.01 * self.rope;
             let mut below = 0.0;
@@ -210,13 +295,14 @@ impl Search {
     /// Rope and others at each step of a channel, of the pixels within the other sides.
     fn counts(&self, channel: usize, sides: &Box3) -> [[f32; 2]; HUES] {
         let mut counts = [[0.0; 2]; HUES];
-        for pixel in &self.pixels {
+        for color in &self.colors {
             let is_within = |other: usize| {
-                let at = usize::from(pixel.at[other]);
+                let at = usize::from(color.at[other]);
                 other == channel || (sides[other][0]..=sides[other][1]).contains(&at)
             };
             if (0..3).all(is_within) {
-                counts[usize::from(pixel.at[channel])][usize::from(!pixel.is_rope)] += 1.0;
+                let sum = &mut counts[usize::from(color.at[channel])];
+                *sum = [sum[0] + color.count[0], sum[1] + color.count[1]];
             }
         }
         counts

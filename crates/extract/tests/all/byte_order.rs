@@ -33,7 +33,7 @@ fn told(
         // A float is printed with as many digits as tell it from all others.
         told.push(format!("{:?}", extractor.extract(&image)));
         told.push(format!("{:?}", mask_of(&image, mask)));
-        told.push(format!("{:?}", pick(&image, None)));
+        told.push(format!("{:?}", pick(&image, &[])));
     }
     told
 }

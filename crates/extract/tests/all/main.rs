@@ -16,6 +16,7 @@ mod methods;
 mod notices;
 mod over_under;
 mod pick;
+mod pick_points;
 mod random;
 mod region;
 mod ropes;

@@ -149,7 +149,10 @@ impl Pictures {
                     &extractor.at(number * 33_000_000).extract(&image),
                 );
             }
-            let picked = format!("{:?}", pick(&frames[0].image(), None));
+            let first = frames[0].image();
+            let mut extractor = Extractor::new(Options::default()).expect("valid options");
+            let on_rope = extractor.extract(&first).curves[0].points[60];
+            let picked = format!("{:?} {:?}", pick(&first, &[]), pick(&first, &[on_rope]));
             told.frame(case, "pick", Hash::new().bytes(picked.as_bytes()));
         }
         // The clusterings in the place of the skeleton.

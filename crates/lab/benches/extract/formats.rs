@@ -36,7 +36,7 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
     let told = film.iter().map(|f| converted(f, PixelFormat::Rgb8));
     let told: Vec<Picture> = told.collect::<Option<_>>().context("RGB stays RGB")?;
     let options = Options {
-        mask: Mask::Hsv(pick(&told[0].image(), None)?.ranges),
+        mask: Mask::Hsv(pick(&told[0].image(), &[])?.ranges),
         ..Options::default()
     };
     cases.push(Case::with("Rgb8, by HSV range", told, options)?);

@@ -199,7 +199,7 @@ fn write_frames(path: &std::path::Path, [width, height]: [u32; 2]) -> Result<Vec
             let (width, height) = (width as usize, height as usize);
             let stride = frame.stride as usize;
             let image = Image::new(&bytes, width, height, stride, PixelFormat::Rgb8)?;
-            ranges = pick(&image, None)?
+            ranges = pick(&image, &[])?
                 .ranges
                 .iter()
                 .flat_map(opencv_bounds)

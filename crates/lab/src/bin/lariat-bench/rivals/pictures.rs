@@ -97,7 +97,7 @@ impl Pictures {
     ) -> Vec<String> {
         let mut left_out = Vec::new();
         for (k, (picture, truth)) in given.enumerate() {
-            match pick(&picture.image(), None) {
+            match pick(&picture.image(), &[]) {
                 Ok(picked) => self.shown.push(Shown {
                     set: self.sets.len(),
                     picture,

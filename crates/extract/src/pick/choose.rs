@@ -1,0 +1,175 @@
+//! Which colours are the rope's at some points: of the ranges that many regions give, those whose mask is most of a rope.
+//!
+//! A region of like colour that grows from a point says little by itself of whether it is the rope: on a plain table most tolerances do,
+//! in clutter a few. So a range is fitted to each, and its mask looked at as a whole: the more of the picture it holds and the more of that
+//! lies along ropes like the one at the point, the better. What of the best masks lies along those ropes is then evidence for
+//! new ranges, which hence depend on the rope and not on the point.
+
+use super::evidence::{self, Evidence, Label};
+use super::palette::Palette;
+use super::seen::{Seen, see};
+use super::{class_near, grow, range};
+use crate::image::Image;
+use crate::options::{HsvRange, Mask};
+use crate::vec2::Vec2;
+
+/// How much what lies beside ropes of the own one's width counts against a mask: a tenth of it as much as four tenths of its area.
+const PURITY: f32 = 4.0;
+/// Added to the confidence, of which the root counts: colour ranges' masks have little of it at crossings.
+const LEAST_CONFIDENCE: f32 = 0.1;
+/// A point so many half-widths from the middle of a curve, or fewer, is on it.
+const ON: f32 = 1.5;
+/// A mask of more of the picture is no rope's, nor one of fewer pixels.
+const MOST: f32 = 0.35;
+const LEAST_PX: f32 = 20.0;
+/// A mask of which less lies along ropes of one width is a pattern, unless the one at the points is as sure as this: then
+/// other things have its colour.
+const LEAST_PURITY: f32 = 0.6;
+const SURE: f32 = 0.3;
+/// Masks that share so much are one.
+const SAME: f32 = 0.97;
+/// So many of the best masks are evidence for new ones, so many times.
+const BEST: usize = 3;
+const ROUNDS: usize = 2;
+/// Two ranges are better than one if they agree so much more with the rope.
+const TWO: f32 = 0.05;
+
+/// Ranges, and what is seen in their mask.
+#[derive(Debug)]
+pub(super) struct Choice {
+    pub(super) ranges: Vec<HsvRange>,
+    pub(super) agreement: f32,
+    pub(super) score: f32,
+    pub(super) seen: Seen,
+}
+
+/// The best ranges for the rope at the points; `None` if no mask has a rope there.
+pub(super) fn ranges(image: &Image, points: &[Vec2]) -> Option<Choice> {
+    let palette = Palette::new(image);
+    let mut chooser = Chooser {
+        image,
+        points,
+        palette: &palette,
+        tried: Vec::new(),
+        choices: Vec::new(),
+    };
+    if let Some(evidence) = evidence::of_mask(image, Mask::Auto)
+        && let Some(class) = class_near(&evidence, points[0])
+    {
+        chooser.fit(&evidence, class);
+    }
+    let on_rope = |at: &&Vec2| !grow::is_table(image, **at);
+    let pixels: Vec<[usize; 2]> = (points.iter().filter(on_rope))
+        .map(|&at| grow::pixel(image, at))
+        .collect();
+    if !pixels.is_empty() {
+        for region in grow::regions(&grow::smoothed(image), image.width(), &pixels) {
+            chooser.grown(region);
+        }
+    }
+    for _ in 0..ROUNDS {
+        chooser.again();
+    }
+    chooser.choices.into_iter().next()
+}
+
+struct Chooser<'a> {
+    image: &'a Image<'a>,
+    points: &'a [Vec2],
+    palette: &'a Palette,
+    /// The colours that each mask that was tried holds.
+    tried: Vec<Vec<bool>>,
+    /// The best one first.
+    choices: Vec<Choice>,
+}
+
+impl Chooser<'_> {
+    /// Tries the ranges of a region, and those of all that has its colours: the rope goes on where the region does not
+    /// reach, behind another strand, and that is no table.
+    fn grown(&mut self, mut region: Vec<bool>) {
+        let width = self.image.width();
+        let Some(ranges) = self.fit(&Evidence::of_region(&region, width), 0) else {
+            return;
+        };
+        let held = self.palette.held(&ranges);
+        for (set, &color) in region.iter_mut().zip(&self.palette.of) {
+            *set |= held[color as usize];
+        }
+        self.fit(&Evidence::of_region(&region, width), 0);
+    }
+
+    /// Tries ranges of what lies along the ropes in the best masks.
+    fn again(&mut self) {
+        let labels: Vec<Evidence> = (self.choices.iter().take(BEST))
+            .map(|choice| self.along(&choice.ranges, &choice.seen))
+            .collect();
+        for evidence in labels {
+            self.fit(&evidence, 0);
+        }
+    }
+
+    /// The mask along the curves that are like the own one is rope.
+    fn along(&self, ranges: &[HsvRange], seen: &Seen) -> Evidence {
+        let held = self.palette.held(ranges);
+        Evidence::of_owners(self.image.width(), &seen.owners, |i, curve| {
+            seen.is_to_go_by(usize::from(curve)) && held[self.palette.of[i] as usize]
+        })
+    }
+
+    /// Tries the range of a class, and one for each of its two colours where these agree better.
+    fn fit(&mut self, evidence: &Evidence, class: usize) -> Option<Vec<HsvRange>> {
+        let is_rope = |label: &Label| matches!(label, Label::Rope(c) if usize::from(*c) == class);
+        let counts = range::counts(self.palette, evidence, is_rope);
+        let one = range::fit(self.palette, &counts)?;
+        let mut best = vec![one.range];
+        if one.agreement < 1.0 - TWO
+            && let Some((two, agreement)) = range::fit_two(self.palette, &counts)
+            && agreement > one.agreement + TWO
+        {
+            self.consider(&two, agreement);
+            best = two;
+        }
+        self.consider(&[one.range], one.agreement);
+        Some(best)
+    }
+
+    /// Looks at the mask of these ranges, unless it is like another.
+    fn consider(&mut self, ranges: &[HsvRange], agreement: f32) {
+        let held = self.palette.held(ranges);
+        let area = self.palette.pixels(|color| held[color]);
+        if area < LEAST_PX || area > MOST * self.palette.of.len() as f32 {
+            return;
+        }
+        let is_same = |other: &Vec<bool>| {
+            let both = self.palette.pixels(|color| held[color] && other[color]);
+            let either = self.palette.pixels(|color| held[color] || other[color]);
+            both >= SAME * either
+        };
+        if self.tried.iter().any(is_same) {
+            return;
+        }
+        self.tried.push(held);
+        let Some(seen) = see(self.image, ranges, self.points) else {
+            return;
+        };
+        if seen.beside > ON {
+            return;
+        }
+        let purity = (seen.alike / area).min(1.0);
+        if purity < LEAST_PURITY && seen.own().confidence < SURE {
+            return;
+        }
+        let choice = Choice {
+            ranges: ranges.to_vec(),
+            agreement,
+            score: area
+                * libm::powf(purity, PURITY)
+                * libm::sqrtf(seen.confidence * purity + LEAST_CONFIDENCE),
+            seen,
+        };
+        let place = self
+            .choices
+            .partition_point(|other| other.score >= choice.score);
+        self.choices.insert(place, choice);
+    }
+}
