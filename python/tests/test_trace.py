@@ -98,8 +98,9 @@ def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:
 
 def test_colours_are_picked_at_points(image: Image) -> None:
     (middle,) = lariat.trace(image).curves
-    points = [tuple(map(float, middle.points[k])) for k in (20, 60, 100)]
-    for at in (points[0], points):
+    points = [(float(middle.points[k][0]), float(middle.points[k][1])) for k in (20, 60, 100)]
+    places: list[tuple[float, float] | list[tuple[float, float]]] = [points[0], points]
+    for at in places:
         ranges, agreement = lariat.pick(image, at)
         assert agreement > 0.8
         (curve,) = lariat.trace(image, mask=ranges).curves

@@ -131,7 +131,7 @@ fn gray_on_gray_is_told_by_light_and_a_table_of_the_ropes_color_is_said() {
     // Blotches as light as the rope and as dark as the table, all over it.
     let [light, dark] =
         [[150.0; 3], [90.0; 3]].map(|color| table(color).draw(std::slice::from_ref(&gray)));
-    let is_light = |x: usize, y: usize| (x * x / 90 + y * y / 70 + x * y / 110) % 3 == 0;
+    let is_light = |x: usize, y: usize| (x * x / 90 + y * y / 70 + x * y / 110).is_multiple_of(3);
     let bytes = mixed(&light, &dark, is_light);
     let image = rgb(&bytes);
     let points = [on_wave(0.4)];
