@@ -189,7 +189,12 @@ impl Extractor {
             }
         }
         self.masker.run(image, &self.options.mask);
+        let has_something = !self.masker.strips.used.is_empty();
         self.after_mask(image, after);
+        // Things that are no ropes, and perhaps ropes that touch them.
+        if has_something && self.count == 0 && self.masker.seek_by_shape(image) {
+            self.after_mask(image, after);
+        }
         false
     }
 
@@ -215,6 +220,7 @@ impl Extractor {
         if let Some(cut) = self.masker.cut
             && self.plain_frames >= SETTLED
             && self.masker.notice.is_none()
+            && !self.masker.is_smoothed
         {
             let (table, curves) = (&self.masker.background, &self.curves[..self.count]);
             self.chords

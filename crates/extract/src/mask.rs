@@ -11,7 +11,9 @@ mod hysteresis;
 mod level;
 mod masker;
 mod pattern;
+mod rims;
 pub(crate) mod shadow;
+mod smoothed;
 mod threshold;
 mod widths;
 

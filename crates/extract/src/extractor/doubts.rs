@@ -17,8 +17,8 @@ impl Extractor {
         // Who asks for fewer ropes than that wants the longest.
         let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
         self.doubt = is_crowded.then_some(Notice::TooMany);
-        // A mask that the user gave knows its ropes.
-        if self.masker.cut.is_some() {
+        // A mask that the user gave knows its ropes, and nothing is said of it.
+        if self.masker.cut.is_some() || self.masker.notice.is_some() {
             self.doubt_ropes(image, seen);
         }
         let is_noticed = !matches!(self.masker.notice, None | Some(Notice::OwnShadow));

@@ -315,7 +315,7 @@ fn part_in_two(sorted: &[f32]) -> (usize, f32, f32) {
 }
 
 /// Calls `visit` with about `wanted` of the plane's `area` set pixels, or with all of them, spread evenly.
-fn for_each_some(
+pub(super) fn for_each_some(
     plane: &BitPlane,
     area: usize,
     wanted: usize,

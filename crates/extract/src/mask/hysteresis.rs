@@ -153,7 +153,7 @@ impl Hysteresis {
 }
 
 /// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
-fn lift(difference: &mut GrayPlane, added: &Strips, level: u8) {
+pub(super) fn lift(difference: &mut GrayPlane, added: &Strips, level: u8) {
     added.for_each_word(|y, strip, mut word| {
         let row = difference.row_mut(y);
         while word != 0 {

@@ -7,6 +7,8 @@ use super::difference::Differencer;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
+use super::rims::Rims;
+use super::smoothed::Smoother;
 use super::threshold::{self, Cut, Levels};
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::neighbors::{self, Around, Rule};
@@ -65,6 +67,8 @@ pub(crate) struct Masker {
     levels: Levels,
     selector: Selector,
     hysteresis: Hysteresis,
+    smoother: Smoother,
+    rims: Rims,
     smoothed: Strips,
     diagnosis: Diagnosis,
     /// The ropes' own shadow: taken out of the mask where it is surely that.
@@ -84,6 +88,8 @@ pub(crate) struct Masker {
     pub(crate) cut: Option<u8>,
     /// Whether the mask was made elsewhere: the difference is then its own bytes.
     pub(crate) is_given: bool,
+    /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
+    pub(crate) is_smoothed: bool,
     /// What the automatic mask is unsure of.
     pub(crate) notice: Option<Notice>,
 }
@@ -102,31 +108,32 @@ impl Masker {
                 let levels = &mut self.levels;
                 (self.differencer).run(image, &self.background, least, difference, faint, levels);
                 let cut = threshold::choose(levels, noise);
-                let (kernels, strips) = (&self.kernels, &mut self.strips);
-                threshold::apply_within(kernels, difference, cut.rope, faint, strips);
-                // The rows are written when it is extended.
-                self.mask.resize(image.width(), image.height());
-                self.extend(image, cut);
+                self.cut_out(image, cut);
                 chosen = Some(cut);
             }
             Mask::Hsv(ranges) => {
                 let (inside, mask) = (&mut self.difference, &mut self.mask);
                 self.selector.run(image, ranges, inside, mask);
                 self.strips.take(&self.mask);
+                self.clean_or_empty();
             }
             Mask::External => {
                 self.difference.resize(image.width(), image.height());
                 self.mask.resize(image.width(), image.height());
                 self.strips.take(&self.mask);
+                self.clean_or_empty();
             }
         }
-        self.clean_or_empty();
+        self.is_smoothed = false;
         self.is_given = false;
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.shadows.cast = Cast::None;
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
         if chosen.is_none() {
             return;
+        }
+        if self.notice == Some(Notice::LikeTheTable) && self.is_noisy() {
+            self.take_smoothed(image);
         }
         if self.notice.is_none() && self.is_framed() {
             self.notice = Some(Notice::UnevenTable);
@@ -163,11 +170,77 @@ impl Masker {
         }
     }
 
+    /// Looks for ropes by their shape in an image whose automatic mask seemed sure, and held none. Whether it found any.
+    pub(crate) fn seek_by_shape(&mut self, image: &Image) -> bool {
+        let seemed_sure = self.notice.is_none() && self.cut.is_some();
+        if seemed_sure {
+            self.notice = Some(Notice::UnevenTable);
+            self.take_ribbons(image);
+        }
+        seemed_sure && self.is_given
+    }
+
+    /// Cuts the mask out of the difference, and adds what the cut leaves out of the ropes.
+    fn cut_out(&mut self, image: &Image, cut: Cut) {
+        let (kernels, strips) = (&self.kernels, &mut self.strips);
+        let faint = &self.hysteresis.faint;
+        threshold::apply_within(kernels, &self.difference, cut.rope, faint, strips);
+        // The rows are written when it is extended.
+        self.mask.resize(image.width(), image.height());
+        self.extend(image, cut);
+        self.clean_or_empty();
+        if Rims::are_there(image, &self.background, &self.mask) {
+            let mask = (&mut self.strips, &self.mask);
+            let difference = (&mut self.difference, cut.level);
+            (self.rims).fill(image, &self.background, mask, difference);
+            self.clean_or_empty();
+        }
+    }
+
+    /// Whether it is the table's noise that sets the least cut.
+    fn is_noisy(&self) -> bool {
+        threshold::floor(self.background.noise) > threshold::LEVEL_FLOOR
+    }
+
+    /// Cuts the mask again from the picture smoothed: noise may be all that hides the ropes.
+    fn take_smoothed(&mut self, image: &Image) {
+        let noise = (self.smoother).run(image, &self.background, &mut self.difference);
+        let least = threshold::faint(noise);
+        let (levels, faint) = (&mut self.levels, &mut self.hysteresis.faint);
+        faint.resize(image.width(), image.height());
+        levels.clear(image.width(), image.height());
+        for y in 0..image.height() {
+            let row = self.difference.row(y);
+            (self.kernels.at_least)(row, least, faint.row_mut(y));
+            levels.add(&self.kernels, y, row, faint.row(y));
+            if levels.asks_table(y) {
+                levels.add_table(row, least);
+            }
+        }
+        levels.close();
+        let cut = threshold::choose(levels, noise);
+        self.cut_out(image, cut);
+        self.cut = Some(cut.rope);
+        let evidence = Evidence {
+            image,
+            background: &self.background,
+            difference: &self.difference,
+            floor: threshold::floor(noise),
+            cut,
+            mask: &self.strips,
+        };
+        let components = &mut self.hysteresis.pieces.components;
+        self.notice = self.diagnosis.notice(&evidence, components);
+        self.is_smoothed = true;
+    }
+
     /// Makes the buffers that the drawn picture of [`prepare`](Self::prepare) has no use for.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
         self.ribbons.reserve(width, height);
         self.ribbon.resize(width, height);
+        self.smoother.reserve(width);
+        self.rims.reserve(&self.strips, &self.mask);
     }
 
     /// Takes the ropes' own shadow out of an automatic mask.

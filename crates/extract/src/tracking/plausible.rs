@@ -24,6 +24,10 @@ const SMALL_WIDTHS: f32 = 16.0;
 /// Times as long that a rope is, for what is beside it to be short, and to be small.
 const LONGER: f32 = 1.8;
 const SMALL: f32 = 4.0;
+/// What is straight and shorter than this, in widths, is no rope beside one that is longer at all.
+const STUB_WIDTHS: f32 = 10.0;
+/// What is straight from border to border is an edge beside a rope of this share of its length.
+const SHORTER: f32 = 0.6;
 /// Alike things that are print if there are so many, each at most this share of the rope in length.
 const MARKS: usize = 3;
 const LONGEST_MARK: f32 = 0.25;
@@ -231,14 +235,21 @@ fn looks_like(curve: &Curve, times: f32, marks: usize) -> Option<Notice> {
     if curve.closed {
         return is_round(curve).then_some(Notice::LikeARim);
     }
-    if times < LONGER {
-        return None;
-    }
     let is_free = curve.border == [false; 2];
     let is_whole = curve.border == [true; 2];
+    let is_stub = !is_whole && widths < STUB_WIDTHS && marks < MARKS;
+    if times < LONGER {
+        return match is_straight(curve) {
+            true if is_whole && times > SHORTER => Some(Notice::LikeAnEdge),
+            true if is_stub && times > 1.0 => Some(Notice::LikeAPen),
+            _ => None,
+        };
+    }
     match is_straight(curve) {
         true if is_whole => Some(Notice::LikeAnEdge),
-        true if is_free && widths < PEN_WIDTHS && marks < MARKS => Some(Notice::LikeAPen),
+        true if is_stub || is_free && widths < PEN_WIDTHS && marks < MARKS => {
+            Some(Notice::LikeAPen)
+        }
         _ if is_free && (widths < SMALL_WIDTHS && times > SMALL || marks >= MARKS) => {
             Some(Notice::LikeAMark)
         }

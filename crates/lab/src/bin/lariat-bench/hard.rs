@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// This class alone (may be given several times)
     #[arg(long, value_name = "NAME")]
     class: Vec<Class>,
-    /// Pictures of each class [default: 24; 20 on noisy, textured and cluttered grounds, 50 with things that are no ropes]
+    /// Pictures of each class [default: 24; 20 of ropes on noisy, textured and cluttered grounds, 50 with things that are no ropes]
     #[arg(long, value_name = "N")]
     seeds: Option<u64>,
     /// Seed of the first picture

@@ -1,0 +1,92 @@
+//! Ropes that are lighter than the table on one side and darker on the other: white ones on light gray.
+//!
+//! Where its shading passes through the table's light, such a rope differs from the table by nothing, and the mask has two ropes
+//! instead of it, or three. Ropes that are lighter or darker as a whole have no such places. So where much of the mask is
+//! lighter than the table and some is darker, what lies between the two is rope.
+
+use super::background::Background;
+use super::cast::for_each_some;
+use super::hysteresis::lift;
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::morphology::Morphology;
+use crate::bitmap::strips::Strips;
+use crate::image::gray::GrayPlane;
+use crate::image::{Image, color};
+
+/// Pixels of the mask that are looked at, and the least shares of them that are lighter and darker than the table: a
+/// highlight on a dark rope is a tenth.
+const GLANCE: usize = 400;
+const LIGHTER: f32 = 0.4;
+const DARKER: f32 = 0.08;
+/// What lies between is at most so far from both, in pixels.
+const REACH: usize = 3;
+
+/// Memory of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Rims {
+    morphology: Morphology,
+    plane: BitPlane,
+    light: Strips,
+    dark: Strips,
+    gap: Strips,
+}
+
+impl Rims {
+    /// Makes the buffers for planes of this one's shape.
+    pub(crate) fn reserve(&mut self, mask: &Strips, rows: &BitPlane) {
+        self.plane.copy_from(rows);
+        for plane in [&mut self.light, &mut self.dark, &mut self.gap] {
+            plane.resize(&mask.shape);
+        }
+        self.morphology.reserve(mask);
+    }
+
+    /// Whether much of the mask is lighter than the table and some is darker.
+    pub(crate) fn are_there(image: &Image, background: &Background, mask: &BitPlane) -> bool {
+        let (mut light, mut all) = (0, 0);
+        for_each_some(mask, mask.count(), GLANCE, |x, y| {
+            light += usize::from(is_lighter(image, background, x, y));
+            all += 1;
+        });
+        let share = light as f32 / all.max(1) as f32;
+        share > LIGHTER && share < 1.0 - DARKER
+    }
+
+    /// Adds to `mask`, which is `rows`, what lies between lighter and darker pixels of it, and lifts the difference there
+    /// to `level`.
+    pub(crate) fn fill(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        (mask, rows): (&mut Strips, &BitPlane),
+        (difference, level): (&mut GrayPlane, u8),
+    ) {
+        self.plane.copy_from(rows);
+        for_each_some(rows, 1, 1, |x, y| {
+            if !is_lighter(image, background, x, y) {
+                self.plane.fill(y, x, x + 1, false);
+            }
+        });
+        self.light.take(&self.plane);
+        self.dark.copy_from(mask);
+        self.dark
+            .zip(&self.light, mask, |dark, light, _| dark & !light);
+        self.morphology.dilate(&mut self.light, REACH);
+        self.morphology.dilate(&mut self.dark, REACH);
+        self.gap.copy_from(&self.light);
+        self.gap
+            .zip(&self.dark, mask, |light, dark, mask| light & dark & !mask);
+        mask.add(&self.gap);
+        lift(difference, &self.gap, level);
+    }
+}
+
+fn is_lighter(image: &Image, background: &Background, x: usize, y: usize) -> bool {
+    let (pixel, table) = (color::native(image, x, y), background.at(x, y));
+    let channels = if color::is_yuv(image.format()) { 1 } else { 3 };
+    let own: f32 = pixel[..channels]
+        .iter()
+        .map(|&level| f32::from(level))
+        .sum();
+    own > table[..channels].iter().sum()
+}

@@ -1,0 +1,54 @@
+//! Ropes that are more, or less, than what differs from a plain table, each by the mechanism that finds it.
+
+use lariat_drawn::scenes::{self, Class, SeenCurve, score};
+use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
+
+const SIZE: [usize; 2] = [640, 480];
+
+/// What is seen in a drawn picture, and whether every rope of it is there, whole and alone.
+fn look<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> T {
+    let [width, height] = SIZE;
+    let still = scenes::draw(class, seed, width, height).expect("there is room in the picture");
+    let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    let scene = extractor.extract(&image.expect("the bytes are made for this size"));
+    let curves: Vec<SeenCurve> = (scene.curves.iter())
+        .map(|seen| SeenCurve {
+            points: &seen.points,
+            width_px: seen.width_px,
+            closed: seen.closed,
+        })
+        .collect();
+    let score = score(&still.truth, &curves, &[]);
+    let width_px = still.truth.ropes[0].width_px;
+    tell(
+        &scene,
+        !score.is_miscounted() && score.mean_px() < 0.25 * width_px,
+    )
+}
+
+#[test]
+fn noise_and_grain_hide_no_rope_that_is_wider() {
+    for seed in [2, 5, 6, 7, 9, 10] {
+        let is_right = look(Class::OnNoise, seed, |_, is_right| is_right);
+        assert!(is_right, "picture {seed}");
+    }
+}
+
+#[test]
+fn a_white_rope_on_light_gray_is_one_rope_and_not_its_rims() {
+    for seed in [1, 7, 10, 18, 19, 20] {
+        let is_right = look(Class::WhiteShine, seed, |_, is_right| is_right);
+        assert!(is_right, "picture {seed}");
+    }
+}
+
+#[test]
+fn ropes_that_touch_large_things_are_not_missed_in_silence() {
+    for seed in [2, 3, 19] {
+        let (count, notice) = look(Class::OnClutter, seed, |scene, _| {
+            (scene.curves.len(), scene.notice)
+        });
+        assert!(count > 0 && notice.is_some(), "picture {seed}: {notice:?}");
+    }
+}
