@@ -44,7 +44,7 @@ def trace(
         image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for RGB. Rows may lie apart, as those of
             a part of a larger picture do; only an array whose pixels are not side by side is copied.
         mask: What is rope. ``"auto"`` takes what differs from the table; a colour range or several, as :func:`pick`
-            proposes them; or a picture of the same size, ``bool``, or ``uint8`` with rope from 128 on.
+            proposes them; or a picture of the same size, ``bool``, or ``uint8``, the higher the likelier rope.
         method: How the mask becomes a centerline.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
         ropes: The most ropes reported, the surest and longest.

@@ -208,7 +208,7 @@ def _fill(slot: NDArray[np.uint8], mask: NDArray[Any]) -> None:
     elif mask.dtype == np.uint8:
         if mask.max() == 1:
             raise ValueError(
-                "the mask has no value above 1, and in uint8 rope is from 128 on: give it as mask.astype(bool)"
+                "the mask has no value above 1, and in uint8 surely rope is 255: give it as mask.astype(bool)"
             )
         np.copyto(slot, mask)
     elif np.issubdtype(mask.dtype, np.floating):

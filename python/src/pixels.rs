@@ -80,7 +80,7 @@ impl<'py> Pixels<'py> {
         Ok(Self { array, format })
     }
 
-    /// A mask: `uint8`, from 128 on rope, or `bool`, of shape (height, width).
+    /// A mask: `uint8`, the higher the likelier rope, or `bool`, of shape (height, width).
     ///
     /// # Errors
     /// As [`of`](Self::of).

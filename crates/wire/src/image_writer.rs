@@ -315,7 +315,7 @@ fn blank(exposed_ns: u64) -> FrameHeader {
 /// let mut masks = MaskWriter::open("default")?;
 /// loop {
 ///     let Some(frame) = frames.wait(None)? else { continue };
-///     let mask = masks.loan(frame.header())?; // a byte for each pixel, from 128 on rope
+///     let mask = masks.loan(frame.header())?; // a byte for each pixel, the higher the likelier rope
 ///     network(frame.header(), frame, mask);
 ///     masks.send()?;
 /// }
@@ -356,8 +356,8 @@ impl MaskWriter {
         })
     }
 
-    /// Borrows the slot of a frame's mask: a byte for each pixel of the frame, from 128 on rope, rows without gaps. It holds an
-    /// earlier one's. A slot that was borrowed and not sent is given back.
+    /// Borrows the slot of a frame's mask: a byte for each pixel of the frame, the higher the likelier rope, rows without gaps. It
+    /// holds an earlier one's. A slot that was borrowed and not sent is given back.
     ///
     /// # Errors
     /// The frame has no image, or there is no room for its mask in `/dev/shm`.

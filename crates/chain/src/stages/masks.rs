@@ -1,7 +1,7 @@
 //! Masks that another process makes: each frame's own, waited for until the frame is too old.
 //!
 //! `mask = "external"`: a frame is seen through the mask that carries its trace, to the last bit. A mask is a `Gray8` image
-//! of its frame's size with the frame's header (`FrameHeader::of_mask`), from 128 on rope. Extract waits for it until
+//! of its frame's size with the frame's header (`FrameHeader::of_mask`), the higher the likelier rope. Extract waits for it until
 //! `mask_deadline_us` after the frame's capture, so that frames that wait behind each other do not add up their waits; it
 //! gives up earlier when a later frame's mask comes. Waiting counts as waiting, not as extraction's work. Who makes masks
 //! reads the newest frame (`wire::FrameReader`, `MaskWriter`; `examples/mask_network.rs`), and may be slower than the camera: then extract's own buffer
