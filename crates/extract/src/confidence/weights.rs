@@ -1,57 +1,57 @@
 //! What each clue weighs: made by `cargo run --release -p lariat-lab -- calibrate-confidence`, which says how true the
-//! confidence is on pictures that it was not fitted to: expected calibration error 0.045 and 0.025.
+//! confidence is on pictures that it was not fitted to: expected calibration error 0.035 and 0.029.
 
 use super::CLUES;
 
 /// Where the extractor made the mask.
 #[rustfmt::skip]
 pub(super) const OWN: [f32; CLUES] = [
-    -4.444, // constant
-    -0.351, // edges on both sides
-    -3.286, // an edge on a side at least
-    3.914, // contrast in levels
-    0.307, // contrast over texture
-    -1.101, // edges where the width says
-    -0.818, // unevenness of the width
-    -1.695, // unlikeness of colour along the curve
-    -2.826, // unlikeness of the two sides
-    -0.966, // unlikeness of the ground along the curve
-    -0.611, // like the ground in less light
-    5.557, // length in widths
-    -2.538, // thinness
-    1.770, // bends
-    -0.503, // straight through the picture
-    -1.340, // ends that go on
-    -0.104, // hidden share
-    -2.004, // seen in part
-    -1.252, // its own doubt
-    -0.018, // the mask's notice
-    -1.536, // a stretch without edges
-    3.599, // nothing against it
+    -6.553, // constant
+    -0.429, // edges on both sides
+    -2.853, // an edge on a side at least
+    6.110, // contrast in levels
+    -1.054, // contrast over texture
+    -0.808, // edges where the width says
+    -0.295, // unevenness of the width
+    -1.828, // unlikeness of colour along the curve
+    0.122, // unlikeness of the two sides
+    0.377, // unlikeness of the ground along the curve
+    -0.826, // like the ground in less light
+    7.119, // length in widths
+    -2.487, // thinness
+    0.026, // bends
+    -2.531, // straight through the picture
+    -1.390, // ends that go on
+    -0.141, // hidden share
+    -2.437, // seen in part
+    -1.803, // its own doubt
+    -0.466, // the mask's notice
+    -2.111, // a stretch without edges
+    2.892, // nothing against it
 ];
 /// Where somebody else did.
 #[rustfmt::skip]
 pub(super) const ELSEWHERE: [f32; CLUES] = [
-    -9.732, // constant
-    2.071, // edges on both sides
-    -0.586, // an edge on a side at least
-    0.089, // contrast in levels
-    -1.903, // contrast over texture
-    0.795, // edges where the width says
-    0.954, // unevenness of the width
-    -2.921, // unlikeness of colour along the curve
-    -0.448, // unlikeness of the two sides
-    0.346, // unlikeness of the ground along the curve
-    0.310, // like the ground in less light
-    9.445, // length in widths
-    -2.577, // thinness
-    0.022, // bends
+    -10.374, // constant
+    1.913, // edges on both sides
+    0.300, // an edge on a side at least
+    2.242, // contrast in levels
+    -3.479, // contrast over texture
+    0.397, // edges where the width says
+    0.367, // unevenness of the width
+    -2.730, // unlikeness of colour along the curve
+    0.672, // unlikeness of the two sides
+    0.405, // unlikeness of the ground along the curve
+    -0.514, // like the ground in less light
+    10.122, // length in widths
+    -1.570, // thinness
+    -0.742, // bends
     0.000, // straight through the picture
-    -5.652, // ends that go on
-    -0.180, // hidden share
-    -0.501, // seen in part
+    -5.290, // ends that go on
+    0.120, // hidden share
+    -0.152, // seen in part
     0.000, // its own doubt
     0.000, // the mask's notice
-    -0.442, // a stretch without edges
-    3.015, // nothing against it
+    -0.626, // a stretch without edges
+    2.191, // nothing against it
 ];

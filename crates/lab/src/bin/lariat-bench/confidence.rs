@@ -1,6 +1,6 @@
 //! `lariat-bench calibrate-confidence`: the weights of a curve's confidence, fitted to drawn pictures, and how true it is on others.
 //!
-//! Each picture of every class is drawn plain, on grounds of growing texture and in noise. The extractor makes its
+//! Each picture of every class, the hard ones too, is drawn plain, on grounds of growing texture and in noise. The extractor makes its
 //! own mask of it, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
 //! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
 //! along it in order. Four seeds by turns are fitted, four tell how good that is.
@@ -17,6 +17,9 @@ use lariat_portable::SplitMix64;
 use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
+
+/// The first seed of the hard classes: those before are `lariat-bench hard`'s, which measures what is fitted here.
+const HARD_FROM: u64 = 1000;
 
 /// What to draw.
 #[derive(clap::Args)]
@@ -74,8 +77,12 @@ fn halved(still: &Still) -> Still {
 /// An extraction fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let mut examples = Vec::new();
-    for class in Class::ALL {
-        for seed in 0..args.seeds {
+    let hard = Class::HARD
+        .into_iter()
+        .filter(|class| !Class::ALL.contains(class));
+    let classes = Class::ALL.into_iter().map(|class| (class, 0));
+    for (class, first) in classes.chain(hard.map(|class| (class, HARD_FROM))) {
+        for seed in first..first + args.seeds {
             if let Some(still) = draw(class, seed) {
                 for ground in Ground::ALL {
                     look(&still, (class, seed), ground, &mut examples)?;
