@@ -37,6 +37,8 @@ use crate::tracking::track::{Look, Tracker};
 const SOMETHING: f32 = 24.0;
 /// Frames after which ropes that are plain to see are followed.
 const SETTLED: u32 = 3;
+/// Frames after a search by shape that was in vain until the next: it takes as long as some ten images with a rope.
+const FRAMES_TO_WAIT: u32 = 15;
 /// The time between two images of which nothing else is known: 1/30 s.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 
@@ -108,6 +110,8 @@ pub struct Extractor {
     is_crowded: bool,
     /// Frames in a row in which all ropes were seen, and nothing else.
     plain_frames: u32,
+    /// Frames without a rope until ropes are sought by their shape again.
+    frames_to_wait: u32,
 }
 
 impl Extractor {
@@ -153,6 +157,7 @@ impl Extractor {
             doubt: None,
             is_crowded: false,
             plain_frames: 0,
+            frames_to_wait: 0,
         })
     }
 
@@ -192,10 +197,24 @@ impl Extractor {
         let has_something = !self.masker.strips.used.is_empty();
         self.after_mask(image, after);
         // Things that are no ropes, and perhaps ropes that touch them.
-        if has_something && self.count == 0 && self.masker.seek_by_shape(image) {
-            self.after_mask(image, after);
+        if has_something && self.count == 0 && self.masker.doubts_itself() {
+            self.seek_by_shape(image, after);
         }
         false
+    }
+
+    /// Looks for ropes by their shape; where that was in vain, not soon again.
+    fn seek_by_shape(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+        if self.frames_to_wait > 0 {
+            self.frames_to_wait -= 1;
+            return;
+        }
+        if self.masker.seek_by_shape(image) {
+            self.after_mask(image, after);
+        }
+        if self.count == 0 {
+            self.frames_to_wait = FRAMES_TO_WAIT;
+        }
     }
 
     /// Follows the ropes of the last image into this one, if that is all it takes.
@@ -437,6 +456,7 @@ impl Extractor {
         self.crossings.clear();
         self.chords.drop();
         self.plain_frames = 0;
+        self.frames_to_wait = 0;
         self.clusterer.forget();
         self.tracker.reset();
     }

@@ -10,6 +10,7 @@ pub(crate) mod hsv;
 mod hysteresis;
 mod level;
 mod masker;
+mod outline;
 mod pattern;
 mod rims;
 pub(crate) mod shadow;

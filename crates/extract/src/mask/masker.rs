@@ -7,6 +7,7 @@ use super::difference::Differencer;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
+use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
 use super::smoothed::Smoother;
 use super::threshold::{self, Cut, Levels};
@@ -170,14 +171,19 @@ impl Masker {
         }
     }
 
-    /// Looks for ropes by their shape in an image whose automatic mask seemed sure, and held none. Whether it found any.
-    pub(crate) fn seek_by_shape(&mut self, image: &Image) -> bool {
+    /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
+    pub(crate) fn doubts_itself(&mut self) -> bool {
         let seemed_sure = self.notice.is_none() && self.cut.is_some();
         if seemed_sure {
             self.notice = Some(Notice::UnevenTable);
-            self.take_ribbons(image);
         }
-        seemed_sure && self.is_given
+        seemed_sure
+    }
+
+    /// Looks for ropes by their shape instead. Whether it found any.
+    pub(crate) fn seek_by_shape(&mut self, image: &Image) -> bool {
+        self.take_ribbons(image);
+        self.is_given
     }
 
     /// Cuts the mask out of the difference, and adds what the cut leaves out of the ropes.
@@ -410,41 +416,4 @@ impl Rule for Smooth {
         // A lone pixel has no neighbor by a side: it goes.
         filled & (n | s | w | e)
     }
-}
-
-/// How many pixels are set, and how many of their sides are the outline.
-fn outline(mask: &Strips) -> (usize, usize) {
-    lariat_portable::Arch::new().dispatch(Outline(mask))
-}
-
-/// The same, to be compiled for each kind of machine.
-struct Outline<'a>(&'a Strips);
-
-impl lariat_portable::NullaryFnOnce for Outline<'_> {
-    type Output = (usize, usize);
-
-    #[inline(always)]
-    fn call(self) -> (usize, usize) {
-        let (words, stride) = (&self.0.words, self.0.shape.stride);
-        let (mut area, mut sides) = (0, 0);
-        for (from, count) in self.0.used.runs(&self.0.shape) {
-            for at in from..from + count {
-                let here = words[at];
-                let west = here << 1 | words[at - stride] >> 63;
-                let east = here >> 1 | words[at + stride] << 63;
-                area += here.count_ones() as usize;
-                sides += (here & !west).count_ones() as usize;
-                sides += (here & !east).count_ones() as usize;
-                // As many sides below as above.
-                sides += 2 * (here & !words[at - 1]).count_ones() as usize;
-            }
-        }
-        (area, sides)
-    }
-}
-
-/// A long shape's width is twice its area over its outline; sides of pixels overstate the outline of
-/// a slanted edge by 4/π in the mean.
-fn width_from_outline(area: usize, sides: usize) -> f32 {
-    2.0 * area as f32 / (sides as f32 * std::f32::consts::FRAC_PI_4).max(1.0)
 }

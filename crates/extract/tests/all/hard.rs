@@ -52,3 +52,25 @@ fn ropes_that_touch_large_things_are_not_missed_in_silence() {
         assert!(count > 0 && notice.is_some(), "picture {seed}: {notice:?}");
     }
 }
+
+#[test]
+fn what_was_sought_in_vain_is_sought_again_after_a_while() {
+    let still = scenes::draw(Class::OnClutter, 2, 640, 480).expect("a picture");
+    let image = Image::new(&still.rgb, 640, 480, 3 * 640, PixelFormat::Rgb8).expect("an image");
+    let mut disk = vec![60; 3 * 640 * 480];
+    for (i, pixel) in disk.chunks_exact_mut(3).enumerate() {
+        let (x, y) = ((i % 640) as i32 - 320, (i / 640) as i32 - 240);
+        if x * x + y * y < 90 * 90 {
+            pixel.fill(190);
+        }
+    }
+    let disk = Image::new(&disk, 640, 480, 3 * 640, PixelFormat::Rgb8).expect("an image");
+
+    let mut extractor = Extractor::new(Options::default()).expect("options");
+    assert_eq!(extractor.extract(&disk).curves.len(), 0);
+    let counts: Vec<usize> = (0..16)
+        .map(|_| extractor.extract(&image).curves.len())
+        .collect();
+    assert_eq!(counts[..15], [0; 15]);
+    assert_ne!(counts[15], 0);
+}
