@@ -360,6 +360,7 @@ impl Extractor {
         };
         self.lengthen(joined);
         self.points(image, joined);
+        self.drop_unlikely(image);
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, seen, looks, &self.options);

@@ -7,11 +7,39 @@ use crate::notice::Notice;
 use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
+use crate::tracking::track::Tracker;
 
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 const THINNEST_PX: f32 = 3.0;
 
+/// What is found by its shape and less likely than this is no rope: of such curves in photographs of clutter none was.
+const UNLIKELY: f32 = 0.1;
+
 impl Extractor {
+    /// Drops those of this image's curves that are hardly ropes, where the mask was made by shape: it is of all that is long and
+    /// even.
+    pub(super) fn drop_unlikely(&mut self, image: &Image) {
+        if !self.masker.is_by_shape() {
+            return;
+        }
+        let seen = self.count;
+        self.find_doubts(image, seen, |_, _| false);
+        self.count = 0;
+        for i in 0..seen {
+            let known = Known {
+                is_doubted: self.doubts[i].is_some(),
+                is_noticed: true,
+                is_elsewhere: false,
+            };
+            let evidence = confidence::evidence(image, &self.curves[i], known);
+            if evidence.confidence() >= UNLIKELY {
+                self.curves.swap(self.count, i);
+                self.looks.swap(self.count, i);
+                self.count += 1;
+            }
+        }
+    }
+
     /// Says of the first `seen` curves which may be no ropes, and how sure it is of each.
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
         // Who asks for fewer ropes than that wants the longest.
@@ -41,6 +69,22 @@ impl Extractor {
     }
 
     fn doubt_ropes(&mut self, image: &Image, seen: usize) {
+        self.find_doubts(image, seen, |tracker, curve| tracker.is_known(curve.track));
+        for (curve, doubt) in self.curves.iter_mut().zip(&self.doubts) {
+            if self.tracker.weigh(curve.track, doubt.is_some()) {
+                curve.status = Status::Doubtful;
+                self.doubt = self.doubt.or(*doubt);
+            }
+        }
+    }
+
+    /// What each of the first `seen` curves may be instead of a rope, those aside that are known.
+    fn find_doubts(
+        &mut self,
+        image: &Image,
+        seen: usize,
+        is_known: impl Fn(&Tracker, &Curve) -> bool,
+    ) {
         let surroundings = Surroundings {
             image,
             background: &self.masker.background,
@@ -48,13 +92,7 @@ impl Extractor {
             shadows: &self.masker.shadows,
         };
         let of = (&self.curves[..seen], &self.looks[..]);
-        let is_known = |curve: &Curve| self.tracker.is_known(curve.track);
+        let is_known = |curve: &Curve| is_known(&self.tracker, curve);
         surroundings.doubt(of, is_known, &mut self.doubts);
-        for (curve, doubt) in self.curves.iter_mut().zip(&self.doubts) {
-            if self.tracker.weigh(curve.track, doubt.is_some()) {
-                curve.status = Status::Doubtful;
-                self.doubt = self.doubt.or(*doubt);
-            }
-        }
     }
 }

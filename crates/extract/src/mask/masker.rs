@@ -171,6 +171,11 @@ impl Masker {
         }
     }
 
+    /// Whether the mask is of ropes that were found by their shape.
+    pub(crate) fn is_by_shape(&self) -> bool {
+        self.is_given && self.notice.is_some()
+    }
+
     /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
     pub(crate) fn doubts_itself(&mut self) -> bool {
         let seemed_sure = self.notice.is_none() && self.cut.is_some();
