@@ -237,8 +237,8 @@ pub(crate) enum Points {
 }
 
 /// The colour ranges of the ropes in a picture, for the setting `mask`: of all that stand out from the table, or of the one
-/// at the position `at`, or at several of them: one for each of its colours. Also how well they tell rope from table: below some 0.7 a mask of them has holes, or takes table
-/// for rope. Warns where what is traced in that mask speaks against it.
+/// at the position `at`, or at several of them: one for each of its colours. Also how well they tell rope from table: below
+/// some 0.7 a mask of them has holes, or takes table for rope. Warns where what is traced in that mask speaks against it.
 #[pyfunction]
 #[pyo3(signature = (image, at=None, *, pixel_format=None))]
 pub(crate) fn pick<'py>(

@@ -12,7 +12,7 @@ use crate::tracking::track::Tracker;
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 const THINNEST_PX: f32 = 3.0;
 
-/// What is found by its shape and less likely than this is no rope: of such curves in photographs of clutter none was.
+/// What is found by its shape and less likely than one in ten is not reported.
 const UNLIKELY: f32 = 0.1;
 
 impl Extractor {
