@@ -1,7 +1,8 @@
 //! Drawn ropes of every class of picture, held against their known truth: what the bench measures on many, here on a
 //! few, with other seeds than the bench's own.
 
-use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, score};
+use crate::scored::scored;
+use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, score};
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
 
 const SIZE: [usize; 2] = [480, 360];
@@ -71,13 +72,7 @@ fn seen(class: Class, seed: u64) -> Score {
     );
     let is_sure = |seen: &&Curve| seen.status != Status::Doubtful;
     assert!(scene.curves.iter().all(|seen| is_sure(&seen)) || !is_alone);
-    let curves: Vec<SeenCurve> = (scene.curves.iter().filter(is_sure))
-        .map(|seen| SeenCurve {
-            points: &seen.points,
-            width_px: seen.width_px,
-            closed: seen.closed,
-        })
-        .collect();
+    let curves = scored(scene.curves.iter().filter(is_sure));
     let crossings: Vec<SeenCrossing> = (scene.crossings.iter())
         .map(|seen| SeenCrossing {
             at: seen.at,

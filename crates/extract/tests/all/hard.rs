@@ -1,6 +1,7 @@
 //! Ropes that are more, or less, than what differs from a plain table, each by the mechanism that finds it.
 
-use lariat_drawn::scenes::{self, Class, SeenCurve, score};
+use crate::scored::scored;
+use lariat_drawn::scenes::{self, Class, score};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
 
 const SIZE: [usize; 2] = [640, 480];
@@ -12,13 +13,7 @@ fn look<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> T {
     let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
     let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
     let scene = extractor.extract(&image.expect("the bytes are made for this size"));
-    let curves: Vec<SeenCurve> = (scene.curves.iter())
-        .map(|seen| SeenCurve {
-            points: &seen.points,
-            width_px: seen.width_px,
-            closed: seen.closed,
-        })
-        .collect();
+    let curves = scored(scene.curves);
     let score = score(&still.truth, &curves, &[]);
     let width_px = still.truth.ropes[0].width_px;
     tell(

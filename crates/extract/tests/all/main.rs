@@ -21,6 +21,7 @@ mod pick_points;
 mod random;
 mod region;
 mod ropes;
+mod scored;
 mod time;
 mod time_films;
 mod time_hidden;

@@ -2,8 +2,9 @@
 
 use crate::drawing;
 
+use crate::scored::scored;
 use drawing::{Rope, Table, error, see};
-use lariat_drawn::scenes::{self, Class, Score, SeenCurve, score};
+use lariat_drawn::scenes::{self, Class, Score, score};
 use lariat_extract::{Curve, Extractor, Image, Mask, Method, Options, PixelFormat, Scene, Status};
 use proptest::prelude::*;
 
@@ -30,13 +31,7 @@ fn seen(method: Method, class: Class, seed: u64) -> Score {
     let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
     let mut extractor = extractor(method);
     let scene = extractor.extract(&image.expect("the bytes are made for this size"));
-    let curves: Vec<SeenCurve> = (scene.curves.iter())
-        .map(|seen| SeenCurve {
-            points: &seen.points,
-            width_px: seen.width_px,
-            closed: seen.closed,
-        })
-        .collect();
+    let curves = scored(scene.curves);
     score(&still.truth, &curves, &[])
 }
 
