@@ -86,7 +86,7 @@ impl Arch {
         #[cfg(target_arch = "x86_64")]
         let wide = [V3::try_new().map(Self::V3), V4::try_new().map(Self::V4)];
         #[cfg(not(target_arch = "x86_64"))]
-        let wide = [];
+        let wide: [Option<Self>; 0] = [];
         std::iter::once(Self::Plain)
             .chain(wide.into_iter().flatten())
             .collect()
