@@ -26,13 +26,14 @@
 //! | the C library's sines and logarithms, of which it too has several for the processor to choose from | the crate `libm`, in `extract`, `fit`, `camera`, `simulation` and the drawn scenes. Clippy refuses the others there (`disallowed_methods`) |
 //!
 //! Rust never reorders floating-point sums and never fuses products into them, whatever it optimizes; what it compiles for
-//! AVX-512 gives what it compiles for anything. Kernels that are written for one machine (`std::arch`) are on whole numbers, or held
-//! to their plain twins bit for bit. All operations of a vector are one list (`operations`), whose entries define them; a property
+//! AVX-512 gives what it compiles for anything. Kernels that are written for one machine (`std::arch`), as those of [`Convolution`],
+//! are on whole numbers, or held to their plain twins bit for bit. All operations of a vector are one list (`operations`), whose entries define them; a property
 //! test holds every kind of registers to it. `crates/extract/tests/same_bits.rs` holds films in every pixel format, all
 //! clusterings, pictures of every class, every kind of fit, the filter and curves on a plane against a file of hashes, once for each
 //! kind of registers (`Arch::keep_to`); `tests/simd/run` does so on other processors, by emulation.
 
 mod arch;
+mod convolution;
 mod operations;
 mod plain;
 mod random;
@@ -41,6 +42,9 @@ mod simd;
 mod x86;
 
 pub use arch::{Arch, WithSimd};
+pub use convolution::{
+    Convolution, ConvolutionError, ConvolutionKernels, ConvolutionShape, Finish, Plane, Spin,
+};
 pub use plain::Plain;
 pub use pulp::NullaryFnOnce;
 pub use random::SplitMix64;
