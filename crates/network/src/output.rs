@@ -1,0 +1,76 @@
+//! From signed bytes to what they stand for: sums with a skip, and probabilities.
+
+use lariat_portable::Arch;
+
+/// Of each signed byte the probability whose logit it is in sixteenths, 255 for certain.
+pub(crate) fn probabilities() -> [u8; 256] {
+    std::array::from_fn(|k| {
+        let logit = f64::from((k as u8).cast_signed()) / 16.0;
+        (255.0 / (1.0 + libm::exp(-logit))).round() as u8
+    })
+}
+
+/// Each of `signed`'s pixels, of so many channels, is added to two of `row`, and the sum clamped to 0 to 127.
+pub(crate) fn add_twice(signed: &[u8], row: &mut [u8], channels: usize) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let pixels = signed.chunks_exact(channels);
+            for (pixel, two) in pixels.zip(row.chunks_exact_mut(2 * channels)) {
+                let (left, right) = two.split_at_mut(channels);
+                for ((add, left), right) in pixel.iter().zip(left).zip(right) {
+                    // An activation is no more than 127: a signed byte holds it.
+                    let sum = |skip: u8| {
+                        let sum = skip.cast_signed().saturating_add(add.cast_signed());
+                        sum.max(0).cast_unsigned()
+                    };
+                    (*left, *right) = (sum(*left), sum(*right));
+                }
+            }
+        },
+    );
+}
+
+/// The row of a map among four by four pixels of it: byte `at` and the three after it of each 32.
+pub(crate) fn spread(values: &[u8], at: usize, row: &mut [u8]) {
+    let mut fours = values.chunks_exact(32).map(|pixel| &pixel[at..][..4]);
+    let (whole, rest) = row.as_chunks_mut::<4>();
+    for (out, four) in whole.iter_mut().zip(fours.by_ref()) {
+        out.copy_from_slice(four);
+    }
+    if let Some(four) = fours.next() {
+        rest.copy_from_slice(&four[..rest.len()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_logit_of_0_is_one_half_and_probabilities_rise() {
+        let table = probabilities();
+        let in_order =
+            Vec::from_iter((-128..=127i8).map(|v| table[usize::from(v.cast_unsigned())]));
+        assert!(in_order.is_sorted());
+        assert_eq!((in_order[0], in_order[128], in_order[255]), (0, 128, 255));
+        // e^(-1) in the denominator: 255 / 1.3679 = 186.4.
+        assert_eq!(table[16], 186);
+    }
+
+    #[test]
+    fn a_sum_is_no_less_than_0_and_no_more_than_127() {
+        let signed = [-128i8, -5, 0, 127].map(i8::cast_unsigned);
+        let mut row = [127, 3, 9, 127, 0, 100, 127, 1];
+        add_twice(&signed, &mut row, 4);
+        assert_eq!(row, [0, 0, 9, 127, 0, 95, 127, 127]);
+    }
+
+    #[test]
+    fn a_row_of_a_map_ends_with_the_picture() {
+        let values = Vec::from_iter(0..96);
+        let mut row = [255; 10];
+        spread(&values, 4, &mut row);
+        assert_eq!(row, [4, 5, 6, 7, 36, 37, 38, 39, 68, 69]);
+    }
+}

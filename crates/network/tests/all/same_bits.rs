@@ -1,0 +1,28 @@
+//! The same maps, to the last bit, in all kinds of registers and on every machine.
+
+use lariat_network::{Network, Workspace};
+use lariat_portable::Arch;
+
+use crate::picture::{draw, maps};
+
+/// FNV-1a.
+fn hash(bytes: &[u8]) -> u64 {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, step)
+}
+
+/// Of a random network: a change of it, of the drawn picture or of the arithmetic changes them.
+const EXPECTED: (u64, u64) = (10_924_765_985_122_882_579, 12_913_875_111_644_284_762);
+
+#[test]
+fn every_kind_of_registers_gives_the_same_maps() {
+    let network = Network::random(7);
+    let size = [161, 120];
+    let rgb = draw(size[0], size[1], 7);
+    for arch in Arch::all() {
+        arch.keep_to();
+        let [rope, seam] = maps(&network, &mut Workspace::new(), &rgb, size);
+        let found = (hash(&rope), hash(&seam));
+        assert_eq!(found, EXPECTED, "{arch:?}");
+    }
+}
