@@ -1,6 +1,6 @@
 //! The network: what it has learned, ready to run.
 
-use lariat_portable::Convolution;
+use lariat_portable::{Convolution, ConvolutionKernels};
 
 use crate::file::{self, NetworkError};
 use crate::layers::LAYERS;
@@ -79,17 +79,18 @@ impl Network {
         picture: Picture,
         maps: Maps,
     ) -> Result<(), SizeError> {
-        self.run_observed(workspace, picture, maps, |_| ())
+        self.run_observed(ConvolutionKernels::new(), workspace, picture, maps, |_| ())
     }
 
-    /// As [`run`](Self::run), and tells after each piece of work which it was: a layer's name, or `picture`, `skips`, `maps`.
-    /// For measuring.
+    /// As [`run`](Self::run), by these kernels, and tells after each piece of work which it was: a layer's name, or `picture`,
+    /// `skips`, `maps`. For measuring, and for tests that hold kernels equal.
     ///
     /// # Errors
     ///
     /// As [`run`](Self::run).
     pub fn run_observed(
         &self,
+        kernels: ConvolutionKernels,
         workspace: &mut Workspace,
         picture: Picture,
         maps: Maps,
@@ -99,7 +100,7 @@ impl Network {
         let [width, height] =
             [picture.width, picture.height].map(|s| s.next_multiple_of(Self::MULTIPLE));
         workspace.resize(width, height);
-        let mut run = Run::new(self, done);
+        let mut run = Run::new(self, kernels, done);
         run.down(workspace, picture);
         run.deep(workspace);
         run.up(workspace, picture, maps);

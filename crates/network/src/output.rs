@@ -10,21 +10,20 @@ pub(crate) fn probabilities() -> [u8; 256] {
     })
 }
 
-/// Each of `signed`'s pixels, of so many channels, is added to two of `row`, and the sum clamped to 0 to 127.
-pub(crate) fn add_twice(signed: &[u8], row: &mut [u8], channels: usize) {
+/// Each of `signed`'s pixels, of `CHANNELS` bytes, is added to two of `row`, and the sum clamped to 0 to 127.
+pub(crate) fn add_twice<const CHANNELS: usize>(signed: &[u8], row: &mut [u8]) {
     Arch::new().dispatch(
         #[inline(always)]
         || {
-            let pixels = signed.chunks_exact(channels);
-            for (pixel, two) in pixels.zip(row.chunks_exact_mut(2 * channels)) {
-                let (left, right) = two.split_at_mut(channels);
-                for ((add, left), right) in pixel.iter().zip(left).zip(right) {
-                    // An activation is no more than 127: a signed byte holds it.
-                    let sum = |skip: u8| {
+            let pixels = signed.as_chunks::<CHANNELS>().0.iter();
+            let pairs = row.as_chunks_mut::<CHANNELS>().0.as_chunks_mut::<2>().0;
+            for (pixel, pair) in pixels.zip(pairs) {
+                for skips in pair {
+                    for (skip, add) in skips.iter_mut().zip(pixel) {
+                        // An activation is no more than 127: a signed byte holds it.
                         let sum = skip.cast_signed().saturating_add(add.cast_signed());
-                        sum.max(0).cast_unsigned()
-                    };
-                    (*left, *right) = (sum(*left), sum(*right));
+                        *skip = sum.max(0).cast_unsigned();
+                    }
                 }
             }
         },
@@ -62,7 +61,7 @@ mod tests {
     fn a_sum_is_no_less_than_0_and_no_more_than_127() {
         let signed = [-128i8, -5, 0, 127].map(i8::cast_unsigned);
         let mut row = [127, 3, 9, 127, 0, 100, 127, 1];
-        add_twice(&signed, &mut row, 4);
+        add_twice::<4>(&signed, &mut row);
         assert_eq!(row, [0, 0, 9, 127, 0, 95, 127, 127]);
     }
 

@@ -23,11 +23,11 @@ pub(crate) struct Run<'a, F> {
 }
 
 impl<'a, F: FnMut(&'static str)> Run<'a, F> {
-    /// In the fastest registers there are. `done` is told of each piece of work.
-    pub(crate) fn new(network: &'a Network, done: F) -> Self {
+    /// `done` is told of each piece of work.
+    pub(crate) fn new(network: &'a Network, kernels: ConvolutionKernels, done: F) -> Self {
         Self {
             network,
-            kernels: ConvolutionKernels::new(),
+            kernels,
             done,
         }
     }
@@ -104,9 +104,9 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
             signed,
             ..
         } = workspace;
-        self.add_upsampled(Place::U2, k, signed, c);
+        self.add_upsampled::<48>(Place::U2, k, signed, c);
         self.whole(Place::F2, c, None, a);
-        self.add_upsampled(Place::U1, a, signed, quarter);
+        self.add_upsampled::<32>(Place::U1, a, signed, quarter);
         for y in 0..picture.height.div_ceil(4) {
             self.row(Place::F1, quarter, y, None, last.row_mut(0));
             self.done(Place::F1);
@@ -138,15 +138,20 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
     }
 
     /// A layer of single pixels, each of which is added to four of `to`.
-    fn add_upsampled(&mut self, place: Place, from: &Plane, signed: &mut [u8], to: &mut Plane) {
+    fn add_upsampled<const CHANNELS: usize>(
+        &mut self,
+        place: Place,
+        from: &Plane,
+        signed: &mut [u8],
+        to: &mut Plane,
+    ) {
         let layer = self.layer(place);
-        let channels = layer.shape().out_channels;
-        let signed = &mut signed[..from.width() * channels];
+        let signed = &mut signed[..from.width() * CHANNELS];
         for y in 0..from.height() {
             layer.row(self.kernels, &[from.windows(y as isize, 0)], None, signed);
             self.done(place);
             for y in [2 * y, 2 * y + 1] {
-                output::add_twice(signed, to.row_mut(y), channels);
+                output::add_twice::<CHANNELS>(signed, to.row_mut(y));
             }
             (self.done)("skips");
         }

@@ -1,7 +1,7 @@
 //! The same maps, to the last bit, in all kinds of registers and on every machine.
 
-use lariat_network::{Network, Workspace};
-use lariat_portable::Arch;
+use lariat_network::{Maps, Network, Picture, Workspace};
+use lariat_portable::{Arch, ConvolutionKernels};
 
 use crate::picture::{draw, maps};
 
@@ -24,5 +24,23 @@ fn every_kind_of_registers_gives_the_same_maps() {
         let [rope, seam] = maps(&network, &mut Workspace::new(), &rgb, size);
         let found = (hash(&rope), hash(&seam));
         assert_eq!(found, EXPECTED, "{arch:?}");
+    }
+    // Also those that faster ones of the same registers hide.
+    for kernels in ConvolutionKernels::all() {
+        let [mut rope, mut seam] = [(); 2].map(|()| vec![0; size[0] * size[1]]);
+        let picture = Picture {
+            rgb: &rgb,
+            width: size[0],
+            height: size[1],
+            stride: 3 * size[0],
+        };
+        let to = Maps {
+            rope: &mut rope,
+            seam: &mut seam,
+            stride: size[0],
+        };
+        let done = network.run_observed(kernels, &mut Workspace::new(), picture, to, |_| ());
+        assert_eq!(done, Ok(()));
+        assert_eq!((hash(&rope), hash(&seam)), EXPECTED, "{}", kernels.name());
     }
 }

@@ -81,12 +81,26 @@ impl<const DOT: bool> Registers for Neon<DOT> {
     // SAFETY, here and below: what the trait asks of its caller.
     #[inline(always)]
     unsafe fn sums(at: *const i32) -> [int32x4_t; 4] {
-        unsafe { [0, 4, 8, 12].map(|k| vld1q_s32(at.add(k))) }
+        unsafe {
+            [
+                vld1q_s32(at),
+                vld1q_s32(at.add(4)),
+                vld1q_s32(at.add(8)),
+                vld1q_s32(at.add(12)),
+            ]
+        }
     }
 
     #[inline(always)]
     unsafe fn weights(at: *const i8) -> [int8x16_t; 4] {
-        unsafe { [0, 16, 32, 48].map(|k| vld1q_s8(at.add(k))) }
+        unsafe {
+            [
+                vld1q_s8(at),
+                vld1q_s8(at.add(16)),
+                vld1q_s8(at.add(32)),
+                vld1q_s8(at.add(48)),
+            ]
+        }
     }
 
     #[inline(always)]
@@ -96,7 +110,14 @@ impl<const DOT: bool> Registers for Neon<DOT> {
 
     #[inline(always)]
     unsafe fn scales(at: *const f32) -> [float32x4_t; 4] {
-        unsafe { [0, 4, 8, 12].map(|k| vld1q_f32(at.add(k))) }
+        unsafe {
+            [
+                vld1q_f32(at),
+                vld1q_f32(at.add(4)),
+                vld1q_f32(at.add(8)),
+                vld1q_f32(at.add(12)),
+            ]
+        }
     }
 
     #[inline(always)]
@@ -113,47 +134,63 @@ impl<const DOT: bool> Registers for Neon<DOT> {
 
     #[inline(always)]
     unsafe fn dot(
-        sums: [int32x4_t; 4],
+        mut sums: [int32x4_t; 4],
         input: int8x16_t,
         weights: [int8x16_t; 4],
     ) -> [int32x4_t; 4] {
-        // No closure: it would be compiled for every machine, and there the assembler knows no `sdot`.
-        unsafe {
-            [
-                Self::dot_one(sums[0], input, weights[0]),
-                Self::dot_one(sums[1], input, weights[1]),
-                Self::dot_one(sums[2], input, weights[2]),
-                Self::dot_one(sums[3], input, weights[3]),
-            ]
+        for k in 0..4 {
+            sums[k] = unsafe { Self::dot_one(sums[k], input, weights[k]) };
         }
+        sums
     }
 
     #[inline(always)]
-    unsafe fn scaled(sums: [int32x4_t; 4], scales: [float32x4_t; 4]) -> [int32x4_t; 4] {
-        unsafe {
-            std::array::from_fn(|k| vcvtnq_s32_f32(vmulq_f32(vcvtq_f32_s32(sums[k]), scales[k])))
+    unsafe fn scaled(mut sums: [int32x4_t; 4], scales: [float32x4_t; 4]) -> [int32x4_t; 4] {
+        for k in 0..4 {
+            sums[k] = unsafe { vcvtnq_s32_f32(vmulq_f32(vcvtq_f32_s32(sums[k]), scales[k])) };
         }
+        sums
     }
 
     #[inline(always)]
     unsafe fn narrow(sums: [[int32x4_t; 4]; 4]) -> [int8x16_t; 4] {
         unsafe {
-            sums.map(|s| {
-                let low = vqmovn_high_s32(vqmovn_s32(s[0]), s[1]);
-                let high = vqmovn_high_s32(vqmovn_s32(s[2]), s[3]);
-                vqmovn_high_s16(vqmovn_s16(low), high)
-            })
+            [
+                narrow(sums[0]),
+                narrow(sums[1]),
+                narrow(sums[2]),
+                narrow(sums[3]),
+            ]
         }
     }
 
     #[inline(always)]
-    unsafe fn add(a: [int8x16_t; 4], b: [int8x16_t; 4]) -> [int8x16_t; 4] {
-        unsafe { std::array::from_fn(|k| vqaddq_s8(a[k], b[k])) }
+    unsafe fn add(mut a: [int8x16_t; 4], b: [int8x16_t; 4]) -> [int8x16_t; 4] {
+        for k in 0..4 {
+            a[k] = unsafe { vqaddq_s8(a[k], b[k]) };
+        }
+        a
     }
 
     #[inline(always)]
-    unsafe fn not_negative(bytes: [int8x16_t; 4]) -> [int8x16_t; 4] {
-        unsafe { bytes.map(|b| vmaxq_s8(b, vdupq_n_s8(0))) }
+    unsafe fn not_negative(mut bytes: [int8x16_t; 4]) -> [int8x16_t; 4] {
+        for bytes in &mut bytes {
+            *bytes = unsafe { vmaxq_s8(*bytes, vdupq_n_s8(0)) };
+        }
+        bytes
+    }
+}
+
+/// # Safety
+///
+/// None but NEON.
+#[inline(always)]
+unsafe fn narrow(sums: [int32x4_t; 4]) -> int8x16_t {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let low = vqmovn_high_s32(vqmovn_s32(sums[0]), sums[1]);
+        let high = vqmovn_high_s32(vqmovn_s32(sums[2]), sums[3]);
+        vqmovn_high_s16(vqmovn_s16(low), high)
     }
 }
 
@@ -166,7 +203,7 @@ impl<const DOT: bool> Registers for Neon<DOT> {
 unsafe fn in_128<R: Registers>(job: &mut Job, block: &Block) {
     for group in 0..block.bias.len() {
         // SAFETY: the caller's promise.
-        unsafe { registers::row::<R, 1, 4, 0>(job, block, group) };
+        unsafe { registers::row::<R, 1, 4, 4, 0>(job, block, group) };
     }
 }
 

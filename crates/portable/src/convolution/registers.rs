@@ -1,8 +1,8 @@
 //! The loop over a row, written once for every kind of registers.
 //!
 //! `unsafe` is needed to call what is compiled for registers that not every machine has, and to read and write through
-//! pointers, whose bounds are told where they are made. All is `#[inline(always)]`: only so is it compiled for the registers of
-//! the function that calls [`row`].
+//! pointers, whose bounds are told where they are made. All is `#[inline(always)]`, and nothing is a closure: only so is it
+//! compiled for the registers of the function that calls [`row`].
 #![allow(unsafe_code)]
 
 use std::mem::MaybeUninit;
@@ -55,35 +55,60 @@ pub(super) trait Registers {
 /// The most bytes that a block of pixels makes.
 const MOST: usize = 512;
 
-/// Makes the channels of `C` groups of a block, from `group` on, along a row, `P` pixels at a time. `STEP` is the job's step,
-/// or 0 where that is not known before.
+/// Makes the channels of `C` groups of a block, from `group` on, along a row, `P` pixels at a time, and `REST` where no more
+/// are left. `STEP` is the job's step, or 0 where that is not known before.
 ///
 /// # Safety
 ///
 /// The machine has the registers.
 #[inline(always)]
-pub(super) unsafe fn row<R: Registers, const C: usize, const P: usize, const STEP: usize>(
+pub(super) unsafe fn row<
+    R: Registers,
+    const C: usize,
+    const P: usize,
+    const REST: usize,
+    const STEP: usize,
+>(
     job: &mut Job,
     block: &Block,
     group: usize,
 ) {
-    const { assert!((C * P).is_multiple_of(4) && 16 * C * P <= MOST && P <= Job::PIXELS) };
     debug_assert!(STEP == 0 || STEP == job.step());
     assert!(group + C <= block.bias.len());
     let mut x = 0;
-    loop {
-        // The last block of pixels is moved back so that it ends with the row, and makes some of them again.
-        let first = x.min(job.width.saturating_sub(P));
-        // SAFETY: the caller's promise; an input row has at least 16 windows, and P of them from `first` on.
-        unsafe {
-            let sums = sums::<R, C, P, STEP>(job, block, group, first);
-            finish::<R, C, P>(job, block, group, first, sums);
-        }
-        x = first + P;
-        if x >= job.width {
-            break;
-        }
+    while x < job.width {
+        // SAFETY: the caller's promise.
+        x = unsafe {
+            if job.width - x > REST {
+                pixels::<R, C, P, STEP>(job, block, group, x)
+            } else {
+                pixels::<R, C, REST, STEP>(job, block, group, x)
+            }
+        };
     }
+}
+
+/// Makes `P` pixels from `x` on, and says where they end. If the row ends before, they are moved back so that they end with
+/// it, and some of them are made again.
+///
+/// # Safety
+///
+/// The machine has the registers, and the block has the groups.
+#[inline(always)]
+unsafe fn pixels<R: Registers, const C: usize, const P: usize, const STEP: usize>(
+    job: &mut Job,
+    block: &Block,
+    group: usize,
+    x: usize,
+) -> usize {
+    const { assert!(C * P >= 4 && 16 * C * P <= MOST && P <= Job::PIXELS) };
+    let first = x.min(job.width.saturating_sub(P));
+    // SAFETY: the caller's promise; an input row has at least 16 windows, and P of them from `first` on.
+    unsafe {
+        let sums = sums::<R, C, P, STEP>(job, block, group, first);
+        finish::<R, C, P>(job, block, group, first, sums);
+    }
+    first + P
 }
 
 /// # Safety
@@ -106,16 +131,21 @@ unsafe fn sums<R: Registers, const C: usize, const P: usize, const STEP: usize>(
     // SAFETY: the caller's promise. A bias is 16 numbers; the weights are as many as are read, by the assertion; a run is
     // within its window, and `input_bytes` counts all of a window.
     unsafe {
-        let bias: [R::Sums; C] = std::array::from_fn(|c| R::sums(bias[c].0.as_ptr()));
-        let mut sums = [bias; P];
+        let mut biases = [R::sums(bias[0].0.as_ptr()); C];
+        for (biases, bias) in biases.iter_mut().zip(bias) {
+            *biases = R::sums(bias.0.as_ptr());
+        }
+        let mut sums = [biases; P];
         let mut weights: *const i8 = block.weights.as_ptr().add(group).cast();
         for row in job.rows {
             let window = row.as_ptr().add(first * step);
             for run in 0..runs {
                 let mut at = window.add(run * apart);
                 for _ in 0..bytes / 4 {
-                    let w: [R::Weights; C] =
-                        std::array::from_fn(|c| R::weights(weights.add(64 * c)));
+                    let mut w = [R::weights(weights); C];
+                    for (c, w) in w.iter_mut().enumerate() {
+                        *w = R::weights(weights.add(64 * c));
+                    }
                     for (p, sums) in sums.iter_mut().enumerate() {
                         let input = R::input(at.add(p * step));
                         for c in 0..C {
@@ -176,20 +206,26 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
             residual => residual,
         };
         let to = if whole { out } else { made };
-        let scale: [R::Scales; C] = std::array::from_fn(|c| R::scales(scale[c].0.as_ptr()));
-        for four in 0..C * P / 4 {
-            let values = std::array::from_fn(|k| {
-                let (p, c) = ((4 * four + k) / C, (4 * four + k) % C);
-                R::scaled(sums[p][c], scale[c])
-            });
+        let mut scales = [R::scales(scale[0].0.as_ptr()); C];
+        for (scales, scale) in scales.iter_mut().zip(scale) {
+            *scales = R::scales(scale.0.as_ptr());
+        }
+        for four in 0..(C * P).div_ceil(4) {
+            // The last four may have some of those before.
+            let at = (4 * four).min(C * P - 4);
+            let mut values = [sums[0][0]; 4];
+            for (k, value) in values.iter_mut().enumerate() {
+                let (p, c) = ((at + k) / C, (at + k) % C);
+                *value = R::scaled(sums[p][c], scales[c]);
+            }
             let mut bytes = R::narrow(values);
             if let Some(residual) = residual {
-                bytes = R::add(bytes, R::bytes(residual.add(64 * four)));
+                bytes = R::add(bytes, R::bytes(residual.add(16 * at)));
             }
             if job.finish == Finish::Relu {
                 bytes = R::not_negative(bytes);
             }
-            R::store(bytes, to.add(64 * four));
+            R::store(bytes, to.add(16 * at));
         }
         if !whole {
             for p in 0..pixels {
@@ -200,28 +236,35 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     }
 }
 
-/// `rounds` times a `dot` for each of `N` registers of sums.
+/// `rounds` times a `dot` for each of `N` registers of sums, each with weights of its own and inputs that change, so that all products are made.
 ///
 /// # Safety
 ///
 /// The machine has the registers.
 #[inline(always)]
 pub(super) unsafe fn spin<R: Registers, const N: usize>(rounds: u64) -> Spin {
-    let input = std::hint::black_box([3u8; 4]);
-    let weights = std::hint::black_box([2i8; 64]);
+    let inputs = std::hint::black_box([[3u8; 4]; 64]);
+    let weights = std::hint::black_box([[2i8; 64]; N]);
     let zeros = std::hint::black_box([0i32; 16]);
     let mut out = [0u8; 64];
     // SAFETY: the caller's promise; the arrays are as long as is read and written.
     unsafe {
-        let (input, weights) = (R::input(input.as_ptr()), R::weights(weights.as_ptr()));
+        let mut kept = [R::weights(weights[0].as_ptr()); N];
+        for (kept, weights) in kept.iter_mut().zip(&weights) {
+            *kept = R::weights(weights.as_ptr());
+        }
         let mut sums = [R::sums(zeros.as_ptr()); N];
-        for _ in 0..rounds {
-            for sum in &mut sums {
+        for round in 0..rounds {
+            let input = R::input(inputs[(round % 64) as usize].as_ptr());
+            for (sum, weights) in sums.iter_mut().zip(kept) {
                 *sum = R::dot(*sum, input, weights);
             }
         }
-        for four in sums.as_chunks::<4>().0 {
-            R::store(R::narrow(*four), out.as_mut_ptr());
+        for four in sums.windows(4) {
+            R::store(
+                R::narrow(std::array::from_fn(|k| four[k])),
+                out.as_mut_ptr(),
+            );
             std::hint::black_box(&mut out);
         }
     }

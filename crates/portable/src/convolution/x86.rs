@@ -165,6 +165,34 @@ impl<const VNNI: bool> Registers for Wide<VNNI> {
 /// Registers of 32 bytes, with VNNI or without.
 struct Narrow<const VNNI: bool>;
 
+impl<const VNNI: bool> Narrow<VNNI> {
+    // SAFETY, here and below: what the trait asks of its caller.
+    #[inline(always)]
+    unsafe fn dot_one(sums: __m256i, input: __m256i, weights: __m256i) -> __m256i {
+        unsafe {
+            if VNNI {
+                _mm256_dpbusd_avx_epi32(sums, input, weights)
+            } else {
+                let pairs = _mm256_maddubs_epi16(input, weights);
+                _mm256_add_epi32(sums, _mm256_madd_epi16(pairs, _mm256_set1_epi16(1)))
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn narrow_two(a: [__m256i; 2], b: [__m256i; 2]) -> __m256i {
+        unsafe {
+            let (low, high) = (
+                _mm256_packs_epi32(a[0], a[1]),
+                _mm256_packs_epi32(b[0], b[1]),
+            );
+            // Each half has four bytes of a[0], a[1], b[0] and b[1].
+            let order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+            _mm256_permutevar8x32_epi32(_mm256_packs_epi16(low, high), order)
+        }
+    }
+}
+
 impl<const VNNI: bool> Registers for Narrow<VNNI> {
     type Sums = [__m256i; 2];
     type Weights = [__m256i; 2];
@@ -172,7 +200,6 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
     type Scales = [__m256; 2];
     type Bytes = [__m256i; 2];
 
-    // SAFETY, here and below: what the trait asks of its caller.
     #[inline(always)]
     unsafe fn sums(at: *const i32) -> [__m256i; 2] {
         unsafe { Self::bytes(at.cast()) }
@@ -195,7 +222,12 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
 
     #[inline(always)]
     unsafe fn bytes(at: *const u8) -> [__m256i; 2] {
-        unsafe { [0, 32].map(|k| _mm256_loadu_si256(at.add(k).cast())) }
+        unsafe {
+            [
+                _mm256_loadu_si256(at.cast()),
+                _mm256_loadu_si256(at.add(32).cast()),
+            ]
+        }
     }
 
     #[inline(always)]
@@ -208,36 +240,27 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
 
     #[inline(always)]
     unsafe fn dot(sums: [__m256i; 2], input: __m256i, weights: [__m256i; 2]) -> [__m256i; 2] {
-        let dot = |sums, weights| unsafe {
-            if VNNI {
-                _mm256_dpbusd_avx_epi32(sums, input, weights)
-            } else {
-                let pairs = _mm256_maddubs_epi16(input, weights);
-                _mm256_add_epi32(sums, _mm256_madd_epi16(pairs, _mm256_set1_epi16(1)))
-            }
-        };
-        [dot(sums[0], weights[0]), dot(sums[1], weights[1])]
+        unsafe {
+            [
+                Self::dot_one(sums[0], input, weights[0]),
+                Self::dot_one(sums[1], input, weights[1]),
+            ]
+        }
     }
 
     #[inline(always)]
     unsafe fn scaled(sums: [__m256i; 2], scales: [__m256; 2]) -> [__m256i; 2] {
-        let scaled = |sums, scales| unsafe {
-            _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_cvtepi32_ps(sums), scales))
-        };
-        [scaled(sums[0], scales[0]), scaled(sums[1], scales[1])]
+        unsafe {
+            [
+                _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_cvtepi32_ps(sums[0]), scales[0])),
+                _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_cvtepi32_ps(sums[1]), scales[1])),
+            ]
+        }
     }
 
     #[inline(always)]
     unsafe fn narrow(s: [[__m256i; 2]; 4]) -> [__m256i; 2] {
-        let two = |a: [__m256i; 2], b: [__m256i; 2]| unsafe {
-            let bytes = _mm256_packs_epi16(
-                _mm256_packs_epi32(a[0], a[1]),
-                _mm256_packs_epi32(b[0], b[1]),
-            );
-            // Each half has four bytes of a[0], a[1], b[0] and b[1].
-            _mm256_permutevar8x32_epi32(bytes, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7))
-        };
-        [two(s[0], s[1]), two(s[2], s[3])]
+        unsafe { [Self::narrow_two(s[0], s[1]), Self::narrow_two(s[2], s[3])] }
     }
 
     #[inline(always)]
@@ -247,7 +270,13 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
 
     #[inline(always)]
     unsafe fn not_negative(bytes: [__m256i; 2]) -> [__m256i; 2] {
-        unsafe { bytes.map(|b| _mm256_max_epi8(b, _mm256_setzero_si256())) }
+        unsafe {
+            let zero = _mm256_setzero_si256();
+            [
+                _mm256_max_epi8(bytes[0], zero),
+                _mm256_max_epi8(bytes[1], zero),
+            ]
+        }
     }
 }
 
@@ -262,31 +291,32 @@ unsafe fn in_512<R: Registers>(job: &mut Job, block: &Block) {
     // SAFETY: the caller's promise.
     unsafe {
         match (block.bias.len(), job.step()) {
-            (1, 8) => registers::row::<R, 1, 16, 8>(job, block, 0),
-            (1, _) => registers::row::<R, 1, 8, 0>(job, block, 0),
-            (2, 32) => registers::row::<R, 2, 8, 32>(job, block, 0),
-            (2, 48) => registers::row::<R, 2, 8, 48>(job, block, 0),
-            (2, _) => registers::row::<R, 2, 8, 0>(job, block, 0),
-            (3, 48) => registers::row::<R, 3, 8, 48>(job, block, 0),
-            (3, 64) => registers::row::<R, 3, 8, 64>(job, block, 0),
-            (3, _) => registers::row::<R, 3, 8, 0>(job, block, 0),
-            (4, 64) => registers::row::<R, 4, 6, 64>(job, block, 0),
-            (4, 96) => registers::row::<R, 4, 6, 96>(job, block, 0),
-            (_, _) => registers::row::<R, 4, 6, 0>(job, block, 0),
+            (1, 8) => registers::row::<R, 1, 16, 8, 8>(job, block, 0),
+            (1, _) => registers::row::<R, 1, 8, 4, 0>(job, block, 0),
+            (2, 32) => registers::row::<R, 2, 8, 4, 32>(job, block, 0),
+            (2, 48) => registers::row::<R, 2, 8, 4, 48>(job, block, 0),
+            (2, _) => registers::row::<R, 2, 8, 4, 0>(job, block, 0),
+            (3, 48) => registers::row::<R, 3, 8, 4, 48>(job, block, 0),
+            (3, 64) => registers::row::<R, 3, 8, 4, 64>(job, block, 0),
+            (3, _) => registers::row::<R, 3, 8, 4, 0>(job, block, 0),
+            (4, 64) => registers::row::<R, 4, 5, 3, 64>(job, block, 0),
+            (4, 96) => registers::row::<R, 4, 5, 3, 96>(job, block, 0),
+            (_, _) => registers::row::<R, 4, 5, 3, 0>(job, block, 0),
         }
     }
 }
 
-/// Of 16 registers there are enough for a group of channels and four pixels.
+/// Of 16 registers there are enough for a group of channels and `P` pixels: six with VNNI, four without, where pairs of
+/// products take registers too.
 ///
 /// # Safety
 ///
 /// The machine has the registers.
 #[inline(always)]
-unsafe fn in_256<R: Registers>(job: &mut Job, block: &Block) {
+unsafe fn in_256<R: Registers, const P: usize>(job: &mut Job, block: &Block) {
     for group in 0..block.bias.len() {
         // SAFETY: the caller's promise.
-        unsafe { registers::row::<R, 1, 4, 0>(job, block, group) };
+        unsafe { registers::row::<R, 1, P, 4, 0>(job, block, group) };
     }
 }
 
@@ -305,13 +335,13 @@ fn row_512(job: &mut Job, block: &Block) {
 #[target_feature(enable = "avx2,avxvnni")]
 fn row_256_vnni(job: &mut Job, block: &Block) {
     // SAFETY: these are the registers.
-    unsafe { in_256::<Narrow<true>>(job, block) }
+    unsafe { in_256::<Narrow<true>, 6>(job, block) }
 }
 
 #[target_feature(enable = "avx2")]
 fn row_256(job: &mut Job, block: &Block) {
     // SAFETY: these are the registers.
-    unsafe { in_256::<Narrow<false>>(job, block) }
+    unsafe { in_256::<Narrow<false>, 4>(job, block) }
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
@@ -329,7 +359,7 @@ fn spin_512(rounds: u64) -> Spin {
 #[target_feature(enable = "avx2,avxvnni")]
 fn spin_256_vnni(rounds: u64) -> Spin {
     // SAFETY: these are the registers.
-    unsafe { registers::spin::<Narrow<true>, 4>(rounds) }
+    unsafe { registers::spin::<Narrow<true>, 6>(rounds) }
 }
 
 #[target_feature(enable = "avx2")]
