@@ -14,6 +14,8 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 PACKAGES = {
     "cv2": "opencv-contrib-python-headless",
     "numpy": "numpy",
+    "onnx": "onnx",
+    "onnxruntime": "onnxruntime",
     "scipy": "scipy",
     "skimage": "scikit-image",
     "zenoh": "eclipse-zenoh",

@@ -7,6 +7,7 @@ mod families;
 mod fit_rivals;
 mod hard;
 mod methods;
+mod network;
 mod python;
 mod readers;
 mod recording;
@@ -40,6 +41,8 @@ enum Command {
     FitRivals(fit_rivals::Args),
     /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
     Methods(methods::Args),
+    /// The mask network layer by layer, beside the machine's limit and ONNX Runtime
+    Network(network::Args),
     /// The chain with each basis and option: its curves against the true rope
     Families(families::Args),
     /// A day of frames with the clock turned on by hand: whether the last hour costs what the first did
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Command::Rivals(args) => rivals::run(&args),
         Command::FitRivals(args) => fit_rivals::run(&args),
         Command::Methods(args) => methods::run(&args),
+        Command::Network(args) => network::run(&args),
         Command::Families(args) => families::run(&args),
         Command::Day(args) => day::run(&args),
         Command::Recording(args) => recording::run(&args),
