@@ -7,10 +7,10 @@
 `backgrounds.tsv` beside this file lists the pictures; SOURCES below says where they come from and under which licence.
 They are written to FOLDER as JPEG, with a longer side of 400 to 1200 pixels, and `sources.tsv` beside them: file, source
 with its commit, licence, author. All of them come from public repositories on GitHub at a fixed commit: file by file over
-HTTPS (about 380 MB), or from clones in the folder that `--clones` names, each called OWNER+NAME, bare or not.
+HTTPS (374 MB), or from clones in the folder that `--clones` names, each called OWNER+NAME, bare or not.
 
 Licences: CC0, public domain, CC-BY, CC-BY-SA and MIT only. A licence or an author in the table is the picture's own; where
-there is none, the source's holds. The books of OpenStax name in each caption who made a picture, and mostly its licence;
+there is none, the source's holds. The books of OpenStax name in each caption who made a picture, and often its licence;
 where they name no licence, the book's holds, CC-BY-4.0. Some of these books have been CC-BY-NC-SA since 2026: the commits
 here are the last ones before that. Left out: pictures whose captions say NC, ND, "permission" or "courtesy", or that come
 from Pexels, Pixabay or Unsplash with no open licence named.
@@ -28,6 +28,7 @@ import urllib.parse
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,6 +60,7 @@ SOURCES = {
     "introduction-anthropology": book("introduction-anthropology", "418eedd9bef21ec1a6fa1b472c0d82c084e35c70"),
     "introduction-business": book("introduction-business", "78c9e7ad4e581d4ff98e78ea30214840e1fa7e1e"),
     "introduction-intellectual-property": book("introduction-intellectual-property", "be76c2d982080df077b6f7f7f784d0bbbc37ee8b"),
+    "introduction-python-programming": book("introduction-python-programming", "d6d069bb24677a375aa28a574bd506d4b893cfdf"),
     "introduction-sociology": book("introduction-sociology", "d35d5f3bdac40f93607d600134865d4f13ce1f9b"),
     "introductory-statistics-bundle": book("introductory-statistics-bundle", "50ec91749080bb040b57bb40c34337cacc994cba"),
     "microbiology": book("microbiology", "ecf34dad129d686703780e87ab5aa2e59c577a6a"),
@@ -159,15 +161,15 @@ def opened(data, part):
     return picture
 
 
-def gather(picture, out, clones):
-    """Writes the picture, unless it is there. Returns what went wrong, if anything did."""
-    file = out / picture.file
-    if file.exists():
-        return None
+def gather(pictures, out, clones):
+    """Writes the pictures that one file holds, unless they are there. Returns what went wrong, if anything did."""
+    missing = [picture for picture in pictures if not (out / picture.file).exists()]
     try:
-        opened(content(picture, clones), picture.part).save(file, quality=90)
+        data = missing and content(missing[0], clones)
+        for picture in missing:
+            opened(data, picture.part).save(out / picture.file, quality=90)
     except (OSError, subprocess.CalledProcessError) as error:
-        return f"{picture.source} {picture.path}: {error}"
+        return f"{pictures[0].source} {pictures[0].path}: {error}"
     return None
 
 
@@ -179,19 +181,19 @@ def main():
     arguments = parser.parse_args()
 
     arguments.out.mkdir(parents=True, exist_ok=True)
-    pictures = list(listed())
+    files = [list(rows) for _, rows in groupby(listed(), lambda picture: (picture.source, picture.path))]
     with ThreadPoolExecutor(arguments.jobs) as jobs:
-        failures = list(jobs.map(lambda picture: gather(picture, arguments.out, arguments.clones), pictures))
+        failures = list(jobs.map(lambda pictures: gather(pictures, arguments.out, arguments.clones), files))
 
+    gathered = [picture for pictures, failure in zip(files, failures) if failure is None for picture in pictures]
     with open(arguments.out / "sources.tsv", "w", encoding="utf-8") as table:
         print("file", "source", "licence", "author", sep="\t", file=table)
-        for picture, failure in zip(pictures, failures):
-            if failure is None:
-                source = SOURCES[picture.source]
-                place = f"github.com/{source.repository}@{source.commit}:{picture.path}" + (picture.part and f"#{picture.part}")
-                print(picture.file, place, picture.licence, picture.author, sep="\t", file=table)
+        for picture in gathered:
+            source = SOURCES[picture.source]
+            place = f"github.com/{source.repository}@{source.commit}:{picture.path}" + (picture.part and f"#{picture.part}")
+            print(picture.file, place, picture.licence, picture.author, sep="\t", file=table)
     failed = [failure for failure in failures if failure]
-    print(*failed, f"{len(pictures) - len(failed)} pictures in {arguments.out}", sep="\n")
+    print(*failed, f"{len(gathered)} pictures in {arguments.out}", sep="\n")
     raise SystemExit(bool(failed))
 
 
