@@ -3,13 +3,18 @@
 //! A film is a [`Story`], a seed and a size; the same three make the same frames again. The ropes writhe: their loops
 //! open and close, strands touch along each other and part again. [`Judge`] follows an extractor's answers.
 
+mod ground;
+mod hand;
 mod judge;
+mod mask;
 mod writhe;
 
 use crate::RenderOptions;
 use crate::rendered::draw::{Brush, Canvas};
 use crate::rendered::portable::{sin_turns, smoothstep};
-use crate::rendered::table::{SensorNoise, lit_table};
+use crate::rendered::table::SensorNoise;
+use ground::Ground;
+use hand::Hand;
 use lariat_portable::SplitMix64;
 use writhe::Writhe;
 
@@ -37,11 +42,21 @@ pub enum Story {
     Cuts,
     /// Now and then a frame is noise, black or white.
     BadFrames,
+    /// The camera moves over the table.
+    Panning,
+    /// One rope writhes half outside of the picture.
+    Leaving,
+    /// One rope writhes on a ground of things, or on one with a pattern.
+    Clutter,
+    /// The same, filmed by a camera that moves.
+    Handheld,
+    /// The same, and now and then a hand passes over it.
+    Passing,
 }
 
 impl Story {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 12] = [
         Self::Writhing,
         Self::Two,
         Self::Vanishing,
@@ -49,7 +64,21 @@ impl Story {
         Self::Visitor,
         Self::Cuts,
         Self::BadFrames,
+        Self::Panning,
+        Self::Leaving,
+        Self::Clutter,
+        Self::Handheld,
+        Self::Passing,
     ];
+
+    /// Whether the ropes lie on more than a plain table, so that only one who knows them tells them from it.
+    pub const fn is_cluttered(self) -> bool {
+        matches!(self, Self::Clutter | Self::Handheld | Self::Passing)
+    }
+
+    const fn is_panned(self) -> bool {
+        matches!(self, Self::Panning | Self::Handheld)
+    }
 
     /// Its name, in lower case.
     pub const fn name(self) -> &'static str {
@@ -61,6 +90,11 @@ impl Story {
             Self::Visitor => "visitor",
             Self::Cuts => "cuts",
             Self::BadFrames => "bad frames",
+            Self::Panning => "panning",
+            Self::Leaving => "leaving",
+            Self::Clutter => "clutter",
+            Self::Handheld => "handheld",
+            Self::Passing => "passing",
         }
     }
 }
@@ -83,7 +117,7 @@ pub struct TrueRope {
 pub struct Film {
     story: Story,
     options: RenderOptions,
-    table: Vec<u8>,
+    ground: Ground,
     noise: SensorNoise,
     ropes: Vec<Writhe>,
     random: SplitMix64,
@@ -99,13 +133,14 @@ impl Film {
     pub fn new(story: Story, seed: u64, width: u32, height: u32) -> Self {
         let mut random = SplitMix64::of_stream(seed, 11);
         let rope_px = f64::from(width.min(height)) / 48.0;
-        let options = RenderOptions {
+        let mut options = RenderOptions {
             seed,
             width,
             height,
             rope_px: rope_px.max(5.0),
             ..RenderOptions::default()
         };
+        let ground = Ground::of(story, &mut options);
         let count = match story {
             Story::Two | Story::Visitor => 2,
             Story::Cuts => 8,
@@ -116,7 +151,7 @@ impl Film {
         Self {
             story,
             options,
-            table: lit_table(&options),
+            ground,
             noise: SensorNoise::new(seed, options.noise, 3 * width as usize),
             ropes: ropes.collect(),
             random,
@@ -131,13 +166,14 @@ impl Film {
     pub fn next(&mut self, rgb: &mut Vec<u8>) -> Vec<TrueRope> {
         let time_s = self.frame as f64 / FPS;
         self.frame += 1;
-        self.clean.clone_from(&self.table);
+        let camera_px = self.ground.film(time_s, &mut self.clean);
         let happens = self.happens();
         let mut truth = Vec::new();
         for index in 0..self.ropes.len() {
             let Some(offset) = self.place(index, time_s, happens) else {
                 continue;
             };
+            let offset = [0, 1].map(|axis| offset[axis] - camera_px[axis]);
             let rope = &self.ropes[index];
             rope.centerline(time_s, offset, &mut self.line);
             let mut canvas = Canvas {
@@ -151,6 +187,12 @@ impl Film {
         if self.story == Story::Gripper {
             self.grip(time_s, &mut truth);
         }
+        if self.story == Story::Passing {
+            let size_px = [self.options.width, self.options.height].map(f64::from);
+            if let Some(hand) = Hand::at(time_s, size_px, self.options.rope_px) {
+                hand.draw(&mut self.clean, self.options.width as usize, &mut truth);
+            }
+        }
         rgb.resize(self.clean.len(), 0);
         let row_bytes = 3 * self.options.width as usize;
         self.noise.add(self.frame, row_bytes, &self.clean, rgb);
@@ -159,6 +201,12 @@ impl Film {
             self.spoil(rgb);
         }
         truth
+    }
+
+    /// Fills `out` with the true mask of a frame that was told, a byte a pixel: how much of it is a rope that is seen.
+    pub fn mask(&self, truth: &[TrueRope], out: &mut Vec<u8>) {
+        let size = [self.options.width, self.options.height].map(|side| side as usize);
+        mask::draw(truth, size, out);
     }
 
     /// Whether the story's event is on in this frame.
@@ -190,6 +238,8 @@ impl Film {
                 let shown = (time_s / 2.0) as usize % self.ropes.len();
                 (index == shown).then_some([0.0; 2])
             }
+            // Its middle lies a little within the picture's side.
+            Story::Leaving => Some([0.36 * f64::from(self.options.width), 0.0]),
             Story::Visitor if index == 1 => {
                 // Away, in for four seconds, and away again, every twelve.
                 let phase = time_s % 12.0;

@@ -155,6 +155,22 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     })
 }
 
+/// The surface of a composed picture without its ropes, three bytes a pixel, and the color of a rope that is not the table's.
+pub(crate) fn surface(class: Class, seed: u64, [width, height]: [usize; 2]) -> (Vec<u8>, [u8; 3]) {
+    let stream = |part: u64| SplitMix64::of_stream(seed, 0x5CE0 + 16 * class as u64 + part);
+    let mut look = look::Look::of(class, seed, 1, 1.0, &mut stream(1));
+    // The camera that films it has its own, and no rope lies on it yet.
+    (look.noise, look.grain, look.shadow) = (0.0, 0.0, 0.0);
+    let size_px = [width, height].map(|side| side as f64);
+    let ground = ground::Ground::of(class, seed, size_px, &look, &mut stream(3));
+    let nothing = paint::Painted {
+        light: vec![[0.0; 3]; width * height],
+        cover: vec![0.0; width * height],
+    };
+    let rgb = camera::expose(&nothing, &look, &ground, [width, height], &mut stream(2));
+    (rgb, look.coats[0].rgb.map(|level| level as u8))
+}
+
 fn truth(layout: &layout::Layout) -> Truth {
     let rope = |i: usize| {
         let line: &Line = &layout.lines[i];

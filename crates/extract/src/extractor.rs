@@ -110,6 +110,8 @@ pub struct Extractor {
     is_crowded: bool,
     /// Frames in a row in which all ropes were seen, and nothing else.
     plain_frames: u32,
+    /// Whether the last image's ropes were followed into it.
+    followed: bool,
     /// Frames without a rope until ropes are sought by their shape again.
     frames_to_wait: u32,
 }
@@ -157,6 +159,7 @@ impl Extractor {
             doubt: None,
             is_crowded: false,
             plain_frames: 0,
+            followed: false,
             frames_to_wait: 0,
         })
     }
@@ -177,9 +180,42 @@ impl Extractor {
     /// caller who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        let followed = self.take_in(&unpacker.unpack(image), after);
+        self.followed = self.take_in(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
-        self.scene(followed)
+        self.scene()
+    }
+
+    /// The ropes of the last image followed into `image`, the next one, if that is all it takes. `None`: they cannot be, and
+    /// the image is to be given to [`extract`](Self::extract) or [`extract_masked`](Self::extract_masked). So that a mask
+    /// that takes its time, a network's for instance, is only made where it is needed:
+    ///
+    /// ```
+    /// # use lariat_extract::{Extractor, Image, MaskError};
+    /// # fn see(extractor: &mut Extractor, image: &Image, network: impl Fn(&Image) -> Vec<u8>) -> Result<(), MaskError> {
+    /// if extractor.follow(image).is_none() {
+    ///     let mask = network(image);
+    ///     let format = lariat_extract::PixelFormat::Gray8;
+    ///     let mask = Image::new(&mask, image.width(), image.height(), image.width(), format);
+    ///     extractor.extract_masked(image, &mask.expect("a byte a pixel"))?;
+    /// }
+    /// let scene = extractor.scene();
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn follow(&mut self, image: &Image) -> Option<Scene<'_>> {
+        if self.size != (image.width(), image.height()) || !self.chords.is_ready() {
+            return None;
+        }
+        let mut unpacker = std::mem::take(&mut self.unpacker);
+        let found = self.find_again(&unpacker.unpack(image));
+        self.unpacker = unpacker;
+        if !found {
+            return None;
+        }
+        self.turn_the_clock();
+        self.go_on(image);
+        self.followed = true;
+        Some(self.scene())
     }
 
     /// Whether the ropes of the last image could be followed into this one, in a format that all steps read; if not, it is
@@ -187,7 +223,10 @@ impl Extractor {
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
         if self.chords.is_ready() {
-            let found = self.follow(image);
+            let found = self.find_again(image);
+            if found {
+                self.go_on(image);
+            }
             after(Step::Follow);
             if found {
                 return true;
@@ -217,18 +256,18 @@ impl Extractor {
         }
     }
 
-    /// Follows the ropes of the last image into this one, if that is all it takes.
-    fn follow(&mut self, image: &Image) -> bool {
+    /// Moves the curves of the last image to where they lie in this one, if that is all it takes.
+    fn find_again(&mut self, image: &Image) -> bool {
         let (table, curves) = (&self.masker.background, &mut self.curves[..self.count]);
-        let found = self
-            .chords
-            .follow(image, table, curves, &mut self.crossings);
-        if found {
-            self.tracker
-                .begin(self.now_ns, color::is_yuv(image.format()));
-            self.tracker.go_on(curves);
-        }
-        found
+        self.chords
+            .follow(image, table, curves, &mut self.crossings)
+    }
+
+    /// Lets the tracks go on with the curves, which were found again.
+    fn go_on(&mut self, image: &Image) {
+        self.tracker
+            .begin(self.now_ns, color::is_yuv(image.format()));
+        self.tracker.go_on(&self.curves[..self.count]);
     }
 
     /// Lets the ropes just extracted be followed from here on, where all is plain to see.
@@ -275,7 +314,8 @@ impl Extractor {
         let mut unpacker = std::mem::take(&mut self.unpacker);
         self.after_mask(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
-        Ok(self.scene(false))
+        self.followed = false;
+        Ok(self.scene())
     }
 
     /// What is known at a moment without an image, as of a camera that gives none for a while: every rope is lost, and where
@@ -288,9 +328,10 @@ impl Extractor {
         self.tracker.pass(self.now_ns);
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, 0, looks, &self.options);
+        self.followed = false;
         Scene {
             notice: None,
-            ..self.scene(false)
+            ..self.scene()
         }
     }
 
@@ -373,13 +414,13 @@ impl Extractor {
         after(Step::Points);
     }
 
-    /// What is known of the last image.
-    fn scene(&self, followed: bool) -> Scene<'_> {
+    /// What was said of the last image.
+    pub fn scene(&self) -> Scene<'_> {
         Scene {
             curves: &self.curves[..self.count],
             crossings: &self.crossings,
             notice: self.masker.notice.or(self.doubt),
-            followed,
+            followed: self.followed,
         }
     }
 

@@ -51,6 +51,20 @@ pub struct Verdict {
     pub marked: u64,
 }
 
+impl Verdict {
+    /// What was wrong of the ropes' places, numbers and directions: missed, miscounted, turned, renamed, exchanged, invented.
+    pub fn places(&self) -> [u64; 6] {
+        [
+            self.missed,
+            self.miscounted,
+            self.flips,
+            self.swaps,
+            self.exchanged,
+            self.invented,
+        ]
+    }
+}
+
 /// Follows one film.
 #[derive(Debug, Default)]
 pub struct Judge {
