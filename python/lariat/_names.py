@@ -23,7 +23,7 @@ PixelFormat: TypeAlias = Literal[
     "bayer_grbg8",
     "bayer_gbrg8",
 ]
-MaskName: TypeAlias = Literal["auto", "external"]
+MaskName: TypeAlias = Literal["auto", "network", "external"]
 MethodName: TypeAlias = Literal["skeleton", "kmeans", "som", "gmm", "fcm"]
 StatusName: TypeAlias = Literal["ok", "partial", "lost", "doubtful"]
 FitName: TypeAlias = Literal["not judged", "good", "coarse"]

@@ -176,14 +176,15 @@ impl Tracer {
     }
 }
 
-/// `"auto"`, `"external"`, a range or a list of ranges.
+/// `"auto"`, `"network"`, `"external"`, a range or a list of ranges.
 fn mask_of(mask: &Bound<'_, PyAny>) -> PyResult<Mask> {
     if let Ok(name) = mask.extract::<String>() {
         return match &name[..] {
             "auto" => Ok(Mask::Auto),
+            "network" => Ok(Mask::Network),
             "external" => Ok(Mask::External),
             _ => Err(value_error(format!(
-                "there is no mask '{name}': say \"auto\", \"external\" or colour ranges, as lariat.pick proposes them"
+                "there is no mask '{name}': say \"auto\", \"network\", \"external\" or colour ranges, as lariat.pick proposes them"
             ))),
         };
     }

@@ -26,6 +26,51 @@ fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
 }
 
 #[test]
+fn a_network_that_is_missing_or_none_is_named() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "wave.png", &wave_picture());
+    let complaint = |file: &str| {
+        let args = ["wave.png", "--mask", "network", "--network", file];
+        let output = trace(&folder, &args).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(
+        complaint("my.weights"),
+        "lariat: cannot read my.weights: No such file or directory (os error 2)\n"
+    );
+    std::fs::write(folder.path().join("my.weights"), "none").unwrap();
+    assert_eq!(
+        complaint("my.weights"),
+        "lariat: my.weights: These are no weights of lariat's network, which begin with LARIATN1: give the file that \
+         training has written.\n"
+    );
+}
+
+#[test]
+fn the_network_finds_a_rope_where_it_is_asked_to() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "wave.png", &wave_picture());
+    let weights = include_bytes!("../../crates/network/ropes.weights");
+    std::fs::write(folder.path().join("my.weights"), weights).unwrap();
+    let seen = |args: &[&str]| {
+        let args = [&["wave.png", "--json", "--mask", "network"], args].concat();
+        let output = trace(&folder, &args).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        lines(&output.stdout)[0].clone()
+    };
+    let report = seen(&[]);
+    assert_eq!(report["curves"].as_array().unwrap().len(), 1);
+    for p in points(&report["curves"][0]["points"]) {
+        assert!(distance_to_wave(p) < 2.0, "{p:?}");
+    }
+    assert_eq!(
+        seen(&["--network", "my.weights"])["curves"],
+        report["curves"]
+    );
+}
+
+#[test]
 fn a_mask_that_is_missing_or_of_another_size_is_named() {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());

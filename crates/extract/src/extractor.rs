@@ -31,6 +31,8 @@ use crate::skeleton::{Pixel, Skeleton};
 use crate::tracking::refit::{self, Refitter};
 use crate::tracking::strays::Strays;
 use crate::tracking::track::{Look, Tracker};
+use lariat_network::Network;
+use std::sync::Arc;
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
@@ -162,6 +164,12 @@ impl Extractor {
             followed: false,
             frames_to_wait: 0,
         })
+    }
+
+    /// The same with another network in the place of [`Network::ropes`].
+    pub fn with_network(mut self, network: Arc<Network>) -> Self {
+        self.masker.use_network(network);
+        self
     }
 
     /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene.

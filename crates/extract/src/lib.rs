@@ -188,6 +188,7 @@ pub use confidence::Evidence;
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat, Region};
 pub use knot::{CrossingSequence, Pass};
+pub use lariat_network::{Network, NetworkError};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};

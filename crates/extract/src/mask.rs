@@ -10,6 +10,7 @@ pub(crate) mod hsv;
 mod hysteresis;
 mod level;
 mod masker;
+mod neural;
 mod outline;
 mod pattern;
 mod rims;

@@ -28,6 +28,8 @@ pub enum Mask {
     Auto,
     /// A pixel inside any of the ranges is rope: several ranges for several colours of rope.
     Hsv(Vec<HsvRange>),
+    /// A network says where ropes are, whatever they lie on.
+    Network,
     /// Somebody else says which pixels are rope, image by image:
     /// [`Extractor::extract_masked`](crate::Extractor::extract_masked). An image without a mask has no rope.
     External,
@@ -137,7 +139,7 @@ impl Options {
             return Err(OptionsError::Start(start));
         }
         match &self.mask {
-            Mask::Auto | Mask::External => Ok(()),
+            Mask::Auto | Mask::Network | Mask::External => Ok(()),
             Mask::Hsv(ranges) if ranges.is_empty() => Err(OptionsError::NoRange),
             Mask::Hsv(ranges) => ranges.iter().enumerate().try_for_each(check_range),
         }

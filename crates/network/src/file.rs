@@ -3,9 +3,9 @@
 use lariat_portable::{ConvolutionError, ConvolutionShape};
 use thiserror::Error;
 
-use crate::crc::crc32;
 use crate::layers::LAYERS;
 use crate::network::Numbers;
+use crc32fast::hash as crc32;
 
 const MAGIC: &[u8; 8] = b"LARIATN1";
 const VERSION: u32 = 1;

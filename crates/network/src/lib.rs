@@ -77,7 +77,6 @@
 //! | 4 | CRC-32 of all before (zlib's) |
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod crc;
 mod file;
 mod layers;
 mod network;

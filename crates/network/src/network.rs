@@ -1,5 +1,7 @@
 //! The network: what it has learned, ready to run.
 
+use std::sync::{Arc, LazyLock};
+
 use lariat_portable::{Convolution, ConvolutionKernels};
 
 use crate::file::{self, NetworkError};
@@ -33,6 +35,18 @@ pub struct Network {
 impl Network {
     /// The picture's sides are filled up to multiples of it.
     pub const MULTIPLE: usize = 16;
+
+    /// The one that lariat brings along: trained on drawn ropes, as `training/README.md` says.
+    pub fn ropes() -> Arc<Self> {
+        static ROPES: LazyLock<Arc<Network>> = LazyLock::new(|| {
+            let bytes = include_bytes!("../ropes.weights");
+            Arc::new(
+                Network::from_bytes(bytes)
+                    .expect("the weights are those of this model: a test reads them"),
+            )
+        });
+        Arc::clone(&ROPES)
+    }
 
     /// From the bytes of a file.
     ///
@@ -97,9 +111,7 @@ impl Network {
         done: impl FnMut(&'static str),
     ) -> Result<(), SizeError> {
         size::check(&picture, &maps)?;
-        let [width, height] =
-            [picture.width, picture.height].map(|s| s.next_multiple_of(Self::MULTIPLE));
-        workspace.resize(width, height);
+        workspace.reserve(picture.width, picture.height);
         let mut run = Run::new(self, kernels, done);
         run.down(workspace, picture);
         run.deep(workspace);

@@ -2,6 +2,8 @@
 
 use lariat_portable::Plane;
 
+use crate::network::Network;
+
 /// The activations of a picture, kept for the next one: it allocates only for a picture that is larger than all before.
 #[derive(Clone, Debug)]
 pub struct Workspace {
@@ -36,8 +38,9 @@ impl Workspace {
         }
     }
 
-    /// Room for a picture whose sides are multiples of 16.
-    pub(crate) fn resize(&mut self, width: usize, height: usize) {
+    /// Makes room for pictures of this size, so that no run on one allocates.
+    pub fn reserve(&mut self, width: usize, height: usize) {
+        let [width, height] = [width, height].map(|side| side.next_multiple_of(Network::MULTIPLE));
         self.picture.resize(width, 4, GREY);
         self.half.resize(width / 2, 4, 0);
         self.quarter.resize(width / 4, height / 4, 0);

@@ -2,9 +2,13 @@
 
 use crate::doubts::{self, Doubts};
 use crate::settings::{self, Settings};
-use anyhow::Result;
-use lariat_extract::{Extractor, Image, PixelFormat, Region, Scene, Status, Step};
+use anyhow::{Context, Result};
+use lariat_extract::{Extractor, Image, Network, PixelFormat, Region, Scene, Status, Step};
 use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
 
 use super::Warned;
 
@@ -122,14 +126,25 @@ pub struct FrameExtractor {
     doubts: Doubts,
 }
 
+/// The network of a file.
+fn network(file: &Path) -> Result<Arc<Network>> {
+    let bytes = fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let network = Network::from_bytes(&bytes).with_context(|| file.display().to_string())?;
+    Ok(Arc::new(network))
+}
+
 impl FrameExtractor {
     /// One that makes its buffers as frames need them.
     ///
     /// # Errors
     /// Options that make no sense.
     pub fn new(settings: &settings::Extract) -> Result<Self> {
+        let mut extractor = Extractor::new(settings.options())?;
+        if let Some(file) = &settings.network {
+            extractor = extractor.with_network(network(file)?);
+        }
         Ok(Self {
-            extractor: Extractor::new(settings.options())?,
+            extractor,
             region: settings.roi,
             origin: [0; 2],
             prepared: None,

@@ -3,6 +3,7 @@
 use lariat_extract::{Mask, Method, Region};
 use lariat_wire::MAX_CURVES;
 use std::num::NonZeroU8;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// What is a rope, and how it is described.
@@ -12,6 +13,8 @@ pub struct Extract {
     pub mask: Mask,
     /// From which level on a mask made elsewhere is rope; without one, by its histogram.
     pub mask_level: Option<NonZeroU8>,
+    /// Weights of the network, if not lariat's own.
+    pub network: Option<PathBuf>,
     /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
     pub mask_deadline: Duration,
     /// How the mask becomes a centerline.
@@ -35,6 +38,7 @@ impl Default for Extract {
         Self {
             mask: Mask::Auto,
             mask_level: None,
+            network: None,
             mask_deadline: Duration::from_millis(50),
             method: Method::Skeleton,
             points: 120,

@@ -251,6 +251,7 @@ pub(super) fn order_value(order: &Order) -> Value {
 pub(super) fn mask(value: &Value) -> Result<Mask, String> {
     match value {
         Value::String(name) if name == "auto" => Ok(Mask::Auto),
+        Value::String(name) if name == "network" => Ok(Mask::Network),
         Value::String(name) if name == "external" => Ok(Mask::External),
         Value::Array(ranges) if !ranges.is_empty() => {
             let ranges: Result<Vec<_>, _> = ranges.iter().map(hsv_range).collect();
@@ -258,7 +259,7 @@ pub(super) fn mask(value: &Value) -> Result<Mask, String> {
         }
         Value::Table(_) => Ok(Mask::Hsv(vec![hsv_range(value)?])),
         _ => Err(
-            "write \"auto\", \"external\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
+            "write \"auto\", \"network\", \"external\" or a list of ranges: [{ hue_deg = [190, 250], saturation = [0.3, 1], value = \
              [0.2, 1] }] (a folder of masks is `lariat trace --masks DIR`)"
                 .to_owned(),
         ),
@@ -352,6 +353,7 @@ pub fn mask_text(mask: &Mask) -> String {
 pub(super) fn mask_value(mask: &Mask) -> Value {
     let ranges = match mask {
         Mask::Auto => return Value::String("auto".to_owned()),
+        Mask::Network => return Value::String("network".to_owned()),
         Mask::External => return Value::String("external".to_owned()),
         Mask::Hsv(ranges) => ranges,
     };

@@ -182,15 +182,19 @@ pub(super) const KEYS: &[Key] = keys! {
         "--unit UNIT", SHAPES, "Millimetres", "What descriptors come in";
 
     extract.mask: By(meaning::mask, meaning::mask_value, Takes::Toml),
-        "What is rope. \"auto\" takes what differs from the background. Or colours, one range or more:\n\
+        "What is rope. \"auto\" takes what differs from the background; \"network\" asks a small neural network, for ropes\n\
+         on any ground. Or colours, one range or more:\n\
          [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]\n\
          Hue in degrees, 0 to 360 (twice OpenCV's 0 to 179), and [350, 10] goes through red; saturation and\n\
          value from 0 to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them.\n\
          Or \"external\": another process writes each frame's mask to lariat/<rig>/masks.",
-        "--mask MASK", SEEN, "Rope", "What is rope: auto, external or colours";
+        "--mask MASK", SEEN, "Rope", "What is rope: auto, network, external or colours";
     extract.mask_level: By(meaning::mask_level, meaning::mask_level_value, Takes::Whole),
         "From which level on a pixel of an external mask is rope, 1 to 255. \"auto\" chooses it by the mask itself: low where\n\
          it is soft, as a network's probabilities are, so that ropes do not break where the network is unsure.";
+    extract.network: Maybe("\"my.weights\"", PATH),
+        "A network trained on pictures of your own, in the place of the one that lariat brings along.",
+        "--network FILE", SEEN, "Rope", "Network trained on pictures of your own";
     extract.mask_deadline as mask_deadline_us: MICROSECONDS,
         "A frame whose external mask has not come this long after its capture is skipped, in microseconds.";
     extract.method: Named("methods", &Method::ALL),

@@ -7,6 +7,7 @@ use super::difference::Differencer;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
+use super::neural::Finder;
 use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
 use super::smoothed::Smoother;
@@ -21,7 +22,9 @@ use crate::image::{Image, PixelFormat};
 use crate::notice::Notice;
 use crate::options::Mask;
 use crate::ribbons::Ribbons;
+use lariat_network::Network;
 use std::num::NonZeroU8;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
@@ -75,6 +78,7 @@ pub(crate) struct Masker {
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
     ribbons: Ribbons,
+    finder: Finder,
     /// How much of each pixel is a ribbon.
     ribbon: GrayPlane,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
@@ -96,6 +100,11 @@ pub(crate) struct Masker {
 }
 
 impl Masker {
+    /// Asks another network.
+    pub(crate) fn use_network(&mut self, network: Arc<Network>) {
+        self.finder = Finder::new(network);
+    }
+
     /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
     /// an empty mask.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
@@ -117,6 +126,11 @@ impl Masker {
                 self.selector.run(image, ranges, inside, mask);
                 self.strips.take(&self.mask);
                 self.clean_or_empty();
+            }
+            Mask::Network => {
+                self.finder.find(image, &mut self.difference);
+                self.take_levels(ROPE_LEVEL);
+                return;
             }
             Mask::External => {
                 self.difference.resize(image.width(), image.height());
@@ -249,6 +263,7 @@ impl Masker {
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
         self.ribbons.reserve(width, height);
+        self.finder.reserve(width, height);
         self.ribbon.resize(width, height);
         self.smoother.reserve(width);
         self.rims.reserve(&self.strips, &self.mask);
@@ -320,14 +335,20 @@ impl Masker {
             self.difference.row_mut(y).copy_from_slice(mask.row(y));
         }
         let level = level.map_or_else(|| level::choose(&self.difference), NonZeroU8::get);
+        self.take_levels(level);
+        Ok(())
+    }
+
+    /// Makes the mask of the levels that lie in the difference, rope from one on.
+    fn take_levels(&mut self, level: u8) {
         threshold::apply(&self.kernels, &self.difference, level, &mut self.mask);
         self.strips.take(&self.mask);
         self.clean_or_empty();
         self.is_given = true;
+        self.is_smoothed = false;
         self.cut = None;
         self.shadows.cast = Cast::None;
         self.notice = None;
-        Ok(())
     }
 
     /// Cleans the mask; one that is no picture of ropes is emptied.

@@ -14,6 +14,7 @@ mod hard;
 mod hostile;
 mod masks;
 mod methods;
+mod network;
 mod notices;
 mod over_under;
 mod pick;

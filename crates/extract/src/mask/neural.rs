@@ -1,0 +1,174 @@
+//! The mask by the network, for pictures of any size and format.
+
+use std::sync::Arc;
+
+use lariat_network::{Maps, Network, Picture, Workspace};
+
+use crate::image::gray::GrayPlane;
+use crate::image::{Image, PixelFormat, color};
+
+/// Pixels that the network looks at, at most: of larger pictures it sees the means of blocks.
+const MOST_PIXELS: usize = 640 * 640;
+
+/// The network with its memory.
+#[derive(Debug)]
+pub(crate) struct Finder {
+    network: Arc<Network>,
+    workspace: Workspace,
+    /// What the network looks at.
+    rgb: Vec<u8>,
+    rope: Vec<u8>,
+    seam: Vec<u8>,
+    places: Vec<usize>,
+    row: Vec<u32>,
+    sums: Vec<[u32; 3]>,
+}
+
+impl Default for Finder {
+    fn default() -> Self {
+        Self::new(Network::ropes())
+    }
+}
+
+impl Finder {
+    pub(crate) fn new(network: Arc<Network>) -> Self {
+        Self {
+            network,
+            workspace: Workspace::new(),
+            rgb: Vec::new(),
+            rope: Vec::new(),
+            seam: Vec::new(),
+            places: Vec::new(),
+            row: Vec::new(),
+            sums: Vec::new(),
+        }
+    }
+
+    /// Fills `levels`, of the image's size, with how surely each pixel is of a rope: 255 for certain. A seam between two ropes
+    /// side by side is of none.
+    pub(crate) fn find(&mut self, image: &Image, levels: &mut GrayPlane) {
+        let (width, height) = (image.width(), image.height());
+        levels.resize(width, height);
+        let scale = scale_of(width, height);
+        let (columns, rows) = (width / scale, height / scale);
+        if columns == 0 || rows == 0 {
+            return;
+        }
+        self.rope.resize(columns * rows, 0);
+        self.seam.resize(columns * rows, 0);
+        let is_as_it_lies = scale == 1 && image.format() == PixelFormat::Rgb8;
+        if !is_as_it_lies {
+            self.read(image, scale, [columns, rows]);
+        }
+        let (rgb, stride) = match is_as_it_lies {
+            true => (image.bytes(), image.stride()),
+            false => (&self.rgb[..], 3 * columns),
+        };
+        let picture = Picture {
+            rgb,
+            width: columns,
+            height: rows,
+            stride,
+        };
+        let maps = Maps {
+            rope: &mut self.rope,
+            seam: &mut self.seam,
+            stride: columns,
+        };
+        if self
+            .network
+            .run(&mut self.workspace, picture, maps)
+            .is_err()
+        {
+            // A picture that is too long for it.
+            return;
+        }
+        for (rope, seam) in self.rope.iter_mut().zip(&self.seam) {
+            *rope = (u16::from(*rope) * u16::from(255 - seam) / 255) as u8;
+        }
+        self.spread(scale, [columns, rows], levels);
+    }
+
+    /// The means of blocks in red, green and blue.
+    fn read(&mut self, image: &Image, scale: usize, [columns, rows]: [usize; 2]) {
+        let is_yuv = color::is_yuv(image.format());
+        let is_gray = matches!(image.format(), PixelFormat::Gray8 | PixelFormat::Gray16);
+        self.places.clear();
+        self.places.extend(0..columns * scale);
+        self.row.resize(columns * scale, 0);
+        self.sums.resize(columns, [0; 3]);
+        self.rgb.clear();
+        let count = (scale * scale) as u32;
+        for y in 0..rows {
+            self.sums.fill([0; 3]);
+            for line in y * scale..(y + 1) * scale {
+                color::at_places(image, line, &self.places, &mut self.row);
+                let blocks = self.row.chunks_exact(scale);
+                for (sum, block) in self.sums.iter_mut().zip(blocks) {
+                    for pixel in block {
+                        let [a, b, c, _] = pixel.to_le_bytes();
+                        let rgb = match (is_gray, is_yuv) {
+                            (true, _) => [a; 3],
+                            (_, true) => color::yuv_to_rgb([a, b, c]),
+                            _ => [a, b, c],
+                        };
+                        *sum = std::array::from_fn(|k| sum[k] + u32::from(rgb[k]));
+                    }
+                }
+            }
+            let means = self.sums.iter().flatten();
+            self.rgb
+                .extend(means.map(|sum| ((sum + count / 2) / count) as u8));
+        }
+    }
+
+    /// The map at the picture's size: between the middles of blocks in even steps.
+    fn spread(&self, scale: usize, [columns, rows]: [usize; 2], levels: &mut GrayPlane) {
+        if scale == 1 {
+            for (y, row) in self.rope.chunks_exact(columns).enumerate() {
+                levels.row_mut(y)[..columns].copy_from_slice(row);
+            }
+            return;
+        }
+        // In units of half a pixel: the middle of block k is at scale · (2k + 1) − 1.
+        let place = |at: usize, count: usize| {
+            let from = (2 * at + 1).saturating_sub(scale);
+            let first = (from / (2 * scale)).min(count - 1);
+            let share = from - 2 * scale * first;
+            (first, (first + 1).min(count - 1), share.min(2 * scale))
+        };
+        let whole = 2 * scale;
+        for y in 0..levels.height() {
+            let (above, below, down) = place(y, rows);
+            for (x, out) in levels.row_mut(y).iter_mut().enumerate() {
+                let (left, right, along) = place(x, columns);
+                let mix = |row: usize| {
+                    let at = |column: usize| usize::from(self.rope[row * columns + column]);
+                    at(left) * (whole - along) + at(right) * along
+                };
+                let sum = mix(above) * (whole - down) + mix(below) * down;
+                *out = (sum / (whole * whole)) as u8;
+            }
+        }
+    }
+
+    /// Makes the buffers for images of this size.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        let scale = scale_of(width, height);
+        let (columns, rows) = (width / scale, height / scale);
+        self.workspace.reserve(columns, rows);
+        self.rope.reserve(columns * rows);
+        self.seam.reserve(columns * rows);
+        self.rgb.reserve(3 * columns * rows);
+        self.places.reserve(width);
+        self.row.reserve(width);
+        self.sums.reserve(columns);
+    }
+}
+
+/// Pixels of the image along one that the network sees.
+fn scale_of(width: usize, height: usize) -> usize {
+    (1..)
+        .find(|scale| (width / scale) * (height / scale) <= MOST_PIXELS)
+        .unwrap_or(1)
+}

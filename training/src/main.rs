@@ -1,0 +1,72 @@
+//! Draws pictures of ropes on all kinds of ground, with their masks, for training the network that finds ropes.
+//!
+//! A picture is a seed: the same seed and the same photographs give the same picture on every machine. They differ on purpose from the
+//! pictures that extraction is measured with (`lariat-drawn`): what is measured with is never trained on.
+
+mod camera;
+mod canvas;
+mod ground;
+mod path;
+mod photographs;
+mod rope;
+mod scene;
+mod stroke;
+mod thing;
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Parser;
+
+/// Draws pictures to train on into a file of numpy's: count × side × side × 5 bytes (red, green, blue, rope, seam).
+#[derive(Parser)]
+struct Args {
+    /// Where to write it.
+    #[arg(long)]
+    out: PathBuf,
+    /// The first picture's seed; the following pictures have the following ones.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Pictures.
+    #[arg(long, default_value_t = 1000)]
+    count: u64,
+    /// Pixels a side.
+    #[arg(long, default_value_t = 256)]
+    side: usize,
+    /// A folder of photographs without ropes to draw on, beside grounds that are drawn.
+    #[arg(long)]
+    photographs: Option<PathBuf>,
+}
+
+fn main() -> anyhow::Result<()> {
+    let args = Args::parse();
+    let photographs = photographs::Photographs::of(args.photographs.as_deref())?;
+    let shape = [args.count as usize, args.side, args.side, scene::CHANNELS];
+    let unfinished = args.out.with_extension("part");
+    let file = File::create(&unfinished)
+        .with_context(|| format!("cannot write {}", unfinished.display()))?;
+    let mut file = BufWriter::new(file);
+    file.write_all(&header(shape))?;
+    for seed in args.seed..args.seed + args.count {
+        file.write_all(&scene::draw(seed, args.side, &photographs)?)?;
+    }
+    file.into_inner()?.sync_all()?;
+    std::fs::rename(&unfinished, &args.out)
+        .with_context(|| format!("cannot write {}", args.out.display()))
+}
+
+/// The head of numpy's format, version 1: magic, length, a dictionary padded to 64 bytes.
+fn header(shape: [usize; 4]) -> Vec<u8> {
+    let shape = shape.map(|count| count.to_string()).join(", ");
+    let mut words = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}");
+    while (10 + words.len() + 1) % 64 != 0 {
+        words.push(' ');
+    }
+    words.push('\n');
+    let mut head = b"\x93NUMPY\x01\x00".to_vec();
+    head.extend((words.len() as u16).to_le_bytes());
+    head.extend(words.as_bytes());
+    head
+}

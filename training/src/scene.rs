@@ -1,0 +1,110 @@
+//! One picture to learn from.
+
+use crate::canvas::{Canvas, Field, happens, normal, spread};
+use crate::path::Path;
+use crate::photographs::Photographs;
+use crate::rope::{Laid, Lamp, Look};
+use crate::{camera, ground, thing};
+use lariat_portable::SplitMix64;
+
+/// Three bytes of color a pixel, then how much of it ropes cover, then whether two ropes lie side by side there (255) or not (0).
+pub(crate) const CHANNELS: usize = 5;
+
+/// The picture of a seed, [`CHANNELS`] bytes a pixel.
+pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow::Result<Vec<u8>> {
+    let random = &mut SplitMix64::of_stream(seed, 0x7EA);
+    let mut canvas = ground::draw(side, photographs, random);
+    let clutter = match random.below(10) {
+        0..4 => 0,
+        4..7 => 1 + random.below(5),
+        7 | 8 => 5 + random.below(12),
+        _ => 12 + random.below(25),
+    };
+    (0..clutter).for_each(|_| thing::lay(&mut canvas, random));
+    let (mut laid, width_px) = ropes_on(canvas, random);
+    if happens(random, 0.15) {
+        cover(&mut laid, random);
+    }
+    let seams = laid.seams(width_px);
+    let bytes = camera::expose(&mut laid.canvas, random)?;
+    let rest = laid.cover.values.iter().zip(&seams.values);
+    let pixels = bytes.as_chunks::<3>().0.iter().zip(rest);
+    let pixel = |(&[red, green, blue], (cover, &seam)): (&[u8; 3], (&f32, &bool))| {
+        [
+            red,
+            green,
+            blue,
+            (255.0 * cover + 0.5) as u8,
+            if seam { 255 } else { 0 },
+        ]
+    };
+    Ok(pixels.flat_map(pixel).collect())
+}
+
+/// None to eight ropes, alone or in bundles; and their usual width.
+fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
+    let side = canvas.side;
+    let mut laid = Laid::on(canvas);
+    let lamp = Lamp::draw(random);
+    let usual_px = if happens(random, 0.9) {
+        spread(random, 2.4, 20.0)
+    } else {
+        spread(random, 16.0, 44.0)
+    };
+    let most = if usual_px > 12.0 { 3 } else { 8 };
+    let count = [0, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 5, 6, 8][random.below(14)].min(most);
+    let shared = Look::draw(random);
+    let is_uniform = happens(random, 0.2);
+    for _ in 0..count {
+        let width_px = (usual_px * (1.0 + 0.18 * normal(random))).clamp(2.2, 48.0);
+        let look = if is_uniform {
+            shared.clone()
+        } else {
+            Look::draw(random)
+        };
+        let path = Path::draw(side, width_px, random);
+        if path.points.len() < (3.0 * width_px) as usize + 8 {
+            continue;
+        }
+        laid.lay(&path, width_px, &look, &lamp, random);
+        if happens(random, 0.18) {
+            // A bundle: others beside it, in contact or nearly.
+            let gap = random.uniform_f32(0.95, 1.25);
+            let wander = random.uniform_f32(0.0, 0.3);
+            let period_px = random.uniform_f32(60.0, 300.0);
+            for k in 1..2 + random.below(3) {
+                let away_px = |i: usize| {
+                    width_px * k as f32 * (gap + wander * (libm::sinf(i as f32 / period_px) + 1.0))
+                };
+                let look = if is_uniform {
+                    shared.clone()
+                } else {
+                    Look::draw(random)
+                };
+                laid.lay(&path.beside(away_px), width_px, &look, &lamp, random);
+            }
+        }
+    }
+    (laid, usual_px)
+}
+
+/// Something lies over the ropes: a tool, a gripper, a label. Where it hides them they are not to be found.
+fn cover(laid: &mut Laid, random: &mut SplitMix64) {
+    let mut above: Canvas = laid.canvas.clone();
+    thing::lay(&mut above, random);
+    let mut changed = Field::of(above.side, 0.0);
+    let pairs = above.values.iter().zip(&laid.canvas.values);
+    for (share, (after, before)) in changed.values.iter_mut().zip(pairs) {
+        let off: f32 = (0..3).map(|k| (after[k] - before[k]).abs()).sum();
+        // A shadow darkens all colors alike and hides nothing, but what it falls on is rarely worth telling from it.
+        *share = (off / 24.0).min(1.0);
+    }
+    let hidden: f32 = changed.values.iter().sum();
+    if hidden > 0.2 * (above.side * above.side) as f32 {
+        return;
+    }
+    laid.canvas = above;
+    for (i, &share) in changed.values.iter().enumerate() {
+        laid.hide(i, share);
+    }
+}

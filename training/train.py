@@ -1,0 +1,183 @@
+"""Trains the mask network on drawn pictures: `train.py --scenes FOLDER --out FOLDER`, see README.md. Writes ropes.weights and a log.
+
+Repeatable: the same scenes, seed, steps and machine give the same weights, bit for bit, also if training was interrupted: begun again with the same
+arguments, it goes on where it was.
+"""
+
+import argparse
+import copy
+import json
+import math
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+from torch.nn import functional
+
+import network
+
+SIDE = 256
+SAVED = 1000  # steps between what is kept to go on from
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=Path, required=True, help="folder of .npy files that lariat-scenes made")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the weights, the log and what is needed to go on")
+    parser.add_argument("--steps", type=int, default=80000)
+    parser.add_argument("--batch", type=int, default=6, help="pictures a step")
+    parser.add_argument("--rate", type=float, default=2e-3, help="the highest learning rate")
+    parser.add_argument("--rounded", type=float, default=0.2, help="share of the steps, the last ones, in which numbers are rounded")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--begin", type=Path, help="a file of weights to train further, such as crates/network/ropes.weights")
+    parser.add_argument("--own", type=Path, help="pictures of your own, every second one of a batch: a folder with images/ and labels/")
+    return parser.parse_args()
+
+
+def own_pictures(folder):
+    """Pictures with their labels, as scenes are: no seams are known of them."""
+    pictures = []
+    for file in sorted((folder / "images").iterdir()):
+        rgb = np.asarray(Image.open(file).convert("RGB"))
+        label = np.asarray(Image.open(folder / "labels" / f"{file.stem}.png"))
+        label = label.any(-1) if label.ndim == 3 else label > 0
+        picture = np.dstack([rgb, 255 * label.astype(np.uint8), np.zeros(label.shape, np.uint8)])
+        margins = [(0, max(0, SIDE - length)) for length in label.shape]
+        pictures.append(np.pad(picture, (*margins, (0, 0)), mode="reflect"))
+    return pictures
+
+
+class Scenes:
+    """Crops of drawn pictures, turned and recolored. A batch is a matter of the seed and its number alone."""
+
+    def __init__(self, args):
+        self.files = [np.load(file, mmap_mode="r") for file in sorted(args.scenes.glob("*.npy"))]
+        if not self.files:
+            raise SystemExit(f"no scenes in {args.scenes}: make some with lariat-scenes first")
+        self.own = own_pictures(args.own) if args.own else []
+        self.seed, self.count = args.seed, args.batch
+
+    def batch(self, number):
+        """Pictures (count, 3, side, side) of 0 to 255, and where in them ropes and seams are (count, 2, side, side), 0 to 1."""
+        random = np.random.default_rng([self.seed, number])
+        crops = np.empty((self.count, SIDE, SIDE, 5), np.float32)
+        for crop in crops:
+            scenes = self.own if self.own and random.random() < 0.5 else self.files[random.integers(len(self.files))]
+            picture = scenes[random.integers(len(scenes))]
+            top, left = (random.integers(0, length - SIDE + 1) for length in picture.shape[:2])
+            picture = picture[top : top + SIDE, left : left + SIDE]
+            picture = np.rot90(picture, random.integers(4))
+            if random.random() < 0.5:
+                picture = picture[:, ::-1]
+            crop[:] = picture
+            if random.random() < 0.4:
+                crop[..., :3] = crop[..., random.permutation(3)]
+            crop[..., :3] = np.clip(crop[..., :3] * random.uniform(0.8, 1.2) + random.uniform(-15, 15), 0, 255)
+        crops = torch.from_numpy(crops).permute(0, 3, 1, 2)
+        return crops[:, :3].contiguous(memory_format=torch.channels_last), crops[:, 3:].contiguous() / 255
+
+
+def loss(logits, truth):
+    """Cross entropy of both maps, the seam's where ropes are; and one minus the overlap of the rope's (Milletari et al., 2016)."""
+    (rope, seam), (rope_truth, seam_truth) = logits.unbind(1), truth.unbind(1)
+    entropy = functional.binary_cross_entropy_with_logits
+    found = torch.sigmoid(rope)
+    overlap = (2 * (found * rope_truth).sum((1, 2)) + 50) / (found.sum((1, 2)) + rope_truth.sum((1, 2)) + 50)
+    parts = torch.stack([entropy(rope, rope_truth), 1 - overlap.mean(), entropy(seam, seam_truth, weight=0.1 + rope_truth)])
+    return parts @ torch.tensor([1.0, 0.5, 0.5]), parts.detach()
+
+
+class Learner:
+    """AdamW (Loshchilov and Hutter, 2019), the gradient's norm held to 2, and a mean of the weights over some 1000 steps."""
+
+    def __init__(self, weights):
+        self.weights, self.mean, self.count = weights, copy.deepcopy(weights), 0
+        self.parts = [part for layer in weights.parts.values() for part in layer]
+        # Only kernels shrink.
+        kernels, others = ([part for part in self.parts if (part.ndim == 4) == kernel] for kernel in (True, False))
+        groups = [{"params": kernels, "weight_decay": 1e-2}, {"params": others, "weight_decay": 0.0}]
+        self.optimizer = torch.optim.AdamW(groups, betas=(0.9, 0.98))
+
+    def means(self):
+        return [part for layer in self.mean.parts.values() for part in layer]
+
+    def step(self, batch, rate):
+        rgb, truth = batch
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+        self.optimizer.zero_grad()
+        total, parts = loss(self.weights(rgb), truth)
+        total.backward()
+        torch.nn.utils.clip_grad_norm_(self.parts, 2.0)
+        self.optimizer.step()
+        self.count += 1
+        with torch.no_grad():
+            torch._foreach_lerp_(self.means(), self.parts, max(1e-3, 1 / self.count))
+        return parts.numpy()
+
+
+class Training:
+    """What is kept to go on from: the step, the learner, and what the log's next line is the mean of."""
+
+    def __init__(self, args):
+        self.args, self.scenes, self.file, self.log = args, Scenes(args), args.out / "state.pt", args.out / "log.jsonl"
+        self.normalized_steps = 0 if args.begin else int(args.steps * (1 - args.rounded))
+        if self.file.exists():
+            self.number, self.learner, self.parts, self.seconds = torch.load(self.file, weights_only=False)
+            lines = self.log.read_text().splitlines(keepends=True)
+            self.log.write_text("".join(line for line in lines if json.loads(line)["step"] <= self.number))
+            return
+        self.number, self.parts, self.seconds = 0, [], 0.0
+        begun = network.unpacked(args.begin.read_bytes()) if args.begin else network.Normalized(args.seed)
+        self.learner = Learner(begun)
+        self.log.unlink(missing_ok=True)
+
+    def rate(self):
+        """Rises at first; falls to a tenth by the end of the normalized steps; then from a tenth to nothing."""
+        number, before, args = self.number, self.normalized_steps, self.args
+        fall = lambda share: 0.5 * (1 + math.cos(math.pi * share))
+        if number < before:
+            return args.rate * min(1, (number + 1) / 300) * (0.1 + 0.9 * fall(number / before))
+        return 0.1 * args.rate * fall((number - before) / (args.steps - before)) + 1e-6
+
+    def run(self):
+        began = time.monotonic() - self.seconds
+        while self.number < self.args.steps:
+            if self.number == self.normalized_steps and not self.args.begin:
+                unseen = (self.scenes.batch(self.args.steps + k)[0] for k in range(100))
+                self.learner = Learner(self.learner.mean.folded(unseen))
+            self.parts.append(self.learner.step(self.scenes.batch(self.number), self.rate()))
+            self.number += 1
+            self.seconds = time.monotonic() - began
+            if self.number % 200 == 0:
+                self.note()
+            if self.number % SAVED == 0:
+                self.save()
+        (self.args.out / "ropes.weights").write_bytes(network.packed(self.learner.mean))
+
+    def note(self):
+        rope, overlap, seam = (float(value) for value in np.mean(self.parts, 0))
+        self.parts = []
+        line = {"step": self.number, "rope": rope, "overlap": overlap, "seam": seam, "seconds": self.seconds}
+        with self.log.open("a") as log:
+            print(json.dumps({name: round(value, 4) for name, value in line.items()}), file=log)
+
+    def save(self):
+        part = self.file.with_suffix(".part")
+        torch.save((self.number, self.learner, self.parts, self.seconds), part)
+        os.replace(part, self.file)
+
+
+def main():
+    args = arguments()
+    args.out.mkdir(parents=True, exist_ok=True)
+    torch.use_deterministic_algorithms(True)
+    torch.utils.deterministic.fill_uninitialized_memory = False
+    Training(args).run()
+
+
+if __name__ == "__main__":
+    main()
