@@ -12,7 +12,7 @@
 //! so is every [`MOST_FRAMES`]th frame.
 
 mod chord;
-mod lay;
+pub(crate) mod lay;
 mod learn;
 mod narrow;
 mod profile;
@@ -29,8 +29,10 @@ use chord::Reader;
 use rope::Rope;
 use sweep::Sweep;
 
+pub(crate) use station::axis;
+
 /// Frames that ropes are followed before they are extracted again: a second at a camera's usual rate.
-const MOST_FRAMES: u32 = 30;
+pub(crate) const MOST_FRAMES: u32 = 30;
 /// Points by which a crossing may move along its ropes from one frame to the next.
 const CROSSING: usize = 4;
 
@@ -144,7 +146,7 @@ fn note(ropes: &mut [Rope], crossings: &[Crossing]) {
 
 /// Moves a crossing to where the curves now meet near it; false if they do not. No new one comes about unseen: strands
 /// that come to lie on each other have no chords of their own any more.
-fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
+pub(crate) fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
     let pieces = |curve: usize| curves[curve].intervals() as f32;
     let place = |curve, rho: f32| Place {
         curve,

@@ -12,6 +12,7 @@ use crate::chords::ChordFollower;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::confidence::Evidence;
+use crate::contours::ContourFollower;
 use crate::crossings::Crosser;
 use crate::graph::Graph;
 use crate::graph::overlaps::Overlaps;
@@ -39,6 +40,8 @@ use std::sync::Arc;
 const SOMETHING: f32 = 24.0;
 /// Frames after which ropes that are plain to see are followed.
 const SETTLED: u32 = 3;
+/// And those of a mask that was given.
+const TOLD: u32 = 1;
 /// Frames after a search by shape that was in vain until the next: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
 /// The time between two images of which nothing else is known: 1/30 s.
@@ -47,7 +50,7 @@ const FRAME_NS: u64 = 1_000_000_000 / 30;
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// The ropes of the last image are followed into this one. Taken when they are plain to see; it is the only step of
+    /// The ropes of the last image are followed into this one. Taken when they were seen whole; it is the only step of
     /// an image into which they could be followed ([`Scene::followed`]).
     Follow,
     /// Pixels to one bit each: rope or not.
@@ -102,7 +105,9 @@ pub struct Extractor {
     count: usize,
     crosser: Crosser,
     crossings: Vec<Crossing>,
+    /// Followed on a plain table, and on any other ground.
     chords: ChordFollower,
+    contours: ContourFollower,
     /// What each curve may be instead of a rope, and what to say of it.
     doubts: Vec<Option<Notice>>,
     /// What speaks for each curve and against it.
@@ -114,6 +119,8 @@ pub struct Extractor {
     plain_frames: u32,
     /// Whether the last image's ropes were followed into it.
     followed: bool,
+    /// Whether there was ever an image without a mask made elsewhere.
+    may_follow: bool,
     /// Frames without a rope until ropes are sought by their shape again.
     frames_to_wait: u32,
 }
@@ -156,12 +163,14 @@ impl Extractor {
             crosser: Crosser::default(),
             crossings: Vec::new(),
             chords: ChordFollower::default(),
+            contours: ContourFollower::default(),
             doubts: Vec::new(),
             evidence: Vec::new(),
             doubt: None,
             is_crowded: false,
             plain_frames: 0,
             followed: false,
+            may_follow: false,
             frames_to_wait: 0,
         })
     }
@@ -211,7 +220,8 @@ impl Extractor {
     /// # }
     /// ```
     pub fn follow(&mut self, image: &Image) -> Option<Scene<'_>> {
-        if self.size != (image.width(), image.height()) || !self.chords.is_ready() {
+        self.may_follow = true;
+        if self.size != (image.width(), image.height()) || !self.can_follow() {
             return None;
         }
         let mut unpacker = std::mem::take(&mut self.unpacker);
@@ -230,7 +240,8 @@ impl Extractor {
     /// extracted whole.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
-        if self.chords.is_ready() {
+        self.may_follow = true;
+        if self.can_follow() {
             let found = self.find_again(image);
             if found {
                 self.go_on(image);
@@ -266,9 +277,24 @@ impl Extractor {
 
     /// Moves the curves of the last image to where they lie in this one, if that is all it takes.
     fn find_again(&mut self, image: &Image) -> bool {
-        let (table, curves) = (&self.masker.background, &mut self.curves[..self.count]);
-        self.chords
-            .follow(image, table, curves, &mut self.crossings)
+        let curves = &mut self.curves[..self.count];
+        if self.chords.is_ready() {
+            let table = &self.masker.background;
+            return self
+                .chords
+                .follow(image, table, curves, &mut self.crossings);
+        }
+        self.contours.follow(image, curves, &mut self.crossings)
+    }
+
+    fn can_follow(&self) -> bool {
+        self.chords.is_ready() || self.contours.is_ready()
+    }
+
+    /// Forgets what is known of the ropes to follow them.
+    fn drop_followed(&mut self) {
+        self.chords.drop();
+        self.contours.drop();
     }
 
     /// Lets the tracks go on with the curves, which were found again.
@@ -278,19 +304,31 @@ impl Extractor {
         self.tracker.go_on(&self.curves[..self.count]);
     }
 
-    /// Lets the ropes just extracted be followed from here on, where all is plain to see.
+    /// Lets the ropes just extracted be followed from here on: by what differs from the table where all is plain to see,
+    /// else by their edges.
     fn anchor(&mut self, image: &Image, seen: usize) {
-        self.chords.drop();
+        self.drop_followed();
         let plain = seen > 0 && seen == self.count && !self.occluder.any();
         self.plain_frames = if plain { self.plain_frames + 1 } else { 0 };
-        if let Some(cut) = self.masker.cut
-            && self.plain_frames >= SETTLED
-            && self.masker.notice.is_none()
-            && !self.masker.is_smoothed
+        let curves = &self.curves[..self.count];
+        let seen_frames = self.contours.know(curves);
+        let table = self.masker.notice.is_none() && !self.masker.is_smoothed;
+        let within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
+        if let Some(cut) = self.masker.cut.filter(|_| table)
+            && curves.iter().all(within)
         {
-            let (table, curves) = (&self.masker.background, &self.curves[..self.count]);
-            self.chords
-                .anchor(image, table, cut, curves, &self.crossings);
+            if self.plain_frames >= SETTLED {
+                let table = &self.masker.background;
+                self.chords
+                    .anchor(image, table, cut, curves, &self.crossings);
+            }
+            return;
+        }
+        // A mask that was given is taken at its word. Who gives one for each image needs nothing learnt.
+        let is_told = self.masker.is_given && !self.masker.is_by_shape();
+        let least = if is_told { TOLD } else { SETTLED };
+        if plain && seen_frames >= least && (self.may_follow || !is_told) {
+            self.contours.anchor(image, curves, &self.crossings);
         }
     }
 
@@ -298,6 +336,9 @@ impl Extractor {
     /// the extractor's own: `Gray8` of the image's size, the higher the likelier rope
     /// ([`Options::mask_level`]). Where its edges are soft, as probabilities are, the rope's place between pixels is
     /// read from them.
+    ///
+    /// The mask is used whether or not the ropes could be followed. A mask is not needed for each image: between two of them
+    /// the ropes are [followed](Self::follow).
     ///
     /// # Errors
     /// When the mask is no `Gray8` of the image's size. The image is then not looked at, and the next one goes on from
@@ -318,7 +359,6 @@ impl Extractor {
     ) -> Result<Scene<'_>, MaskError> {
         self.masker.take(image, mask, self.options.mask_level)?;
         self.turn_to(image);
-        self.chords.drop();
         let mut unpacker = std::mem::take(&mut self.unpacker);
         self.after_mask(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
@@ -331,7 +371,7 @@ impl Extractor {
     pub fn blank(&mut self) -> Scene<'_> {
         self.turn_the_clock();
         self.crossings.clear();
-        self.chords.drop();
+        self.drop_followed();
         self.plain_frames = 0;
         self.tracker.pass(self.now_ns);
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
@@ -503,8 +543,10 @@ impl Extractor {
 
     fn new_scene(&mut self) {
         self.count = 0;
+        self.may_follow = false;
         self.crossings.clear();
-        self.chords.drop();
+        self.drop_followed();
+        self.contours.forget();
         self.plain_frames = 0;
         self.frames_to_wait = 0;
         self.clusterer.forget();

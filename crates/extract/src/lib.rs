@@ -46,7 +46,8 @@
 //! and the points are theirs (`ordering`).
 //!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
-//! at each of its points (`chords`), as long as nothing else happens; [`Scene::followed`] says so.
+//! at each of its points (`chords`), or on any other ground than a plain table its two edges (`contours`), as long as
+//! nothing else happens; [`Scene::followed`] says so.
 //!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
 //! it is knotted (`knot`). Color ranges for a picture's ropes are proposed by `pick`.
@@ -89,13 +90,23 @@
 //! where the difference falls to half, less what that said too much when it was learnt. Every 64th row of the rest of the
 //! image is looked at, other rows in each frame. Anything unexpected leaves the image to a whole extraction: chords that are
 //! missing, too wide or of another contrast, a tip that jumped or came against something, a crossing that is gone, something
-//! new elsewhere, a change of size or format. So does every 30th frame, and so do ropes that this cannot tell: closed ones,
-//! those that leave the image, thinner than 3 px or wider than 36, those with points more than two widths apart, any that is
+//! new elsewhere, a change of size or format. So does every 30th frame, and so do ropes that this cannot tell:
+//! thinner than 3 px or wider than 36, those with points more than two widths apart, any that is
 //! partly hidden, and a rope that, followed into the very image it was extracted from, does not stay where it is.
 //! `Scene::followed` says which of the two a scene comes from. Sixteen chords are worked on side by side (`narrow`): only
 //! their pixels are brought together one chord after the other, no farther than five pixels beyond where its edges are
 //! expected, and by gathers into one register where the machine has AVX-512 (`profile`, beside the plain loops that define
 //! it). What is not found so near is looked for as far as a rope may move.
+//!
+//! **Following on any ground** (`contours`, `contours/`). With any other mask than that of a plain table (colour ranges, one found by shape, one
+//! made elsewhere), and for ropes that are closed or leave the image, there is no table to take a difference from. Then the rope's
+//! own colour is learnt at each of its points from the image that it was extracted from, and how it varies (`looks`); what is far
+//! from it is ground. Both edges are read at each point, in a row or column of sixteen pixels each, where the difference from the rope's colour passes
+//! half of what it comes to beyond (`edge`). Where one edge has no contrast the other one and the width tell; what is unlike those
+//! around is dropped (`motion`); points under a hand or in a crossing move as their neighbors do, for at most twelve frames in which something is
+//! hidden. A sixteenth of the rows is kept, and what is in them that was not is something new, or a camera that moves: then only
+//! colors that were not nearby are (`novelty`). Strands that touch, a crossing at a tip, a rope that grows or shrinks by more than 2.5 %, parts
+//! unread for too long, and all that ends the following by chords, are left to a whole extraction.
 //!
 //! **Knots** (`knot`, `knot/`). A rope's crossings with itself, in their order, are a signed Gauss code; together with the
 //! signs it fixes the diagram's faces, and Euler's formula says whether it fits into a plane (if not, a crossing was missed
@@ -166,6 +177,7 @@ mod centerline;
 mod chords;
 mod clustering;
 mod confidence;
+mod contours;
 mod crossings;
 mod extractor;
 mod graph;

@@ -230,7 +230,7 @@ pub(super) fn table(reader: &Reader, at: Vec2) -> [f32; 3] {
 
 /// Along which the rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.
 #[inline(always)]
-pub(super) fn axis([x, y]: Vec2) -> usize {
+pub(crate) fn axis([x, y]: Vec2) -> usize {
     usize::from(y.abs() > x.abs())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::drawing::{Rope, Table, extractor};
 use lariat_counting::allocations;
-use lariat_extract::{Extractor, Image, Method, Options, PixelFormat};
+use lariat_extract::{Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat};
 
 /// Two ropes that move, one of them through itself.
 fn film() -> Vec<Vec<u8>> {
@@ -65,6 +65,39 @@ fn no_frame_of_a_moving_rope_allocates_once_warm() {
     let before = allocations();
     assert_eq!(run(&frames), 80);
     assert_eq!(allocations() - before, 0);
+}
+
+#[test]
+fn no_frame_that_is_followed_by_its_edges_allocates_once_warm() {
+    let frames = film();
+    let red_and_blue = [[200.0, 250.0], [350.0, 10.0]].map(|hue_deg| HsvRange {
+        hue_deg,
+        saturation: [0.3, 1.0],
+        value: [0.1, 1.0],
+    });
+    let options = Options {
+        mask: Mask::Hsv(red_and_blue.into()),
+        ..Options::default()
+    };
+    let mut extractor = Extractor::new(options).expect("the options are valid");
+    let mut run = || {
+        let (mut curves, mut followed) = (0, 0);
+        for rgb in &frames {
+            let image = Image::new(rgb, 320, 240, 960, PixelFormat::Rgb8).expect("a whole image");
+            let scene = extractor.extract(&image);
+            (curves, followed) = (
+                curves + scene.curves.len(),
+                followed + usize::from(scene.followed),
+            );
+        }
+        (curves, followed)
+    };
+    run();
+    run();
+    let before = allocations();
+    let (curves, followed) = run();
+    assert_eq!((curves, allocations() - before), (80, 0));
+    assert!(followed > 10, "{followed} of 40 frames followed");
 }
 
 #[test]

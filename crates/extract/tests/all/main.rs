@@ -10,6 +10,7 @@ mod classes;
 mod confidence;
 mod false_ropes;
 mod follow;
+mod follow_any;
 mod hard;
 mod hostile;
 mod masks;

@@ -1,0 +1,148 @@
+//! Ropes followed on any ground, by their two edges.
+//!
+//! As [chords](crate::chords) are, but without a table: at each of a rope's points the rope's own color is learnt where it
+//! was extracted whole, and what is far from that color is ground, whatever its own may be. The difference from the rope's
+//! color grows along a pixel row in proportion to the ground's share in it, so that an edge lies where it passes half of
+//! what it comes to beyond: to a tenth of a pixel on any ground, and anew in each frame, so that nothing of the ground has
+//! to be remembered while the rope moves over it or the camera over both.
+//!
+//! The edges of a point are read each by itself (measurement lines as in Blake and Isard, "Active Contours", 1998). Where
+//! one has no contrast the other one and the width tell; a reading that is unlike those around is dropped; and points
+//! without any, under a hand or in a crossing, move as their neighbors do. Whatever else is not as expected is left to a
+//! whole extraction, as is every [`MOST_FRAMES`]th frame.
+
+mod edge;
+mod ends;
+mod learn;
+mod looks;
+mod motion;
+mod novelty;
+mod read;
+mod rope;
+mod station;
+
+use crate::chords::{MOST_FRAMES, carry};
+use crate::image::{Image, PixelFormat};
+use crate::scene::{Crossing, Curve};
+use novelty::Novelty;
+use rope::Rope;
+
+/// What is known of the ropes that can be followed.
+#[derive(Debug, Default)]
+pub(crate) struct ContourFollower {
+    novelty: Novelty,
+    ropes: Vec<Rope>,
+    /// How many of them are followed; 0: none can be.
+    count: usize,
+    frames: u32,
+    /// The numbers of those that were last seen whole, and in how many images they were.
+    tracks: Vec<u32>,
+    seen: u32,
+    /// The image they were extracted from.
+    size: [usize; 2],
+    format: Option<PixelFormat>,
+}
+
+impl ContourFollower {
+    /// Whether there are ropes that may be followed into the next image.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.count > 0 && self.frames < MOST_FRAMES
+    }
+
+    /// Forgets the ropes: the next image is extracted whole.
+    pub(crate) fn drop(&mut self) {
+        self.count = 0;
+    }
+
+    /// Forgets that there ever were any.
+    pub(crate) fn forget(&mut self) {
+        self.tracks.clear();
+        self.seen = 0;
+    }
+
+    /// Notes the ropes that an image shows; returns in how many images these and no others were seen whole.
+    pub(crate) fn know(&mut self, curves: &[Curve]) -> u32 {
+        let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
+        let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
+        self.seen = match (same, curves.iter().all(learn::is_whole)) {
+            (true, true) => self.seen + 1,
+            (false, true) => 1,
+            (_, false) => 0,
+        };
+        self.tracks.clear();
+        self.tracks.extend(curves.iter().map(|curve| curve.track));
+        self.seen
+    }
+
+    /// Learns the ropes that were just extracted from `image`, all of them seen at least in part.
+    pub(crate) fn anchor(&mut self, image: &Image, curves: &[Curve], crossings: &[Crossing]) {
+        self.count = 0;
+        self.frames = 0;
+        (self.size, self.format) = ([image.width(), image.height()], Some(image.format()));
+        if self.ropes.len() < curves.len() {
+            self.ropes.resize_with(curves.len(), Rope::default);
+        }
+        let ropes = &mut self.ropes[..curves.len()];
+        if !(ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve)) {
+            return;
+        }
+        note(ropes, crossings);
+        if station::touch(ropes) {
+            return;
+        }
+        let is_learnt = |rope: &mut Rope| rope.has_its_ends() && rope.learn(image);
+        if ropes.iter_mut().all(is_learnt) {
+            self.count = curves.len();
+            self.novelty.keep(image, &self.ropes[..self.count]);
+        }
+    }
+
+    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
+    /// has to be extracted whole; then they mean nothing.
+    pub(crate) fn follow(
+        &mut self,
+        image: &Image,
+        curves: &mut [Curve],
+        crossings: &mut [Crossing],
+    ) -> bool {
+        let same = self.size == [image.width(), image.height()];
+        let ready = self.is_ready() && self.count == curves.len();
+        if !ready || !same || self.format != Some(image.format()) {
+            self.count = 0;
+            return false;
+        }
+        self.frames += 1;
+        let ropes = &mut self.ropes[..self.count];
+        note(ropes, crossings);
+        let found = !self.novelty.is_in(image, ropes)
+            && ropes
+                .iter_mut()
+                .all(|rope| rope.has_its_ends() && rope.follow(image))
+            && !station::come_together(ropes);
+        if !found {
+            self.count = 0;
+            return false;
+        }
+        for (rope, curve) in ropes.iter_mut().zip(&mut *curves) {
+            rope.take(curve);
+        }
+        let carried = crossings.iter_mut().all(|crossing| carry(curves, crossing));
+        if !carried {
+            self.count = 0;
+        }
+        carried
+    }
+}
+
+/// Lets the ropes know where others cross them.
+fn note(ropes: &mut [Rope], crossings: &[Crossing]) {
+    ropes.iter_mut().for_each(Rope::clear_crossings);
+    for crossing in crossings {
+        let over = (crossing.over, crossing.over_rho);
+        let under = (crossing.under, crossing.under_rho);
+        for ((rope, rho), (other, other_rho)) in [(over, under), (under, over)] {
+            let (direction, width_px) = (ropes[other].direction(other_rho), ropes[other].width_px);
+            ropes[rope].cross(rho, direction, width_px);
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! What is learnt of a rope in the image that it was extracted from: its colors, and where its edges read there.
+
+use super::ends::End;
+use super::looks::Looks;
+use super::rope::{LEAST_SEEN, Rope};
+use super::station::{Station, set_normals};
+use crate::image::{Image, color};
+use crate::scene::{Curve, Status};
+use crate::vec2::{self, Vec2};
+
+/// Ropes of these widths, in pixels: thinner ones have no color of their own in the middle, and thicker ones are no ropes
+/// that a window of sixteen pixels tells from what they lie on.
+const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=80.0;
+/// Fewer points than this are no shape to follow.
+const LEAST_POINTS: usize = 16;
+/// The farthest that points may lie apart, in widths: what lies between them is not looked at.
+const APART_WIDTHS: f32 = 2.0;
+/// A smooth curve through the points is as long as the rope, up to this share: or they lie too far apart for its bends.
+const LENGTH: f32 = 0.005;
+/// Points to either side that a color and an edge's place are averaged with.
+const AROUND: usize = 4;
+/// Where across a rope its color is read, in widths from the middle.
+const ACROSS: [f32; 3] = [-0.3, 0.0, 0.3];
+/// Where beyond an edge the ground is, in pixels.
+const BEYOND_PX: [f32; 2] = [2.0, 4.0];
+/// The share of the rope's own colors that lies within what is taken for its own, and how many levels more are.
+const OWN: f32 = 0.9;
+const MARGIN: f32 = 6.0;
+/// From how many times that on a color is none of the rope's.
+const CLEAR: f32 = 1.5;
+/// How stiffly an edge's place is held not to depend on where it faces, for each of them.
+const LAMP_STIFF: f32 = 0.03;
+/// How far a tip may read beyond its true place, in widths.
+const BEYOND_TIP: f32 = 0.6;
+/// And aside of the way that the rope runs on to it.
+const ASIDE_TIP: f32 = 0.15;
+/// A rope is followed if that leaves its points where they were extracted: to so many pixels and widths in the mean, and
+/// to four times that each.
+const OFF: (f32, f32) = (0.2, 0.02);
+
+impl Rope {
+    /// Takes the rope as it was extracted; false when it cannot be followed.
+    pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
+        let n = curve.points.len();
+        let pieces = n.max(2) - usize::from(!curve.closed);
+        let spacing_px = curve.length_px / pieces as f32;
+        let fits = n >= LEAST_POINTS
+            && WIDTHS_PX.contains(&curve.width_px)
+            && spacing_px <= APART_WIDTHS * curve.width_px;
+        let is_whole =
+            matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true);
+
+        if !is_whole || !fits {
+            return false;
+        }
+        (self.width_px, self.closed) = (curve.width_px, curve.closed);
+        self.hidden_frames = 0;
+        self.ends = curve.border.map(|is_border| End {
+            is_border,
+            ..End::default()
+        });
+        self.stations.clear();
+        let places = curve.points.iter().zip(&curve.widths_px).zip(&curve.hidden);
+        self.stations
+            .extend(places.map(|((&at, &width_px), &is_hidden)| Station {
+                at,
+                width_px,
+                is_hidden,
+                edges_px: [-0.5 * width_px, 0.5 * width_px],
+                ..Station::default()
+            }));
+        set_normals(&mut self.stations, self.closed);
+        let again = self.closed.then(|| curve.points[0]);
+        let places = curve.points.iter().copied().chain(again);
+        self.length_px = self.lay.measure(places);
+        self.whole_px = self.length_px;
+        (self.length_px - curve.length_px).abs() <= LENGTH * curve.length_px
+    }
+
+    /// Learns the rope's looks in the image that it was extracted from; false when they do not tell it from its ground.
+    pub(super) fn learn(&mut self, image: &Image) -> bool {
+        self.is_learning = true;
+        self.learn_colors(image);
+        self.learn_ground(image);
+        let learnt = self.learn_edges(image) && self.learn_tips(image) && self.agrees(image);
+        self.is_learning = false;
+        learnt
+    }
+
+    /// Reads the rope's color at its points, in the mean of those around, and how it varies.
+    fn learn_colors(&mut self, image: &Image) {
+        let n = self.stations.len();
+        let here = |station: &Station| across(station).map(|at| color::between(image, at));
+        self.offs.clear();
+        self.offs.extend(self.stations.iter().flat_map(here));
+        self.colors.clear();
+        for i in 0..n {
+            let (mut sum, mut count) = ([0.0f32; 3], 0.0f32);
+            for k in self
+                .numbers_around(i)
+                .filter(|&k| is_seen(&self.stations[k]))
+            {
+                for off in &self.offs[3 * k..3 * k + 3] {
+                    sum.iter_mut().zip(off).for_each(|(sum, c)| *sum += c);
+                    count += 1.0;
+                }
+            }
+            // Where all around are covered what is known of the one before is as good as anything.
+            let before = self.colors.last().copied().unwrap_or_default();
+            let color = if count > 0.0 {
+                sum.map(|c| c / count)
+            } else {
+                before
+            };
+            self.colors.push(color);
+        }
+        // From the color that is usual around to the place's own.
+        let mut kept = 0;
+        for i in (0..n).filter(|&i| is_seen(&self.stations[i])) {
+            for k in 0..ACROSS.len() {
+                let (here, usual) = (self.offs[3 * i + k], self.colors[i]);
+                self.offs[kept] = [0, 1, 2].map(|c| here[c] - usual[c]);
+                kept += 1;
+            }
+        }
+        self.offs.truncate(kept);
+        self.looks = Looks::of(&self.offs, image.format());
+        for (station, &color) in self.stations.iter_mut().zip(&self.colors) {
+            station.color = self.looks.middle(color);
+        }
+        let nothing = self.looks.middle([0.0; 3]);
+        self.differences.clear();
+        let offs = self.offs.iter();
+        self.differences
+            .extend(offs.map(|&off| self.looks.distance(off, &nothing)));
+        let most = (OWN * self.differences.len() as f32) as usize;
+        self.differences.sort_unstable_by(f32::total_cmp);
+        let own = self.differences.get(most).copied().unwrap_or(0.0);
+        self.looks.strange = CLEAR * (own + MARGIN);
+    }
+
+    /// Reads how far from the rope's color the ground is, on either side.
+    fn learn_ground(&mut self, image: &Image) {
+        for station in &mut self.stations {
+            station.is_clear = false;
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                let levels = BEYOND_PX.map(|px| {
+                    let out_px = sign * (0.5 * station.width_px + px);
+                    let at = vec2::along(station.at, station.normal, out_px);
+                    self.looks
+                        .distance(color::between(image, at), &station.color)
+                });
+                let level = levels[0].min(levels[1]);
+                station.is_clear |= level >= self.looks.strange;
+                station.cuts[side] = 0.5 * level;
+            }
+        }
+    }
+
+    /// Learns where the edges read.
+    fn learn_edges(&mut self, image: &Image) -> bool {
+        self.next.clone_from(&self.stations);
+        self.read(image);
+        self.learn_lamp();
+        let n = self.stations.len();
+        let mut read = 0;
+        for i in 0..n {
+            let (mut sums, mut counts) = ([0.0f32; 2], [0.0f32; 2]);
+            for k in self.numbers_around(i) {
+                let off_px = self.readings[k].off_px;
+                for side in 0..2 {
+                    // An edge farther off is something else's.
+                    if let Some(px) = off_px[side].filter(|&px| self.is_own(px)) {
+                        (sums[side], counts[side]) = (sums[side] + px, counts[side] + 1.0);
+                    }
+                }
+            }
+            let station = &mut self.stations[i];
+            for side in 0..2 {
+                station.edges_px[side] += sums[side] / counts[side].max(1.0);
+            }
+            let reading = &self.readings[i];
+            read += usize::from(reading.off_px.iter().any(Option::is_some));
+            for side in 0..2 {
+                if reading.off_px[side].is_some() {
+                    station.cuts[side] = reading.levels[side];
+                }
+            }
+        }
+        read as f32 >= LEAST_SEEN * n as f32
+    }
+
+    /// Whether an edge that reads so far from where it is expected is the rope's.
+    fn is_own(&self, off_px: f32) -> bool {
+        off_px.abs() < 1.0 + 0.2 * self.width_px
+    }
+
+    /// Learns how where an edge reads depends on where it faces: by least squares, toward no dependence.
+    fn learn_lamp(&mut self) {
+        let both = self.stations.iter().zip(&self.readings);
+        let own = both.flat_map(|(station, reading)| {
+            let [a, b] = reading.off_px;
+            let facing = [a.map(|px| (px, -1.0)), b.map(|px| (-px, 1.0))]
+                .into_iter()
+                .flatten();
+            facing.map(|(in_px, sign)| (in_px, vec2::scale(station.normal, sign)))
+        });
+        let own = || own.clone().filter(|&(in_px, _)| self.is_own(in_px));
+        let (mut mean_px, mut mean, mut count) = (0.0f32, [0.0f32; 2], 0.0f32);
+        for (in_px, facing) in own() {
+            (mean_px, mean, count) = (mean_px + in_px, vec2::add(mean, facing), count + 1.0);
+        }
+        let count = count.max(1.0);
+        (mean_px, mean) = (mean_px / count, vec2::scale(mean, 1.0 / count));
+        let stiff = LAMP_STIFF * count;
+        let (mut a, mut b, mut d, mut right) = (stiff, 0.0, stiff, [0.0f32; 2]);
+        for (in_px, facing) in own() {
+            let [x, y] = vec2::sub(facing, mean);
+            (a, b, d) = (a + x * x, b + x * y, d + y * y);
+            right = vec2::along(right, [x, y], in_px - mean_px);
+        }
+        let determinant = a * d - b * b;
+        let [x, y] = right;
+        self.lamp = [d * x - b * y, a * y - b * x].map(|v| v / determinant);
+    }
+
+    fn learn_tips(&mut self, image: &Image) -> bool {
+        self.next.clone_from(&self.stations);
+        if self.measure(image).is_none() {
+            return false;
+        }
+        for end in 0..2 {
+            let tip = if end == 0 { 0 } else { self.next.len() - 1 };
+            let (now, was) = (&self.next[tip], &self.stations[tip]);
+            let inner = if end == 0 { 1 } else { self.next.len() - 2 };
+            let out = vec2::unit_or(vec2::sub(was.at, self.stations[inner].at), [1.0, 0.0]);
+            let aside_px = vec2::dot(vec2::sub(was.at, now.at), vec2::normal(out));
+            self.ends[end].aside_px =
+                aside_px.clamp(-ASIDE_TIP * self.width_px, ASIDE_TIP * self.width_px);
+        }
+        self.next.clone_from(&self.stations);
+        let most_px = BEYOND_TIP * self.width_px + 1.0;
+        for end in 0..2 {
+            if !self.closed && !self.ends[end].is_border {
+                let beyond_px = self.tip(image, end);
+                self.ends[end].beyond_px = beyond_px.filter(|px| px.abs() <= most_px);
+            }
+        }
+        true
+    }
+
+    /// Whether the rope, followed into the very image that it was extracted from, stays where it is.
+    fn agrees(&mut self, image: &Image) -> bool {
+        self.next.clone_from(&self.stations);
+        if self.measure(image).is_none() {
+            return false;
+        }
+        let off = |(next, was): (&Station, &Station)| vec2::distance(next.at, was.at);
+        let offs = || self.next.iter().zip(&self.stations).map(off);
+        let mean_px = offs().sum::<f32>() / self.stations.len() as f32;
+        let most_px = OFF.0 + OFF.1 * self.width_px;
+        mean_px <= most_px && offs().all(|px| px <= 4.0 * most_px)
+    }
+
+    /// The numbers of the points around one, and itself.
+    fn numbers_around(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (n, closed) = (self.stations.len(), self.closed);
+        (i + n - AROUND..=i + n + AROUND)
+            .filter(move |&k| closed || (n..2 * n).contains(&k))
+            .map(move |k| k % n)
+    }
+}
+
+/// Whether all of a rope is seen.
+pub(super) fn is_whole(curve: &Curve) -> bool {
+    matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true)
+}
+
+/// Whether the rope's own color shows at a point.
+fn is_seen(station: &Station) -> bool {
+    !station.is_crossed && !station.is_hidden
+}
+
+/// The places across a rope where its color is read.
+fn across(station: &Station) -> [Vec2; 3] {
+    ACROSS.map(|widths| vec2::along(station.at, station.normal, widths * station.width_px))
+}

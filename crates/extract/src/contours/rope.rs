@@ -1,0 +1,354 @@
+//! One rope that is followed by its edges.
+
+use super::edge::WINDOW;
+use super::ends::End;
+use super::looks::Looks;
+use super::motion::Motion;
+use super::read::{ReadAll, Reading};
+use super::station::{Station, set_normals};
+use crate::centerline::line::{Line, Sample};
+use crate::centerline::smooth::Smoother;
+use crate::chords::axis;
+use crate::chords::lay::Lay;
+use crate::image::Image;
+use crate::scene::{Curve, Status};
+use crate::vec2::{self, Vec2};
+use lariat_portable::Arch;
+
+/// The least share, of the points whose edges could be read when the rope was extracted and that nothing covers, that are
+/// read; and of all points.
+const LEAST_READ: f32 = 0.6;
+pub(super) const LEAST_SEEN: f32 = 0.35;
+/// Widths of rope that go unread at most, between parts that are read, and before an end.
+const MOST_BRIDGED: f32 = 10.0;
+const MOST_AT_END: f32 = 2.5;
+/// Frames that a rope is followed with something lying over it.
+const MOST_HIDDEN_FRAMES: u32 = 12;
+/// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
+const AT_TIP: f32 = 0.35;
+const ALONG: f32 = 0.5;
+const CLEAR_PX: f32 = 1.0;
+/// A strand that crosses blurs this far beyond its width, as a factor and in pixels more.
+const CROSSING: (f32, f32) = (1.1, 2.0);
+/// The reach of smoothing, in points, and the weight of points that move as others do.
+const SMOOTH: f32 = 0.6;
+const CARRIED: f32 = 0.1;
+/// How fast what is not read before a tip comes to lie as the rope runs on to it.
+const RUN_ON_PACE: f32 = 0.25;
+/// Moved farther than this aside in the mean, in pixels, a rope is read once more where it then is.
+const FAR_PX: f32 = 1.0;
+/// How far the length of a rope between its tips may come to differ.
+const LENGTH: f32 = 0.025;
+/// How fast the level of an edge follows what is read.
+const PACE: f32 = 0.3;
+
+/// A rope, and how it looks where it was extracted.
+#[derive(Debug, Default)]
+pub(super) struct Rope {
+    pub(super) stations: Vec<Station>,
+    /// The same in the frame at hand, until that is taken, and what was read there.
+    pub(super) next: Vec<Station>,
+    pub(super) readings: Vec<Reading>,
+    wanted: Vec<bool>,
+    pub(super) closed: bool,
+    pub(super) ends: [End; 2],
+    pub(super) width_px: f32,
+    pub(super) length_px: f32,
+    /// As it was extracted.
+    pub(super) whole_px: f32,
+    pub(super) looks: Looks,
+    /// Its color at each station, and how far those beside lie from it.
+    pub(super) colors: Vec<[f32; 3]>,
+    pub(super) offs: Vec<[f32; 3]>,
+    pub(super) hidden_frames: u32,
+    /// Whether the image at hand is the one that it was extracted from.
+    pub(super) is_learning: bool,
+    /// How much farther in an edge reads per step of the direction that it faces: the light comes from one side.
+    pub(super) lamp: Vec2,
+    pub(super) lay: Lay,
+    pub(super) motion: Motion,
+    pub(super) differences: Vec<f32>,
+    line: Line,
+    smoother: Smoother,
+}
+
+impl Rope {
+    /// Forgets which stations are crossed.
+    pub(super) fn clear_crossings(&mut self) {
+        self.stations.iter_mut().for_each(|s| s.is_crossed = false);
+    }
+
+    /// Notes that another strand crosses at normalized arc length `rho`, with this direction and width.
+    pub(super) fn cross(&mut self, rho: f32, direction: Vec2, width_px: f32) {
+        let n = self.stations.len();
+        let middle = self.number(rho);
+        let across = vec2::normal(direction);
+        let place = self.stations[middle].at;
+        let clear_px = 0.5 * width_px * CROSSING.0 + CROSSING.1;
+        let half_px = 0.5 * self.width_px;
+        let crosses = |station: &Station| {
+            let axis = axis(station.normal);
+            let reach_px = (half_px / station.normal[axis] * across[axis]).abs();
+            vec2::dot(vec2::sub(station.at, place), across).abs() < clear_px + reach_px
+        };
+        for way in [1, n - 1] {
+            let mut i = middle;
+            for _ in 0..n {
+                if !crosses(&self.stations[i]) {
+                    break;
+                }
+                self.stations[i].is_crossed = true;
+                let next = (i + way) % n;
+                if !self.closed && next.abs_diff(i) != 1 {
+                    break;
+                }
+                i = next;
+            }
+        }
+    }
+
+    /// Whether no other strand lies at its ends: it would not be told where they are.
+    pub(super) fn has_its_ends(&self) -> bool {
+        let tips = [self.stations.first(), self.stations.last()];
+        self.closed || tips.into_iter().flatten().all(|tip| !tip.is_crossed)
+    }
+
+    /// The station at normalized arc length `rho`.
+    fn number(&self, rho: f32) -> usize {
+        let n = self.stations.len();
+        let pieces = if self.closed { n } else { n - 1 };
+        let number = (rho * pieces as f32).round() as usize;
+        if self.closed {
+            number % n
+        } else {
+            number.min(n - 1)
+        }
+    }
+
+    /// The rope's direction at normalized arc length `rho`.
+    pub(super) fn direction(&self, rho: f32) -> Vec2 {
+        let normal = self.stations[self.number(rho)].normal;
+        [normal[1], -normal[0]]
+    }
+
+    pub(super) fn spacing_px(&self) -> f32 {
+        let pieces = self.stations.len() - usize::from(!self.closed);
+        (self.length_px / pieces as f32).max(0.1)
+    }
+
+    /// How far from its points something is the rope itself, or was or will be.
+    pub(super) fn reach_px(&self) -> f32 {
+        0.5 * self.width_px + WINDOW as f32 + self.spacing_px()
+    }
+
+    /// Reads the edges at the stations of the next frame.
+    pub(super) fn read(&mut self, image: &Image) {
+        let (n, spacing_px) = (self.next.len(), self.spacing_px());
+        self.wanted.clear();
+        for (i, station) in self.next.iter().enumerate() {
+            let axis = axis(station.normal);
+            let slant = (station.normal[1 - axis] / station.normal[axis]).abs();
+            let beside_px = (AT_TIP + ALONG * slant) * self.width_px + CLEAR_PX;
+            let clear = |end: usize, from_end: usize| {
+                self.closed || self.ends[end].is_border || from_end as f32 * spacing_px >= beside_px
+            };
+            let clear = clear(0, i) && clear(1, n - 1 - i);
+            self.wanted.push(clear && !station.is_crossed);
+        }
+        self.readings.resize(n, Reading::default());
+        Arch::new().dispatch(ReadAll {
+            image,
+            looks: &self.looks,
+            stations: &self.next,
+            wanted: &self.wanted,
+            readings: &mut self.readings,
+        });
+    }
+
+    /// Moves the stations of the next frame to where their edges say that the rope is; returns how far that was in the mean,
+    /// nothing when too little of it was seen.
+    pub(super) fn measure(&mut self, image: &Image) -> Option<f32> {
+        self.read(image);
+        let shape = (self.closed, self.spacing_px(), self.width_px);
+        self.motion.agree(&self.next, &self.readings, shape);
+        let [mut asked, mut read] = [0usize; 2];
+        let said = self
+            .readings
+            .iter()
+            .zip(&self.motion.moves)
+            .zip(&self.wanted);
+        for (station, ((reading, by), &wanted)) in self.next.iter_mut().zip(said) {
+            let pair = reading.off_px[0].zip(reading.off_px[1]);
+            station.edges = match by.weight {
+                0.0 => 0,
+                1.0 => 2,
+                _ => 1,
+            };
+            station.is_hidden = if wanted {
+                station.edges == 0 && reading.is_covered
+            } else {
+                station.is_hidden
+            };
+            read += usize::from(station.edges > 0);
+            asked += usize::from(wanted && station.is_clear && !station.is_hidden);
+            if let (2, Some((a, b))) = (station.edges, pair) {
+                station.width_px += b - a;
+                station.edges_px[0] += a - by.px;
+                station.edges_px[1] += b - by.px;
+            }
+            for side in 0..2 {
+                let level = reading.levels[side];
+                let is_own = reading.off_px[side].is_some_and(|px| (px - by.px).abs() < 2.0);
+                if station.edges > 0 && is_own {
+                    station.cuts[side] += PACE * (level - station.cuts[side]);
+                }
+            }
+        }
+        let n = self.next.len();
+        let enough =
+            read as f32 >= LEAST_READ * asked as f32 && read as f32 >= LEAST_SEEN * n as f32;
+        (enough && self.holds_together()).then(|| self.settle())
+    }
+
+    /// Whether no part of the rope that is too long for its neighbors to tell goes unread.
+    fn holds_together(&self) -> bool {
+        let most = |widths: f32| (widths * self.width_px / self.spacing_px()) as usize + 1;
+        let (inner, outer) = (most(MOST_BRIDGED), most(MOST_AT_END));
+        let read = |station: &Station| station.edges > 0;
+        let (Some(first), Some(last)) = (
+            self.next.iter().position(read),
+            self.next.iter().rposition(read),
+        ) else {
+            return false;
+        };
+        let mut runs = self.next[first..=last].split(read).map(<[_]>::len);
+        let (before, after) = (first, self.next.len() - 1 - last);
+        let ends = match self.closed {
+            true => before + after <= inner,
+            false => before <= outer && after <= outer,
+        };
+        ends && runs.all(|run| run <= inner)
+    }
+
+    /// Moves the stations, smoothed along the rope; returns how far, in the mean.
+    fn settle(&mut self) -> f32 {
+        let width_px = self.width_px;
+        self.motion.shift(&self.next, self.closed, width_px);
+        let Motion { moves, shifts, .. } = &self.motion;
+        let samples = &mut self.line.samples;
+        samples.clear();
+        let all = self.next.iter().zip(shifts).zip(moves);
+        samples.extend(all.map(|((station, &shift), by)| Sample {
+            at: vec2::add(station.at, shift),
+            weight: by.weight.max(CARRIED),
+            width_px: station.width_px,
+            side: 0.0,
+        }));
+        self.line.closed = self.closed;
+        self.smoother.smooth(&mut self.line, SMOOTH);
+        let mut sum = 0.0;
+        for (station, sample) in self.next.iter_mut().zip(&self.line.samples) {
+            sum += vec2::distance(station.at, sample.at);
+            station.at = sample.at;
+        }
+        self.run_on(if self.is_learning { 1.0 } else { RUN_ON_PACE });
+        for (station, was) in self.next.iter_mut().zip(&self.stations) {
+            station.aside_px = vec2::dot(vec2::sub(station.at, was.at), was.normal);
+        }
+        sum / self.next.len() as f32
+    }
+
+    /// Finds the rope in the next image; false when that takes a closer look. [`take`](Self::take) makes it so.
+    pub(super) fn follow(&mut self, image: &Image) -> bool {
+        self.next.clone_from(&self.stations);
+        for station in &mut self.next {
+            station.at = vec2::along(station.at, station.normal, station.aside_px);
+        }
+        let Some(mut aside_px) = self.measure(image) else {
+            return false;
+        };
+        if aside_px > FAR_PX {
+            set_normals(&mut self.next, self.closed);
+            let Some(again_px) = self.measure(image) else {
+                return false;
+            };
+            aside_px = again_px;
+        }
+        // It runs away.
+        if aside_px > FAR_PX {
+            return false;
+        }
+        let is_covered = self.next.iter().any(|station| station.is_hidden);
+        self.hidden_frames = if is_covered {
+            self.hidden_frames + 1
+        } else {
+            0
+        };
+        self.hidden_frames <= MOST_HIDDEN_FRAMES && self.lay(image)
+    }
+
+    /// Lays the stations anew from end to end.
+    fn lay(&mut self, image: &Image) -> bool {
+        let Some(ends_px) = self.find_ends(image) else {
+            return false;
+        };
+        let again = self.closed.then(|| self.next[0].at);
+        let places = self.next.iter().map(|s| s.at).chain(again);
+        let Some(length_px) = self.lay.lay(places, ends_px) else {
+            return false;
+        };
+        for (station, &at) in self.next.iter_mut().zip(self.lay.points()) {
+            station.at = at;
+        }
+        self.length_px = length_px;
+        set_normals(&mut self.next, self.closed);
+        for (station, was) in self.next.iter_mut().zip(&self.stations) {
+            // Edges face opposite ways: where the one lies farther in, the other lies farther out.
+            let turned = vec2::sub(station.normal, was.normal);
+            let out_px = vec2::dot(self.lamp, turned);
+            station.edges_px = station.edges_px.map(|px| px - out_px);
+        }
+        let leaves = self.ends.iter().any(|end| end.is_border);
+        let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
+        // The end at the border lies on it, as well as may be.
+        let inside = |at: Vec2| (0..2).all(|c| at[c] >= -0.5 && at[c] <= limits[c] + 0.5);
+        let same = leaves || (length_px / self.whole_px - 1.0).abs() <= LENGTH;
+        for station in &mut self.next {
+            station.at = [0, 1].map(|c| {
+                let most = limits[c];
+                if leaves {
+                    station.at[c].clamp(0.0, most)
+                } else {
+                    station.at[c]
+                }
+            });
+        }
+        same && self.next.iter().all(|station| inside(station.at))
+    }
+
+    /// Takes what [`follow`](Self::follow) found, into `curve` as well.
+    pub(super) fn take(&mut self, curve: &mut Curve) {
+        std::mem::swap(&mut self.stations, &mut self.next);
+        let mean = |stations: &[Station]| {
+            stations.iter().map(|s| s.width_px).sum::<f32>() / stations.len() as f32
+        };
+        let wider = mean(&self.stations) / mean(&self.next).max(0.1);
+        curve.width_px *= wider;
+        self.width_px = curve.width_px;
+        curve.length_px = self.length_px;
+        curve.points.clear();
+        curve.points.extend(self.stations.iter().map(|s| s.at));
+        curve.widths_px.clear();
+        let widths = self.stations.iter().map(|s| s.width_px);
+        curve.widths_px.extend(widths);
+        curve.hidden.clear();
+        let hidden = self.stations.iter().map(|s| s.is_hidden);
+        curve.hidden.extend(hidden);
+        let is_whole = !curve.hidden.contains(&true);
+        curve.status = match (curve.status, is_whole) {
+            (Status::Doubtful, _) => Status::Doubtful,
+            (_, true) => Status::Ok,
+            (_, false) => Status::Partial,
+        };
+    }
+}
