@@ -287,6 +287,11 @@ impl Laid {
             let light = light.map(|value| value + speckle.values[i]);
             let pixel = &mut laid.canvas.values[i];
             *pixel = mix(*pixel, light, cover);
+            if look.tip(at[0], length).is_some() {
+                // A plug does not bend as ropes do: it is none.
+                laid.hide(i, cover);
+                return;
+            }
             laid.cover.values[i] = cover + (1.0 - cover) * laid.cover.values[i];
             if cover >= 0.5 {
                 laid.strands.values[i] = Strand {

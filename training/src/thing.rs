@@ -114,11 +114,47 @@ fn cut_in(canvas: &mut Canvas, random: &mut SplitMix64, rgb: Rgb, distance: impl
         Field::of(side, 0.0)
     };
     let painted: Vec<_> = cover.values.iter().zip(&mottling.values).collect();
+    let edge = happens(random, 0.35).then(|| Edge::draw(random));
     for ((at, pixel), (&cover, noise)) in canvas.places().zip(painted) {
         if cover > 0.0 {
             let share = (0.5 + dot(minus(at, middle), slope)).clamp(0.0, 1.0);
-            let paint = mix(rgb, to, share).map(|value| value + levels * noise);
+            let light = edge.as_ref().map_or(1.0, |edge| edge.light(at, &distance));
+            let paint = mix(rgb, to, share).map(|value| light * value + levels * noise);
             *pixel = mix(*pixel, paint, cover);
+        }
+    }
+}
+
+/// An edge that is beveled or rounded: light where it faces the lamp, dark where it does not.
+struct Edge {
+    wide_px: f32,
+    lamp: Vec2,
+    is_round: bool,
+}
+
+impl Edge {
+    fn draw(random: &mut SplitMix64) -> Self {
+        let contrast = random.uniform_f32(0.15, 0.9);
+        Self {
+            wide_px: spread(random, 1.0, 9.0),
+            lamp: direction(random.uniform_f32(0.0, 2.0 * PI)).map(|c| contrast * c),
+            is_round: happens(random, 0.5),
+        }
+    }
+
+    /// The light at a place inside, beside that of the middle.
+    fn light(&self, at: Vec2, distance: impl Fn(Vec2) -> f32) -> f32 {
+        let here = distance(at);
+        if here < -self.wide_px {
+            return 1.0;
+        }
+        let slope = [[1.0, 0.0], [0.0, 1.0]]
+            .map(|step| distance([at[0] + step[0], at[1] + step[1]]) - here);
+        let facing = dot(slope, self.lamp);
+        if self.is_round {
+            1.0 + facing * (1.0 + here / self.wide_px).clamp(0.0, 1.0)
+        } else {
+            1.0 + facing
         }
     }
 }
@@ -424,12 +460,20 @@ fn rails(canvas: &mut Canvas, random: &mut SplitMix64) {
     } else {
         spread(random, 40.0, 300.0)
     };
+    // Rounded, or with edges.
+    let soft = if happens(random, 0.5) {
+        random.unit_f32()
+    } else {
+        0.0
+    };
     canvas.lay(|at| {
         let [x, y] = frame.own(at);
-        let light = bands
-            .iter()
-            .find(|band| y < band.0)
-            .map_or(1.0, |band| band.1);
+        let k = bands.iter().position(|band| y < band.0).unwrap_or(0);
+        let (end, light) = bands[k];
+        let begin = if k > 0 { bands[k - 1].0 } else { 0.0 };
+        let share = ((y - begin) / (end - begin)).clamp(0.0, 1.0);
+        let next = bands[(k + 1) % bands.len()].1;
+        let light = light + soft * share * (next - light);
         let distance = slab([x, y - 0.5 * at_px], [half, 0.5 * at_px], 0.0);
         (covered(distance), scaled(rgb, light))
     });
