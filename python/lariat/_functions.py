@@ -10,6 +10,8 @@ import numpy as np
 from lariat._native import Curve, Fit, Fitter, Scene, Tracer
 
 if TYPE_CHECKING:
+    import os
+
     from numpy.typing import ArrayLike
 
     from lariat._names import (
@@ -28,11 +30,13 @@ if TYPE_CHECKING:
 def trace(
     image: Picture,
     *,
-    mask: Literal["auto"] | MaskImage | HsvRange | Sequence[HsvRange] = "auto",
+    mask: Literal["auto", "network"] | MaskImage | HsvRange | Sequence[HsvRange] = "auto",
+    network: str | os.PathLike[str] | None = None,
     method: MethodName = "skeleton",
     points: int = 120,
     ropes: int = 24,
     start: tuple[float, float] | None = None,
+    at: Sequence[tuple[float, float]] = (),
     roi: tuple[int, int, int, int] | None = None,
     pixel_format: PixelFormat | None = None,
 ) -> Scene:
@@ -43,12 +47,15 @@ def trace(
     Args:
         image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for RGB. Rows may lie apart, as those of
             a part of a larger picture do; only an array whose pixels are not side by side is copied.
-        mask: What is rope. ``"auto"`` takes what differs from the table; a colour range or several, as :func:`pick`
-            proposes them; or a picture of the same size, ``bool``, or ``uint8``, the higher the likelier rope.
+        mask: What is rope. ``"auto"`` takes what differs from the table; ``"network"`` asks a small neural network, for ropes on
+            any ground; a colour range or several, as :func:`pick` proposes them; or a picture of the same size, ``bool``, or
+            ``uint8``, the higher the likelier rope.
+        network: A file of weights trained on pictures of your own, for ``mask="network"``.
         method: How the mask becomes a centerline.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
         ropes: The most ropes reported, the surest and longest.
         start: A rope's first point is the end nearest to this position, in px. If not given, to the top left.
+        at: The ropes that are meant, each by a position on it, in px. If not given, all are reported.
         roi: The part of the image that is read: x, y, width, height in px.
         pixel_format: ``"bgr"`` for what OpenCV reads; if not given, ``"gray"`` or ``"rgb"`` by the shape.
 
@@ -59,10 +66,12 @@ def trace(
     is_image = isinstance(mask, np.ndarray)
     tracer = Tracer(
         mask="external" if is_image else mask,  # type: ignore[arg-type]
+        network=network,
         method=method,
         points=points,
         ropes=ropes,
         start=start,
+        at=at,
         roi=roi,
     )
     return tracer.trace(

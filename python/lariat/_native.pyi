@@ -1,5 +1,6 @@
 """What the Rust half offers: see each class's own documentation."""
 
+import os
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, ClassVar, Literal, NoReturn, final, overload
@@ -66,11 +67,13 @@ class Tracer:
         *,
         mask: MaskName | HsvRange | Sequence[HsvRange] | None = None,
         mask_level: int | None = None,
+        network: str | os.PathLike[str] | None = None,
         method: MethodName = "skeleton",
         points: int = 120,
         ropes: int = 24,
         min_confidence: float = 0.5,
         start: tuple[float, float] | None = None,
+        at: Sequence[tuple[float, float]] = ...,
         keep_lost_s: float = 1.0,
         roi: tuple[int, int, int, int] | None = None,
     ) -> Self: ...

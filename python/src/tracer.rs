@@ -3,13 +3,16 @@
 use crate::errors::value_error;
 use crate::pixels::Pixels;
 use crate::scene::{Kept, Scene};
-use lariat_extract::{Extractor, HsvRange, Mask, MaskError, Method, Options, PickError, Region};
+use lariat_extract::{
+    Extractor, HsvRange, Mask, MaskError, Method, Network, Options, PickError, Region,
+};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
 use std::num::NonZeroU8;
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -44,16 +47,18 @@ pub(crate) struct Tracer {
 #[pymethods]
 impl Tracer {
     #[new]
-    #[pyo3(signature = (*, mask=None, mask_level=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, keep_lost_s=1.0, roi=None))]
+    #[pyo3(signature = (*, mask=None, mask_level=None, network=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, at=Vec::new(), keep_lost_s=1.0, roi=None))]
     #[allow(clippy::too_many_arguments)] // Of Python they are named.
     fn new(
         mask: Option<&Bound<'_, PyAny>>,
         mask_level: Option<NonZeroU8>,
+        network: Option<PathBuf>,
         method: &str,
         points: usize,
         ropes: usize,
         min_confidence: f32,
         start: Option<[f32; 2]>,
+        at: Vec<[f32; 2]>,
         keep_lost_s: f64,
         roi: Option<[usize; 4]>,
     ) -> PyResult<Self> {
@@ -63,6 +68,9 @@ impl Tracer {
             width,
             height,
         });
+        // The extractor sees the region alone.
+        let [left, top] = region.map_or([0.0; 2], |region| [region.x as f32, region.y as f32]);
+        let in_region = |[x, y]: [f32; 2]| [x - left, y - top];
         let options = Options {
             mask: mask.map_or(Ok(Mask::Auto), mask_of)?,
             mask_level,
@@ -70,19 +78,21 @@ impl Tracer {
             points,
             ropes,
             min_confidence,
-            // The extractor sees the region alone.
-            start: match (start, region) {
-                (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),
-                (start, _) => start,
-            },
+            start: start.map(in_region),
+            at: at.into_iter().map(in_region).collect(),
             keep_lost: Duration::try_from_secs_f64(keep_lost_s).map_err(|_| {
                 value_error(format!(
                     "keep_lost_s is {keep_lost_s}: give a number of seconds, 0 or more"
                 ))
             })?,
         };
+        let mut extractor = Extractor::new(options).map_err(value_error)?;
+        if let Some(file) = network {
+            let network = Network::from_bytes(&std::fs::read(&file)?);
+            extractor = extractor.with_network(Arc::new(network.map_err(value_error)?));
+        }
         Ok(Self {
-            extractor: Mutex::new(Extractor::new(options).map_err(value_error)?),
+            extractor: Mutex::new(extractor),
             region,
         })
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -94,6 +95,23 @@ def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:
         assert distance_from_wave(curve.points).max() < 1.0
     assert lariat.trace(image, mask={"hue_deg": (0.0, 10.0)}).curves == []
     assert lariat.trace(image, mask=np.zeros((240, 320), bool)).curves == []
+
+
+def test_the_network_finds_the_rope(image: Image, tmp_path: Path) -> None:
+    (curve,) = lariat.trace(image, mask="network").curves
+    assert np.abs(curve.points - lariat.trace(image).curves[0].points).max() < 3
+    (tmp_path / "my.weights").write_bytes(b"none")
+    with pytest.raises(ValueError, match="LARIATN1"):
+        lariat.trace(image, mask="network", network=tmp_path / "my.weights")
+    with pytest.raises(FileNotFoundError):
+        lariat.trace(image, mask="network", network=tmp_path / "other.weights")
+
+
+def test_only_the_ropes_that_are_meant_are_told(image: Image) -> None:
+    (curve,) = lariat.trace(image).curves
+    at = tuple(map(float, curve.points[40]))
+    assert len(lariat.trace(image, at=[at]).curves) == 1
+    assert lariat.trace(image, at=[(2.0, 2.0)]).curves == []
 
 
 def test_colours_are_picked_at_points(image: Image) -> None:

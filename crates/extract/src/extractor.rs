@@ -2,6 +2,7 @@
 
 mod doubts;
 mod lines;
+mod meant;
 mod rehearse;
 
 use crate::bitmap::bits::BitPlane;
@@ -33,6 +34,7 @@ use crate::tracking::refit::{self, Refitter};
 use crate::tracking::strays::Strays;
 use crate::tracking::track::{Look, Tracker};
 use lariat_network::Network;
+use meant::Meant;
 use std::sync::Arc;
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
@@ -123,6 +125,7 @@ pub struct Extractor {
     may_follow: bool,
     /// Frames without a rope until ropes are sought by their shape again.
     frames_to_wait: u32,
+    meant: Meant,
 }
 
 impl Extractor {
@@ -172,6 +175,7 @@ impl Extractor {
             followed: false,
             may_follow: false,
             frames_to_wait: 0,
+            meant: Meant::default(),
         })
     }
 
@@ -199,6 +203,7 @@ impl Extractor {
         let mut unpacker = std::mem::take(&mut self.unpacker);
         self.followed = self.take_in(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
+        self.choose_meant();
         self.scene()
     }
 
@@ -233,6 +238,7 @@ impl Extractor {
         self.turn_the_clock();
         self.go_on(image);
         self.followed = true;
+        self.choose_meant();
         Some(self.scene())
     }
 
@@ -363,6 +369,7 @@ impl Extractor {
         self.after_mask(&unpacker.unpack(image), after);
         self.unpacker = unpacker;
         self.followed = false;
+        self.choose_meant();
         Ok(self.scene())
     }
 
@@ -377,6 +384,7 @@ impl Extractor {
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, 0, looks, &self.options);
         self.followed = false;
+        self.choose_meant();
         Scene {
             notice: None,
             ..self.scene()
@@ -464,9 +472,13 @@ impl Extractor {
 
     /// What was said of the last image.
     pub fn scene(&self) -> Scene<'_> {
+        let (curves, crossings) = match self.options.at.is_empty() {
+            true => (&self.curves[..self.count], &self.crossings[..]),
+            false => self.meant.chosen(),
+        };
         Scene {
-            curves: &self.curves[..self.count],
-            crossings: &self.crossings,
+            curves,
+            crossings,
             notice: self.masker.notice.or(self.doubt),
             followed: self.followed,
         }
@@ -523,6 +535,9 @@ impl Extractor {
         self.occluder.reserve(width, height);
         self.masker.reserve(width, height);
         self.tracker.reserve(self.options.points);
+        if !self.options.at.is_empty() {
+            self.meant.reserve(&self.options);
+        }
         self.tracker.remember(&mut self.zones.past);
         let scene = refit::Scene {
             past: &self.zones.past,
@@ -551,6 +566,7 @@ impl Extractor {
         self.frames_to_wait = 0;
         self.clusterer.forget();
         self.tracker.reset();
+        self.meant.forget();
     }
 
     /// What the confidence of each curve of the last image that was extracted whole comes from, in the curves' order: for

@@ -55,6 +55,8 @@ pub struct Options {
     /// On the first frame, the end nearest to this position (in pixels) is the first point;
     /// `None`: the end nearest to the top left.
     pub start: Option<[f32; 2]>,
+    /// Positions on the ropes that are meant, in pixels: only those are reported that were found there first. Empty: all.
+    pub at: Vec<[f32; 2]>,
     /// For how long a rope that is out of sight is still reported, as `Status::Lost`.
     pub keep_lost: Duration,
 }
@@ -69,6 +71,7 @@ impl Default for Options {
             ropes: 24,
             min_confidence: 0.5,
             start: None,
+            at: Vec::new(),
             keep_lost: Duration::from_secs(1),
         }
     }
@@ -119,6 +122,9 @@ pub enum OptionsError {
     /// The start position is not a number.
     #[error("the start position [{}, {}] must be two finite numbers of pixels", .0[0], .0[1])]
     Start([f32; 2]),
+    /// A position on a rope is not a number.
+    #[error("the position [{}, {}] on a rope must be two finite numbers of pixels", .0[0], .0[1])]
+    At([f32; 2]),
 }
 
 impl Options {
@@ -137,6 +143,10 @@ impl Options {
             && !(start[0].is_finite() && start[1].is_finite())
         {
             return Err(OptionsError::Start(start));
+        }
+        let is_place = |at: &&[f32; 2]| at[0].is_finite() && at[1].is_finite();
+        if let Some(&at) = self.at.iter().find(|at| !is_place(at)) {
+            return Err(OptionsError::At(at));
         }
         match &self.mask {
             Mask::Auto | Mask::Network | Mask::External => Ok(()),

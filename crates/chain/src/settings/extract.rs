@@ -27,6 +27,8 @@ pub struct Extract {
     pub min_confidence: f64,
     /// Near which position (px) the first point is, in the first frame.
     pub start: Option<[f32; 2]>,
+    /// Positions on the ropes that are meant, in pixels; empty: all are.
+    pub at: Vec<[f32; 2]>,
     /// For how long a rope that is out of sight is reported.
     pub keep_lost: Duration,
     /// The part of the image that is read; without it, all.
@@ -45,6 +47,7 @@ impl Default for Extract {
             ropes: MAX_CURVES,
             min_confidence: 0.5,
             start: None,
+            at: Vec::new(),
             keep_lost: Duration::from_secs(1),
             roi: None,
         }
@@ -52,6 +55,12 @@ impl Default for Extract {
 }
 
 impl Extract {
+    /// A position in the image as the extractor sees it, which is the region alone.
+    fn in_region(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [left, top] = self.roi.map_or([0; 2], |region| [region.x, region.y]);
+        [x - left as f32, y - top as f32]
+    }
+
     /// The extractor's own options.
     pub fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options {
@@ -61,11 +70,8 @@ impl Extract {
             points: self.points,
             ropes: self.ropes,
             min_confidence: self.min_confidence as f32,
-            // The extractor sees the region alone.
-            start: match (self.start, self.roi) {
-                (Some([x, y]), Some(region)) => Some([x - region.x as f32, y - region.y as f32]),
-                (start, _) => start,
-            },
+            start: self.start.map(|at| self.in_region(at)),
+            at: self.at.iter().map(|&at| self.in_region(at)).collect(),
             keep_lost: self.keep_lost,
         }
     }

@@ -223,6 +223,26 @@ pub(super) fn position_value(position: &[f32; 2]) -> Value {
     Value::Array(position.map(|c| number_value(c.into())).into())
 }
 
+pub(super) fn positions(value: &Value) -> Result<Vec<[f32; 2]>, String> {
+    let listed = match value {
+        Value::Array(positions) => positions.iter().map(position).collect(),
+        Value::String(text) => {
+            let numbers: Vec<&str> = text.split(',').collect();
+            let pairs = numbers.chunks(2).map(|pair| Value::String(pair.join(",")));
+            pairs.map(|pair| position(&pair)).collect()
+        }
+        _ => Err(String::new()),
+    };
+    listed.map_err(|_: String| {
+        "positions are two numbers of pixels each: [[x, y], [x, y]] in the file, X,Y,X,Y as a flag"
+            .to_owned()
+    })
+}
+
+pub(super) fn positions_value(positions: &[[f32; 2]]) -> Value {
+    Value::Array(positions.iter().map(position_value).collect())
+}
+
 /// Two finite numbers.
 fn pair(value: &Value) -> Option<[f64; 2]> {
     match value.as_array().map(Vec::as_slice) {

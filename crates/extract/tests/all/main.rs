@@ -14,6 +14,7 @@ mod follow_any;
 mod hard;
 mod hostile;
 mod masks;
+mod meant;
 mod methods;
 mod network;
 mod notices;
