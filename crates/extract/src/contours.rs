@@ -44,6 +44,16 @@ pub(crate) struct ContourFollower {
 }
 
 impl ContourFollower {
+    /// Makes the buffers for so many ropes of so many points, in images of this size.
+    pub(crate) fn reserve(&mut self, ropes: usize, points: usize, [width, height]: [usize; 2]) {
+        let most = ropes.max(self.ropes.len());
+        self.ropes.resize_with(most, Rope::default);
+        self.ropes.iter_mut().for_each(|rope| rope.reserve(points));
+        // Those that are out of sight are known, too.
+        self.tracks.reserve(4 * ropes);
+        self.novelty.reserve(width, height);
+    }
+
     /// Whether there are ropes that may be followed into the next image.
     pub(crate) fn is_ready(&self) -> bool {
         self.count > 0 && self.frames < MOST_FRAMES

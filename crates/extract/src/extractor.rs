@@ -535,6 +535,8 @@ impl Extractor {
         self.occluder.reserve(width, height);
         self.masker.reserve(width, height);
         self.tracker.reserve(self.options.points);
+        let Options { points, ropes, .. } = self.options;
+        self.contours.reserve(ropes, points, [width, height]);
         if !self.options.at.is_empty() {
             self.meant.reserve(&self.options);
         }

@@ -78,7 +78,7 @@ impl Rope {
                 continue;
             }
             let n = self.next.len();
-            let read = |i: usize| self.next[self.from_end(end, i)].edges > 0;
+            let read = |i: usize| self.next[self.place(end, i)].edges > 0;
             let back =
                 ((BEFORE_TIP * self.width_px / self.spacing_px()).round() as usize).clamp(1, n / 4);
             let Some(unread) = (0..n - 2 * back).find(|&i| read(i)) else {
@@ -92,7 +92,7 @@ impl Rope {
     }
 
     fn lay_arc(&mut self, end: usize, [unread, back]: [usize; 2], pace: f32) {
-        let at = |i: usize| self.next[self.from_end(end, i)].at;
+        let at = |i: usize| self.next[self.place(end, i)].at;
         let here = at(unread);
         let new = vec2::sub(here, at(unread + back));
         let old = vec2::sub(at(unread + back), at(unread + 2 * back));
@@ -107,7 +107,7 @@ impl Rope {
             let across = vec2::normal(direction);
             let ahead = vec2::along(vec2::scale(direction, cos), across, sin);
             let share = far_px / (unread as f32 * self.spacing_px());
-            let place = self.from_end(end, i);
+            let place = self.place(end, i);
             let arc = vec2::along(here, ahead, far_px);
             let arc = vec2::along(arc, across, share * aside_px);
             let carried = self.next[place].at;
@@ -116,20 +116,20 @@ impl Rope {
     }
 
     /// The `i`-th station of the next frame from an end.
-    fn from_end(&self, end: usize, i: usize) -> usize {
+    fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 { i } else { self.next.len() - 1 - i }
     }
 
     fn out(&self, end: usize) -> Vec2 {
         let back =
             ((0.5 * self.width_px / self.spacing_px()) as usize).clamp(1, self.next.len() / 4);
-        let [tip, before] = [0, back].map(|i| self.next[self.from_end(end, i)].at);
+        let [tip, before] = [0, back].map(|i| self.next[self.place(end, i)].at);
         vec2::unit_or(vec2::sub(tip, before), [1.0, 0.0])
     }
 
     /// How far beyond the last station at an end the rope's tip reads.
     pub(super) fn tip(&self, image: &Image, end: usize) -> Option<f32> {
-        let station = &self.next[self.from_end(end, 0)];
+        let station = &self.next[self.place(end, 0)];
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
         let (out, half) = (self.out(end), (WINDOW / 2) as f32);
         let ends = [-half, half - 2.0].map(|px| vec2::along(station.at, out, px));
@@ -172,8 +172,8 @@ impl Rope {
     fn to_border(&self, image: &Image, end: usize) -> Option<f32> {
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
         let inside = |at: Vec2| (0..2).all(|c| at[c] >= 0.0 && at[c] <= limits[c]);
-        let at = |i: usize| self.next[self.from_end(end, i)].at;
-        let read = |i: usize| self.next[self.from_end(end, i)].edges > 0;
+        let at = |i: usize| self.next[self.place(end, i)].at;
+        let read = |i: usize| self.next[self.place(end, i)].edges > 0;
         let n = self.next.len();
         let first = (0..n / 2).find(|&i| inside(at(i)))?;
         let unread = (first..n / 2).find(|&i| read(i))? - first;

@@ -11,6 +11,8 @@ use crate::vec2::{self, Vec2};
 /// Ropes of these widths, in pixels: thinner ones have no color of their own in the middle, and thicker ones are no ropes
 /// that a window of sixteen pixels tells from what they lie on.
 const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=80.0;
+/// The least confidence of a rope that is followed: an order that is doubted is looked at again in each image.
+const LEAST_CONFIDENCE: f32 = 0.5;
 /// Fewer points than this are no shape to follow.
 const LEAST_POINTS: usize = 16;
 /// The farthest that points may lie apart, in widths: what lies between them is not looked at.
@@ -47,10 +49,8 @@ impl Rope {
         let fits = n >= LEAST_POINTS
             && WIDTHS_PX.contains(&curve.width_px)
             && spacing_px <= APART_WIDTHS * curve.width_px;
-        let is_whole =
-            matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true);
-
-        if !is_whole || !fits {
+        let is_sure = curve.confidence >= LEAST_CONFIDENCE;
+        if !is_whole(curve) || !is_sure || !fits {
             return false;
         }
         (self.width_px, self.closed) = (curve.width_px, curve.closed);

@@ -35,6 +35,12 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    pub(super) fn reserve(&mut self, points: usize) {
+        self.moves.reserve(points);
+        self.means.reserve(points);
+        self.shifts.reserve(points);
+    }
+
     /// What the readings at `stations` say, without those that are unlike the others.
     pub(super) fn agree(
         &mut self,

@@ -56,6 +56,16 @@ pub(super) struct Novelty {
 }
 
 impl Novelty {
+    pub(super) fn reserve(&mut self, width: usize, height: usize) {
+        let (columns, rows) = (width / APART, height.div_ceil(APART));
+        self.blocks.reserve(columns * rows);
+        self.now.reserve(columns);
+        self.near.reserve(columns * rows);
+        self.was_near.reserve(columns * rows);
+        self.places.reserve(columns * SAMPLES);
+        self.samples.reserve(columns * SAMPLES);
+    }
+
     /// Keeps the image of the moment.
     pub(super) fn keep(&mut self, image: &Image, ropes: &[Rope]) {
         let (columns, rows) = (image.width() / APART, image.height().div_ceil(APART));
@@ -213,9 +223,9 @@ impl Range {
     /// Whether some of it lies outside of another by more than a tolerance.
     fn leaves(&self, other: &Self, tolerance: [u8; 4]) -> bool {
         let mut leaves = false;
-        for c in 0..4 {
-            let most = other.high[c].saturating_add(tolerance[c]);
-            let least = other.low[c].saturating_sub(tolerance[c]);
+        for (c, tolerance) in tolerance.into_iter().enumerate() {
+            let most = other.high[c].saturating_add(tolerance);
+            let least = other.low[c].saturating_sub(tolerance);
             leaves |= self.high[c] > most || self.low[c] < least;
         }
         leaves

@@ -73,6 +73,32 @@ pub(super) struct Rope {
 }
 
 impl Rope {
+    /// Makes the buffers for so many points, all of them.
+    pub(super) fn reserve(&mut self, points: usize) {
+        self.stations.reserve(points);
+        self.next.reserve(points);
+        self.readings.reserve(points);
+        self.wanted.reserve(points);
+        self.colors.reserve(points);
+        self.offs.reserve(3 * points);
+        self.differences.reserve(3 * points);
+        self.motion.reserve(points);
+        // What smooths and lays knows best what it needs: an open and a closed line.
+        let places = (0..=points).map(|i| [i as f32, 0.0]);
+        self.lay.lay(places.clone(), [1.0; 2]);
+        for closed in [true, false] {
+            self.line.closed = closed;
+            self.line.samples.clear();
+            self.line.samples.extend(places.clone().map(|at| Sample {
+                at,
+                weight: 1.0,
+                width_px: 1.0,
+                side: 0.0,
+            }));
+            self.smoother.smooth(&mut self.line, SMOOTH);
+        }
+    }
+
     /// Forgets which stations are crossed.
     pub(super) fn clear_crossings(&mut self) {
         self.stations.iter_mut().for_each(|s| s.is_crossed = false);

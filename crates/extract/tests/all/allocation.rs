@@ -80,6 +80,7 @@ fn no_frame_that_is_followed_by_its_edges_allocates_once_warm() {
         ..Options::default()
     };
     let mut extractor = Extractor::new(options).expect("the options are valid");
+    extractor.prepare(320, 240);
     let mut run = || {
         let (mut curves, mut followed) = (0, 0);
         for rgb in &frames {
@@ -92,7 +93,6 @@ fn no_frame_that_is_followed_by_its_edges_allocates_once_warm() {
         }
         (curves, followed)
     };
-    run();
     run();
     let before = allocations();
     let (curves, followed) = run();

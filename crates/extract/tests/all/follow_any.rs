@@ -117,7 +117,11 @@ fn a_closed_rope_is_followed() {
         for frame in 0..60 {
             table.seed = frame as u64;
             let rope = ring_at(frame);
-            let scene = see(&mut extractor, &table.draw(&[rope.clone()]), &table);
+            let scene = see(
+                &mut extractor,
+                &table.draw(std::slice::from_ref(&rope)),
+                &table,
+            );
             followed += usize::from(scene.followed);
             let [curve] = scene.curves else {
                 panic!("{frame}: {} curves", scene.curves.len());
@@ -176,7 +180,11 @@ fn what_else_happens_is_left_to_a_whole_extraction() {
     let mut extractor = followed(&table);
     let mut jumped = wave_at(8);
     jumped.points.iter_mut().for_each(|point| point[1] += 60.0);
-    let scene = see(&mut extractor, &table.draw(&[jumped.clone()]), &table);
+    let scene = see(
+        &mut extractor,
+        &table.draw(std::slice::from_ref(&jumped)),
+        &table,
+    );
     assert!(!scene.followed);
     assert!(error(&scene.curves[0], &jumped).mean_px < 0.5);
 }
