@@ -4,6 +4,7 @@ set -euo pipefail
 [ $# = 2 ] || { echo "Usage: training/own.sh FOLDER WEIGHTS (FOLDER has images/ and labels/)" >&2; exit 2; }
 own=$(realpath "$1") weights=$(realpath "$2")
 cd "$(dirname "$0")"
-source ./prepare.sh 2
-"$python" train.py --scenes cache/scenes --out cache/own --own "$own" --begin ../crates/network/ropes.weights --steps 1500
+source ./prepare.sh
+draw_scenes 2
+"$python" train.py --scenes cache/scenes --out cache/own --own "$own" --begin ../crates/network/ropes.weights --files 2 --steps 1500
 cp cache/own/ropes.weights "$weights"

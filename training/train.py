@@ -21,13 +21,16 @@ import network
 
 SIDE = 256
 SAVED = 1000  # steps between what is kept to go on from
+FIRST_FILES = 4  # of scenes, to begin with
+NEW_FILE = 2000  # steps from one new file of scenes to the next: training need not wait until all are drawn
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=Path, required=True, help="folder of .npy files that lariat-scenes made")
     parser.add_argument("--out", type=Path, required=True, help="folder for the weights, the log and what is needed to go on")
-    parser.add_argument("--steps", type=int, default=80000)
+    parser.add_argument("--files", type=int, default=32, help="files of scenes that there are, or will be")
+    parser.add_argument("--steps", type=int, default=100000)
     parser.add_argument("--batch", type=int, default=6, help="pictures a step")
     parser.add_argument("--rate", type=float, default=2e-3, help="the highest learning rate")
     parser.add_argument("--rounded", type=float, default=0.2, help="share of the steps, the last ones, in which numbers are rounded")
@@ -54,18 +57,26 @@ class Scenes:
     """Crops of drawn pictures, turned and recolored. A batch is a matter of the seed and its number alone."""
 
     def __init__(self, args):
-        self.files = [np.load(file, mmap_mode="r") for file in sorted(args.scenes.glob("*.npy"))]
-        if not self.files:
-            raise SystemExit(f"no scenes in {args.scenes}: make some with lariat-scenes first")
+        self.folder, self.files, self.most = args.scenes, [], args.files
         self.own = own_pictures(args.own) if args.own else []
         self.seed, self.count = args.seed, args.batch
+
+    def files_at(self, number):
+        """The files that are used at a step: waits for those that are being drawn."""
+        count = min(self.most, FIRST_FILES + number // NEW_FILE)
+        while len(self.files) < count:
+            file = self.folder / f"{len(self.files):02}.npy"
+            while not file.exists():
+                time.sleep(5)
+            self.files.append(np.load(file, mmap_mode="r"))
+        return self.files[:count]
 
     def batch(self, number):
         """Pictures (count, 3, side, side) of 0 to 255, and where in them ropes and seams are (count, 2, side, side), 0 to 1."""
         random = np.random.default_rng([self.seed, number])
-        crops = np.empty((self.count, SIDE, SIDE, 5), np.float32)
+        crops, files = np.empty((self.count, SIDE, SIDE, 5), np.float32), self.files_at(number)
         for crop in crops:
-            scenes = self.own if self.own and random.random() < 0.5 else self.files[random.integers(len(self.files))]
+            scenes = self.own if self.own and random.random() < 0.5 else files[random.integers(len(files))]
             picture = scenes[random.integers(len(scenes))]
             top, left = (random.integers(0, length - SIDE + 1) for length in picture.shape[:2])
             picture = picture[top : top + SIDE, left : left + SIDE]
