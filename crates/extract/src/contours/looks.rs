@@ -178,13 +178,16 @@ mod tests {
     }
 
     #[test]
-    fn another_light_is_no_other_color() {
+    fn another_light_counts_half_and_another_color_in_full() {
         let blue = [40.0, 90.0, 190.0];
         let offs: Vec<_> = (-4..=4).map(|k| blue.map(|c| 0.1 * c * k as f32)).collect();
         let looks = Looks::of(&offs, PixelFormat::Rgb8);
         let middle = looks.middle(blue);
-        let darker = looks.distance(blue.map(|c| 0.6 * c), &middle);
-        let greener = looks.distance([40.0, 160.0, 190.0], &middle);
-        assert!(darker < 20.0 && greener > 50.0, "{darker} {greener}");
+        let far = |color: [f32; 3]| {
+            let off: [f32; 3] = std::array::from_fn(|c| color[c] - blue[c]);
+            looks.distance(color, &middle) / dot(off, off).sqrt()
+        };
+        let (darker, greener) = (far(blue.map(|c| 0.6 * c)), far([40.0, 160.0, 190.0]));
+        assert!(darker < 0.51 && greener > 0.9, "{darker} {greener}");
     }
 }
