@@ -109,7 +109,7 @@ def test_the_network_finds_the_rope(image: Image, tmp_path: Path) -> None:
 
 def test_only_the_ropes_that_are_meant_are_told(image: Image) -> None:
     (curve,) = lariat.trace(image).curves
-    at = tuple(map(float, curve.points[40]))
+    at = (float(curve.points[40, 0]), float(curve.points[40, 1]))
     assert len(lariat.trace(image, at=[at]).curves) == 1
     assert lariat.trace(image, at=[(2.0, 2.0)]).curves == []
 
