@@ -11,18 +11,24 @@ pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     along_a_path(canvas, width_px, rgb, random);
 }
 
-/// A painter's picture: many strokes and drops, in a few colors.
+/// A painter's picture: layers of strokes and drops, each in a few colors.
 pub(crate) fn many(canvas: &mut Canvas, random: &mut SplitMix64) {
-    let palette = [(); 5].map(|()| color(random));
-    let usual_px = spread(random, 1.5, 24.0);
-    let share = random.uniform_f32(0.2, 1.4);
+    for _ in 0..1 + random.below(4) {
+        layer(canvas, random);
+    }
+}
+
+fn layer(canvas: &mut Canvas, random: &mut SplitMix64) {
+    let palette = [(); 4].map(|()| color(random));
+    let usual_px = spread(random, 1.2, 20.0);
+    let share = random.uniform_f32(0.1, 0.9);
+    let drops = if happens(random, 0.5) { 0.6 } else { 0.0 };
     let area = (canvas.side * canvas.side) as f32;
-    let drops = random.unit_f32() < 0.5;
     let mut painted = 0.0;
     while painted < share * area {
         let width_px = (usual_px * spread(random, 0.4, 2.5)).max(0.8);
         let rgb = palette[random.below(palette.len())];
-        painted += if drops && happens(random, 0.6) {
+        painted += if happens(random, drops) {
             drop(canvas, 0.7 * width_px, rgb, random)
         } else {
             along_a_path(canvas, width_px, rgb, random)
