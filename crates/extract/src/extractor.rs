@@ -9,12 +9,11 @@ use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
 use crate::centerline::Centerliner;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
-use crate::chords::ChordFollower;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::confidence::Evidence;
-use crate::contours::ContourFollower;
 use crate::crossings::Crosser;
+use crate::following::Follower;
 use crate::graph::Graph;
 use crate::graph::overlaps::Overlaps;
 use crate::graph::strands::Strands;
@@ -40,10 +39,6 @@ use std::sync::Arc;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
-/// Frames after which ropes that are plain to see are followed.
-const SETTLED: u32 = 3;
-/// And those of a mask that was given.
-const TOLD: u32 = 1;
 /// Frames after a search by shape that was in vain until the next: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
 /// The time between two images of which nothing else is known: 1/30 s.
@@ -107,9 +102,7 @@ pub struct Extractor {
     count: usize,
     crosser: Crosser,
     crossings: Vec<Crossing>,
-    /// Followed on a plain table, and on any other ground.
-    chords: ChordFollower,
-    contours: ContourFollower,
+    follower: Follower,
     /// What each curve may be instead of a rope, and what to say of it.
     doubts: Vec<Option<Notice>>,
     /// What speaks for each curve and against it.
@@ -117,12 +110,8 @@ pub struct Extractor {
     doubt: Option<Notice>,
     /// Whether there were more ropes than are reported.
     is_crowded: bool,
-    /// Frames in a row in which all ropes were seen, and nothing else.
-    plain_frames: u32,
     /// Whether the last image's ropes were followed into it.
     followed: bool,
-    /// Whether there was ever an image without a mask made elsewhere.
-    may_follow: bool,
     /// Frames without a rope until ropes are sought by their shape again.
     frames_to_wait: u32,
     meant: Meant,
@@ -165,15 +154,12 @@ impl Extractor {
             count: 0,
             crosser: Crosser::default(),
             crossings: Vec::new(),
-            chords: ChordFollower::default(),
-            contours: ContourFollower::default(),
+            follower: Follower::default(),
             doubts: Vec::new(),
             evidence: Vec::new(),
             doubt: None,
             is_crowded: false,
-            plain_frames: 0,
             followed: false,
-            may_follow: false,
             frames_to_wait: 0,
             meant: Meant::default(),
         })
@@ -225,8 +211,7 @@ impl Extractor {
     /// # }
     /// ```
     pub fn follow(&mut self, image: &Image) -> Option<Scene<'_>> {
-        self.may_follow = true;
-        if self.size != (image.width(), image.height()) || !self.can_follow() {
+        if !self.follower.is_ready() || self.size != (image.width(), image.height()) {
             return None;
         }
         let mut unpacker = std::mem::take(&mut self.unpacker);
@@ -246,8 +231,7 @@ impl Extractor {
     /// extracted whole.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
-        self.may_follow = true;
-        if self.can_follow() {
+        if self.follower.is_ready() {
             let found = self.find_again(image);
             if found {
                 self.go_on(image);
@@ -284,23 +268,7 @@ impl Extractor {
     /// Moves the curves of the last image to where they lie in this one, if that is all it takes.
     fn find_again(&mut self, image: &Image) -> bool {
         let curves = &mut self.curves[..self.count];
-        if self.chords.is_ready() {
-            let table = &self.masker.background;
-            return self
-                .chords
-                .follow(image, table, curves, &mut self.crossings);
-        }
-        self.contours.follow(image, curves, &mut self.crossings)
-    }
-
-    fn can_follow(&self) -> bool {
-        self.chords.is_ready() || self.contours.is_ready()
-    }
-
-    /// Forgets what is known of the ropes to follow them.
-    fn drop_followed(&mut self) {
-        self.chords.drop();
-        self.contours.drop();
+        (self.follower).follow(image, &self.masker, curves, &mut self.crossings)
     }
 
     /// Lets the tracks go on with the curves, which were found again.
@@ -308,34 +276,6 @@ impl Extractor {
         self.tracker
             .begin(self.now_ns, color::is_yuv(image.format()));
         self.tracker.go_on(&self.curves[..self.count]);
-    }
-
-    /// Lets the ropes just extracted be followed from here on: by what differs from the table where all is plain to see,
-    /// else by their edges.
-    fn anchor(&mut self, image: &Image, seen: usize) {
-        self.drop_followed();
-        let plain = seen > 0 && seen == self.count && !self.occluder.any();
-        self.plain_frames = if plain { self.plain_frames + 1 } else { 0 };
-        let curves = &self.curves[..self.count];
-        let seen_frames = self.contours.know(curves);
-        let table = self.masker.notice.is_none() && !self.masker.is_smoothed;
-        let within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
-        if let Some(cut) = self.masker.cut.filter(|_| table)
-            && curves.iter().all(within)
-        {
-            if self.plain_frames >= SETTLED {
-                let table = &self.masker.background;
-                self.chords
-                    .anchor(image, table, cut, curves, &self.crossings);
-            }
-            return;
-        }
-        // A mask that was given is taken at its word. Who gives one for each image needs nothing learnt.
-        let is_told = self.masker.is_given && !self.masker.is_by_shape();
-        let least = if is_told { TOLD } else { SETTLED };
-        if plain && seen_frames >= least && (self.may_follow || !is_told) {
-            self.contours.anchor(image, curves, &self.crossings);
-        }
     }
 
     /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
@@ -378,8 +318,7 @@ impl Extractor {
     pub fn blank(&mut self) -> Scene<'_> {
         self.turn_the_clock();
         self.crossings.clear();
-        self.drop_followed();
-        self.plain_frames = 0;
+        self.follower.drop();
         self.tracker.pass(self.now_ns);
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         self.count = self.tracker.update(curves, 0, looks, &self.options);
@@ -465,7 +404,9 @@ impl Extractor {
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
         if self.options.method == Method::Skeleton {
-            self.anchor(image, seen);
+            let is_plain = seen > 0 && seen == self.count && !self.occluder.any();
+            let curves = &self.curves[..self.count];
+            (self.follower).anchor(image, &self.masker, curves, &self.crossings, is_plain);
         }
         after(Step::Points);
     }
@@ -536,7 +477,7 @@ impl Extractor {
         self.masker.reserve(width, height);
         self.tracker.reserve(self.options.points);
         let Options { points, ropes, .. } = self.options;
-        self.contours.reserve(ropes, points, [width, height]);
+        self.follower.reserve(ropes, points, [width, height]);
         if !self.options.at.is_empty() {
             self.meant.reserve(&self.options);
         }
@@ -560,11 +501,8 @@ impl Extractor {
 
     fn new_scene(&mut self) {
         self.count = 0;
-        self.may_follow = false;
         self.crossings.clear();
-        self.drop_followed();
-        self.contours.forget();
-        self.plain_frames = 0;
+        self.follower.forget();
         self.frames_to_wait = 0;
         self.clusterer.forget();
         self.tracker.reset();

@@ -46,7 +46,7 @@
 //! and the points are theirs (`ordering`).
 //!
 //! Most frames of a moving rope need none of them: it is followed from the last one by reading a chord
-//! at each of its points (`chords`), or on any other ground than a plain table its two edges (`contours`), as long as
+//! at each of its points (`following/chords`), or on any other ground than a plain table its two edges (`contours`), as long as
 //! nothing else happens; [`Scene::followed`] says so.
 //!
 //! What comes of the crossings: [`CrossingSequence`], a rope's passes over and under itself, and whether
@@ -81,7 +81,7 @@
 //! | time | `past`; `occlusion/`: `occluder`, `bridge` (`ends`); `tracking/`: `part`, `tips`, `refit`; `matching`, `track` (`complete`, `turn`) | The last frame's ropes are a map: where a crossing can be read two ways, the strands go where they went; an end that was known is no spur; ropes that touch by their ends are parted. What is far wider than the ropes, in a color of its own, is a gripper or a hand and is taken out; the pieces that it leaves are joined where the last frame had the rope run from the one to the other, the hidden points marked. Where all this still contradicts the last frame, its centerlines are laid over the image, each sample looking across for the rope's middle, the moves smoothed along it; taken if the image bears it out. The curves that agree best give number and direction. A rope out of sight is `Lost` for `keep_lost_s` and comes back as itself |
 //! | crossings | `crossings/`: `meet`, `over`, `place` | where the finished curves meet, an odd number of meetings within one overlap being one crossing, an even one none; a few lines along each strand are predicted through the crossing from what is seen on them before and after it, and looked at for change in the middle of it; the strand that surprises less is the upper one: its surface goes on, the other's is cut by edges, shadow and shading. How much less becomes the confidence, calibrated on drawn crossings |
 //!
-//! **Following** (`chords`, `chords/`). Between two frames of a camera a rope moves by less than its width, and mostly nothing
+//! **Following** (`following/`: `chords`). Between two frames of a camera a rope moves by less than its width, and mostly nothing
 //! else happens; then none of these steps is taken. Where a row or a column of pixels runs through the rope, the middle of
 //! that chord lies on its centerline, at whatever angle: one chord at each of the N points, along the row or column that cuts
 //! the rope more steeply, moves the point along its normal. How chords read there, how far beside the centerline and how
@@ -99,7 +99,7 @@
 //! expected, and by gathers into one register where the machine has AVX-512 (`profile`, beside the plain loops that define
 //! it). What is not found so near is looked for as far as a rope may move.
 //!
-//! **Following on any ground** (`contours`, `contours/`). With any other mask than that of a plain table (colour ranges, one found by shape, one
+//! **Following on any ground** (`following/`: `contours`). With any other mask than that of a plain table (colour ranges, one found by shape, one
 //! made elsewhere), and for ropes that are closed or leave the image, there is no table to take a difference from. Then the rope's
 //! own colour is learnt at each of its points from the image that it was extracted from, and how it varies (`looks`); what is far
 //! from it is ground. Both edges are read at each point, in a row or column of sixteen pixels each, where the difference from the rope's colour passes
@@ -175,12 +175,11 @@
 
 mod bitmap;
 mod centerline;
-mod chords;
 mod clustering;
 mod confidence;
-mod contours;
 mod crossings;
 mod extractor;
+mod following;
 mod graph;
 mod image;
 mod knot;

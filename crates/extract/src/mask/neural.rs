@@ -51,9 +51,6 @@ impl Finder {
         levels.resize(width, height);
         let scale = scale_of(width, height);
         let (columns, rows) = (width / scale, height / scale);
-        if columns == 0 || rows == 0 {
-            return;
-        }
         self.rope.resize(columns * rows, 0);
         self.seam.resize(columns * rows, 0);
         let is_as_it_lies = scale == 1 && image.format() == PixelFormat::Rgb8;
@@ -80,7 +77,8 @@ impl Finder {
             .run(&mut self.workspace, picture, maps)
             .is_err()
         {
-            // A picture that is too long for it.
+            // Too long a strip for it, or nothing at all.
+            (0..height).for_each(|y| levels.row_mut(y).fill(0));
             return;
         }
         for (rope, seam) in self.rope.iter_mut().zip(&self.seam) {

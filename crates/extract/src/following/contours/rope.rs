@@ -8,8 +8,9 @@ use super::read::{ReadAll, Reading};
 use super::station::{Station, set_normals};
 use crate::centerline::line::{Line, Sample};
 use crate::centerline::smooth::Smoother;
-use crate::chords::axis;
-use crate::chords::lay::Lay;
+use crate::following::axis;
+use crate::following::crossings::{Crossed, Over};
+use crate::following::lay::Lay;
 use crate::image::Image;
 use crate::scene::{Curve, Status};
 use crate::vec2::{self, Vec2};
@@ -28,8 +29,6 @@ const MOST_HIDDEN_FRAMES: u32 = 12;
 const AT_TIP: f32 = 0.35;
 const ALONG: f32 = 0.5;
 const CLEAR_PX: f32 = 1.0;
-/// A strand that crosses blurs this far beyond its width, as a factor and in pixels more.
-const CROSSING: (f32, f32) = (1.1, 2.0);
 /// The reach of smoothing, in points, and the weight of points that move as others do.
 const SMOOTH: f32 = 0.6;
 const CARRIED: f32 = 0.1;
@@ -99,40 +98,6 @@ impl Rope {
         }
     }
 
-    /// Forgets which stations are crossed.
-    pub(super) fn clear_crossings(&mut self) {
-        self.stations.iter_mut().for_each(|s| s.is_crossed = false);
-    }
-
-    /// Notes that another strand crosses at normalized arc length `rho`, with this direction and width.
-    pub(super) fn cross(&mut self, rho: f32, direction: Vec2, width_px: f32) {
-        let n = self.stations.len();
-        let middle = self.number(rho);
-        let across = vec2::normal(direction);
-        let place = self.stations[middle].at;
-        let clear_px = 0.5 * width_px * CROSSING.0 + CROSSING.1;
-        let half_px = 0.5 * self.width_px;
-        let crosses = |station: &Station| {
-            let axis = axis(station.normal);
-            let reach_px = (half_px / station.normal[axis] * across[axis]).abs();
-            vec2::dot(vec2::sub(station.at, place), across).abs() < clear_px + reach_px
-        };
-        for way in [1, n - 1] {
-            let mut i = middle;
-            for _ in 0..n {
-                if !crosses(&self.stations[i]) {
-                    break;
-                }
-                self.stations[i].is_crossed = true;
-                let next = (i + way) % n;
-                if !self.closed && next.abs_diff(i) != 1 {
-                    break;
-                }
-                i = next;
-            }
-        }
-    }
-
     /// Whether no other strand lies at its ends: it would not be told where they are.
     pub(super) fn has_its_ends(&self) -> bool {
         let tips = [self.stations.first(), self.stations.last()];
@@ -149,12 +114,6 @@ impl Rope {
         } else {
             number.min(n - 1)
         }
-    }
-
-    /// The rope's direction at normalized arc length `rho`.
-    pub(super) fn direction(&self, rho: f32) -> Vec2 {
-        let normal = self.stations[self.number(rho)].normal;
-        [normal[1], -normal[0]]
     }
 
     pub(super) fn spacing_px(&self) -> f32 {
@@ -376,5 +335,39 @@ impl Rope {
             (_, true) => Status::Ok,
             (_, false) => Status::Partial,
         };
+    }
+}
+
+impl Crossed for Rope {
+    fn clear_crossings(&mut self) {
+        self.stations.iter_mut().for_each(|s| s.is_crossed = false);
+    }
+
+    fn cross(&mut self, rho: f32, over: &Over) {
+        let (n, middle) = (self.stations.len(), self.number(rho));
+        for way in [1, n - 1] {
+            let mut i = middle;
+            for _ in 0..n {
+                let station = &mut self.stations[i];
+                if !over.covers(station.at, station.normal) {
+                    break;
+                }
+                station.is_crossed = true;
+                let next = (i + way) % n;
+                if !self.closed && next.abs_diff(i) != 1 {
+                    break;
+                }
+                i = next;
+            }
+        }
+    }
+
+    fn at(&self, rho: f32) -> (Vec2, Vec2) {
+        let station = &self.stations[self.number(rho)];
+        (station.at, station.normal)
+    }
+
+    fn width_px(&self) -> f32 {
+        self.width_px
     }
 }

@@ -4,6 +4,7 @@ use super::chord::{Reader, Where};
 use super::narrow::{self, SIDE};
 use super::profile::{Lanes, Work};
 use super::rope::AT_TIP;
+use crate::following::axis;
 use crate::image::color;
 use crate::vec2::{self, Vec2};
 
@@ -226,12 +227,6 @@ fn fall(
 pub(super) fn table(reader: &Reader, at: Vec2) -> [f32; 3] {
     let [x, y] = at.map(|v| v.max(0.0) as usize);
     reader.background.at(x, y)
-}
-
-/// Along which the rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.
-#[inline(always)]
-pub(crate) fn axis([x, y]: Vec2) -> usize {
-    usize::from(y.abs() > x.abs())
 }
 
 pub(super) fn set_normals(stations: &mut [Station]) {

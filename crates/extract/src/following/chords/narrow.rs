@@ -6,7 +6,8 @@
 
 use super::chord::{CORE, Reader};
 use super::profile::{BLOCK, Lanes, Stretch, WORD};
-use super::station::{Station, axis};
+use super::station::Station;
+use crate::following::{axis, whole};
 
 /// Stations that are worked on side by side.
 pub(super) const SIDE: usize = 16;
@@ -230,16 +231,6 @@ fn measure(
         found.contrast[i] = sums[i] as i32 as f32 / count as f32;
     }
     found
-}
-
-/// The largest whole number up to `value`, from 0 on. What a float's last bit stands for is 1 from 2²³ on: so it is
-/// converted without a question about each.
-#[inline(always)]
-pub(super) fn whole(value: f32) -> i32 {
-    const ONES: f32 = 8_388_608.0;
-    let value = if value > 0.0 { value.floor() } else { 0.0 };
-    let value = if value < ONES { value } else { 0.0 };
-    (value + ONES).to_bits().cast_signed() - ONES.to_bits().cast_signed()
 }
 
 /// The run of set bits that holds bit `at` or lies nearest to it, among the first `count` bits: its first, the one after

@@ -1,6 +1,6 @@
 //! Ropes followed on any ground, by their two edges.
 //!
-//! As [chords](crate::chords) are, but without a table: at each of a rope's points the rope's own color is learnt where it
+//! As [chords](super::chords) are, but without a table: at each of a rope's points the rope's own color is learnt where it
 //! was extracted whole, and what is far from that color is ground, whatever its own may be. The difference from the rope's
 //! color grows along a pixel row in proportion to the ground's share in it, so that an edge lies where it passes half of
 //! what it comes to beyond: to a tenth of a pixel on any ground, and anew in each frame, so that nothing of the ground has
@@ -21,7 +21,8 @@ mod read;
 mod rope;
 mod station;
 
-use crate::chords::{MOST_FRAMES, carry};
+use super::MOST_FRAMES;
+use super::crossings::{carry, note};
 use crate::image::{Image, PixelFormat};
 use crate::scene::{Crossing, Curve};
 use novelty::Novelty;
@@ -29,7 +30,7 @@ use rope::Rope;
 
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
-pub(crate) struct ContourFollower {
+pub(super) struct ContourFollower {
     novelty: Novelty,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
@@ -45,7 +46,7 @@ pub(crate) struct ContourFollower {
 
 impl ContourFollower {
     /// Makes the buffers for so many ropes of so many points, in images of this size.
-    pub(crate) fn reserve(&mut self, ropes: usize, points: usize, [width, height]: [usize; 2]) {
+    pub(super) fn reserve(&mut self, ropes: usize, points: usize, [width, height]: [usize; 2]) {
         let most = ropes.max(self.ropes.len());
         self.ropes.resize_with(most, Rope::default);
         self.ropes.iter_mut().for_each(|rope| rope.reserve(points));
@@ -55,23 +56,23 @@ impl ContourFollower {
     }
 
     /// Whether there are ropes that may be followed into the next image.
-    pub(crate) fn is_ready(&self) -> bool {
+    pub(super) fn is_ready(&self) -> bool {
         self.count > 0 && self.frames < MOST_FRAMES
     }
 
     /// Forgets the ropes: the next image is extracted whole.
-    pub(crate) fn drop(&mut self) {
+    pub(super) fn drop(&mut self) {
         self.count = 0;
     }
 
     /// Forgets that there ever were any.
-    pub(crate) fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.tracks.clear();
         self.seen = 0;
     }
 
     /// Notes the ropes that an image shows; returns in how many images these and no others were seen whole.
-    pub(crate) fn know(&mut self, curves: &[Curve]) -> u32 {
+    pub(super) fn know(&mut self, curves: &[Curve]) -> u32 {
         let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
         let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
         self.seen = match (same, curves.iter().all(learn::is_whole)) {
@@ -85,7 +86,7 @@ impl ContourFollower {
     }
 
     /// Learns the ropes that were just extracted from `image`, all of them seen at least in part.
-    pub(crate) fn anchor(&mut self, image: &Image, curves: &[Curve], crossings: &[Crossing]) {
+    pub(super) fn anchor(&mut self, image: &Image, curves: &[Curve], crossings: &[Crossing]) {
         self.count = 0;
         self.frames = 0;
         (self.size, self.format) = ([image.width(), image.height()], Some(image.format()));
@@ -109,7 +110,7 @@ impl ContourFollower {
 
     /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
     /// has to be extracted whole; then they mean nothing.
-    pub(crate) fn follow(
+    pub(super) fn follow(
         &mut self,
         image: &Image,
         curves: &mut [Curve],
@@ -141,18 +142,5 @@ impl ContourFollower {
             self.count = 0;
         }
         carried
-    }
-}
-
-/// Lets the ropes know where others cross them.
-fn note(ropes: &mut [Rope], crossings: &[Crossing]) {
-    ropes.iter_mut().for_each(Rope::clear_crossings);
-    for crossing in crossings {
-        let over = (crossing.over, crossing.over_rho);
-        let under = (crossing.under, crossing.under_rho);
-        for ((rope, rho), (other, other_rho)) in [(over, under), (under, over)] {
-            let (direction, width_px) = (ropes[other].direction(other_rho), ropes[other].width_px);
-            ropes[rope].cross(rho, direction, width_px);
-        }
     }
 }

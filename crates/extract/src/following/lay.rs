@@ -1,6 +1,6 @@
 //! Points at equal arc lengths along the smooth curve through others: the Catmull-Rom spline, in four chords a piece.
 
-use super::narrow::whole;
+use super::whole;
 use crate::vec2::{self, Vec2};
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -11,7 +11,7 @@ const SIDE: usize = 16;
 
 /// Memory and result.
 #[derive(Debug, Default)]
-pub(crate) struct Lay {
+pub(super) struct Lay {
     knots: Vec<Vec2>,
     /// The knots' coordinates, with one before and one after, run on straight.
     along: [Vec<f32>; 2],
@@ -28,7 +28,7 @@ pub(crate) struct Lay {
 
 impl Lay {
     /// The length of the curve through `places`.
-    pub(crate) fn measure(&mut self, places: impl Iterator<Item = Vec2>) -> f32 {
+    pub(super) fn measure(&mut self, places: impl Iterator<Item = Vec2>) -> f32 {
         self.knots.clear();
         self.knots.extend(places);
         self.trace(0..self.knots.len())
@@ -36,7 +36,7 @@ impl Lay {
 
     /// Lays as many points as there are `places` along the curve through them, run on straight by `ends` pixels at
     /// either end, or cut. Returns its length; nothing when none is left.
-    pub(crate) fn lay(
+    pub(super) fn lay(
         &mut self,
         places: impl Iterator<Item = Vec2>,
         ends: [f32; 2],
@@ -64,7 +64,7 @@ impl Lay {
     }
 
     /// The points laid last.
-    pub(crate) fn points(&self) -> &[Vec2] {
+    pub(super) fn points(&self) -> &[Vec2] {
         &self.points
     }
 

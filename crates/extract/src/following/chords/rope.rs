@@ -1,13 +1,12 @@
 //! One rope that is followed by its chords.
 
 use super::chord::{MOST, Reader};
-use super::lay::Lay;
 use super::profile::{self, BLOCK};
-use super::station::{
-    ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, axis, beyond, set_normals,
-};
+use super::station::{ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, beyond, set_normals};
 use crate::centerline::line::{Line, Sample};
 use crate::centerline::smooth::Smoother;
+use crate::following::crossings::{Crossed, Over};
+use crate::following::lay::Lay;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
@@ -28,9 +27,6 @@ const MOST_UNREAD: usize = 1;
 const BEFORE_TIP: f32 = 1.0;
 /// The sharpest bend that it runs on with, in radians over that way.
 const SHARPEST: f32 = 0.8;
-/// A strand that crosses blurs this far beyond its width, as a factor and in pixels more.
-const CLEAR: f32 = 1.1;
-const CLEAR_PX: f32 = 2.0;
 /// The reach of smoothing, in points: each chord is one row of noisy pixels. A bend of a radius of three points, as tight
 /// as ropes are, loses (0.6/3)⁴ of it.
 const SMOOTH: f32 = 0.6;
@@ -63,42 +59,6 @@ pub(super) struct Tip {
 }
 
 impl Rope {
-    /// Forgets which stations are crossed.
-    pub(super) fn clear_crossings(&mut self) {
-        self.stations.iter_mut().for_each(|s| s.is_crossed = false);
-    }
-
-    /// Notes that another strand crosses at normalized arc length `rho`, with this direction and width.
-    pub(super) fn cross(&mut self, rho: f32, direction: Vec2, width_px: f32) {
-        let last = self.stations.len() - 1;
-        let middle = (rho * last as f32).round() as usize;
-        let across = vec2::normal(direction);
-        let place = self.stations[middle.min(last)].at;
-        let clear_px = 0.5 * width_px * CLEAR + CLEAR_PX;
-        let half_px = 0.5 * self.width_px;
-        let crosses = |station: &Station| {
-            let axis = axis(station.normal);
-            let reach_px = (half_px / station.normal[axis] * across[axis]).abs();
-            vec2::dot(vec2::sub(station.at, place), across).abs() < clear_px + reach_px
-        };
-        let (before, after) = self.stations.split_at_mut(middle.min(last));
-        for way in [
-            &mut before.iter_mut().rev() as &mut dyn Iterator<Item = _>,
-            &mut after.iter_mut(),
-        ] {
-            for station in way.take_while(|station| crosses(station)) {
-                station.is_crossed = true;
-            }
-        }
-    }
-
-    /// The rope's direction at normalized arc length `rho`.
-    pub(super) fn direction(&self, rho: f32) -> Vec2 {
-        let last = self.stations.len() - 1;
-        let normal = self.stations[((rho * last as f32).round() as usize).min(last)].normal;
-        [normal[1], -normal[0]]
-    }
-
     /// The number of the `i`-th station from an end.
     pub(super) fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 {
@@ -326,5 +286,41 @@ impl Rope {
         curve
             .widths_px
             .extend(self.stations.iter().map(|s| s.width_px));
+    }
+}
+
+impl Rope {
+    /// The station at normalized arc length `rho`.
+    fn number(&self, rho: f32) -> usize {
+        let last = self.stations.len() - 1;
+        ((rho * last as f32).round() as usize).min(last)
+    }
+}
+
+impl Crossed for Rope {
+    fn clear_crossings(&mut self) {
+        self.stations.iter_mut().for_each(|s| s.is_crossed = false);
+    }
+
+    fn cross(&mut self, rho: f32, over: &Over) {
+        let middle = self.number(rho);
+        let (before, after) = self.stations.split_at_mut(middle);
+        for way in [
+            &mut before.iter_mut().rev() as &mut dyn Iterator<Item = &mut Station>,
+            &mut after.iter_mut(),
+        ] {
+            for station in way.take_while(|station| over.covers(station.at, station.normal)) {
+                station.is_crossed = true;
+            }
+        }
+    }
+
+    fn at(&self, rho: f32) -> (Vec2, Vec2) {
+        let station = &self.stations[self.number(rho)];
+        (station.at, station.normal)
+    }
+
+    fn width_px(&self) -> f32 {
+        self.width_px
     }
 }

@@ -12,7 +12,6 @@
 //! so is every [`MOST_FRAMES`]th frame.
 
 mod chord;
-pub(crate) mod lay;
 mod learn;
 mod narrow;
 mod profile;
@@ -20,8 +19,8 @@ mod rope;
 mod station;
 mod sweep;
 
-use crate::crossings::meet;
-use crate::crossings::place::Place;
+use super::MOST_FRAMES;
+use super::crossings::{carry, note};
 use crate::image::{Image, PixelFormat};
 use crate::mask::background::Background;
 use crate::scene::{Crossing, Curve};
@@ -29,16 +28,9 @@ use chord::Reader;
 use rope::Rope;
 use sweep::Sweep;
 
-pub(crate) use station::axis;
-
-/// Frames that ropes are followed before they are extracted again: a second at a camera's usual rate.
-pub(crate) const MOST_FRAMES: u32 = 30;
-/// Points by which a crossing may move along its ropes from one frame to the next.
-const CROSSING: usize = 4;
-
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
-pub(crate) struct ChordFollower {
+pub(super) struct ChordFollower {
     sweep: Sweep,
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
@@ -53,17 +45,17 @@ pub(crate) struct ChordFollower {
 
 impl ChordFollower {
     /// Whether there are ropes that may be followed into the next image.
-    pub(crate) fn is_ready(&self) -> bool {
+    pub(super) fn is_ready(&self) -> bool {
         self.count > 0 && self.frames < MOST_FRAMES
     }
 
     /// Forgets the ropes: the next image is extracted whole.
-    pub(crate) fn drop(&mut self) {
+    pub(super) fn drop(&mut self) {
         self.count = 0;
     }
 
     /// Learns the ropes that were just extracted from `image`, all of them seen.
-    pub(crate) fn anchor(
+    pub(super) fn anchor(
         &mut self,
         image: &Image,
         background: &Background,
@@ -91,7 +83,7 @@ impl ChordFollower {
 
     /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
     /// has to be extracted whole; then they mean nothing.
-    pub(crate) fn follow(
+    pub(super) fn follow(
         &mut self,
         image: &Image,
         background: &Background,
@@ -129,36 +121,4 @@ impl ChordFollower {
         }
         carried
     }
-}
-
-/// Lets the ropes know where others cross them.
-fn note(ropes: &mut [Rope], crossings: &[Crossing]) {
-    ropes.iter_mut().for_each(Rope::clear_crossings);
-    for crossing in crossings {
-        let over = (crossing.over, crossing.over_rho);
-        let under = (crossing.under, crossing.under_rho);
-        for ((rope, rho), (other, other_rho)) in [(over, under), (under, over)] {
-            let (direction, width_px) = (ropes[other].direction(other_rho), ropes[other].width_px);
-            ropes[rope].cross(rho, direction, width_px);
-        }
-    }
-}
-
-/// Moves a crossing to where the curves now meet near it; false if they do not. No new one comes about unseen: strands
-/// that come to lie on each other have no chords of their own any more.
-pub(crate) fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
-    let pieces = |curve: usize| curves[curve].intervals() as f32;
-    let place = |curve, rho: f32| Place {
-        curve,
-        at: rho * pieces(curve),
-    };
-    let over = place(crossing.over, crossing.over_rho);
-    let under = place(crossing.under, crossing.under_rho);
-    let Some(meeting) = meet::near(curves, over, under, CROSSING) else {
-        return false;
-    };
-    crossing.at = meeting.at;
-    crossing.over_rho = meeting.a.at / pieces(crossing.over);
-    crossing.under_rho = meeting.b.at / pieces(crossing.under);
-    true
 }

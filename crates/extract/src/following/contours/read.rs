@@ -3,7 +3,7 @@
 use super::edge::{self, WINDOW};
 use super::looks::{self, Looks};
 use super::station::Station;
-use crate::chords::axis;
+use crate::following::axis;
 use crate::image::Image;
 use lariat_portable::{Simd, WithSimd};
 
