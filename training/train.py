@@ -1,7 +1,7 @@
 """Trains the mask network on drawn pictures: `train.py --scenes FOLDER --out FOLDER`, see README.md. Writes ropes.weights and a log.
 
 Repeatable: the same scenes, seed, steps and machine give the same weights, bit for bit, also if training was interrupted: begun again with the same
-arguments, it goes on where it was.
+arguments, it goes on where it was. Until the rate falls, the number of steps may still be changed.
 """
 
 import argparse
@@ -33,7 +33,8 @@ def arguments():
     parser.add_argument("--steps", type=int, default=100000)
     parser.add_argument("--batch", type=int, default=6, help="pictures a step")
     parser.add_argument("--rate", type=float, default=2e-3, help="the highest learning rate")
-    parser.add_argument("--rounded", type=float, default=0.2, help="share of the steps, the last ones, in which numbers are rounded")
+    parser.add_argument("--falling", type=float, default=0.4, help="share of the steps, the last ones, in which the rate falls")
+    parser.add_argument("--rounded", type=float, default=0.2, help="share of the steps, the last of those, in which numbers are rounded")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--begin", type=Path, help="a file of weights to train further, such as crates/network/ropes.weights")
     parser.add_argument("--own", type=Path, help="pictures of your own, every second one of a batch: a folder with images/ and labels/")
@@ -136,8 +137,13 @@ class Training:
     def __init__(self, args):
         self.args, self.scenes, self.file, self.log = args, Scenes(args), args.out / "state.pt", args.out / "log.jsonl"
         self.normalized_steps = 0 if args.begin else int(args.steps * (1 - args.rounded))
+        self.high_steps = 0 if args.begin else int(args.steps * (1 - args.falling))
         if self.file.exists():
-            self.number, self.learner, self.parts, self.seconds = torch.load(self.file, weights_only=False)
+            kept, self.number, self.learner, self.parts, self.seconds = torch.load(self.file, weights_only=False)
+            if self.number <= min(self.high_steps, kept["steps"] * (1 - kept["falling"])):
+                kept |= {name: getattr(args, name) for name in ("steps", "falling", "rounded")}
+            if kept != vars(args):
+                raise SystemExit(f"{self.file} is of a training with other arguments: remove it, or give another --out")
             lines = self.log.read_text().splitlines(keepends=True)
             self.log.write_text("".join(line for line in lines if json.loads(line)["step"] <= self.number))
             return
@@ -148,11 +154,13 @@ class Training:
 
     def rate(self):
         """Rises at first; falls to a tenth by the end of the normalized steps; then from a tenth to nothing."""
-        number, before, args = self.number, self.normalized_steps, self.args
+        number, high, normalized, args = self.number, self.high_steps, self.normalized_steps, self.args
+        if number < high:
+            return args.rate * min(1, (number + 1) / 300)
         fall = lambda share: 0.5 * (1 + math.cos(math.pi * share))
-        if number < before:
-            return args.rate * min(1, (number + 1) / 300) * (0.1 + 0.9 * fall(number / before))
-        return 0.1 * args.rate * fall((number - before) / (args.steps - before)) + 1e-6
+        if number < normalized:
+            return args.rate * (0.1 + 0.9 * fall((number - high) / (normalized - high)))
+        return 0.1 * args.rate * fall((number - normalized) / (args.steps - normalized)) + 1e-6
 
     def run(self):
         began = time.monotonic() - self.seconds
@@ -178,7 +186,7 @@ class Training:
 
     def save(self):
         part = self.file.with_suffix(".part")
-        torch.save((self.number, self.learner, self.parts, self.seconds), part)
+        torch.save((vars(self.args), self.number, self.learner, self.parts, self.seconds), part)
         os.replace(part, self.file)
 
 
