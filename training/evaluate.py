@@ -12,6 +12,7 @@ import torch
 from PIL import Image
 
 import network
+import pictures
 
 
 def arguments():
@@ -37,15 +38,14 @@ def main():
     args = arguments()
     weights = network.unpacked(args.weights.read_bytes())
     overlaps = []
-    for file in sorted(p for p in args.images.iterdir() if p.suffix in (".png", ".jpg", ".jpeg")):
-        rope, seam = found(weights, np.asarray(Image.open(file).convert("RGB")))
+    for file in pictures.files(args.images):
+        rope, seam = found(weights, pictures.read(file))
         if args.masks:
             args.masks.mkdir(parents=True, exist_ok=True)
             mask = rope * (seam < 0.5)
             Image.fromarray(np.round(255 * mask).astype(np.uint8)).save(args.masks / f"{file.stem}.png")
         if args.labels:
-            label = np.asarray(Image.open(args.labels / f"{file.stem}.png")) > 0
-            label = label.any(-1) if label.ndim == 3 else label
+            label = pictures.label(file, args.labels)
             overlaps.append(2 * ((rope > 0.5) & label).sum() / max(1, (rope > 0.5).sum() + label.sum()))
             print(f"{file.stem}\t{overlaps[-1]:.3f}")
     if overlaps:

@@ -6,5 +6,6 @@ own=$(realpath "$1") weights=$(realpath "$2")
 cd "$(dirname "$0")"
 source ./prepare.sh
 draw_scenes 2
+rm -rf cache/own # What is left of a training on other pictures.
 "$python" train.py --scenes cache/scenes --out cache/own --own "$own" --begin ../crates/network/ropes.weights --files 2 --steps 1500
 cp cache/own/ropes.weights "$weights"

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from PIL import Image
 from torch.nn import functional
 
 import network
+import pictures
 
 SIDE = 256
 SAVED = 1000  # steps between what is kept to go on from
@@ -43,15 +43,13 @@ def arguments():
 
 def own_pictures(folder):
     """Pictures with their labels, as scenes are: no seams are known of them."""
-    pictures = []
-    for file in sorted((folder / "images").iterdir()):
-        rgb = np.asarray(Image.open(file).convert("RGB"))
-        label = np.asarray(Image.open(folder / "labels" / f"{file.stem}.png"))
-        label = label.any(-1) if label.ndim == 3 else label > 0
-        picture = np.dstack([rgb, 255 * label.astype(np.uint8), np.zeros(label.shape, np.uint8)])
+    scenes = []
+    for file in pictures.files(folder / "images"):
+        label = pictures.label(file, folder / "labels")
+        scene = np.dstack([pictures.read(file), 255 * label.astype(np.uint8), np.zeros(label.shape, np.uint8)])
         margins = [(0, max(0, SIDE - length)) for length in label.shape]
-        pictures.append(np.pad(picture, (*margins, (0, 0)), mode="reflect"))
-    return pictures
+        scenes.append(np.pad(scene, (*margins, (0, 0)), mode="reflect"))
+    return scenes
 
 
 class Scenes:

@@ -2,6 +2,7 @@
 
 mod crossings;
 mod masks;
+mod meant;
 mod notices;
 
 use assert_cmd::Command;

@@ -108,3 +108,37 @@ fn cover(laid: &mut Laid, random: &mut SplitMix64) {
         laid.hide(i, share);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 128;
+
+    fn scene(seed: u64) -> Vec<u8> {
+        let photographs = Photographs::of(None).expect("none are asked for");
+        draw(seed, SIDE, &photographs).expect("a picture")
+    }
+
+    #[test]
+    fn the_same_seed_draws_the_same_picture() {
+        assert_eq!(scene(1), scene(1));
+        assert_ne!(scene(1), scene(2));
+    }
+
+    /// Truth that is no rope where a seam is would teach the network to break ropes.
+    #[test]
+    fn seams_lie_on_ropes_and_ropes_are_seen() {
+        let (mut seams, mut on_ropes, mut ropes) = (0, 0, 0);
+        for seed in 0..40 {
+            for &[.., cover, seam] in scene(seed).as_chunks::<CHANNELS>().0 {
+                ropes += usize::from(cover > 127);
+                seams += usize::from(seam > 0);
+                on_ropes += usize::from(seam > 0 && cover > 0);
+            }
+        }
+        let share = ropes as f32 / (40 * SIDE * SIDE) as f32;
+        assert!((0.03..0.5).contains(&share), "{share}");
+        assert!(seams > 100 && on_ropes == seams, "{on_ropes} of {seams}");
+    }
+}
