@@ -39,7 +39,7 @@ use std::sync::Arc;
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
 const SOMETHING: f32 = 24.0;
-/// Frames after a search by shape that was in vain until the next: it takes as long as some ten images with a rope.
+/// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
 /// The time between two images of which nothing else is known: 1/30 s.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
@@ -112,7 +112,7 @@ pub struct Extractor {
     is_crowded: bool,
     /// Whether the last image's ropes were followed into it.
     followed: bool,
-    /// Frames without a rope until ropes are sought by their shape again.
+    /// Frames without a rope until the network is asked again.
     frames_to_wait: u32,
     meant: Meant,
 }
@@ -246,18 +246,18 @@ impl Extractor {
         self.after_mask(image, after);
         // Things that are no ropes, and perhaps ropes that touch them.
         if has_something && self.count == 0 && self.masker.doubts_itself() {
-            self.seek_by_shape(image, after);
+            self.seek(image, after);
         }
         false
     }
 
-    /// Looks for ropes by their shape; where that was in vain, not soon again.
-    fn seek_by_shape(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+    /// Looks for ropes with the network; where that was in vain, not soon again.
+    fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         if self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
             return;
         }
-        if self.masker.seek_by_shape(image) {
+        if self.masker.seek_instead(image) {
             self.after_mask(image, after);
         }
         if self.count == 0 {

@@ -98,7 +98,7 @@ impl Follower {
             return;
         }
         // A mask that was given is taken at its word.
-        let is_told = masker.is_given && !masker.is_by_shape();
+        let is_told = masker.is_given && !masker.is_sought;
         let least = if is_told { TOLD } else { SETTLED };
         if is_plain && seen_frames >= least && (self.is_wanted || !is_told) {
             self.contours.anchor(image, curves, crossings);

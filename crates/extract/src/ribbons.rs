@@ -43,8 +43,6 @@ struct Rib {
     sides: [Color; 2],
     /// How far its color is from that beside it, in its own spread and noise.
     quality: f32,
-    /// How steep its edges are: the share of the step within two pixels.
-    sharpness: f32,
 }
 
 impl Rib {
@@ -81,9 +79,10 @@ impl Ribbons {
         self.grouper.reserve(pieces::MOST, ribs);
     }
 
-    /// Looks for ropes in `image`, and paints how much of each pixel is rope into `out`. False if there are none.
-    pub(crate) fn find(&mut self, image: &Image, out: &mut GrayPlane) -> bool {
-        self.picture.take(image);
+    /// Looks for ropes in `image` where they are `likely` (255 for certain), and paints how much of each pixel is rope into `out`,
+    /// all three of one size.
+    pub(crate) fn find(&mut self, image: &Image, likely: &GrayPlane, out: &mut GrayPlane) {
+        self.picture.take(image, likely);
         let Self {
             picture,
             chainer,
@@ -97,8 +96,7 @@ impl Ribbons {
         pieces::take(picture, chainer, ground, (pieces, ribs));
         trace::run(picture, ground, (pieces, ribs), traced);
         grouper.run(picture, ground, pieces, traced);
-        paint::run(picture, grouper, (pieces, traced), out);
-        grouper.any()
+        paint::run(picture, grouper, (pieces, traced), likely, out);
     }
 }
 

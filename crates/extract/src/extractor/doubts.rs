@@ -19,7 +19,7 @@ impl Extractor {
     /// Drops those of this image's curves that are hardly ropes, where the mask was made by shape: it is of all that is long and
     /// even.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
-        if !self.masker.is_by_shape() {
+        if !self.masker.is_sought {
             return;
         }
         let seen = self.count;

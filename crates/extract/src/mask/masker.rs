@@ -79,8 +79,8 @@ pub(crate) struct Masker {
     pub(crate) shadows: Shadows,
     ribbons: Ribbons,
     finder: Finder,
-    /// How much of each pixel is a ribbon.
-    ribbon: GrayPlane,
+    /// How likely the network says that each pixel is of a rope.
+    likely: GrayPlane,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,
@@ -93,6 +93,8 @@ pub(crate) struct Masker {
     pub(crate) cut: Option<u8>,
     /// Whether the mask was made elsewhere: the difference is then its own bytes.
     pub(crate) is_given: bool,
+    /// Whether it is of ropes that the network found.
+    pub(crate) is_sought: bool,
     /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
     pub(crate) is_smoothed: bool,
     /// What the automatic mask is unsure of.
@@ -128,8 +130,8 @@ impl Masker {
                 self.clean_or_empty();
             }
             Mask::Network => {
-                self.finder.find(image, &mut self.difference);
-                self.take_levels(ROPE_LEVEL);
+                self.notice = None;
+                self.seek(image);
                 return;
             }
             Mask::External => {
@@ -141,6 +143,7 @@ impl Masker {
         }
         self.is_smoothed = false;
         self.is_given = false;
+        self.is_sought = false;
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.shadows.cast = Cast::None;
         self.notice = chosen.and_then(|cut| self.judge(image, cut));
@@ -154,7 +157,7 @@ impl Masker {
             self.notice = Some(Notice::UnevenTable);
         }
         if self.notice.is_some_and(is_no_plain_table) {
-            self.take_ribbons(image);
+            self.seek(image);
         }
         if self.notice.is_none() {
             self.take_shadows_out(image);
@@ -172,22 +175,16 @@ impl Masker {
         border as f32 > FRAMED * 2.0 * (width + height) as f32
     }
 
-    /// Takes the ropes that are found by their shape, if any are, in the place of what differs from the table.
-    fn take_ribbons(&mut self, image: &Image) {
-        self.ribbon.resize(image.width(), image.height());
-        if self.ribbons.find(image, &mut self.ribbon) {
-            std::mem::swap(&mut self.ribbon, &mut self.difference);
-            threshold::apply(&self.kernels, &self.difference, ROPE_LEVEL, &mut self.mask);
-            self.strips.take(&self.mask);
-            self.clean_or_empty();
-            self.cut = None;
-            self.is_given = true;
-        }
-    }
-
-    /// Whether the mask is of ropes that were found by their shape.
-    pub(crate) fn is_by_shape(&self) -> bool {
-        self.is_given && self.notice.is_some()
+    /// Takes the ropes that the network finds, with the edges that are seen there, in the place of what differs from the table.
+    fn seek(&mut self, image: &Image) {
+        self.likely.resize(image.width(), image.height());
+        self.finder.find(image, &mut self.likely);
+        self.difference.resize(image.width(), image.height());
+        (self.ribbons).find(image, &self.likely, &mut self.difference);
+        let notice = self.notice;
+        self.take_levels(ROPE_LEVEL);
+        self.notice = notice;
+        self.is_sought = true;
     }
 
     /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
@@ -199,10 +196,10 @@ impl Masker {
         seemed_sure
     }
 
-    /// Looks for ropes by their shape instead. Whether it found any.
-    pub(crate) fn seek_by_shape(&mut self, image: &Image) -> bool {
-        self.take_ribbons(image);
-        self.is_given
+    /// Looks for ropes with the network instead. Whether there is anything.
+    pub(crate) fn seek_instead(&mut self, image: &Image) -> bool {
+        self.seek(image);
+        !self.strips.used.is_empty()
     }
 
     /// Cuts the mask out of the difference, and adds what the cut leaves out of the ropes.
@@ -264,7 +261,7 @@ impl Masker {
         self.shadows.reserve(width, height);
         self.ribbons.reserve(width, height);
         self.finder.reserve(width, height);
-        self.ribbon.resize(width, height);
+        self.likely.resize(width, height);
         self.smoother.reserve(width);
         self.rims.reserve(&self.strips, &self.mask);
     }
@@ -345,6 +342,7 @@ impl Masker {
         self.strips.take(&self.mask);
         self.clean_or_empty();
         self.is_given = true;
+        self.is_sought = false;
         self.is_smoothed = false;
         self.cut = None;
         self.shadows.cast = Cast::None;

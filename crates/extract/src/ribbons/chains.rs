@@ -17,6 +17,9 @@ const UNLIKE: f32 = 16.0;
 const TURN_PX: f32 = 3.0;
 /// What a pixel of turn and of width costs, and a level of color.
 const COST: (f32, f32, f32) = (0.3, 0.3, 0.05);
+/// How likely a rope is from which on it is looked for, of 255; and how far beside, in pixels.
+const POSSIBLE: u8 = 64;
+const BESIDE: usize = 8;
 /// The fewest spans of a chain.
 const FEWEST: usize = 4;
 
@@ -83,13 +86,29 @@ impl Chainer {
         for number in 0..lines {
             self.starts.push(self.spans.len());
             let at = number * STEP + STEP / 2;
-            let colors = &mut self.line.colors;
-            colors.clear();
-            match is_down {
-                true => colors.extend((0..width).map(|x| picture.at(x, at))),
-                false => colors.extend((0..height).map(|y| picture.at(at, y))),
+            let line = &mut self.line;
+            let length = if is_down { width } else { height };
+            let place = |i: usize| if is_down { (i, at) } else { (at, i) };
+            let likely = |i: usize| {
+                let (x, y) = place(i);
+                picture.likely(x, y)
+            };
+            // Only stretches in which ropes are likely.
+            let mut to = 0;
+            while let Some(first) = (to..length).find(|&i| likely(i) >= POSSIBLE) {
+                let from = first.saturating_sub(BESIDE);
+                let mut last = first;
+                while let Some(next) = (last + 1..length.min(last + 2 * BESIDE)).find(|&i| likely(i) >= POSSIBLE) {
+                    last = next;
+                }
+                to = (last + 1 + BESIDE).min(length);
+                line.clear();
+                for i in from..to {
+                    let (x, y) = place(i);
+                    line.push(picture.at(x, y), likely(i));
+                }
+                line.spans(number, from, (picture.noise, widest_px), &mut self.spans);
             }
-            (self.line).spans(number, (picture.noise, widest_px), &mut self.spans);
         }
         self.starts.push(self.spans.len());
     }

@@ -2,7 +2,7 @@
 
 use super::picture::Picture;
 use super::pieces::{Ground, Piece, are_alike};
-use super::{Color, Rib, dot, grade, is_shade, minus, unlikeness};
+use super::{Color, Rib, grade, unlikeness};
 use crate::statistics;
 use crate::vec2::{self, Vec2};
 
@@ -24,9 +24,8 @@ const SHORTEST_PX: f32 = 40.0;
 const SURE: (f32, f32) = (4.5, 60.0);
 /// What it says that a group has such a width, or no such.
 const FITS: f32 = 1.2;
-/// Groups that are straight (beside their line by less than so many widths), parallel (by the cosine) and as wide: so many
-/// are a pattern.
-const PATTERN: (f32, f32, f32, usize) = (0.3, 0.995, 1.4, 5);
+/// What it says how likely a group is of a rope, from one that is as likely as not.
+const LIKELY: f32 = 6.0;
 /// Pixels from one to the next of those that are asked for a group's color.
 const STRIDE: usize = 5;
 
@@ -54,8 +53,6 @@ pub(super) struct Grouper {
     lengths: Vec<f32>,
     widths: Vec<f32>,
     evidence: Vec<f32>,
-    /// The direction of what is straight.
-    straight: Vec<Option<Vec2>>,
     ribs: Vec<Rib>,
     values: Vec<f32>,
     sure: Vec<f32>,
@@ -72,7 +69,6 @@ impl Grouper {
         for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
             values.reserve(pieces);
         }
-        self.straight.reserve(pieces);
         self.ribs.reserve(ribs);
         self.values.reserve(ribs);
         self.sure.reserve(pieces);
@@ -98,11 +94,6 @@ impl Grouper {
     /// Whether a piece is part of a rope.
     pub(super) fn is_rope(&self, piece: usize) -> bool {
         self.is_rope[piece]
-    }
-
-    /// Whether any is.
-    pub(super) fn any(&self) -> bool {
-        self.is_rope.contains(&true)
     }
 
     fn find_ends(&mut self, pieces: &[Piece], ribs: &[Rib]) {
@@ -185,8 +176,6 @@ impl Grouper {
             let group = self.root(piece);
             self.lengths[group] += own.length_px;
         }
-        self.straight.clear();
-        self.straight.resize(count, None);
         for group in 0..count {
             if self.root(group) == group {
                 self.widths[group] = pieces[group].width_px;
@@ -201,25 +190,9 @@ impl Grouper {
             let group = self.root(piece);
             let fits = self.fits(self.widths[group]);
             let is_rope = self.evidence[group] + fits >= ROPE
-                && self.lengths[group] >= SHORTEST_PX
-                && !self.is_pattern(group);
+                && self.lengths[group] >= SHORTEST_PX;
             self.is_rope.push(is_rope);
         }
-    }
-
-    /// Whether a group is one of many straight ones side by side.
-    fn is_pattern(&self, group: usize) -> bool {
-        let Some(along) = self.straight[group] else {
-            return false;
-        };
-        let is_like = |other: usize| {
-            let wider = self.widths[other] / self.widths[group];
-            self.evidence[other] >= ROPE
-                && self.straight[other]
-                    .is_some_and(|other| vec2::dot(along, other).abs() > PATTERN.1)
-                && wider.max(1.0 / wider) < PATTERN.2
-        };
-        (0..self.straight.len()).filter(|&k| is_like(k)).count() >= PATTERN.3
     }
 
     /// What it says for a width that the sure ropes have it too.
@@ -266,23 +239,14 @@ impl Grouper {
         let color = [0, 1, 2].map(|c| median(&|rib| rib.color[c]));
         let middle = mean(&|rib| rib.width_px);
         let uneven = mean(&|rib| (rib.width_px - middle) * (rib.width_px - middle)).sqrt() / middle;
-        let is_ground = |rib: &Rib| {
-            rib.sides
-                .iter()
-                .all(|&side| is_shade(rib.color, side, picture.noise))
-        };
-        let shade = mean(&|rib| f32::from(u8::from(is_ground(rib))));
         let width_px = pieces[group].width_px;
-        let (off_px, along) = line(ribs, share);
-        let bend = off_px / width_px.max(4.0);
-        self.straight[group] = (bend < PATTERN.0).then_some(along);
+        let bend = off_line_px(ribs, share) / width_px.max(4.0);
+        let likely = mean(&|rib| picture.likely_at(rib.at));
         let rare = rarity(picture, ground, color, (0.4 * unlike).clamp(5.0, 14.0));
-        grade(median(&|rib| rib.quality), 2.5, 6.0)
+        LIKELY * (likely - 0.5)
+            + grade(median(&|rib| rib.quality), 2.5, 6.0)
             + grade(unlike, 15.0, 50.0)
-            + grade(mean(&|rib| accord(rib)), 0.0, 0.9)
             + grade(self.lengths[group] / width_px, 8.0, 60.0)
-            + grade(median(&|rib| rib.sharpness), 0.35, 0.55)
-            - shade
             - 2.0 * grade(uneven, 0.15, 0.5)
             - 1.5 * grade(bend, 0.6, 0.2) * (1.0 - 0.7 * grade(unlike, 40.0, 80.0))
             + 1.5 * grade(rare, -1.5, 1.5)
@@ -317,15 +281,8 @@ fn cost(pieces: &[Piece], a: &End, b: &End) -> Option<f32> {
     Some(gap_px / width_px + turn + unlike)
 }
 
-/// Whether a rib differs from both sides in the same way (1), as a rope does, or lies between them (−1), as a step of a
-/// surface or of the light does.
-fn accord(rib: &Rib) -> f32 {
-    let [a, b] = rib.sides.map(|side| minus(rib.color, side));
-    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-6)
-}
-
-/// How far some ribs lie beside a straight line through them, in the mean, and its direction.
-fn line(ribs: &[Rib], share: f32) -> (f32, Vec2) {
+/// How far some ribs lie beside a straight line through them, in the mean.
+fn off_line_px(ribs: &[Rib], share: f32) -> f32 {
     let middle = ribs
         .iter()
         .fold([0.0; 2], |sum, rib| vec2::along(sum, rib.at, share));
@@ -336,13 +293,7 @@ fn line(ribs: &[Rib], share: f32) -> (f32, Vec2) {
     }
     let half = 0.5 * (xx - yy);
     let root = (half * half + xy * xy).sqrt();
-    let off_px = (0.5 * (xx + yy) - root).max(0.0).sqrt();
-    // Of two forms the one that does not cancel.
-    let along = match half >= 0.0 {
-        true => [half + root, xy],
-        false => [xy, root - half],
-    };
-    (off_px, vec2::unit_or(along, [1.0, 0.0]))
+    (0.5 * (xx + yy) - root).max(0.0).sqrt()
 }
 
 /// How seldom a color is beside of ribbons, against how often it is in them: a logarithm.

@@ -14,6 +14,9 @@ const TIP_WIDTHS: f32 = 1.0;
 /// How far an end is from what it runs into, in widths and pixels.
 const INTO: (f32, f32) = (1.5, 6.0);
 
+/// How likely a pixel is from which on it is rope also where no ribbon was found, of 255.
+const SURE: u8 = 179;
+
 /// How a stretch between two ribs is painted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -25,11 +28,12 @@ enum Kind {
     Hidden,
 }
 
-/// Paints all pieces that are rope.
+/// Paints all pieces that are rope, and what is surely of one.
 pub(super) fn run(
     picture: &Picture,
     grouper: &Grouper,
     (pieces, ribs): (&[Piece], &[Rib]),
+    likely: &GrayPlane,
     out: &mut GrayPlane,
 ) {
     for y in 0..out.height() {
@@ -67,6 +71,13 @@ pub(super) fn run(
         match brush.run_up_px(&rib, reach_px) {
             Some(px) => brush.stroke(&rib, &ahead(&rib, px), Kind::Hidden),
             None => brush.stroke(&rib, &ahead(&rib, TIP_WIDTHS * rib.width_px), Kind::Tip),
+        }
+    }
+    for y in 0..out.height() {
+        for (out, &likely) in out.row_mut(y).iter_mut().zip(likely.row(y)) {
+            if likely >= SURE {
+                *out = likely.max(*out);
+            }
         }
     }
 }

@@ -1,7 +1,10 @@
 //! The picture as ribbons are looked for in it: brightness and chroma, smoothed over the noise of a pixel, and made smaller
 //! if it is a large one.
 
+use lariat_portable::{Arch, NullaryFnOnce};
+
 use super::{Color, distance};
+use crate::image::gray::GrayPlane;
 use crate::image::{Image, PixelFormat, color};
 use crate::statistics;
 use crate::vec2::Vec2;
@@ -21,6 +24,8 @@ pub(super) struct Picture {
     /// The middle change over two pixels: noise and grain.
     pub(super) noise: f32,
     colors: Vec<Color>,
+    /// How likely each pixel is of a rope, 255 for certain.
+    likely: Vec<u8>,
     spare: Vec<Color>,
     places: Vec<usize>,
     row: Vec<u32>,
@@ -34,6 +39,7 @@ impl Picture {
         (self.width, self.height) = (width / self.scale, height / self.scale);
         let pixels = self.width * self.height;
         self.colors.reserve(pixels);
+        self.likely.reserve(pixels);
         self.spare.reserve(pixels);
         self.places.reserve(width);
         self.row.reserve(width);
@@ -42,13 +48,20 @@ impl Picture {
         [self.width, self.height]
     }
 
-    /// Takes up an image.
-    pub(super) fn take(&mut self, image: &Image) {
+    /// Takes up an image, and how likely its pixels are of a rope.
+    pub(super) fn take(&mut self, image: &Image, likely: &GrayPlane) {
         self.scale = image.width().max(image.height()).div_ceil(LONGEST);
         self.width = image.width() / self.scale;
         self.height = image.height() / self.scale;
         self.read(image);
         self.smooth();
+        self.likely.clear();
+        for y in 0..self.height {
+            // In the middle of each block.
+            let row = likely.row(y * self.scale + self.scale / 2);
+            let places = row.iter().skip(self.scale / 2).step_by(self.scale);
+            self.likely.extend(places.take(self.width));
+        }
         self.steps.clear();
         for y in (0..self.height).step_by(STRIDE) {
             let row = &self.colors[y * self.width..][..self.width];
@@ -84,32 +97,27 @@ impl Picture {
 
     /// A binomial of five pixels either way.
     fn smooth(&mut self) {
-        let (width, height) = (self.width, self.height);
-        self.spare.resize(width * height, [0.0; 3]);
-        for y in 0..height {
-            let row = &self.colors[y * width..][..width];
-            let out = &mut self.spare[y * width..][..width];
-            for (x, out) in out.iter_mut().enumerate() {
-                let at = |by: isize| row[x.saturating_add_signed(by).min(width - 1)];
-                *out = binomial([at(-2), at(-1), at(0), at(1), at(2)]);
-            }
-        }
-        for y in 0..height {
-            let row = |by: isize| {
-                let y = y.saturating_add_signed(by).min(height - 1);
-                &self.spare[y * width..][..width]
-            };
-            let rows = [row(-2), row(-1), row(0), row(1), row(2)];
-            let out = &mut self.colors[y * width..][..width];
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = binomial([rows[0][x], rows[1][x], rows[2][x], rows[3][x], rows[4][x]]);
-            }
-        }
+        self.spare.resize(self.width * self.height, [0.0; 3]);
+        Arch::new().dispatch(Smooth {
+            width: 3 * self.width,
+            colors: self.colors.as_flattened_mut(),
+            spare: self.spare.as_flattened_mut(),
+        });
     }
 
     /// The color of a pixel.
     pub(super) fn at(&self, x: usize, y: usize) -> Color {
         self.colors[y * self.width + x]
+    }
+
+    /// How likely a pixel is of a rope.
+    pub(super) fn likely(&self, x: usize, y: usize) -> u8 {
+        self.likely[y * self.width + x]
+    }
+
+    /// How likely the pixel at a place is; not at all outside.
+    pub(super) fn likely_at(&self, at: Vec2) -> f32 {
+        (self.index(at)).map_or(0.0, |index| f32::from(self.likely[index]) / 255.0)
     }
 
     /// The pixel at a place, if that is inside.
@@ -148,6 +156,59 @@ fn converted(pixel: u32, format: PixelFormat) -> Color {
     }
 }
 
-fn binomial([a, b, c, d, e]: [Color; 5]) -> Color {
-    std::array::from_fn(|k| (a[k] + e[k] + 4.0 * (b[k] + d[k]) + 6.0 * c[k]) / 16.0)
+struct Smooth<'a> {
+    /// Numbers in a row.
+    width: usize,
+    colors: &'a mut [f32],
+    spare: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Smooth<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            width,
+            colors,
+            spare,
+        } = self;
+        if width == 0 {
+            return;
+        }
+        let rows = colors.chunks_exact(width).zip(spare.chunks_exact_mut(width));
+        for (row, out) in rows {
+            let middle = 6.min(width)..width.saturating_sub(6).max(6.min(width));
+            for i in (0..middle.start).chain(middle.end..width) {
+                let at = |by: isize| {
+                    let pixel = (i / 3).saturating_add_signed(by).min(width / 3 - 1);
+                    row[3 * pixel + i % 3]
+                };
+                out[i] = binomial([at(-2), at(-1), at(0), at(1), at(2)]);
+            }
+            let near = [0, 3, 6, 9, 12].map(|by| &row[by.min(width)..]);
+            let near = near.map(|row| row.iter());
+            let [a, b, c, d, e] = near;
+            let near = a.zip(b).zip(c).zip(d).zip(e);
+            for (out, ((((a, b), c), d), e)) in out[middle.start..].iter_mut().zip(near) {
+                *out = binomial([*a, *b, *c, *d, *e]);
+            }
+        }
+        let height = spare.len() / width;
+        for (y, out) in colors.chunks_exact_mut(width).enumerate() {
+            let [a, b, c, d, e] = [-2, -1, 0, 1, 2].map(|by| {
+                let y = y.saturating_add_signed(by).min(height - 1);
+                spare[y * width..][..width].iter()
+            });
+            let near = a.zip(b).zip(c).zip(d).zip(e);
+            for (out, ((((a, b), c), d), e)) in out.iter_mut().zip(near) {
+                *out = binomial([*a, *b, *c, *d, *e]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn binomial([a, b, c, d, e]: [f32; 5]) -> f32 {
+    (a + e + 4.0 * (b + d) + 6.0 * c) / 16.0
 }

@@ -204,7 +204,6 @@ fn lay(chain: &Chain, spans: &[Span], ribs: &mut Vec<Rib>) {
             // The normal points up the columns and down the rows.
             sides: if chain.is_down { [a, b] } else { [b, a] },
             quality: span.quality,
-            sharpness: span.sharpness,
         });
     }
 }

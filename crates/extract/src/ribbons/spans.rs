@@ -12,9 +12,13 @@ const INSIDE_PX: (f32, f32) = (1.5, 6.0);
 const BESIDE_PX: (f32, f32) = (1.5, 4.5);
 /// What a span's brightness may vary, against its chroma: a round rope is shaded.
 const SHADED: f32 = 0.25;
-/// The least distance of a span from what lies beside it, in levels, and in its own spread and noise.
-const APART: f32 = 14.0;
-const QUALITY: f32 = 1.5;
+/// The least distance of a span from what lies beside it, in levels, and in its own spread and noise: of one that is hardly
+/// likely, and of one that is certain.
+const APART: (f32, f32) = (14.0, 8.0);
+const QUALITY: (f32, f32) = (1.5, 0.8);
+/// How likely a span is, at least; and what it is worth.
+const LIKELY: f32 = 0.3;
+const LIKELY_WORTH: f32 = 2.0;
 /// Levels that any color varies by, and how much of the picture's noise: the mean of a span has less of it than a pixel.
 const LEVELS: f32 = 3.0;
 const NOISE: f32 = 0.5;
@@ -34,7 +38,6 @@ pub(super) struct Span {
     /// What lies before it and after it.
     pub(super) sides: [Color; 2],
     pub(super) quality: f32,
-    pub(super) sharpness: f32,
     /// The best chain that ends here: what it is worth, the span before this one, how many there are, and how it runs.
     pub(super) worth: f32,
     pub(super) before: Option<u32>,
@@ -61,9 +64,11 @@ impl Span {
 /// Memory for one line.
 #[derive(Debug, Default)]
 pub(super) struct Line {
-    pub(super) colors: Vec<Color>,
+    colors: Vec<Color>,
+    /// How likely ropes are, summed up to each pixel.
+    likely: Vec<f32>,
     steps: Vec<f32>,
-    edges: Vec<(f32, f32)>,
+    edges: Vec<f32>,
     /// Sums of the colors and of their squares up to each pixel.
     sums: Vec<[f64; 6]>,
 }
@@ -72,28 +77,48 @@ impl Line {
     /// Makes the buffers for a line of so many pixels.
     pub(super) fn reserve(&mut self, pixels: usize) {
         self.colors.reserve(pixels);
+        self.likely.reserve(pixels + 1);
         self.steps.reserve(pixels);
         self.edges.reserve(MOST);
         self.sums.reserve(pixels + 1);
     }
 
-    /// Adds the spans of line number `line`, whose colors are given, none wider than `widest_px`.
+    /// Begins a stretch of a line.
+    pub(super) fn clear(&mut self) {
+        self.colors.clear();
+        self.likely.clear();
+        self.likely.push(0.0);
+    }
+
+    /// Adds a pixel: its color, and how likely it is of a rope.
+    pub(super) fn push(&mut self, color: Color, likely: u8) {
+        let before = self.likely[self.colors.len()];
+        self.colors.push(color);
+        self.likely.push(before + f32::from(likely) / 255.0);
+    }
+
+    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`.
     pub(super) fn spans(
         &mut self,
         line: usize,
+        start: usize,
         (noise, widest_px): (f32, f32),
         spans: &mut Vec<Span>,
     ) {
         self.find_edges(noise);
         self.sum_up();
         let first = spans.len();
-        for (i, &(from, strength)) in self.edges.iter().enumerate() {
-            for &(to, other) in &self.edges[i + 1..] {
+        for (i, &from) in self.edges.iter().enumerate() {
+            for &to in &self.edges[i + 1..] {
                 let width_px = to - from;
                 if width_px > widest_px || spans.len() - first >= MOST {
                     break;
                 }
                 if width_px < NARROWEST_PX {
+                    continue;
+                }
+                let likely = self.likely([from, to]);
+                if likely < LIKELY {
                     continue;
                 }
                 let Some((color, spread, sides)) = self.look([from, to]) else {
@@ -102,18 +127,19 @@ impl Line {
                 let apart = sides.map(|side| distance(color, side));
                 let least = apart[0].min(apart[1]);
                 let quality = least / (spread + NOISE * noise + LEVELS);
-                if quality < QUALITY || least < APART {
+                // What the network is sure of may be hard to see.
+                if quality < between(QUALITY, likely) || least < between(APART, likely) {
                     continue;
                 }
                 spans.push(Span {
                     line,
-                    from,
-                    to,
+                    from: start as f32 + from,
+                    to: start as f32 + to,
                     color,
                     sides,
                     quality,
-                    sharpness: (strength / apart[0]).min(other / apart[1]),
-                    worth: (quality.min(WORTH.1) - WORTH.0).max(WORTH.2),
+                    worth: (quality.min(WORTH.1) - WORTH.0).max(WORTH.2)
+                        + LIKELY_WORTH * (likely - 0.5),
                     before: None,
                     count: 1,
                     slope: 0.0,
@@ -127,7 +153,7 @@ impl Line {
         });
     }
 
-    /// Where the color changes most, between pixels, and by how much over two.
+    /// Where the color changes most, between pixels.
     fn find_edges(&mut self, noise: f32) {
         let least = (EDGE.0 * noise).max(EDGE.1);
         self.steps.clear();
@@ -146,8 +172,7 @@ impl Line {
                 } else {
                     0.0
                 };
-                self.edges
-                    .push(((i + 2) as f32 + off.clamp(-0.5, 0.5), here));
+                self.edges.push((i + 2) as f32 + off.clamp(-0.5, 0.5));
             }
         }
     }
@@ -182,6 +207,14 @@ impl Line {
         Some((mean.map(|level| level as f32), variance))
     }
 
+    /// How likely it is of a rope what lies between two edges.
+    fn likely(&self, [from, to]: [f32; 2]) -> f32 {
+        let last = self.colors.len();
+        let (from, to) = ((from + 0.5) as usize, ((to + 0.5) as usize).min(last));
+        let from = from.min(to);
+        (self.likely[to] - self.likely[from]) / (to - from).max(1) as f32
+    }
+
     /// The color between two edges, its spread, and the colors beside.
     fn look(&self, [from, to]: [f32; 2]) -> Option<(Color, f32, [Color; 2])> {
         let off_px = if to - from < INSIDE_PX.1 {
@@ -194,4 +227,9 @@ impl Line {
         let (after, _) = self.mean(to + BESIDE_PX.0, to + BESIDE_PX.1)?;
         Some((color, (SHADED * y + u + v).sqrt(), [before, after]))
     }
+}
+
+/// From one bound to another by a share of the way.
+fn between((from, to): (f32, f32), share: f32) -> f32 {
+    from + share * (to - from)
 }

@@ -146,7 +146,6 @@ impl Walk {
             color: self.color,
             sides,
             quality: 0.0,
-            sharpness: 0.0,
         }
     }
 }
