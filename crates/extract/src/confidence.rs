@@ -9,16 +9,17 @@ mod across;
 mod weights;
 
 use crate::image::Image;
+use crate::image::gray::GrayPlane;
 use crate::scene::{Curve, Status};
 use crate::statistics::{median, quantile};
 use crate::vec2;
 use across::Across;
-use weights::{ELSEWHERE, OWN};
+use weights::{ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
 /// Numbers that speak for a curve or against it.
-const CLUES: usize = Clue::Sound as usize + 1;
+const CLUES: usize = Clue::Unlikely as usize + 1;
 /// A step of this many levels beyond the table's own texture is an edge: a camera's noise makes less of a mean.
 const EDGE: (f32, f32) = (6.0, 1.5);
 /// Lengths in widths beyond which nothing is learnt.
@@ -71,6 +72,22 @@ enum Clue {
     Stretch,
     /// Whether none of the above speaks against it.
     Sound,
+    /// How likely the network says that the curve is of a rope, in the mean.
+    Likely,
+    /// The share of it that the network says is none.
+    Unlikely,
+}
+
+/// Who made the mask: what speaks for a curve weighs otherwise with each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Maker {
+    /// The extractor, by colours.
+    #[default]
+    Own,
+    /// The network.
+    Network,
+    /// Somebody else, who knows more than colours.
+    Elsewhere,
 }
 
 /// What speaks for a curve and against it.
@@ -78,8 +95,8 @@ enum Clue {
 pub struct Evidence {
     /// Numbers from 0 to 1: [`NAMES`](Self::NAMES).
     pub clues: [f32; CLUES],
-    /// Whether somebody else made the mask, who knows more than colours: then they weigh otherwise.
-    pub is_elsewhere: bool,
+    /// Who made the mask.
+    pub maker: Maker,
 }
 
 impl Evidence {
@@ -107,11 +124,17 @@ impl Evidence {
         "the mask's notice",
         "a stretch without edges",
         "nothing against it",
+        "likely by the network",
+        "unlikely by the network in part",
     ];
 
     /// The probability that a curve of this evidence is right.
     pub fn confidence(&self) -> f32 {
-        let weights = if self.is_elsewhere { &ELSEWHERE } else { &OWN };
+        let weights = match self.maker {
+            Maker::Own => &OWN,
+            Maker::Network => &NETWORK,
+            Maker::Elsewhere => &ELSEWHERE,
+        };
         let sum: f32 = self.clues.iter().zip(weights).map(|(x, w)| x * w).sum();
         1.0 / (1.0 + libm::expf(-sum))
     }
@@ -119,13 +142,14 @@ impl Evidence {
 
 /// What is known beside the image and the curve.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Known {
+pub(crate) struct Known<'a> {
     /// Whether the curve may be something else than a rope.
     pub(crate) is_doubted: bool,
     /// Whether the mask may be wrong.
     pub(crate) is_noticed: bool,
-    /// Whether somebody else made it, who knows more than colours.
-    pub(crate) is_elsewhere: bool,
+    pub(crate) maker: Maker,
+    /// What the network says of each pixel, where it made the mask.
+    pub(crate) likely: Option<&'a GrayPlane>,
 }
 
 /// What speaks for a curve and against it.
@@ -160,9 +184,17 @@ pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
         .product();
     clues[Clue::Sound as usize] =
         clues[Clue::BothEdges as usize] * clues[Clue::Agreement as usize] * sound;
+    if let Some(likely) = known.likely {
+        let levels = curve.points.iter().map(|&at| likely.sample(at) / 255.0);
+        let (sum, unlikely) = levels.fold((0.0, 0.0), |(sum, unlikely), level| {
+            (sum + level, unlikely + share(level < 0.5))
+        });
+        clues[Clue::Likely as usize] = sum / points;
+        clues[Clue::Unlikely as usize] = unlikely / points;
+    }
     Evidence {
         clues,
-        is_elsewhere: known.is_elsewhere,
+        maker: known.maker,
     }
 }
 

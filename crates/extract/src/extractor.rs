@@ -242,23 +242,24 @@ impl Extractor {
             }
         }
         self.masker.run(image, &self.options.mask);
-        let has_something = !self.masker.strips.used.is_empty();
-        self.after_mask(image, after);
-        // Things that are no ropes, and perhaps ropes that touch them.
-        if has_something && self.count == 0 && self.masker.doubts_itself() {
+        self.trace(image, after);
+        if self.is_cluttered(image) {
             self.seek(image, after);
         }
+        self.report(image, after);
         false
     }
 
     /// Looks for ropes with the network; where that was in vain, not soon again.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        if self.frames_to_wait > 0 {
+        let is_all_doubted = self.doubts.iter().all(Option::is_some);
+        if is_all_doubted && self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
+            self.count = 0;
             return;
         }
         if self.masker.seek_instead(image) {
-            self.after_mask(image, after);
+            self.trace(image, after);
         }
         if self.count == 0 {
             self.frames_to_wait = FRAMES_TO_WAIT;
@@ -306,7 +307,9 @@ impl Extractor {
         self.masker.take(image, mask, self.options.mask_level)?;
         self.turn_to(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        self.after_mask(&unpacker.unpack(image), after);
+        let image = &unpacker.unpack(image);
+        self.trace(image, after);
+        self.report(image, after);
         self.unpacker = unpacker;
         self.followed = false;
         self.choose_meant();
@@ -345,8 +348,8 @@ impl Extractor {
         }
     }
 
-    /// The steps from the mask on.
-    fn after_mask(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+    /// The steps from the mask to this image's own curves.
+    fn trace(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         after(Step::Mask);
         let yuv = color::is_yuv(image.format());
         self.tracker.begin(self.now_ns, yuv);
@@ -396,6 +399,10 @@ impl Extractor {
         };
         self.lengthen(joined);
         self.points(image, joined);
+    }
+
+    /// What becomes of the curves that are known, and of those of this image.
+    fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely(image);
         let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);

@@ -29,7 +29,7 @@
 //! | step | folder | from → to |
 //! |---|---|---|
 //! | mask | `mask`: `background`, `difference`, `threshold`, or `hsv`; then `hysteresis`, `cast`, `diagnosis` | image, or a mask made elsewhere (`level`) → one bit a pixel, and how unlike the table each pixel is |
-//! | | `ribbons`: `picture`, `spans`, `chains`, `pieces`, `trace`, `groups`, `paint` | where there is no plain table: image → how much of each pixel is a ribbon between two edges |
+//! | | `mask/neural`, `ribbons`: `picture`, `spans`, `chains`, `pieces`, `trace`, `groups`, `paint` | where there is no plain table: image → where the network sees ropes → how much of each pixel is a ribbon between two edges there |
 //! | skeleton | `skeleton`: `thin`, `pixels` | mask → lines one pixel wide |
 //! | graph | `graph`: `edges`, `zones`, `overlaps`, `pairing`, `strands` | lines → strands, each rope's edges in order through its crossings |
 //! | points | `centerline`: `path`, `section`, `smooth`, `extender` | strands → samples along the middle of each rope |
@@ -72,8 +72,8 @@
 //! | step | modules of `crates/extract/src` | method |
 //! |---|---|---|
 //! | mask | `mask/`: `background`, `difference`, `threshold`; or `hsv`; then `hysteresis` (`widths`, `shadow`); `diagnosis` (`pattern`, `faint`); `cast`. `bitmap/`: `pieces` (`components`), `morphology` (`octagon`, `tiles`) | `auto`: the table is a quadratic surface a channel, fitted robustly to a sparse grid; a pixel's difference is the largest over the channels, in the camera's own format (YUYV and NV12 are not converted; BGRA, gray of 16 bits and Bayer patterns are unpacked once a frame, into RGB and gray: `image/unpack`), and what is asked of every pixel is asked while its row is in reach: first, whether a block of 64 × 8 leaves the table's noise at all. Only such blocks and those within eight pixels are worked out, the others are 0 (in doubt they are filled in later); the cut is Ridler and Calvard's, above a floor from the table's noise. Specks dropped, pinholes filled by runs |
-//! | any ground | `ribbons/` | where a notice says that what differs from the table may not be the ropes, and where the table ends in the picture: ropes are found by their shape. Scan lines (every fourth row, every fourth column of the smoothed picture) are cut into spans of one color between two edges, which dynamic programming puts together from line to line; chains, the best first, take their ground; each is traced on from its ends; ends that face each other are linked; and a group is rope by its contrast in its own spread, its color's distance from both sides and how rare that is elsewhere, its length, evenness, sharp edges, bend, and its width beside the surest ones'. Painted by the share of the rope's color between the ground's, it is a mask like one of probabilities |
-//! | the network | `mask/neural`, over `crates/network` | with `mask = "network"`: red, green and blue of the image, of one larger than 640×640 pixels the means of blocks; what comes back is how surely each pixel is rope, less where it is a seam between ropes side by side, spread between the blocks' middles. From one half on it is rope; edges between pixels are read from it as from a mask made elsewhere |
+//! | the network | `mask/neural`, over `crates/network` | where a notice says that what differs from the table may not be the ropes, where the table ends in the picture, where two curves or more may be no ropes, and with `mask = "network"`: red, green and blue of the image, of one larger than 640×640 pixels the means of blocks; what comes back is how likely each pixel is of a rope, less where it is a seam between ropes side by side, spread between the blocks' middles |
+//! | their edges | `ribbons/` | scan lines (every fourth row, every fourth column of the smoothed picture) are cut, where a rope is likely, into spans of one color between two edges, which dynamic programming puts together from line to line; chains, the best first, take their ground; each is traced on from its ends; ends that face each other are linked; and a group is rope by what the network says, its contrast in its own spread, its color's distance from both sides and how rare that is elsewhere, its length, evenness, bend, and its width beside the surest ones'. Painted by the share of the rope's color between the ground's, and with what the network is sure of, it is a mask like one of probabilities |
 //! | skeleton | `skeleton/`: `thin`, `pixels`; `bitmap/edge_distance` | Guo and Hall's thinning (1989), only where it still changes. All kernels on bits run over `bitmap/strips` (`neighbors`): 64 pixels wide, a word a row, rows one after the other, so that a rope fills the widest registers whichever way it runs, and only blocks of eight rows that hold something are visited |
 //! | graph | `graph/`: `edges`, `zones` (`arm`), `overlaps`, `unroll`, `necks`, `pairing`, `strands`, `double_crossing` | ends and junctions joined by edges; spurs pruned by the local width. Two strands that cross at a flat angle make two junctions: the geometry of the inscribed circles says which belong to one crossing. The arms of a crossing are paired by least bending energy over all pairings, with width and colour; an arm may stay alone, as an end. Where strands lie along each other they change sides at the necks of their overlap, where the mask is one rope wide; without a neck they only touch. The two crossings at the ends of a narrow gap are judged at once, by what the strands bend over its whole length |
 //! | points | `centerline/`: `source`, `path`, `line`, `centerliner`, `section` (`edge`, `contrast`, `shading`), `extender` (`extrapolate`, `tip_contact`), `smooth`; `image/gray`, `image/ray` | the strand's pixels smoothed without shrinking (Whittaker 1923), each sample moved to the middle of its cross-section, between the places where the difference is half of what the rope shows at its rim: how a round rope darkens toward its edges is fitted to its middle, Lambert's law (half of the contrast in the middle drew ropes 0.4 px too narrow). At the image's border one edge and the width tell. Bridged through crossings by the curve of least bending; tips run on along a parabola to half difference, then measured as well; a tip against a strand ends at its cut or at the strand's near edge; N equal steps of arc length |
@@ -99,7 +99,7 @@
 //! expected, and by gathers into one register where the machine has AVX-512 (`profile`, beside the plain loops that define
 //! it). What is not found so near is looked for as far as a rope may move.
 //!
-//! **Following on any ground** (`following/`: `contours`). With any other mask than that of a plain table (colour ranges, one found by shape, one
+//! **Following on any ground** (`following/`: `contours`). With any other mask than that of a plain table (colour ranges, the network's, one
 //! made elsewhere), and for ropes that are closed or leave the image, there is no table to take a difference from. Then the rope's
 //! own colour is learnt at each of its points from the image that it was extracted from, and how it varies (`looks`); what is far
 //! from it is ground. Both edges are read at each point, in a row or column of sixteen pixels each, where the difference from the rope's colour passes
@@ -137,8 +137,8 @@
 //! where noise shrinks, are a rope too like the table. More than three tenths covered, or more holes than 32 crossings make, is
 //! no picture of ropes. Where noise sets the floor and the rope seems too like the table, the mask is cut again from the picture smoothed by
 //! 1.3 px (`smoothed`). A white rope on light gray is lighter than the table on one side and darker on the other: what lies between is filled
-//! (`rims`). A sure mask of which no rope comes is not sure: ropes are sought by their shape, in vain at most once in sixteen
-//! frames; of what is found by shape, curves of a confidence below 0.1 are dropped. A sure picture costs a look at a grid of pixels and a count of the mask's holes; the rest is only
+//! (`rims`). A sure mask of which no rope comes, or two things that may be none, is not sure: the network is asked, in vain at most once in sixteen
+//! frames; of what it finds, curves of a confidence below 0.2 are dropped (none with a `min_confidence` of 0). A sure picture costs a look at a grid of pixels and a count of the mask's holes; the rest is only
 //! done in doubt.
 //!
 //! **False ropes** (`mask/cast`, `tracking/plausible`). A shadow has the table's colour in less light, as a gray rope has, and is a copy of its rope
@@ -196,7 +196,7 @@ mod statistics;
 mod tracking;
 mod vec2;
 
-pub use confidence::Evidence;
+pub use confidence::{Evidence, Maker};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat, Region};
 pub use knot::{CrossingSequence, Pass};

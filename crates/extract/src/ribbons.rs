@@ -1,12 +1,12 @@
-//! Ropes found by their shape, on whatever ground: for pictures without a plain table.
+//! Ropes where the network says that some are likely, on whatever ground: their edges, and what belongs together.
 //!
 //! A rope is a ribbon: two edges that keep their distance, of one color between them, on and on. So the picture is cut along
-//! scan lines, rows and columns, into spans between two edges (`spans`); spans of neighboring lines that are alike in place,
+//! scan lines, rows and columns, where a rope is likely, into spans between two edges (`spans`); spans of neighboring lines that are alike in place,
 //! width and color make chains, by dynamic programming (`chains`); what better chains have not taken, and what is not just
 //! the ground or a shadow beside them, makes pieces (`pieces`); each is traced on at its ends, where one edge is enough and
 //! a crossing is jumped (`trace`); pieces that go on from each other are grouped, and of a group it is weighed whether it is
 //! a rope (`groups`); and what is rope is painted, each pixel by how much of the rope's color it has between the ground's
-//! (`paint`). The result is a mask like one from elsewhere, that all further steps take as theirs.
+//! (`paint`), with what the network is sure of. The result is a mask like one from elsewhere, that all further steps take as theirs.
 
 mod chains;
 mod groups;

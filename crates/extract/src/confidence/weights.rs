@@ -29,6 +29,36 @@ pub(super) const OWN: [f32; CLUES] = [
     -0.466, // the mask's notice
     -2.111, // a stretch without edges
     2.892, // nothing against it
+    0.000, // likely by the network
+    0.000, // unlikely by the network in part
+];
+/// Where the network did.
+#[rustfmt::skip]
+pub(super) const NETWORK: [f32; CLUES] = [
+    -6.021, // constant
+    0.128, // edges on both sides
+    -2.125, // an edge on a side at least
+    4.319, // contrast in levels
+    -1.339, // contrast over texture
+    -1.858, // edges where the width says
+    -0.515, // unevenness of the width
+    -1.773, // unlikeness of colour along the curve
+    -0.081, // unlikeness of the two sides
+    -0.412, // unlikeness of the ground along the curve
+    -1.045, // like the ground in less light
+    8.391, // length in widths
+    -2.657, // thinness
+    0.194, // bends
+    -1.212, // straight through the picture
+    -2.098, // ends that go on
+    -0.257, // hidden share
+    -1.222, // seen in part
+    -1.733, // its own doubt
+    0.180, // the mask's notice
+    -2.003, // a stretch without edges
+    2.273, // nothing against it
+    -0.116, // likely by the network
+    -2.195, // unlikely by the network in part
 ];
 /// Where somebody else did.
 #[rustfmt::skip]
@@ -55,4 +85,6 @@ pub(super) const ELSEWHERE: [f32; CLUES] = [
     0.000, // the mask's notice
     -0.626, // a stretch without edges
     2.191, // nothing against it
+    0.000, // likely by the network
+    0.000, // unlikely by the network in part
 ];

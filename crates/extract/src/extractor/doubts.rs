@@ -1,8 +1,9 @@
 //! Which of the curves may be no ropes.
 
 use super::Extractor;
-use crate::confidence::{self, Known};
+use crate::confidence::{self, Known, Maker};
 use crate::image::Image;
+use crate::mask::Masker;
 use crate::notice::Notice;
 use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
@@ -12,12 +13,28 @@ use crate::tracking::track::Tracker;
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 const THINNEST_PX: f32 = 3.0;
 
-/// What is found by its shape and less likely than one in ten is not reported.
-const UNLIKELY: f32 = 0.1;
+/// What the network finds and is less likely right than one in five is not reported, unless all that is found is asked for.
+const UNLIKELY: f32 = 0.2;
+
+/// What is known of all curves of a mask.
+pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
+    Known {
+        is_doubted: false,
+        is_noticed: !matches!(masker.notice, None | Some(Notice::OwnShadow)),
+        maker: match options.mask {
+            Mask::External => Maker::Elsewhere,
+            _ if masker.is_sought => Maker::Network,
+            _ => Maker::Own,
+        },
+        likely: masker.is_sought.then_some(&masker.likely),
+    }
+}
+
+/// So many things that may be no ropes are clutter; a single one is reported, as doubtful.
+const MUCH: usize = 2;
 
 impl Extractor {
-    /// Drops those of this image's curves that are hardly ropes, where the mask was made by shape: it is of all that is long and
-    /// even.
+    /// Drops those of this image's curves that are hardly ropes, where the network found them.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
         if !self.masker.is_sought {
             return;
@@ -28,14 +45,30 @@ impl Extractor {
         for i in 0..seen {
             let known = Known {
                 is_doubted: self.doubts[i].is_some(),
-                is_noticed: true,
-                is_elsewhere: false,
+                ..known(&self.masker, &self.options)
             };
             let evidence = confidence::evidence(image, &self.curves[i], known);
-            if evidence.confidence() >= UNLIKELY {
+            if evidence.confidence() >= UNLIKELY.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;
+            }
+        }
+    }
+
+    /// Whether what differs from the table, though that seems plain, is not ropes alone: all of it something else, or much of it.
+    pub(super) fn is_cluttered(&mut self, image: &Image) -> bool {
+        if self.options.mask != Mask::Auto || self.masker.is_sought {
+            return false;
+        }
+        self.find_doubts(image, self.count, |_, _| false);
+        let has_something = !self.masker.strips.used.is_empty();
+        match self.count {
+            0 => has_something && self.masker.doubts_itself(),
+            _ if self.doubts.iter().flatten().count() < MUCH => false,
+            _ => {
+                self.masker.doubts_itself();
+                true
             }
         }
     }
@@ -49,14 +82,12 @@ impl Extractor {
         if self.masker.cut.is_some() || self.masker.notice.is_some() {
             self.doubt_ropes(image, seen);
         }
-        let is_noticed = !matches!(self.masker.notice, None | Some(Notice::OwnShadow));
         let mut is_unsure = false;
         self.evidence.clear();
         for curve in &mut self.curves[..seen] {
             let known = Known {
                 is_doubted: curve.status == Status::Doubtful,
-                is_noticed,
-                is_elsewhere: self.options.mask == Mask::External,
+                ..known(&self.masker, &self.options)
             };
             let evidence = confidence::evidence(image, curve, known);
             self.evidence.push(evidence);

@@ -9,7 +9,7 @@ use crate::confidence::{self, Known};
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::occlusion::bridge::Gap;
-use crate::options::{Mask, Method};
+use crate::options::Method;
 use crate::scene::{Curve, Status};
 use crate::statistics::median;
 use crate::tracking::part::part;
@@ -205,8 +205,8 @@ impl Extractor {
             return;
         }
         let known = Known {
-            is_elsewhere: self.options.mask == Mask::External,
-            ..Known::default()
+            is_noticed: false,
+            ..super::doubts::known(&self.masker, &self.options)
         };
         for curve in &mut self.curves[..self.count] {
             curve.status = Status::Ok;

@@ -80,7 +80,7 @@ pub(crate) struct Masker {
     ribbons: Ribbons,
     finder: Finder,
     /// How likely the network says that each pixel is of a rope.
-    likely: GrayPlane,
+    pub(crate) likely: GrayPlane,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,

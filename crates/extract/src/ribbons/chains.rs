@@ -98,7 +98,9 @@ impl Chainer {
             while let Some(first) = (to..length).find(|&i| likely(i) >= POSSIBLE) {
                 let from = first.saturating_sub(BESIDE);
                 let mut last = first;
-                while let Some(next) = (last + 1..length.min(last + 2 * BESIDE)).find(|&i| likely(i) >= POSSIBLE) {
+                while let Some(next) =
+                    (last + 1..length.min(last + 2 * BESIDE)).find(|&i| likely(i) >= POSSIBLE)
+                {
                     last = next;
                 }
                 to = (last + 1 + BESIDE).min(length);

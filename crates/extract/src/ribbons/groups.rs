@@ -189,8 +189,7 @@ impl Grouper {
         for piece in 0..count {
             let group = self.root(piece);
             let fits = self.fits(self.widths[group]);
-            let is_rope = self.evidence[group] + fits >= ROPE
-                && self.lengths[group] >= SHORTEST_PX;
+            let is_rope = self.evidence[group] + fits >= ROPE && self.lengths[group] >= SHORTEST_PX;
             self.is_rope.push(is_rope);
         }
     }

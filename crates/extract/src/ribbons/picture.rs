@@ -176,7 +176,9 @@ impl NullaryFnOnce for Smooth<'_> {
         if width == 0 {
             return;
         }
-        let rows = colors.chunks_exact(width).zip(spare.chunks_exact_mut(width));
+        let rows = colors
+            .chunks_exact(width)
+            .zip(spare.chunks_exact_mut(width));
         for (row, out) in rows {
             let middle = 6.min(width)..width.saturating_sub(6).max(6.min(width));
             for i in (0..middle.start).chain(middle.end..width) {

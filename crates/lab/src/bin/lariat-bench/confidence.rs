@@ -1,7 +1,7 @@
 //! `lariat-bench calibrate-confidence`: the weights of a curve's confidence, fitted to drawn pictures, and how true it is on others.
 //!
 //! Each picture of every class, the hard ones too, is drawn plain, on grounds of growing texture and in noise. The extractor makes its
-//! own mask of it, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
+//! own mask of it, asks the network, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
 //! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
 //! along it in order. Four seeds by turns are fitted, four tell how good that is.
 
@@ -11,7 +11,7 @@ mod masks;
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
-use lariat_extract::{Evidence, Extractor, Image, Mask, Options, PixelFormat};
+use lariat_extract::{Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat};
 use lariat_portable::SplitMix64;
 
 use crate::right;
@@ -90,10 +90,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             }
         }
     }
-    for (name, is_elsewhere) in [("OWN", false), ("ELSEWHERE", true)] {
+    let makers = [
+        ("OWN", Maker::Own),
+        ("NETWORK", Maker::Network),
+        ("ELSEWHERE", Maker::Elsewhere),
+    ];
+    for (name, maker) in makers {
         let of = |is_fitted: bool| {
             let some = examples.iter().filter(move |one: &&Example| {
-                one.evidence.is_elsewhere == is_elsewhere && one.is_fitted == is_fitted
+                one.evidence.maker == maker && one.is_fitted == is_fitted
             });
             some.collect::<Vec<_>>()
         };
@@ -121,15 +126,18 @@ fn look(
     let damaged = masks::damaged(&cover, still, &mut random);
     let uneven = masks::uneven(&cover, width, &mut random);
     let both = masks::uneven(&damaged, width, &mut random);
-    for mask in [
-        None,
-        Some(&cover),
-        Some(&uneven),
-        Some(&damaged),
-        Some(&both),
+    for (how, mask) in [
+        (Mask::Auto, None),
+        (Mask::Network, None),
+        (Mask::External, Some(&cover)),
+        (Mask::External, Some(&uneven)),
+        (Mask::External, Some(&damaged)),
+        (Mask::External, Some(&both)),
     ] {
         let options = Options {
-            mask: mask.map_or(Mask::Auto, |_| Mask::External),
+            mask: how,
+            // Nothing is left out for being unlikely.
+            min_confidence: 0.0,
             ..Options::default()
         };
         let mut extractor = Extractor::new(options)?;
