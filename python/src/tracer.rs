@@ -89,7 +89,8 @@ impl Tracer {
         let mut extractor = Extractor::new(options).map_err(value_error)?;
         if let Some(file) = network {
             let network = Network::from_bytes(&std::fs::read(&file)?);
-            extractor = extractor.with_network(Arc::new(network.map_err(value_error)?));
+            extractor = (extractor.with_network(Arc::new(network.map_err(value_error)?)))
+                .map_err(value_error)?;
         }
         Ok(Self {
             extractor: Mutex::new(extractor),

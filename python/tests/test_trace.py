@@ -105,6 +105,9 @@ def test_the_network_finds_the_rope(image: Image, tmp_path: Path) -> None:
         lariat.trace(image, mask="network", network=tmp_path / "my.weights")
     with pytest.raises(FileNotFoundError):
         lariat.trace(image, mask="network", network=tmp_path / "other.weights")
+    (tmp_path / "my.weights").write_bytes((Path(__file__).parents[2] / "crates/network/ropes.weights").read_bytes())
+    with pytest.raises(ValueError, match="have no use for"):
+        lariat.trace(image, mask={"hue_deg": (0.0, 10.0)}, network=tmp_path / "my.weights")
 
 
 def test_only_the_ropes_that_are_meant_are_told(image: Image) -> None:

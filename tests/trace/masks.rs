@@ -48,6 +48,23 @@ fn a_network_that_is_missing_or_none_is_named() {
 }
 
 #[test]
+fn a_network_that_is_never_asked_is_refused() {
+    let folder = TempDir::new().unwrap();
+    save(&folder, "wave.png", &wave_picture());
+    let weights = include_bytes!("../../crates/network/ropes.weights");
+    std::fs::write(folder.path().join("my.weights"), weights).unwrap();
+    let blue = "[{ hue_deg = [190, 250] }]";
+    let args = ["wave.png", "--mask", blue, "--network", "my.weights"];
+    let output = trace(&folder, &args).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert_eq!(
+        String::from_utf8(output.stderr).unwrap(),
+        "lariat: a network is given, which colour ranges and masks from elsewhere have no use for: leave it out, or take the \
+         mask \"auto\" or \"network\"\n"
+    );
+}
+
+#[test]
 fn the_network_finds_a_rope_where_it_is_asked_to() {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());

@@ -166,9 +166,15 @@ impl Extractor {
     }
 
     /// The same with another network in the place of [`Network::ropes`].
-    pub fn with_network(mut self, network: Arc<Network>) -> Self {
+    ///
+    /// # Errors
+    /// When masks are made without one.
+    pub fn with_network(mut self, network: Arc<Network>) -> Result<Self, OptionsError> {
+        if !matches!(self.options.mask, Mask::Auto | Mask::Network) {
+            return Err(OptionsError::IdleNetwork);
+        }
         self.masker.use_network(network);
-        self
+        Ok(self)
     }
 
     /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene.

@@ -23,7 +23,8 @@ pub struct HsvRange {
 /// How the rope's pixels are told from the table's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Mask {
-    /// The background is found by itself; what differs from it by more than its noise is rope.
+    /// The background is found by itself; what differs from it by more than its noise is rope. Where the background is not
+    /// plain, a network is asked.
     #[default]
     Auto,
     /// A pixel inside any of the ranges is rope: several ranges for several colours of rope.
@@ -89,6 +90,12 @@ pub enum OptionsError {
     /// The confidence is out of range.
     #[error("a confidence of {0}: choose 0 to 1")]
     Confidence(f32),
+    /// A network was given that is never asked.
+    #[error(
+        "a network is given, which colour ranges and masks from elsewhere have no use for: leave it out, or take \
+         the mask \"auto\" or \"network\""
+    )]
+    IdleNetwork,
     /// No colour range was given.
     #[error("the mask is by HSV but has no range: give at least one, or use the automatic mask")]
     NoRange,

@@ -141,7 +141,7 @@ impl FrameExtractor {
     pub fn new(settings: &settings::Extract) -> Result<Self> {
         let mut extractor = Extractor::new(settings.options())?;
         if let Some(file) = &settings.network {
-            extractor = extractor.with_network(network(file)?);
+            extractor = extractor.with_network(network(file)?)?;
         }
         Ok(Self {
             extractor,

@@ -127,6 +127,8 @@ fn no_frame_allocates_once_prepared() {
 
 #[test]
 fn weights_that_have_learned_nothing_are_no_reason_to_stop() {
-    let mut extractor = extractor().with_network(Arc::new(Network::random(5)));
+    let mut extractor = extractor()
+        .with_network(Arc::new(Network::random(5)))
+        .expect("it is asked");
     let _ = extractor.extract(&image(&plain(3), 640, 480));
 }
