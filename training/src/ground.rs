@@ -3,7 +3,8 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use crate::canvas::{
-    Canvas, Field, Noise, Rgb, color, covered, direction, dot, happens, mix, normal, scaled, spread,
+    Canvas, Field, Noise, Rgb, color, covered, direction, dot, happens, minus, mix, normal, scaled,
+    spread,
 };
 use crate::photographs::Photographs;
 use crate::stroke;
@@ -15,7 +16,7 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         return photograph(side, photographs, random);
     }
     let mut canvas = Field::of(side, color(random));
-    match random.below(29) {
+    match random.below(32) {
         0..6 => plain(&mut canvas, random),
         6..9 => cloudy(&mut canvas, random),
         9..12 => wood(&mut canvas, random),
@@ -27,6 +28,7 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         19..22 => bands(&mut canvas, random),
         22..24 => patches(&mut canvas, random),
         24..28 => stroke::many(&mut canvas, random),
+        28..31 => dots(&mut canvas, random),
         _ => tiles(&mut canvas, random),
     }
     canvas
@@ -182,6 +184,34 @@ fn patches(canvas: &mut Canvas, random: &mut SplitMix64) {
     if happens(random, 0.5) {
         let levels = random.uniform_f32(1.0, 10.0);
         mottle(canvas, &Noise::even(1.0, 8.0, 0.3), levels, random);
+    }
+}
+
+/// Discs of a few colors or of many, as on terrazzo and on a painter's floor.
+fn dots(canvas: &mut Canvas, random: &mut SplitMix64) {
+    let largest_px = spread(random, 3.0, 22.0);
+    let share = random.uniform_f32(0.1, 1.2) * (canvas.side * canvas.side) as f32;
+    let count = (share / (largest_px * largest_px)) as usize;
+    let palette: [Rgb; 4] = std::array::from_fn(|_| color(random));
+    let is_many = happens(random, 0.6);
+    for _ in 0..count {
+        let middle = [(); 2].map(|()| random.uniform_f32(0.0, canvas.side as f32));
+        let radius_px = largest_px * random.uniform_f32(0.2, 1.0);
+        let ink = match is_many {
+            true => color(random),
+            false => palette[random.below(4)],
+        };
+        let around = |c: usize| {
+            let (from, to) = (middle[c] - radius_px - 1.0, middle[c] + radius_px + 2.0);
+            from.max(0.0) as usize..(to as usize).min(canvas.side)
+        };
+        for y in around(1) {
+            for x in around(0) {
+                let off = minus([x as f32, y as f32], middle);
+                let pixel = &mut canvas.values[y * canvas.side + x];
+                *pixel = mix(*pixel, ink, covered(dot(off, off).sqrt() - radius_px));
+            }
+        }
     }
 }
 

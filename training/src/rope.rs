@@ -131,7 +131,11 @@ impl Look {
             },
             pattern,
             groove: random.uniform_f32(0.0, 0.5),
-            ambient: random.uniform_f32(0.2, 0.85),
+            // A few are flat, as in even light.
+            ambient: match happens(random, 0.12) {
+                true => 1.0,
+                false => random.uniform_f32(0.2, 0.85),
+            },
             shine: (random.uniform_f32(-60.0, 190.0)).max(0.0),
             shine_power: random.uniform_f32(4.0, 40.0),
             tips: [tip(random), tip(random)],

@@ -22,6 +22,9 @@ const PLACES: usize = 24;
 const CLUES: usize = Clue::Unlikely as usize + 1;
 /// A step of this many levels beyond the table's own texture is an edge: a camera's noise makes less of a mean.
 const EDGE: (f32, f32) = (6.0, 1.5);
+/// Radians from which on an arc says something, and all; how far it lies off its circle, as a share of the radius, to say nothing, and all.
+const ARC: (f32, f32) = (2.5, 4.0);
+const EXACT: (f32, f32) = (0.03, 0.01);
 /// Lengths in widths beyond which nothing is learnt.
 const LONGEST: f32 = 64.0;
 
@@ -72,6 +75,8 @@ enum Clue {
     Stretch,
     /// Whether none of the above speaks against it.
     Sound,
+    /// Whether it is an arc of a circle, of half a turn or more: a rim.
+    Round,
     /// How likely the network says that the curve is of a rope, in the mean.
     Likely,
     /// The share of it that the network says is none.
@@ -124,6 +129,7 @@ impl Evidence {
         "the mask's notice",
         "a stretch without edges",
         "nothing against it",
+        "an arc of a circle",
         "likely by the network",
         "unlikely by the network in part",
     ];
@@ -166,6 +172,7 @@ pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
     clues[Clue::Thin as usize] = (1.0 - curve.width_px / 8.0).clamp(0.0, 1.0);
     clues[Clue::Bends as usize] = bends(curve);
     clues[Clue::Through as usize] = share(curve.border == [true; 2] && is_straight(curve));
+    clues[Clue::Round as usize] = roundness(curve);
     clues[Clue::Hidden as usize] = hidden;
     clues[Clue::Partial as usize] = share(curve.status == Status::Partial);
     clues[Clue::Doubted as usize] = share(known.is_doubted);
@@ -303,6 +310,36 @@ fn is_straight(curve: &Curve) -> bool {
         return false;
     };
     vec2::distance(from, to) > 0.995 * curve.length_px
+}
+
+/// How much of a circle a curve is, and how exactly: the circle of least squares (Kåsa, 1976).
+fn roundness(curve: &Curve) -> f32 {
+    let share = 1.0 / curve.points.len().max(1) as f32;
+    let sum = (curve.points.iter()).fold([0.0; 2], |sum, &at| vec2::along(sum, at, share));
+    let places = || curve.points.iter().map(move |&at| vec2::sub(at, sum));
+    let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for [x, y] in places() {
+        let z = x * x + y * y;
+        (xx, xy, yy) = (xx + share * x * x, xy + share * x * y, yy + share * y * y);
+        (xz, yz) = (xz + share * x * z, yz + share * y * z);
+    }
+    let determinant = 2.0 * (xx * yy - xy * xy);
+    if determinant <= 1e-3 * (xx + yy) * (xx + yy) {
+        return 0.0;
+    }
+    let middle = [
+        (xz * yy - yz * xy) / determinant,
+        (yz * xx - xz * xy) / determinant,
+    ];
+    let radius_px = (vec2::dot(middle, middle) + xx + yy).sqrt();
+    let off = places().map(|at| {
+        let off_px = vec2::distance(at, middle) - radius_px;
+        share * off_px * off_px
+    });
+    let off = off.sum::<f32>().sqrt() / radius_px;
+    let turn = curve.length_px / radius_px;
+    let grade = |value: f32, from: f32, to: f32| ((value - from) / (to - from)).clamp(0.0, 1.0);
+    grade(turn, ARC.0, ARC.1) * grade(off, EXACT.0, EXACT.1)
 }
 
 /// The share of a curve's two ends behind which its colour goes on: it is longer than the curve.

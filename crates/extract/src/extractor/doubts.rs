@@ -13,20 +13,21 @@ use crate::tracking::track::Tracker;
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 const THINNEST_PX: f32 = 3.0;
 
-/// What the network finds and is less likely right than one in five is not reported, unless all that is found is asked for.
-const UNLIKELY: f32 = 0.2;
+/// What the network finds and is less likely right than one in ten is not reported, unless all that is found is asked for.
+const UNLIKELY: f32 = 0.1;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
+    let by_network = masker.is_sought && !masker.is_blind;
     Known {
         is_doubted: false,
         is_noticed: !matches!(masker.notice, None | Some(Notice::OwnShadow)),
         maker: match options.mask {
             Mask::External => Maker::Elsewhere,
-            _ if masker.is_sought => Maker::Network,
+            _ if by_network => Maker::Network,
             _ => Maker::Own,
         },
-        likely: masker.is_sought.then_some(&masker.likely),
+        likely: by_network.then_some(&masker.likely),
     }
 }
 

@@ -34,8 +34,15 @@ const MOST_COVERED: f32 = 0.6;
 /// The share of the picture's border from which on what lies there is no rope.
 const FRAMED: f32 = 0.18;
 
-/// From this level on a pixel that is painted by shape is rope.
+/// From this level on a pixel is rope.
 const ROPE_LEVEL: u8 = 128;
+
+/// How likely the network finds what it sees, of 255, and what it guesses; which share of what it guesses it must see to be believed;
+/// and how likely all are when it is not.
+const SEES: u8 = 191;
+const GUESSES: u8 = 64;
+const BELIEVED: f32 = 0.3;
+const UNKNOWN: u8 = 128;
 
 /// Why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -95,6 +102,8 @@ pub(crate) struct Masker {
     pub(crate) is_given: bool,
     /// Whether it is of ropes that the network found.
     pub(crate) is_sought: bool,
+    /// And whether it saw none, so that they are found by their shape alone.
+    pub(crate) is_blind: bool,
     /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
     pub(crate) is_smoothed: bool,
     /// What the automatic mask is unsure of.
@@ -179,6 +188,15 @@ impl Masker {
     fn seek(&mut self, image: &Image) {
         self.likely.resize(image.width(), image.height());
         self.finder.find(image, &mut self.likely);
+        let pixels = |least: u8| {
+            let levels = self.likely.bytes().iter();
+            levels.filter(|&&level| level >= least).count() as f32
+        };
+        self.is_blind = pixels(SEES) <= BELIEVED * pixels(GUESSES);
+        if self.is_blind {
+            // What it knows nothing of may still have a rope's shape.
+            (0..self.likely.height()).for_each(|y| self.likely.row_mut(y).fill(UNKNOWN));
+        }
         self.difference.resize(image.width(), image.height());
         (self.ribbons).find(image, &self.likely, &mut self.difference);
         let notice = self.notice;

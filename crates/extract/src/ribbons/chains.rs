@@ -19,7 +19,7 @@ const TURN_PX: f32 = 3.0;
 const COST: (f32, f32, f32) = (0.3, 0.3, 0.05);
 /// How likely a rope is from which on it is looked for, of 255; and how far beside, in pixels.
 const POSSIBLE: u8 = 64;
-const BESIDE: usize = 8;
+const BESIDE: usize = 96;
 /// The fewest spans of a chain.
 const FEWEST: usize = 4;
 

@@ -16,7 +16,8 @@ const SHADED: f32 = 0.25;
 /// likely, and of one that is certain.
 const APART: (f32, f32) = (14.0, 8.0);
 const QUALITY: (f32, f32) = (1.5, 0.8);
-/// How likely a span is, at least; and what it is worth.
+/// How likely a span is at least, unless it has this quality and distance from what lies beside it; and what it is worth.
+const PLAIN: (f32, f32) = (3.0, 30.0);
 const LIKELY: f32 = 0.3;
 const LIKELY_WORTH: f32 = 2.0;
 /// Levels that any color varies by, and how much of the picture's noise: the mean of a span has less of it than a pixel.
@@ -118,17 +119,18 @@ impl Line {
                     continue;
                 }
                 let likely = self.likely([from, to]);
-                if likely < LIKELY {
-                    continue;
-                }
                 let Some((color, spread, sides)) = self.look([from, to]) else {
                     continue;
                 };
                 let apart = sides.map(|side| distance(color, side));
                 let least = apart[0].min(apart[1]);
                 let quality = least / (spread + NOISE * noise + LEVELS);
-                // What the network is sure of may be hard to see.
-                if quality < between(QUALITY, likely) || least < between(APART, likely) {
+                // What the network is sure of may be hard to see; what it misses has to be plain.
+                let is_plain = quality >= PLAIN.0 && least >= PLAIN.1;
+                if likely < LIKELY && !is_plain
+                    || quality < between(QUALITY, likely)
+                    || least < between(APART, likely)
+                {
                     continue;
                 }
                 spans.push(Span {
