@@ -261,6 +261,7 @@ impl Extractor {
         let is_all_doubted = self.doubts.iter().all(Option::is_some);
         if is_all_doubted && self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
+            // It said that they are none.
             self.count = 0;
             return;
         }
