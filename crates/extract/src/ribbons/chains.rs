@@ -84,7 +84,8 @@ impl Chainer {
         self.spans.clear();
         self.starts.clear();
         for number in 0..lines {
-            self.starts.push(self.spans.len());
+            let own = self.spans.len();
+            self.starts.push(own);
             let at = number * STEP + STEP / 2;
             let line = &mut self.line;
             let length = if is_down { width } else { height };
@@ -109,7 +110,8 @@ impl Chainer {
                     let (x, y) = place(i);
                     line.push(picture.at(x, y), likely(i));
                 }
-                line.spans(number, from, (picture.noise, widest_px), &mut self.spans);
+                let limits = (picture.noise, widest_px);
+                line.spans(number, (from, own), limits, &mut self.spans);
             }
         }
         self.starts.push(self.spans.len());

@@ -98,11 +98,12 @@ impl Line {
         self.likely.push(before + f32::from(likely) / 255.0);
     }
 
-    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`.
+    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`. The line's own begin
+    /// at `own`: of all its stretches together so many are kept.
     pub(super) fn spans(
         &mut self,
         line: usize,
-        start: usize,
+        (start, own): (usize, usize),
         (noise, widest_px): (f32, f32),
         spans: &mut Vec<Span>,
     ) {
@@ -112,7 +113,7 @@ impl Line {
         for (i, &from) in self.edges.iter().enumerate() {
             for &to in &self.edges[i + 1..] {
                 let width_px = to - from;
-                if width_px > widest_px || spans.len() - first >= MOST {
+                if width_px > widest_px || spans.len() - own >= MOST {
                     break;
                 }
                 if width_px < NARROWEST_PX {
