@@ -11,7 +11,7 @@ mod weights;
 use crate::image::Image;
 use crate::image::gray::GrayPlane;
 use crate::scene::{Curve, Status};
-use crate::statistics::{median, quantile};
+use crate::statistics::{grade, median, quantile};
 use crate::vec2;
 use across::Across;
 use weights::{ELSEWHERE, NETWORK, OWN};
@@ -338,7 +338,6 @@ fn roundness(curve: &Curve) -> f32 {
     });
     let off = off.sum::<f32>().sqrt() / radius_px;
     let turn = curve.length_px / radius_px;
-    let grade = |value: f32, from: f32, to: f32| ((value - from) / (to - from)).clamp(0.0, 1.0);
     grade(turn, ARC.0, ARC.1) * grade(off, EXACT.0, EXACT.1)
 }
 

@@ -125,11 +125,6 @@ fn mix(a: Color, b: Color, share: f32) -> Color {
     std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))
 }
 
-/// Where a value lies from `from` (0) to `to` (1), and no farther.
-fn grade(value: f32, from: f32, to: f32) -> f32 {
-    ((value - from) / (to - from)).clamp(0.0, 1.0)
-}
-
 /// Whether a color is another one in less light, or in as much.
 fn is_shade(color: Color, of: Color, noise: f32) -> bool {
     let light = color[0] / of[0].max(1.0);

@@ -49,6 +49,11 @@ pub(crate) fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES
     std::array::from_fn(|l| rows[counts[l] as usize / 2][l])
 }
 
+/// Where a value lies from `from` (0) to `to` (1), and no farther.
+pub(crate) fn grade(value: f32, from: f32, to: f32) -> f32 {
+    ((value - from) / (to - from)).clamp(0.0, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,8 +2,8 @@
 
 use super::picture::Picture;
 use super::pieces::{Ground, Piece, are_alike};
-use super::{Color, Rib, grade, unlikeness};
-use crate::statistics;
+use super::{Color, Rib, unlikeness};
+use crate::statistics::{self, grade};
 use crate::vec2::{self, Vec2};
 
 /// The widest gap between two ends that go on from each other, in widths and pixels.
