@@ -1,4 +1,4 @@
-//! Ropes where there is no plain table: they are found by their shape.
+//! Ropes where there is no plain table: the network is asked, and where it is blind their shape tells.
 
 use crate::drawing;
 

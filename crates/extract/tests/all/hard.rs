@@ -71,7 +71,7 @@ fn what_was_sought_in_vain_is_sought_again_after_a_while() {
 }
 
 #[test]
-fn what_is_found_by_shape_and_hardly_a_rope_is_dropped() {
+fn what_the_network_finds_and_is_hardly_a_rope_is_dropped() {
     for seed in [3, 12, 19] {
         let is_right = look(Class::OnClutter, seed, |_, is_right| is_right);
         assert!(is_right, "picture {seed}");
