@@ -40,7 +40,8 @@ LAYERS = {
 
 
 class Normalized:
-    """Weights while each layer's sums are normalized over the batch: of each layer a kernel (out, in, height, width), a bias and a gain."""
+    """Weights while each layer's sums are normalized over the batch: of each layer a kernel (out, in, height, width), a bias and a gain.
+    Convolutions are of 16-bit floats (bfloat16), which takes two thirds of the time of 32-bit ones where the processor knows them."""
 
     def __init__(self, seed):
         """To begin with (He et al., 2015)."""
@@ -54,8 +55,8 @@ class Normalized:
 
     def sums(self, name, x):
         kernel, bias, gain = self.parts[name]
-        y = convolved(name, x, kernel)
-        return y + bias[:, None, None] if name == "out" else functional.batch_norm(y, None, None, gain, bias, training=True)
+        y = convolved(name, x.bfloat16(), kernel.bfloat16())
+        return y.float() + bias[:, None, None] if name == "out" else functional.batch_norm(y, None, None, gain, bias, training=True)
 
     def __call__(self, rgb):
         return through(self.sums, rgb)
@@ -65,7 +66,7 @@ class Normalized:
         means = {name: [] for name in LAYERS}
 
         def sums(name, x):
-            y = convolved(name, x, self.parts[name][0])
+            y = convolved(name, x.float(), self.parts[name][0])
             means[name].append(torch.stack([y.mean((0, 2, 3)), y.var((0, 2, 3))]))
             return self.sums(name, x)
 
