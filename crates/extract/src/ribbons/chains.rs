@@ -2,7 +2,7 @@
 
 use super::picture::Picture;
 use super::spans::{self, Line, Span};
-use super::{STEP, unlikeness};
+use super::{Color, STEP, unlikeness};
 
 /// The widest ribbon, as a share of the picture's longer side.
 const WIDEST: f32 = 0.09;
@@ -34,14 +34,32 @@ pub(super) struct Chain {
     pub(super) worth: f32,
 }
 
+/// A span, and the best chain that ends with it: of each only what is asked over and over.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    middle: f32,
+    width_px: f32,
+    color: Color,
+    /// What the chain is worth, how many spans it has, and how it runs.
+    worth: f32,
+    count: u32,
+    slope: f32,
+    /// The span before this one.
+    before: Option<u32>,
+    is_taken: bool,
+}
+
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(super) struct Chainer {
+    columns: Columns,
     line: Line,
     spans: Vec<Span>,
+    /// One a span.
+    ends: Vec<Link>,
     /// Where each line's spans begin.
     starts: Vec<usize>,
-    order: Vec<u32>,
+    order: Vec<u64>,
     /// The spans of all chains, one chain after the other.
     pub(super) links: Vec<Span>,
     /// The best first.
@@ -52,9 +70,11 @@ impl Chainer {
     /// Makes the buffers for a picture of this size.
     pub(super) fn reserve(&mut self, width: usize, height: usize) {
         let lines = width.max(height) / STEP + 1;
+        self.columns.reserve(width, height);
         self.line.reserve(width.max(height));
         let spans = lines * spans::MOST;
         self.spans.reserve(spans);
+        self.ends.reserve(spans);
         self.order.reserve(spans);
         self.links.reserve(2 * spans);
         self.chains.reserve(2 * spans / FEWEST);
@@ -67,7 +87,7 @@ impl Chainer {
         self.chains.clear();
         for is_down in [true, false] {
             self.cut(picture, is_down);
-            for line in 1..self.starts.len().saturating_sub(1) {
+            for line in 0..self.starts.len() - 1 {
                 self.join(line);
             }
             self.gather(is_down);
@@ -78,77 +98,89 @@ impl Chainer {
 
     /// The spans of all rows, or of all columns.
     fn cut(&mut self, picture: &Picture, is_down: bool) {
-        let (width, height) = (picture.width, picture.height);
-        let lines = if is_down { height } else { width } / STEP;
-        let widest_px = WIDEST * width.max(height) as f32;
+        let lines = match is_down {
+            true => picture.height / STEP,
+            false => self.columns.take(picture),
+        };
+        let widest_px = WIDEST * picture.width.max(picture.height) as f32;
         self.spans.clear();
         self.starts.clear();
         for number in 0..lines {
             let own = self.spans.len();
             self.starts.push(own);
-            let at = number * STEP + STEP / 2;
-            let line = &mut self.line;
-            let length = if is_down { width } else { height };
-            let place = |i: usize| if is_down { (i, at) } else { (at, i) };
-            let likely = |i: usize| {
-                let (x, y) = place(i);
-                picture.likely(x, y)
+            let (colors, likely) = match is_down {
+                true => picture.row(number * STEP + STEP / 2),
+                false => self.columns.line(number),
             };
             // Only stretches in which ropes are likely.
             let mut to = 0;
-            while let Some(first) = (to..length).find(|&i| likely(i) >= POSSIBLE) {
+            while let Some(first) = next_likely(likely, to, likely.len()) {
                 let from = first.saturating_sub(BESIDE);
                 let mut last = first;
-                while let Some(next) =
-                    (last + 1..length.min(last + 2 * BESIDE)).find(|&i| likely(i) >= POSSIBLE)
-                {
+                while let Some(next) = next_likely(likely, last + 1, last + 2 * BESIDE) {
                     last = next;
                 }
-                to = (last + 1 + BESIDE).min(length);
-                line.clear();
-                for i in from..to {
-                    let (x, y) = place(i);
-                    line.push(picture.at(x, y), likely(i));
-                }
+                to = (last + 1 + BESIDE).min(likely.len());
+                let stretch = (&colors[from..to], &likely[from..to]);
                 let limits = (picture.noise, widest_px);
-                line.spans(number, (from, own), limits, &mut self.spans);
+                (self.line).spans(stretch, (number, from, own), limits, &mut self.spans);
             }
         }
         self.starts.push(self.spans.len());
+        self.ends.clear();
+        self.ends.extend(self.spans.iter().map(|span| Link {
+            middle: span.middle(),
+            width_px: span.width_px(),
+            color: span.color,
+            worth: span.worth,
+            count: 1,
+            slope: 0.0,
+            before: None,
+            is_taken: false,
+        }));
     }
 
     /// Finds for each span of a line the best chain that ends with it.
     fn join(&mut self, line: usize) {
-        for i in self.starts[line]..self.starts[line + 1] {
-            let own = self.spans[i];
-            let mut best = own;
+        let (before, rest) = self.ends.split_at_mut(self.starts[line]);
+        let own_count = self.starts[line + 1] - self.starts[line];
+        // They lie in order: where the nearby ones begin only grows.
+        let mut begins = [1, 2, 3].map(|back| self.starts[line.saturating_sub(back)]);
+        for own in &mut rest[..own_count] {
+            let single = *own;
             for back in 1..=BACK.min(line) {
-                let before = self.starts[line - back]..self.starts[line - back + 1];
                 let reach_px = ASIDE * (STEP * back) as f32;
-                let middle = own.middle();
-                let spans = &self.spans[before.clone()];
-                let first = spans.partition_point(|span| span.middle() < middle - reach_px);
-                for (k, other) in spans.iter().enumerate().skip(first) {
-                    if other.middle() > middle + reach_px {
+                let (low, high) = (single.middle - reach_px, single.middle + reach_px);
+                let begin = &mut begins[back - 1];
+                let all = &before[..self.starts[line - back + 1]];
+                while all.get(*begin).is_some_and(|other| other.middle < low) {
+                    *begin += 1;
+                }
+                let left_out = LEFT_OUT * (back - 1) as f32;
+                for (k, other) in all.iter().enumerate().skip(*begin) {
+                    if other.middle > high {
                         break;
                     }
-                    let moved = (middle - other.middle()) / back as f32;
-                    let Some(cost) = cost(&own, other, moved) else {
+                    let both = other.worth + single.worth;
+                    if both - left_out <= own.worth {
+                        continue;
+                    }
+                    let moved = (single.middle - other.middle) / back as f32;
+                    let Some(cost) = cost(&single, other, moved) else {
                         continue;
                     };
-                    let sum = other.worth + own.worth - cost - LEFT_OUT * (back - 1) as f32;
-                    if sum > best.worth {
-                        best.worth = sum;
-                        best.before = Some((before.start + k) as u32);
-                        best.count = other.count + 1;
-                        best.slope = match other.count {
+                    let sum = both - cost - left_out;
+                    if sum > own.worth {
+                        own.worth = sum;
+                        own.before = Some(k as u32);
+                        own.count = other.count + 1;
+                        own.slope = match other.count {
                             1 => moved,
                             _ => 0.5 * (other.slope + moved),
                         };
                     }
                 }
             }
-            self.spans[i] = best;
         }
     }
 
@@ -156,35 +188,37 @@ impl Chainer {
     fn gather(&mut self, is_down: bool) {
         let Self {
             spans,
+            ends,
             order,
             links,
             chains,
             ..
         } = self;
         order.clear();
-        order.extend(0..spans.len() as u32);
-        order.sort_unstable_by(|&a, &b| {
-            let worth = |i: u32| spans[i as usize].worth;
-            worth(b).total_cmp(&worth(a)).then(a.cmp(&b))
-        });
+        (order).extend(
+            (0u32..)
+                .zip(&*ends)
+                .map(|(i, end)| falling(end.worth) | u64::from(i)),
+        );
+        order.sort_unstable();
         for &last in order.iter() {
-            let (from, mut at) = (links.len(), Some(last));
+            let (from, mut at) = (links.len(), Some(last as u32));
             let mut rest = 0.0;
             while let Some(i) = at {
-                let span = &mut spans[i as usize];
-                if span.is_taken {
-                    rest = span.worth;
+                let end = &mut ends[i as usize];
+                if end.is_taken {
+                    rest = end.worth;
                     break;
                 }
-                span.is_taken = true;
-                links.push(*span);
-                at = span.before;
+                end.is_taken = true;
+                links.push(spans[i as usize]);
+                at = end.before;
             }
             if links.len() - from < FEWEST {
                 links.truncate(from);
                 continue;
             }
-            let worth = links[from].worth - rest;
+            let worth = ends[last as u32 as usize].worth - rest;
             links[from..].reverse();
             chains.push(Chain {
                 is_down,
@@ -196,17 +230,81 @@ impl Chainer {
     }
 }
 
+/// Where the next pixel lies in which a rope is possible, of those from one on to another.
+fn next_likely(likely: &[u8], from: usize, to: usize) -> Option<usize> {
+    let some = likely[..to.min(likely.len())].get(from..)?;
+    Some(from + some.iter().position(|&level| level >= POSSIBLE)?)
+}
+
+/// The upper half of a number that is the smaller, the larger this one is.
+fn falling(worth: f32) -> u64 {
+    let bits = worth.to_bits();
+    let rising = match bits >> 31 {
+        0 => bits | 1 << 31,
+        _ => !bits,
+    };
+    u64::from(!rising) << 32
+}
+
+/// Columns of the picture, each as it lies one after the other.
+#[derive(Debug, Default)]
+struct Columns {
+    height: usize,
+    colors: Vec<Color>,
+    likely: Vec<u8>,
+}
+
+impl Columns {
+    /// Columns that are read side by side.
+    const SIDE_BY_SIDE: usize = 8;
+
+    fn reserve(&mut self, width: usize, height: usize) {
+        self.colors.reserve(width / STEP * height);
+        self.likely.reserve(width / STEP * height);
+    }
+
+    /// Takes those of a picture that lines run along, and says how many there are.
+    fn take(&mut self, picture: &Picture) -> usize {
+        let (height, lines) = (picture.height, picture.width / STEP);
+        self.height = height;
+        self.colors.resize(lines * height, [0.0; 3]);
+        self.likely.resize(lines * height, 0);
+        for first in (0..lines).step_by(Self::SIDE_BY_SIDE) {
+            let last = (first + Self::SIDE_BY_SIDE).min(lines);
+            for y in 0..height {
+                let (colors, likely) = picture.row(y);
+                for number in first..last {
+                    let at = number * STEP + STEP / 2;
+                    self.colors[number * height + y] = colors[at];
+                    self.likely[number * height + y] = likely[at];
+                }
+            }
+        }
+        lines
+    }
+
+    fn line(&self, number: usize) -> (&[Color], &[u8]) {
+        let all = number * self.height..(number + 1) * self.height;
+        (&self.colors[all.clone()], &self.likely[all])
+    }
+}
+
 /// What it costs that a span goes on from another, which lies so far aside; nothing if it cannot.
-fn cost(own: &Span, other: &Span, moved: f32) -> Option<f32> {
-    let (width, before) = (own.width_px(), other.width_px());
+#[inline(always)]
+fn cost(own: &Link, other: &Link, moved: f32) -> Option<f32> {
+    let (width, before) = (own.width_px, other.width_px);
     let wider = (width - before).abs();
-    let unlike = unlikeness(own.color, other.color);
+    if wider > WIDTHS.0 * width.max(before) + WIDTHS.1 {
+        return None;
+    }
     let turn = if other.count > 1 {
         (moved - other.slope).abs()
     } else {
         0.0
     };
-    let goes_on =
-        wider <= WIDTHS.0 * width.max(before) + WIDTHS.1 && unlike <= UNLIKE && turn <= TURN_PX;
-    goes_on.then_some(COST.0 * turn + COST.1 * wider + COST.2 * unlike)
+    if turn > TURN_PX {
+        return None;
+    }
+    let unlike = unlikeness(own.color, other.color);
+    (unlike <= UNLIKE).then_some(COST.0 * turn + COST.1 * wider + COST.2 * unlike)
 }

@@ -110,9 +110,10 @@ impl Picture {
         self.colors[y * self.width + x]
     }
 
-    /// How likely a pixel is of a rope.
-    pub(super) fn likely(&self, x: usize, y: usize) -> u8 {
-        self.likely[y * self.width + x]
+    /// The colors of a row, and how likely its pixels are of a rope.
+    pub(super) fn row(&self, y: usize) -> (&[Color], &[u8]) {
+        let row = y * self.width..(y + 1) * self.width;
+        (&self.colors[row.clone()], &self.likely[row])
     }
 
     /// How likely the pixel at a place is; not at all outside.

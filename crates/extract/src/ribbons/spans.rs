@@ -1,5 +1,7 @@
 //! What lies between two edges on a scan line.
 
+use lariat_portable::{Arch, NullaryFnOnce};
+
 use super::{Color, STEP, distance};
 
 /// The least edge, in the picture's noise and in levels over two pixels.
@@ -32,19 +34,15 @@ const WORTH: (f32, f32, f32) = (1.0, 4.0, 0.3);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     /// The line's number, and where on it the edges lie.
-    pub(super) line: usize,
+    pub(super) line: u32,
     pub(super) from: f32,
     pub(super) to: f32,
     pub(super) color: Color,
     /// What lies before it and after it.
     pub(super) sides: [Color; 2],
     pub(super) quality: f32,
-    /// The best chain that ends here: what it is worth, the span before this one, how many there are, and how it runs.
+    /// What it is worth by itself.
     pub(super) worth: f32,
-    pub(super) before: Option<u32>,
-    pub(super) count: u32,
-    pub(super) slope: f32,
-    pub(super) is_taken: bool,
 }
 
 impl Span {
@@ -58,96 +56,86 @@ impl Span {
 
     /// Where the line lies.
     pub(super) fn line_px(&self) -> f32 {
-        (self.line * STEP + STEP / 2) as f32
+        (self.line as usize * STEP + STEP / 2) as f32
     }
 }
 
-/// Memory for one line.
+/// A place where the color changes, and what a span that begins or ends there needs of it.
+#[derive(Debug)]
+struct Edge {
+    at: f32,
+    /// The nearest pixel.
+    nearest: usize,
+    /// The first pixel of a narrow span that begins here, and of a wide one.
+    first: [usize; 2],
+    /// The pixel behind the last one of a narrow span that ends here, and of a wide one.
+    end: [usize; 2],
+    /// The colors beside it, if there is room.
+    before: Option<Color>,
+    after: Option<Color>,
+}
+
+/// What is summed up to a pixel: the colors, and their squares. Fours fill registers.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    colors: [f64; 4],
+    squares: [f64; 4],
+}
+
+/// Memory for a stretch of a line.
 #[derive(Debug, Default)]
 pub(super) struct Line {
-    colors: Vec<Color>,
+    /// Squares of the change over two pixels.
+    steps: Vec<f32>,
+    edges: Vec<Edge>,
+    /// Up to each pixel.
+    sums: Vec<Sum>,
     /// How likely ropes are, summed up to each pixel.
     likely: Vec<f32>,
-    steps: Vec<f32>,
-    edges: Vec<f32>,
-    /// Sums of the colors and of their squares up to each pixel.
-    sums: Vec<[f64; 6]>,
 }
 
 impl Line {
     /// Makes the buffers for a line of so many pixels.
     pub(super) fn reserve(&mut self, pixels: usize) {
-        self.colors.reserve(pixels);
-        self.likely.reserve(pixels + 1);
         self.steps.reserve(pixels);
         self.edges.reserve(MOST);
         self.sums.reserve(pixels + 1);
+        self.likely.reserve(pixels + 1);
     }
 
-    /// Begins a stretch of a line.
-    pub(super) fn clear(&mut self) {
-        self.colors.clear();
-        self.likely.clear();
-        self.likely.push(0.0);
-    }
-
-    /// Adds a pixel: its color, and how likely it is of a rope.
-    pub(super) fn push(&mut self, color: Color, likely: u8) {
-        let before = self.likely[self.colors.len()];
-        self.colors.push(color);
-        self.likely.push(before + f32::from(likely) / 255.0);
-    }
-
-    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`. The line's own begin
-    /// at `own`: of all its stretches together so many are kept.
+    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`: of its colors, and how
+    /// likely its pixels are of a rope. The line's own begin at `own`: of all its stretches together so many are kept.
     pub(super) fn spans(
         &mut self,
-        line: usize,
-        (start, own): (usize, usize),
+        (colors, likely): (&[Color], &[u8]),
+        (line, start, own): (usize, usize, usize),
         (noise, widest_px): (f32, f32),
         spans: &mut Vec<Span>,
     ) {
-        self.find_edges(noise);
-        self.sum_up();
+        self.find_edges(colors, noise);
+        if self.edges.len() < 2 {
+            return;
+        }
+        self.sum_up(colors, likely);
+        self.look_beside();
         let first = spans.len();
-        for (i, &from) in self.edges.iter().enumerate() {
-            for &to in &self.edges[i + 1..] {
-                let width_px = to - from;
+        for (i, from) in self.edges.iter().enumerate() {
+            for to in &self.edges[i + 1..] {
+                let width_px = to.at - from.at;
                 if width_px > widest_px || spans.len() - own >= MOST {
                     break;
                 }
                 if width_px < NARROWEST_PX {
                     continue;
                 }
-                let likely = self.likely([from, to]);
-                let Some((color, spread, sides)) = self.look([from, to]) else {
-                    continue;
-                };
-                let apart = sides.map(|side| distance(color, side));
-                let least = apart[0].min(apart[1]);
-                let quality = least / (spread + NOISE * noise + LEVELS);
-                // What the network is sure of may be hard to see; what it misses has to be plain.
-                let is_plain = quality >= PLAIN.0 && least >= PLAIN.1;
-                if likely < LIKELY && !is_plain
-                    || quality < between(QUALITY, likely)
-                    || least < between(APART, likely)
-                {
-                    continue;
+                if let Some(span) = self.span([from, to], noise) {
+                    spans.push(Span {
+                        line: line as u32,
+                        from: start as f32 + from.at,
+                        to: start as f32 + to.at,
+                        ..span
+                    });
                 }
-                spans.push(Span {
-                    line,
-                    from: start as f32 + from,
-                    to: start as f32 + to,
-                    color,
-                    sides,
-                    quality,
-                    worth: (quality.min(WORTH.1) - WORTH.0).max(WORTH.2)
-                        + LIKELY_WORTH * (likely - 0.5),
-                    before: None,
-                    count: 1,
-                    slope: 0.0,
-                    is_taken: false,
-                });
             }
         }
         spans[first..].sort_unstable_by(|a, b| {
@@ -156,18 +144,52 @@ impl Line {
         });
     }
 
+    /// What lies between two edges, if it is a span. What is cheap to know comes first: most are none.
+    fn span(&self, [from, to]: [&Edge; 2], noise: f32) -> Option<Span> {
+        let sides = [from.before?, to.after?];
+        let is_wide = usize::from(to.at - from.at >= INSIDE_PX.1);
+        let inside = self.between(from.first[is_wide], to.end[is_wide])?;
+        let color = inside.color();
+        let likely = self.likely(from.nearest, to.nearest);
+        let apart = sides.map(|side| distance(color, side));
+        let least = apart[0].min(apart[1]);
+        // What the network is sure of may be hard to see; what it misses has to be plain.
+        let is_unlikely = likely < LIKELY;
+        if least < between(APART, likely) || is_unlikely && least < PLAIN.1 {
+            return None;
+        }
+        let quality = least / (inside.spread() + NOISE * noise + LEVELS);
+        if quality < between(QUALITY, likely) || is_unlikely && quality < PLAIN.0 {
+            return None;
+        }
+        Some(Span {
+            line: 0,
+            from: from.at,
+            to: to.at,
+            color,
+            sides,
+            quality,
+            worth: (quality.min(WORTH.1) - WORTH.0).max(WORTH.2) + LIKELY_WORTH * (likely - 0.5),
+        })
+    }
+
     /// Where the color changes most, between pixels.
-    fn find_edges(&mut self, noise: f32) {
+    fn find_edges(&mut self, colors: &[Color], noise: f32) {
         let least = (EDGE.0 * noise).max(EDGE.1);
         self.steps.clear();
-        (self.steps).extend(
-            self.colors
-                .windows(3)
-                .map(|near| distance(near[0], near[2])),
-        );
+        self.steps.resize(colors.len().saturating_sub(2), 0.0);
+        Arch::new().dispatch(Steps {
+            colors,
+            out: &mut self.steps,
+        });
         self.edges.clear();
+        // Roots only where there may be an edge; a little less than the square of the least, for what rounding does.
+        let low = 0.999 * least * least;
         for (i, near) in self.steps.windows(3).enumerate() {
-            let [before, here, after] = [near[0], near[1], near[2]];
+            if near[1] <= low {
+                continue;
+            }
+            let [before, here, after] = [near[0].sqrt(), near[1].sqrt(), near[2].sqrt()];
             if here > least && here >= before && here > after && self.edges.len() < MOST {
                 let bend = before - 2.0 * here + after;
                 let off = if bend < 0.0 {
@@ -175,60 +197,148 @@ impl Line {
                 } else {
                     0.0
                 };
-                self.edges.push((i + 2) as f32 + off.clamp(-0.5, 0.5));
+                let at = (i + 2) as f32 + off.clamp(-0.5, 0.5);
+                self.edges.push(Edge::new(at, colors.len()));
             }
         }
     }
 
-    fn sum_up(&mut self) {
-        let mut sum = [0.0; 6];
-        self.sums.clear();
-        self.sums.push(sum);
-        for color in &self.colors {
-            for (c, &level) in color.iter().enumerate() {
-                let level = f64::from(level);
-                sum[c] += level;
-                sum[3 + c] += level * level;
-            }
-            self.sums.push(sum);
-        }
+    fn sum_up(&mut self, colors: &[Color], likely: &[u8]) {
+        self.sums.resize(colors.len() + 1, Sum::default());
+        self.likely.resize(colors.len() + 1, 0.0);
+        Arch::new().dispatch(SumUp {
+            colors,
+            likely,
+            sums: &mut self.sums,
+            likely_sums: &mut self.likely,
+        });
     }
 
-    /// The mean color between two places of the line and its variance, of whole pixels.
-    fn mean(&self, from: f32, to: f32) -> Option<(Color, Color)> {
-        let from = libm::ceilf(from).max(0.0) as usize;
-        let to = (libm::floorf(to) + 1.0).clamp(0.0, self.colors.len() as f32) as usize;
+    /// The colors beside the edges.
+    fn look_beside(&mut self) {
+        let mut edges = std::mem::take(&mut self.edges);
+        for edge in &mut edges {
+            let last = self.sums.len() - 1;
+            let color =
+                |from: f32, to: f32| Some(self.between(first(from), end(to, last))?.color());
+            edge.before = color(edge.at - BESIDE_PX.1, edge.at - BESIDE_PX.0);
+            edge.after = color(edge.at + BESIDE_PX.0, edge.at + BESIDE_PX.1);
+        }
+        self.edges = edges;
+    }
+
+    /// Some pixels together, if there are any.
+    #[inline(always)]
+    fn between(&self, from: usize, to: usize) -> Option<Mean> {
         if to <= from {
             return None;
         }
         let (a, b) = (&self.sums[from], &self.sums[to]);
         let share = 1.0 / (to - from) as f64;
-        let mean: [f64; 3] = std::array::from_fn(|c| share * (b[c] - a[c]));
-        let variance = std::array::from_fn(|c| {
-            (share * (b[3 + c] - a[3 + c]) - mean[c] * mean[c]).max(0.0) as f32
-        });
-        Some((mean.map(|level| level as f32), variance))
+        Some(Mean {
+            color: std::array::from_fn(|c| share * (b.colors[c] - a.colors[c])),
+            square: std::array::from_fn(|c| share * (b.squares[c] - a.squares[c])),
+        })
     }
 
     /// How likely it is of a rope what lies between two edges.
-    fn likely(&self, [from, to]: [f32; 2]) -> f32 {
-        let last = self.colors.len();
-        let (from, to) = ((from + 0.5) as usize, ((to + 0.5) as usize).min(last));
+    #[inline(always)]
+    fn likely(&self, from: usize, to: usize) -> f32 {
         let from = from.min(to);
         (self.likely[to] - self.likely[from]) / (to - from).max(1) as f32
     }
+}
 
-    /// The color between two edges, its spread, and the colors beside.
-    fn look(&self, [from, to]: [f32; 2]) -> Option<(Color, f32, [Color; 2])> {
-        let off_px = if to - from < INSIDE_PX.1 {
-            0.5
-        } else {
-            INSIDE_PX.0
-        };
-        let (color, [y, u, v]) = self.mean(from + off_px, to - off_px)?;
-        let (before, _) = self.mean(from - BESIDE_PX.1, from - BESIDE_PX.0)?;
-        let (after, _) = self.mean(to + BESIDE_PX.0, to + BESIDE_PX.1)?;
-        Some((color, (SHADED * y + u + v).sqrt(), [before, after]))
+impl Edge {
+    /// One at a place of a stretch of so many pixels.
+    fn new(at: f32, pixels: usize) -> Self {
+        let inside = [0.5, INSIDE_PX.0];
+        Self {
+            at,
+            nearest: ((at + 0.5) as usize).min(pixels),
+            first: inside.map(|off_px| first(at + off_px)),
+            end: inside.map(|off_px| end(at - off_px, pixels)),
+            before: None,
+            after: None,
+        }
+    }
+}
+
+/// The first whole pixel from a place on.
+fn first(from: f32) -> usize {
+    libm::ceilf(from).max(0.0) as usize
+}
+
+/// The pixel behind the last one up to a place, of so many.
+fn end(to: f32, pixels: usize) -> usize {
+    (libm::floorf(to) + 1.0).clamp(0.0, pixels as f32) as usize
+}
+
+/// The mean of some pixels: of their colors, and of the squares.
+struct Mean {
+    color: [f64; 4],
+    square: [f64; 4],
+}
+
+impl Mean {
+    fn color(&self) -> Color {
+        [0, 1, 2].map(|c| self.color[c] as f32)
+    }
+
+    /// How far the pixels are from their mean, shading aside.
+    fn spread(&self) -> f32 {
+        let [y, u, v] =
+            [0, 1, 2].map(|c| (self.square[c] - self.color[c] * self.color[c]).max(0.0) as f32);
+        (SHADED * y + u + v).sqrt()
+    }
+}
+
+/// The squares of the change over two pixels.
+struct Steps<'a> {
+    colors: &'a [Color],
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Steps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let pairs = self.colors.iter().zip(self.colors.iter().skip(2));
+        for (out, (a, b)) in self.out.iter_mut().zip(pairs) {
+            let [y, u, v] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+            *out = y * y + u * u + v * v;
+        }
+    }
+}
+
+/// Sums up to each pixel.
+struct SumUp<'a> {
+    colors: &'a [Color],
+    likely: &'a [u8],
+    sums: &'a mut [Sum],
+    likely_sums: &'a mut [f32],
+}
+
+impl NullaryFnOnce for SumUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (mut sum, mut likely_sum) = (Sum::default(), 0.0);
+        let pixels = self.colors.iter().zip(self.likely);
+        let sums = self.sums.iter_mut().zip(&mut *self.likely_sums);
+        for ((out, likely_out), (&[y, u, v], &likely)) in sums.zip(pixels) {
+            (*out, *likely_out) = (sum, likely_sum);
+            let color = [y, u, v, 0.0].map(f64::from);
+            for c in 0..4 {
+                sum.colors[c] += color[c];
+                sum.squares[c] += color[c] * color[c];
+            }
+            likely_sum += f32::from(likely) / 255.0;
+        }
+        let last = self.colors.len();
+        (self.sums[last], self.likely_sums[last]) = (sum, likely_sum);
     }
 }
 
