@@ -76,7 +76,7 @@ impl Ribbons {
         self.ribs.reserve(pieces::MOST_RIBS);
         let ribs = pieces::MOST_RIBS + trace::MOST_TRACED;
         self.traced.reserve(ribs);
-        self.grouper.reserve(pieces::MOST, ribs);
+        self.grouper.reserve([width, height], pieces::MOST, ribs);
     }
 
     /// Looks for ropes in `image` where they are `likely` (255 for certain), and paints how much of each pixel is rope into `out`,
@@ -102,16 +102,23 @@ impl Ribbons {
 
 /// How far two colors are apart.
 fn distance(a: Color, b: Color) -> f32 {
+    squared_distance(a, b).sqrt()
+}
+
+#[inline(always)]
+fn squared_distance(a: Color, b: Color) -> f32 {
     let [y, u, v] = minus(a, b);
-    (y * y + u * u + v * v).sqrt()
+    y * y + u * u + v * v
 }
 
 /// How unlike two colors are of what may lie in another light: brightness counts half.
+#[inline(always)]
 fn unlikeness(a: Color, b: Color) -> f32 {
     let [y, u, v] = minus(a, b);
     (0.25 * y * y + u * u + v * v).sqrt()
 }
 
+#[inline(always)]
 fn minus(a: Color, b: Color) -> Color {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
@@ -121,8 +128,10 @@ fn dot(a: Color, b: Color) -> f32 {
 }
 
 /// From `a` to `b` by a share of the way.
+#[inline(always)]
 fn mix(a: Color, b: Color, share: f32) -> Color {
-    std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))
+    let mixed = |c: usize| a[c] + share * (b[c] - a[c]);
+    [mixed(0), mixed(1), mixed(2)]
 }
 
 /// Whether a color is another one in less light, or in as much.

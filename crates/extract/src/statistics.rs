@@ -24,10 +24,19 @@ pub(crate) fn quantile(values: &mut [f32], q: f32) -> f32 {
 
 /// The same of numbers that are all positive: their bits stand in the same order, and are compared faster.
 pub(crate) fn quantile_of_positive(values: &mut [f32], q: f32) -> f32 {
+    let index = (values.len().saturating_sub(1) as f32 * q) as usize;
+    of_positive(values, index)
+}
+
+/// As [`median`], likewise.
+pub(crate) fn median_of_positive(values: &mut [f32]) -> f32 {
+    of_positive(values, values.len() / 2)
+}
+
+fn of_positive(values: &mut [f32], index: usize) -> f32 {
     if values.is_empty() {
         return 0.0;
     }
-    let index = ((values.len() - 1) as f32 * q) as usize;
     *values.select_nth_unstable_by_key(index, |v| v.to_bits()).1
 }
 

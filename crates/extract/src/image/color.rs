@@ -1,5 +1,7 @@
 //! Pixels as three numbers, whatever the format: what colors are compared in.
 
+use lariat_portable::{Arch, NullaryFnOnce};
+
 use super::ray::{LANES, Lanes};
 use super::{Image, PixelFormat, unpack};
 
@@ -36,7 +38,12 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
 
 /// Fills `out` with the native colors of the pixels `xs` of row `y`: the channels of each are the bytes of a number, the
 /// first the lowest.
-pub(crate) fn at_places(image: &Image, y: usize, xs: &[usize], out: &mut [u32]) {
+pub(crate) fn at_places(
+    image: &Image,
+    y: usize,
+    xs: impl IntoIterator<Item = usize>,
+    out: &mut [u32],
+) {
     let row = image.row(y);
     let places = out.iter_mut().zip(xs);
     // Four bytes at once hold a pixel, whatever the format; those of the last one end with the row.
@@ -50,28 +57,59 @@ pub(crate) fn at_places(image: &Image, y: usize, xs: &[usize], out: &mut [u32]) 
     };
     // The loop a format at a time: it is the reading of the format over and over that costs.
     match image.format() {
-        PixelFormat::Rgb8 => places.for_each(|(out, &x)| {
+        PixelFormat::Rgb8 => places.for_each(|(out, x)| {
             *out = u32::from_le_bytes(four(3 * x).copied().unwrap_or_else(|| plain(x)));
         }),
-        PixelFormat::Yuyv => places.for_each(|(out, &x)| {
+        PixelFormat::Yuyv => places.for_each(|(out, x)| {
             let [first, u, second, v] = four(4 * (x / 2)).copied().unwrap_or([0; 4]);
             let luma = if x % 2 == 0 { first } else { second };
             *out = u32::from_le_bytes([luma, u, v, 0]);
         }),
-        PixelFormat::Uyvy => places.for_each(|(out, &x)| {
+        PixelFormat::Uyvy => places.for_each(|(out, x)| {
             let [u, first, v, second] = four(4 * (x / 2)).copied().unwrap_or([0; 4]);
             let luma = if x % 2 == 0 { first } else { second };
             *out = u32::from_le_bytes([luma, u, v, 0]);
         }),
-        PixelFormat::Gray8 => places.for_each(|(out, &x)| *out = u32::from(row[x])),
+        PixelFormat::Gray8 => places.for_each(|(out, x)| *out = u32::from(row[x])),
         PixelFormat::Nv12 => {
             let chroma = image.chroma_row(y);
-            places.for_each(|(out, &x)| {
+            places.for_each(|(out, x)| {
                 let pair = &chroma[x & !1..][..2];
                 *out = u32::from_le_bytes([row[x], pair[0], pair[1], 0]);
             });
         }
-        _ => places.for_each(|(out, &x)| *out = u32::from_le_bytes(plain(x))),
+        _ => places.for_each(|(out, x)| *out = u32::from_le_bytes(plain(x))),
+    }
+}
+
+/// As [`at_places`], of the first pixels of a row.
+pub(crate) fn along(image: &Image, y: usize, out: &mut [u32]) {
+    Arch::new().dispatch(Reading { image, y, out });
+}
+
+/// The reading of a row, for the widest registers.
+struct Reading<'a> {
+    image: &'a Image<'a>,
+    y: usize,
+    out: &'a mut [u32],
+}
+
+impl NullaryFnOnce for Reading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { image, y, out } = self;
+        let threes = out.iter_mut().zip(image.row(y).as_chunks::<3>().0);
+        match image.format() {
+            PixelFormat::Rgb8 => threes.for_each(|(out, &[r, g, b])| {
+                *out = u32::from(r) | u32::from(g) << 8 | u32::from(b) << 16;
+            }),
+            PixelFormat::Bgr8 => threes.for_each(|(out, &[b, g, r])| {
+                *out = u32::from(r) | u32::from(g) << 8 | u32::from(b) << 16;
+            }),
+            _ => at_places(image, y, 0.., out),
+        }
     }
 }
 

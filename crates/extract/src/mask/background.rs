@@ -160,7 +160,7 @@ impl Background {
     fn take_samples(&mut self, image: &Image) {
         let groups = self.u.len();
         for (pixels, &y) in self.pixels.chunks_exact_mut(groups).zip(&self.y) {
-            color::at_places(image, y, &self.x, pixels.as_flattened_mut());
+            color::at_places(image, y, self.x.iter().copied(), pixels.as_flattened_mut());
         }
     }
 

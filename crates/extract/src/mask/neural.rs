@@ -19,7 +19,6 @@ pub(crate) struct Finder {
     rgb: Vec<u8>,
     rope: Vec<u8>,
     seam: Vec<u8>,
-    places: Vec<usize>,
     row: Vec<u32>,
     sums: Vec<[u32; 3]>,
 }
@@ -38,7 +37,6 @@ impl Finder {
             rgb: Vec::new(),
             rope: Vec::new(),
             seam: Vec::new(),
-            places: Vec::new(),
             row: Vec::new(),
             sums: Vec::new(),
         }
@@ -91,8 +89,6 @@ impl Finder {
     fn read(&mut self, image: &Image, scale: usize, [columns, rows]: [usize; 2]) {
         let is_yuv = color::is_yuv(image.format());
         let is_gray = matches!(image.format(), PixelFormat::Gray8 | PixelFormat::Gray16);
-        self.places.clear();
-        self.places.extend(0..columns * scale);
         self.row.resize(columns * scale, 0);
         self.sums.resize(columns, [0; 3]);
         self.rgb.clear();
@@ -100,7 +96,7 @@ impl Finder {
         for y in 0..rows {
             self.sums.fill([0; 3]);
             for line in y * scale..(y + 1) * scale {
-                color::at_places(image, line, &self.places, &mut self.row);
+                color::along(image, line, &mut self.row);
                 let blocks = self.row.chunks_exact(scale);
                 for (sum, block) in self.sums.iter_mut().zip(blocks) {
                     for pixel in block {
@@ -158,7 +154,6 @@ impl Finder {
         self.rope.reserve(columns * rows);
         self.seam.reserve(columns * rows);
         self.rgb.reserve(3 * columns * rows);
-        self.places.reserve(width);
         self.row.reserve(width);
         self.sums.reserve(columns);
     }

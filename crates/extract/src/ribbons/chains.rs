@@ -1,5 +1,7 @@
 //! Spans of neighboring scan lines, put together: dynamic programming from line to line.
 
+use std::ops::Range;
+
 use super::picture::Picture;
 use super::spans::{self, Line, Span};
 use super::{Color, STEP, unlikeness};
@@ -52,7 +54,7 @@ struct Link {
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(super) struct Chainer {
-    columns: Columns,
+    column: Column,
     line: Line,
     spans: Vec<Span>,
     /// One a span.
@@ -70,7 +72,7 @@ impl Chainer {
     /// Makes the buffers for a picture of this size.
     pub(super) fn reserve(&mut self, width: usize, height: usize) {
         let lines = width.max(height) / STEP + 1;
-        self.columns.reserve(width, height);
+        self.column.reserve(width, height);
         self.line.reserve(width.max(height));
         let spans = lines * spans::MOST;
         self.spans.reserve(spans);
@@ -100,30 +102,18 @@ impl Chainer {
     fn cut(&mut self, picture: &Picture, is_down: bool) {
         let lines = match is_down {
             true => picture.height / STEP,
-            false => self.columns.take(picture),
+            false => self.column.take(picture),
         };
-        let widest_px = WIDEST * picture.width.max(picture.height) as f32;
         self.spans.clear();
         self.starts.clear();
         for number in 0..lines {
             let own = self.spans.len();
             self.starts.push(own);
-            let (colors, likely) = match is_down {
-                true => picture.row(number * STEP + STEP / 2),
-                false => self.columns.line(number),
-            };
             // Only stretches in which ropes are likely.
-            let mut to = 0;
-            while let Some(first) = next_likely(likely, to, likely.len()) {
-                let from = first.saturating_sub(BESIDE);
-                let mut last = first;
-                while let Some(next) = next_likely(likely, last + 1, last + 2 * BESIDE) {
-                    last = next;
-                }
-                to = (last + 1 + BESIDE).min(likely.len());
-                let stretch = (&colors[from..to], &likely[from..to]);
-                let limits = (picture.noise, widest_px);
-                (self.line).spans(stretch, (number, from, own), limits, &mut self.spans);
+            let mut from = 0;
+            while let Some(stretch) = next_stretch(self.likely(picture, is_down, number), from) {
+                from = stretch.end;
+                self.add_spans(picture, is_down, (number, own), stretch);
             }
         }
         self.starts.push(self.spans.len());
@@ -140,12 +130,45 @@ impl Chainer {
         }));
     }
 
+    /// How likely the pixels of a line are of a rope.
+    fn likely<'a>(&'a self, picture: &'a Picture, is_down: bool, number: usize) -> &'a [u8] {
+        match is_down {
+            true => picture.row(number * STEP + STEP / 2).1,
+            false => self.column.likely(number),
+        }
+    }
+
+    /// Adds the spans of a stretch of a line whose own begin at `own`.
+    fn add_spans(
+        &mut self,
+        picture: &Picture,
+        is_down: bool,
+        (number, own): (usize, usize),
+        stretch: Range<usize>,
+    ) {
+        let place = (number, stretch.start, own);
+        let widest_px = WIDEST * picture.width.max(picture.height) as f32;
+        let limits = (picture.noise, widest_px);
+        let (line, spans) = (&mut self.line, &mut self.spans);
+        if is_down {
+            let (colors, likely) = picture.row(number * STEP + STEP / 2);
+            let stretch = (&colors[stretch.clone()], &likely[stretch]);
+            line.spans(stretch, place, limits, spans);
+        } else {
+            self.column.gather(picture, number, stretch.clone());
+            let colors = &self.column.colors[..stretch.len()];
+            let likely = &self.column.likely(number)[stretch];
+            line.spans((colors, likely), place, limits, spans);
+        }
+    }
+
     /// Finds for each span of a line the best chain that ends with it.
     fn join(&mut self, line: usize) {
         let (before, rest) = self.ends.split_at_mut(self.starts[line]);
         let own_count = self.starts[line + 1] - self.starts[line];
         // They lie in order: where the nearby ones begin only grows.
-        let mut begins = [1, 2, 3].map(|back| self.starts[line.saturating_sub(back)]);
+        let mut begins: [_; BACK] =
+            std::array::from_fn(|k| self.starts[line.saturating_sub(k + 1)]);
         for own in &mut rest[..own_count] {
             let single = *own;
             for back in 1..=BACK.min(line) {
@@ -230,10 +253,18 @@ impl Chainer {
     }
 }
 
-/// Where the next pixel lies in which a rope is possible, of those from one on to another.
-fn next_likely(likely: &[u8], from: usize, to: usize) -> Option<usize> {
-    let some = likely[..to.min(likely.len())].get(from..)?;
-    Some(from + some.iter().position(|&level| level >= POSSIBLE)?)
+/// The next stretch of a line from a pixel on in which ropes are likely, and what lies beside.
+fn next_stretch(likely: &[u8], from: usize) -> Option<Range<usize>> {
+    let next = |from: usize, to: usize| {
+        let some = likely[..to.min(likely.len())].get(from..)?;
+        Some(from + some.iter().position(|&level| level >= POSSIBLE)?)
+    };
+    let first = next(from, likely.len())?;
+    let mut last = first;
+    while let Some(near) = next(last + 1, last + 2 * BESIDE) {
+        last = near;
+    }
+    Some(first.saturating_sub(BESIDE)..(last + 1 + BESIDE).min(likely.len()))
 }
 
 /// The upper half of a number that is the smaller, the larger this one is.
@@ -246,46 +277,46 @@ fn falling(worth: f32) -> u64 {
     u64::from(!rising) << 32
 }
 
-/// Columns of the picture, each as it lies one after the other.
+/// Columns of the picture.
 #[derive(Debug, Default)]
-struct Columns {
+struct Column {
     height: usize,
+    /// A stretch's.
     colors: Vec<Color>,
+    /// Those of all columns that lines run along, one after the other.
     likely: Vec<u8>,
 }
 
-impl Columns {
-    /// Columns that are read side by side.
-    const SIDE_BY_SIDE: usize = 8;
-
+impl Column {
     fn reserve(&mut self, width: usize, height: usize) {
-        self.colors.reserve(width / STEP * height);
+        self.colors.reserve(height);
         self.likely.reserve(width / STEP * height);
     }
 
-    /// Takes those of a picture that lines run along, and says how many there are.
+    /// Takes how likely the pixels of all columns are that lines run along, and says how many there are.
     fn take(&mut self, picture: &Picture) -> usize {
         let (height, lines) = (picture.height, picture.width / STEP);
         self.height = height;
-        self.colors.resize(lines * height, [0.0; 3]);
+        self.colors.resize(height, [0.0; 3]);
         self.likely.resize(lines * height, 0);
-        for first in (0..lines).step_by(Self::SIDE_BY_SIDE) {
-            let last = (first + Self::SIDE_BY_SIDE).min(lines);
-            for y in 0..height {
-                let (colors, likely) = picture.row(y);
-                for number in first..last {
-                    let at = number * STEP + STEP / 2;
-                    self.colors[number * height + y] = colors[at];
-                    self.likely[number * height + y] = likely[at];
-                }
+        for y in 0..height {
+            let row = picture.row(y).1.as_chunks::<STEP>().0;
+            for (number, four) in row.iter().enumerate() {
+                self.likely[number * height + y] = four[STEP / 2];
             }
         }
         lines
     }
 
-    fn line(&self, number: usize) -> (&[Color], &[u8]) {
-        let all = number * self.height..(number + 1) * self.height;
-        (&self.colors[all.clone()], &self.likely[all])
+    fn likely(&self, number: usize) -> &[u8] {
+        &self.likely[number * self.height..][..self.height]
+    }
+
+    /// Takes the colors of a stretch of a column.
+    fn gather(&mut self, picture: &Picture, number: usize, stretch: Range<usize>) {
+        for (color, y) in self.colors.iter_mut().zip(stretch) {
+            *color = picture.at(number * STEP + STEP / 2, y);
+        }
     }
 }
 

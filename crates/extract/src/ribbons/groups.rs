@@ -1,5 +1,7 @@
 //! Pieces that go on from each other are grouped, and each group is weighed: is it a rope?
 
+use lariat_portable::{Arch, NullaryFnOnce};
+
 use super::picture::Picture;
 use super::pieces::{Ground, Piece, are_alike};
 use super::{Color, Rib, unlikeness};
@@ -53,6 +55,7 @@ pub(super) struct Grouper {
     lengths: Vec<f32>,
     widths: Vec<f32>,
     evidence: Vec<f32>,
+    grid: Grid,
     ribs: Vec<Rib>,
     values: Vec<f32>,
     sure: Vec<f32>,
@@ -60,8 +63,10 @@ pub(super) struct Grouper {
 }
 
 impl Grouper {
-    /// Makes the buffers for so many pieces.
-    pub(super) fn reserve(&mut self, pieces: usize, ribs: usize) {
+    /// Makes the buffers for so many pieces, and for a picture of this size.
+    pub(super) fn reserve(&mut self, [width, height]: [usize; 2], pieces: usize, ribs: usize) {
+        self.grid
+            .reserve((width / STRIDE + 1) * (height / STRIDE + 1));
         self.ends.reserve(2 * pieces);
         // Ends have few others before them.
         self.links.reserve(8 * pieces);
@@ -88,7 +93,8 @@ impl Grouper {
         self.group.extend(0..pieces.len());
         self.link(pieces);
         self.lay_on(picture, ground, pieces);
-        self.weigh(picture, ground, pieces, ribs);
+        self.grid.take(picture, ground);
+        self.weigh(picture, pieces, ribs);
     }
 
     /// Whether a piece is part of a rope.
@@ -166,7 +172,7 @@ impl Grouper {
     }
 
     /// Weighs every group.
-    fn weigh(&mut self, picture: &Picture, ground: &Ground, pieces: &[Piece], ribs: &[Rib]) {
+    fn weigh(&mut self, picture: &Picture, pieces: &[Piece], ribs: &[Rib]) {
         let count = pieces.len();
         for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
             values.clear();
@@ -179,7 +185,7 @@ impl Grouper {
         for group in 0..count {
             if self.root(group) == group {
                 self.widths[group] = pieces[group].width_px;
-                self.evidence[group] = self.evidence_of(picture, ground, group, (pieces, ribs));
+                self.evidence[group] = self.evidence_of(picture, group, (pieces, ribs));
             }
         }
         let sure = (0..count).filter(|&k| self.evidence[k] >= SURE.0 && self.lengths[k] > SURE.1);
@@ -210,7 +216,6 @@ impl Grouper {
     fn evidence_of(
         &mut self,
         picture: &Picture,
-        ground: &Ground,
         group: usize,
         (pieces, ribs): (&[Piece], &[Rib]),
     ) -> f32 {
@@ -241,7 +246,7 @@ impl Grouper {
         let width_px = pieces[group].width_px;
         let bend = off_line_px(ribs, share) / width_px.max(4.0);
         let likely = mean(&|rib| picture.likely_at(rib.at));
-        let rare = rarity(picture, ground, color, (0.4 * unlike).clamp(5.0, 14.0));
+        let rare = (self.grid).rarity(color, (0.4 * unlike).clamp(5.0, 14.0));
         LIKELY * (likely - 0.5)
             + grade(median(&|rib| rib.quality), 2.5, 6.0)
             + grade(unlike, 15.0, 50.0)
@@ -255,14 +260,14 @@ impl Grouper {
 /// What it costs to link two ends; nothing if they do not go on from each other.
 fn cost(pieces: &[Piece], a: &End, b: &End) -> Option<f32> {
     let (one, other) = (&pieces[a.piece], &pieces[b.piece]);
-    if a.piece == b.piece || !are_alike(one, other, UNLIKE, WIDER) {
+    let facing = -vec2::dot(a.along, b.along);
+    if facing < FACING || a.piece == b.piece {
         return None;
     }
     let width_px = one.width_px.max(other.width_px);
     let way = vec2::sub(b.at, a.at);
     let gap_px = vec2::norm(way);
-    let facing = -vec2::dot(a.along, b.along);
-    if gap_px > (GAP.0 * width_px).max(GAP.1) || facing < FACING {
+    if gap_px > (GAP.0 * width_px).max(GAP.1) || !are_alike(one, other, UNLIKE, WIDER) {
         return None;
     }
     let straight = match gap_px > width_px {
@@ -295,18 +300,67 @@ fn off_line_px(ribs: &[Rib], share: f32) -> f32 {
     (0.5 * (xx + yy) - root).max(0.0).sqrt()
 }
 
-/// How seldom a color is beside of ribbons, against how often it is in them: a logarithm.
-fn rarity(picture: &Picture, ground: &Ground, color: Color, radius: f32) -> f32 {
-    let (mut inside, mut outside) = (4.0, 1.0);
-    for y in (STRIDE / 2..picture.height).step_by(STRIDE) {
-        for x in (STRIDE / 2..picture.width).step_by(STRIDE) {
-            if unlikeness(picture.at(x, y), color) < radius {
-                match ground.is_taken(y * picture.width + x) {
-                    true => inside += 1.0,
-                    false => outside += 1.0,
+/// Pixels in a grid, and whether a piece has taken them.
+#[derive(Debug, Default)]
+struct Grid {
+    channels: [Vec<f32>; 3],
+    is_taken: Vec<u32>,
+}
+
+impl Grid {
+    fn reserve(&mut self, pixels: usize) {
+        self.channels
+            .iter_mut()
+            .for_each(|levels| levels.reserve(pixels));
+        self.is_taken.reserve(pixels);
+    }
+
+    fn take(&mut self, picture: &Picture, ground: &Ground) {
+        self.channels.iter_mut().for_each(Vec::clear);
+        self.is_taken.clear();
+        for y in (STRIDE / 2..picture.height).step_by(STRIDE) {
+            for x in (STRIDE / 2..picture.width).step_by(STRIDE) {
+                for (levels, level) in self.channels.iter_mut().zip(picture.at(x, y)) {
+                    levels.push(level);
                 }
+                let is_taken = ground.is_taken(y * picture.width + x);
+                self.is_taken.push(u32::from(is_taken));
             }
         }
     }
-    libm::logf(inside / outside)
+
+    /// How seldom a color is beside of ribbons, against how often it is in them: a logarithm.
+    fn rarity(&self, color: Color, radius: f32) -> f32 {
+        let grid = self;
+        let [all, inside] = Arch::new().dispatch(Alike {
+            grid,
+            color,
+            radius,
+        });
+        libm::logf((4.0 + inside as f32) / (1.0 + (all - inside) as f32))
+    }
+}
+
+/// Counts the pixels that are like a color, and those of them that are taken.
+struct Alike<'a> {
+    grid: &'a Grid,
+    color: Color,
+    radius: f32,
+}
+
+impl NullaryFnOnce for Alike<'_> {
+    type Output = [u32; 2];
+
+    #[inline(always)]
+    fn call(self) -> [u32; 2] {
+        let [y, u, v] = &self.grid.channels;
+        let pixels = y.iter().zip(u).zip(v).zip(&self.grid.is_taken);
+        let (mut all, mut inside) = (0, 0);
+        for (((&y, &u), &v), &is_taken) in pixels {
+            let is_alike = u32::from(unlikeness([y, u, v], self.color) < self.radius);
+            all += is_alike;
+            inside += is_alike & is_taken;
+        }
+        [all, inside]
+    }
 }

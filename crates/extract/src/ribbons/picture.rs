@@ -3,7 +3,7 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use super::{Color, distance};
+use super::{Color, squared_distance};
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, PixelFormat, color};
 use crate::statistics;
@@ -13,6 +13,8 @@ use crate::vec2::Vec2;
 const LONGEST: usize = 1000;
 /// Pixels from one to the next of which the noise is taken.
 const STRIDE: usize = 5;
+/// Rows that a pixel is smoothed over.
+const RING: usize = 5;
 
 /// The smoothed picture.
 #[derive(Debug, Default)]
@@ -26,9 +28,11 @@ pub(super) struct Picture {
     colors: Vec<Color>,
     /// How likely each pixel is of a rope, 255 for certain.
     likely: Vec<u8>,
-    spare: Vec<Color>,
-    places: Vec<usize>,
+    /// A line of the image, and a row of the picture before it is smoothed.
     row: Vec<u32>,
+    means: Vec<Color>,
+    /// The last rows that are smoothed along themselves.
+    ring: Vec<Color>,
     steps: Vec<f32>,
 }
 
@@ -40,9 +44,9 @@ impl Picture {
         let pixels = self.width * self.height;
         self.colors.reserve(pixels);
         self.likely.reserve(pixels);
-        self.spare.reserve(pixels);
-        self.places.reserve(width);
         self.row.reserve(width);
+        self.means.reserve(self.width);
+        self.ring.reserve(RING * self.width);
         self.steps
             .reserve(pixels / (STRIDE * STRIDE) + self.height + self.width);
         [self.width, self.height]
@@ -54,55 +58,74 @@ impl Picture {
         self.width = image.width() / self.scale;
         self.height = image.height() / self.scale;
         self.read(image);
-        self.smooth();
         self.likely.clear();
         for y in 0..self.height {
             // In the middle of each block.
             let row = likely.row(y * self.scale + self.scale / 2);
+            if self.scale == 1 {
+                self.likely.extend_from_slice(row);
+                continue;
+            }
             let places = row.iter().skip(self.scale / 2).step_by(self.scale);
             self.likely.extend(places.take(self.width));
         }
+        self.noise = self.find_noise();
+    }
+
+    fn find_noise(&mut self) -> f32 {
         self.steps.clear();
         for y in (0..self.height).step_by(STRIDE) {
             let row = &self.colors[y * self.width..][..self.width];
             let steps = row.windows(3).step_by(STRIDE);
-            (self.steps).extend(steps.map(|near| distance(near[0], near[2])));
+            // The root of the middle one of the squares is the middle one.
+            (self.steps).extend(steps.map(|near| squared_distance(near[0], near[2])));
         }
-        self.noise = match self.steps.is_empty() {
-            true => 0.0,
-            false => statistics::median(&mut self.steps),
-        };
+        statistics::median_of_positive(&mut self.steps).sqrt()
     }
 
-    /// The mean color of each block.
+    /// The mean color of each block, smoothed. Row by row: what is not yet smooth stays in the first cache.
     fn read(&mut self, image: &Image) {
-        let (scale, width) = (self.scale, self.width);
-        let share = 1.0 / (scale * scale) as f32;
-        self.colors.clear();
-        self.colors.resize(width * self.height, [0.0; 3]);
-        self.places.clear();
-        self.places.extend(0..width * scale);
-        self.row.resize(width * scale, 0);
-        for y in 0..self.height * scale {
-            color::at_places(image, y, &self.places, &mut self.row);
-            let colors = &mut self.colors[y / scale * width..][..width];
-            for (color, block) in colors.iter_mut().zip(self.row.chunks_exact(scale)) {
-                for &pixel in block {
-                    let own = converted(pixel, image.format());
-                    *color = std::array::from_fn(|c| color[c] + share * own[c]);
-                }
+        let (width, height) = (self.width, self.height);
+        self.colors.resize(width * height, [0.0; 3]);
+        self.row.resize(width * self.scale, 0);
+        self.means.resize(width, [0.0; 3]);
+        self.ring.resize(RING * width, [0.0; 3]);
+        for y in 0..height + 2 {
+            if y < height {
+                self.read_row(image, y);
+                let out = &mut self.ring[y % RING * width..][..width];
+                Arch::new().dispatch(Along {
+                    row: self.means.as_flattened(),
+                    out: out.as_flattened_mut(),
+                });
+            }
+            if let Some(y) = y.checked_sub(2) {
+                let rows = [-2, -1, 0, 1, 2].map(|by| {
+                    let y = y.saturating_add_signed(by).min(height - 1);
+                    self.ring[y % RING * width..][..width].as_flattened()
+                });
+                let out = &mut self.colors[y * width..][..width];
+                Arch::new().dispatch(Across {
+                    rows,
+                    out: out.as_flattened_mut(),
+                });
             }
         }
     }
 
-    /// A binomial of five pixels either way.
-    fn smooth(&mut self) {
-        self.spare.resize(self.width * self.height, [0.0; 3]);
-        Arch::new().dispatch(Smooth {
-            width: 3 * self.width,
-            colors: self.colors.as_flattened_mut(),
-            spare: self.spare.as_flattened_mut(),
-        });
+    /// The means of a row of blocks.
+    fn read_row(&mut self, image: &Image, y: usize) {
+        let scale = self.scale;
+        self.means.fill([0.0; 3]);
+        for line in y * scale..(y + 1) * scale {
+            color::along(image, line, &mut self.row);
+            Arch::new().dispatch(Means {
+                pixels: &self.row,
+                format: image.format(),
+                scale,
+                out: &mut self.means,
+            });
+        }
     }
 
     /// The color of a pixel.
@@ -125,10 +148,18 @@ impl Picture {
     pub(super) fn index(&self, [x, y]: Vec2) -> Option<usize> {
         let is_inside =
             x >= -0.5 && y >= -0.5 && x < self.width as f32 - 0.5 && y < self.height as f32 - 0.5;
-        is_inside.then(|| (y + 0.5) as usize * self.width + (x + 0.5) as usize)
+        is_inside.then(|| self.index_inside([x, y]))
+    }
+
+    /// The pixel at a place that is inside.
+    #[inline(always)]
+    pub(super) fn index_inside(&self, [x, y]: Vec2) -> usize {
+        // By way of an integer of a float's size, which is converted faster.
+        (y + 0.5) as i32 as usize * self.width + (x + 0.5) as i32 as usize
     }
 
     /// The color between pixels, if the place is inside.
+    #[inline]
     pub(super) fn between(&self, [x, y]: Vec2) -> Option<Color> {
         if !(x >= 0.0 && y >= 0.0) {
             return None;
@@ -138,76 +169,120 @@ impl Picture {
             return None;
         }
         let (right, down) = (x - i as f32, y - j as f32);
-        let [above, below] =
-            [j, j + 1].map(|j| super::mix(self.at(i, j), self.at(i + 1, j), right));
+        let first = j * self.width + i;
+        let [upper, lower] = [
+            &self.colors[first..][..2],
+            &self.colors[first + self.width..][..2],
+        ];
+        let above = super::mix(upper[0], upper[1], right);
+        let below = super::mix(lower[0], lower[1], right);
         Some(super::mix(above, below, down))
     }
 }
 
-/// What a pixel of this format is in brightness and chroma.
-fn converted(pixel: u32, format: PixelFormat) -> Color {
-    let [a, b, c, _] = pixel.to_le_bytes().map(f32::from);
-    match format {
-        PixelFormat::Gray8 => [a, 0.0, 0.0],
-        _ if color::is_yuv(format) => [a, 2.0 * (b - 128.0), 2.0 * (c - 128.0)],
-        _ => {
-            let luma = 0.299 * a + 0.587 * b + 0.114 * c;
-            [luma, 1.128 * (c - luma), 1.426 * (a - luma)]
-        }
-    }
+/// What a pixel is in brightness and chroma, if it has these.
+#[inline(always)]
+fn from_yuv([y, u, v]: [f32; 3]) -> Color {
+    [y, 2.0 * (u - 128.0), 2.0 * (v - 128.0)]
 }
 
-struct Smooth<'a> {
-    /// Numbers in a row.
-    width: usize,
-    colors: &'a mut [f32],
-    spare: &'a mut [f32],
+#[inline(always)]
+fn from_rgb([r, g, b]: [f32; 3]) -> Color {
+    let luma = 0.299 * r + 0.587 * g + 0.114 * b;
+    [luma, 1.128 * (b - luma), 1.426 * (r - luma)]
 }
 
-impl NullaryFnOnce for Smooth<'_> {
+/// Adds a line of pixels to the means of blocks.
+struct Means<'a> {
+    pixels: &'a [u32],
+    format: PixelFormat,
+    scale: usize,
+    out: &'a mut [Color],
+}
+
+impl NullaryFnOnce for Means<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self {
-            width,
-            colors,
-            spare,
-        } = self;
-        if width == 0 {
+        match self.format {
+            PixelFormat::Gray8 => self.add(|[light, ..]| [light, 0.0, 0.0]),
+            format if color::is_yuv(format) => self.add(from_yuv),
+            _ => self.add(from_rgb),
+        }
+    }
+}
+
+impl Means<'_> {
+    #[inline(always)]
+    fn add(self, converted: impl Fn([f32; 3]) -> Color) {
+        let bytes = |pixel: u32| {
+            let byte = |shift: u32| (pixel >> shift & 0xff) as i32 as f32;
+            [byte(0), byte(8), byte(16)]
+        };
+        if self.scale == 1 {
+            for (out, &pixel) in self.out.iter_mut().zip(self.pixels) {
+                *out = converted(bytes(pixel));
+            }
             return;
         }
-        let rows = colors
-            .chunks_exact(width)
-            .zip(spare.chunks_exact_mut(width));
-        for (row, out) in rows {
-            let middle = 6.min(width)..width.saturating_sub(6).max(6.min(width));
-            for i in (0..middle.start).chain(middle.end..width) {
-                let at = |by: isize| {
-                    let pixel = (i / 3).saturating_add_signed(by).min(width / 3 - 1);
-                    row[3 * pixel + i % 3]
-                };
-                out[i] = binomial([at(-2), at(-1), at(0), at(1), at(2)]);
-            }
-            let near = [0, 3, 6, 9, 12].map(|by| &row[by.min(width)..]);
-            let near = near.map(|row| row.iter());
-            let [a, b, c, d, e] = near;
-            let near = a.zip(b).zip(c).zip(d).zip(e);
-            for (out, ((((a, b), c), d), e)) in out[middle.start..].iter_mut().zip(near) {
-                *out = binomial([*a, *b, *c, *d, *e]);
+        let share = 1.0 / (self.scale * self.scale) as f32;
+        for (out, block) in (self.out.iter_mut()).zip(self.pixels.chunks_exact(self.scale)) {
+            for &pixel in block {
+                let own = converted(bytes(pixel));
+                *out = std::array::from_fn(|c| out[c] + share * own[c]);
             }
         }
-        let height = spare.len() / width;
-        for (y, out) in colors.chunks_exact_mut(width).enumerate() {
-            let [a, b, c, d, e] = [-2, -1, 0, 1, 2].map(|by| {
-                let y = y.saturating_add_signed(by).min(height - 1);
-                spare[y * width..][..width].iter()
-            });
-            let near = a.zip(b).zip(c).zip(d).zip(e);
-            for (out, ((((a, b), c), d), e)) in out.iter_mut().zip(near) {
-                *out = binomial([*a, *b, *c, *d, *e]);
-            }
+    }
+}
+
+/// A binomial of five pixels along a row.
+struct Along<'a> {
+    row: &'a [f32],
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Along<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { row, out } = self;
+        let width = row.len();
+        let middle = 6.min(width)..width.saturating_sub(6).max(6.min(width));
+        for i in (0..middle.start).chain(middle.end..width) {
+            let at = |by: isize| {
+                let pixel = (i / 3).saturating_add_signed(by).min(width / 3 - 1);
+                row[3 * pixel + i % 3]
+            };
+            out[i] = binomial([at(-2), at(-1), at(0), at(1), at(2)]);
         }
+        let near = [0, 3, 6, 9, 12].map(|by| &row[by.min(width)..]);
+        smooth(near, &mut out[middle.start..]);
+    }
+}
+
+/// The same across five rows.
+struct Across<'a> {
+    rows: [&'a [f32]; 5],
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Across<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        smooth(self.rows, self.out);
+    }
+}
+
+/// A binomial of five slices, as long as all of them go.
+#[inline(always)]
+fn smooth([a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
+    let near = a.iter().zip(b).zip(c).zip(d).zip(e);
+    for (out, ((((a, b), c), d), e)) in out.iter_mut().zip(near) {
+        *out = binomial([*a, *b, *c, *d, *e]);
     }
 }
 

@@ -94,15 +94,20 @@ impl Ground {
                     0.5 * (pair[0].width_px + share * (pair[1].width_px - pair[0].width_px));
                 let middle = vec2::along(pair[0].at, vec2::sub(pair[1].at, pair[0].at), share);
                 let normal = vec2::normal(pair[0].along);
+                let place = |off_px: f32| vec2::along(middle, normal, off_px);
+                let is_inside = [-half_px, half_px]
+                    .iter()
+                    .all(|&off_px| picture.index(place(off_px)).is_some());
                 let mut off_px = -half_px;
                 while off_px <= half_px {
-                    if let Some(index) = picture.index(vec2::along(middle, normal, off_px)) {
-                        let taken = &mut self.taken[index];
-                        *taken = if *taken == 0 {
-                            piece as u16 + 1
-                        } else {
-                            *taken
-                        };
+                    let index = match is_inside {
+                        true => Some(picture.index_inside(place(off_px))),
+                        false => picture.index(place(off_px)),
+                    };
+                    if let Some(index) = index
+                        && self.taken[index] == 0
+                    {
+                        self.taken[index] = piece as u16 + 1;
                     }
                     off_px += 0.7;
                 }

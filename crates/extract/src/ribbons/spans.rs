@@ -2,7 +2,7 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use super::{Color, STEP, distance};
+use super::{Color, STEP, distance, squared_distance};
 
 /// The least edge, in the picture's noise and in levels over two pixels.
 const EDGE: (f32, f32) = (2.0, 5.0);
@@ -306,8 +306,7 @@ impl NullaryFnOnce for Steps<'_> {
     fn call(self) {
         let pairs = self.colors.iter().zip(self.colors.iter().skip(2));
         for (out, (a, b)) in self.out.iter_mut().zip(pairs) {
-            let [y, u, v] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-            *out = y * y + u * u + v * v;
+            *out = squared_distance(*a, *b);
         }
     }
 }

@@ -124,7 +124,7 @@ pub(super) fn pixels(image: &Image, from: [usize; 2], axis: usize) -> [u32; WIND
         }
     } else {
         let places: [usize; WINDOW] = std::array::from_fn(|k| x + k);
-        color::at_places(image, y, &places, &mut words);
+        color::at_places(image, y, places.iter().copied(), &mut words);
     }
     words
 }

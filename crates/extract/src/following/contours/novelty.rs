@@ -147,7 +147,12 @@ impl Novelty {
 
     /// The colors in the blocks of a row.
     fn look(&mut self, image: &Image, row: usize) {
-        color::at_places(image, APART * row, &self.places, &mut self.samples);
+        color::at_places(
+            image,
+            APART * row,
+            self.places.iter().copied(),
+            &mut self.samples,
+        );
         self.now.clear();
         for samples in self.samples.as_chunks::<SAMPLES>().0 {
             let mut range = Range {
