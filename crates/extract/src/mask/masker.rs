@@ -23,6 +23,7 @@ use crate::notice::Notice;
 use crate::options::Mask;
 use crate::ribbons::Ribbons;
 use lariat_network::Network;
+use lariat_portable::{Arch, NullaryFnOnce};
 use std::num::NonZeroU8;
 use std::sync::Arc;
 use thiserror::Error;
@@ -67,6 +68,26 @@ pub enum MaskError {
 fn is_no_plain_table(notice: Notice) -> bool {
     use Notice::*;
     matches!(notice, CheckeredTable | UnevenTable | Covered)
+}
+
+/// Counts the levels that reach one.
+struct Count<'a> {
+    levels: &'a [u8],
+    least: u8,
+}
+
+impl NullaryFnOnce for Count<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn call(self) -> u32 {
+        // A byte counts so many.
+        let some = self.levels.chunks(128).map(|levels| {
+            let levels = levels.iter().map(|&level| u8::from(level >= self.least));
+            u32::from(levels.sum::<u8>())
+        });
+        some.sum()
+    }
 }
 
 /// Memory and result of the step.
@@ -188,11 +209,10 @@ impl Masker {
     fn seek(&mut self, image: &Image) {
         self.likely.resize(image.width(), image.height());
         self.finder.find(image, &mut self.likely);
-        let pixels = |least: u8| {
-            let levels = self.likely.bytes().iter();
-            levels.filter(|&&level| level >= least).count() as f32
-        };
-        self.is_blind = pixels(SEES) <= BELIEVED * pixels(GUESSES);
+        let levels = self.likely.bytes();
+        let [seen, guessed] =
+            [SEES, GUESSES].map(|least| Arch::new().dispatch(Count { levels, least }));
+        self.is_blind = seen as f32 <= BELIEVED * guessed as f32;
         if self.is_blind {
             // What it knows nothing of may still have a rope's shape.
             (0..self.likely.height()).for_each(|y| self.likely.row_mut(y).fill(UNKNOWN));

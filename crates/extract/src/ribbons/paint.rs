@@ -1,5 +1,7 @@
 //! Ropes as a mask: each pixel gets how much of the rope's color it has, between that and the ground's beside it.
 
+use lariat_portable::{Arch, NullaryFnOnce};
+
 use super::groups::Grouper;
 use super::picture::Picture;
 use super::pieces::Piece;
@@ -74,10 +76,24 @@ pub(super) fn run(
         }
     }
     for y in 0..out.height() {
-        for (out, &likely) in out.row_mut(y).iter_mut().zip(likely.row(y)) {
-            if likely >= SURE {
-                *out = likely.max(*out);
-            }
+        let (likely, out) = (likely.row(y), out.row_mut(y));
+        Arch::new().dispatch(Surely { likely, out });
+    }
+}
+
+/// Adds to a row what is surely of a rope.
+struct Surely<'a> {
+    likely: &'a [u8],
+    out: &'a mut [u8],
+}
+
+impl NullaryFnOnce for Surely<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (out, &likely) in self.out.iter_mut().zip(self.likely) {
+            *out = (*out).max(if likely >= SURE { likely } else { 0 });
         }
     }
 }
@@ -125,9 +141,24 @@ impl Brush<'_> {
         let way = vec2::sub(to.at, from.at);
         let length_px = vec2::norm(way).max(1e-3);
         let along = vec2::scale(way, 1.0 / length_px);
+        let normal = vec2::normal(along);
+        let columns = bound(0, self.out.width());
         for y in bound(1, self.out.height()) {
-            for x in bound(0, self.out.width()) {
-                let at = [x, y].map(|c| (c as f32 + 0.5) / scale - 0.5);
+            let row = (y as f32 + 0.5) / scale - 0.5;
+            // Only what lies between the ribs and near them: a little more than what is asked below, for what rounding does.
+            let down_px = row - from.at[1];
+            let near = (f32::NEG_INFINITY, f32::INFINITY);
+            let near = cut(near, (along, down_px), (-1.0, length_px + 1.0));
+            let near = cut(near, (normal, down_px), (-reach_px, reach_px));
+            let pixel = |px: f32| ((from.at[0] + px + 0.5) * scale - 0.5).max(0.0) as usize;
+            let (first, last) = (pixel(near.0), pixel(near.1).saturating_add(2));
+            let out = self.out.row_mut(y);
+            for x in columns.start.max(first)..columns.end.min(last) {
+                // No more than all.
+                if out[x] == 255 {
+                    continue;
+                }
+                let at = [(x as f32 + 0.5) / scale - 0.5, row];
                 let off = vec2::sub(at, from.at);
                 let run_px = vec2::dot(off, along);
                 // Where ribs turn, the outer side would be left open.
@@ -135,44 +166,57 @@ impl Brush<'_> {
                     continue;
                 }
                 let share = (run_px / length_px).clamp(0.0, 1.0);
-                let side_px = vec2::dot(off, vec2::normal(along));
-                let level = self.level((from, to, share), (at, side_px), kind);
-                let pixel = &mut self.out.row_mut(y)[x];
-                *pixel = (*pixel).max(level);
+                let side_px = vec2::dot(off, normal);
+                let level = level(self.picture, (from, to, share), (at, side_px), kind);
+                out[x] = out[x].max(level);
             }
         }
     }
+}
 
-    /// How much of a pixel is rope.
-    fn level(
-        &self,
-        (from, to, share): (&Rib, &Rib, f32),
-        (at, side_px): (vec2::Vec2, f32),
-        kind: Kind,
-    ) -> u8 {
-        let half_px = 0.5 * (from.width_px + share * (to.width_px - from.width_px));
-        let inside_px = half_px - side_px.abs();
-        if inside_px < -EDGE_PX.1 {
-            return 0;
-        }
-        let is_core = inside_px > EDGE_PX.0.min(0.5 * half_px);
-        if kind == Kind::Hidden {
-            return if inside_px >= 0.0 { 255 } else { 0 };
-        }
-        if kind == Kind::Seen && is_core {
-            return 255;
-        }
-        let k = usize::from(side_px < 0.0);
-        let rope = mix(from.color, to.color, share);
-        let ground = mix(from.sides[k], to.sides[k], share);
-        let part = match self.picture.between(at) {
-            Some(own) => part(own, ground, rope),
-            None => 1.0,
-        };
-        // Farther out than a pixel it is another thing of the rope's color.
-        let most = (0.5 + 0.5 * (inside_px + EDGE_PX.1)).clamp(0.0, 1.0);
-        (255.0 * part.min(most)) as u8
+/// Cuts a stretch of a row, `down_px` below, to where what its places come to along a direction lies between two bounds.
+fn cut(
+    (low, high): (f32, f32),
+    (along, down_px): (vec2::Vec2, f32),
+    (from, to): (f32, f32),
+) -> (f32, f32) {
+    // Along the row it hardly changes.
+    if along[0].abs() < 0.01 {
+        return (low, high);
     }
+    let [a, b] = [from, to].map(|bound| (bound - down_px * along[1]) / along[0]);
+    (low.max(a.min(b)), high.min(a.max(b)))
+}
+
+/// How much of a pixel is rope.
+fn level(
+    picture: &Picture,
+    (from, to, share): (&Rib, &Rib, f32),
+    (at, side_px): (vec2::Vec2, f32),
+    kind: Kind,
+) -> u8 {
+    let half_px = 0.5 * (from.width_px + share * (to.width_px - from.width_px));
+    let inside_px = half_px - side_px.abs();
+    if inside_px < -EDGE_PX.1 {
+        return 0;
+    }
+    let is_core = inside_px > EDGE_PX.0.min(0.5 * half_px);
+    if kind == Kind::Hidden {
+        return if inside_px >= 0.0 { 255 } else { 0 };
+    }
+    if kind == Kind::Seen && is_core {
+        return 255;
+    }
+    let k = usize::from(side_px < 0.0);
+    let rope = mix(from.color, to.color, share);
+    let ground = mix(from.sides[k], to.sides[k], share);
+    let part = match picture.between(at) {
+        Some(own) => part(own, ground, rope),
+        None => 1.0,
+    };
+    // Farther out than a pixel it is another thing of the rope's color.
+    let most = (0.5 + 0.5 * (inside_px + EDGE_PX.1)).clamp(0.0, 1.0);
+    (255.0 * part.min(most)) as u8
 }
 
 /// How much of the way from the ground's color to the rope's a color has gone.

@@ -202,46 +202,55 @@ fn walk(
 /// The ribbon near a place, if it is there.
 fn seek(picture: &Picture, walk: &Walk, ahead: Vec2) -> Option<Rib> {
     let normal = vec2::normal(walk.along);
-    let mut best: Option<(f32, Rib)> = None;
+    let (mut most, mut best) = (WORTH, None);
     for aside_px in ASIDE_PX {
         let at = vec2::along(ahead, normal, aside_px);
         for wider_px in WIDER_PX {
             let width_px = (walk.width_px + wider_px).max(3.0);
-            let Some((worth, rib)) = look(picture, walk, (at, normal, width_px)) else {
-                continue;
-            };
-            let worth = worth - 2.0 * aside_px.abs() / 0.8 - 2.0 * wider_px.abs();
-            if worth > WORTH && best.is_none_or(|(most, _)| worth > most) {
-                best = Some((worth, rib));
+            let price = |worth: f32| worth - 2.0 * aside_px.abs() / 0.8 - 2.0 * wider_px.abs();
+            // Nothing is looked at any further that comes to no more than what is there.
+            let is_more = |worth: f32| price(worth) > most;
+            if let Some((worth, rib)) = look(picture, walk, (at, normal, width_px), is_more) {
+                (most, best) = (price(worth), Some(rib));
             }
         }
     }
-    best.map(|(_, rib)| rib)
+    best
 }
 
-/// What a ribbon of this width would be worth at a place, and its rib.
+/// What a ribbon of this width would be worth at a place, and its rib, if that is more than there is. Its edges come first: few have
+/// any, and what is inside only takes from their worth.
 fn look(
     picture: &Picture,
     walk: &Walk,
     (at, normal, width_px): (Vec2, Vec2, f32),
+    is_more: impl Fn(f32) -> bool,
 ) -> Option<(f32, Rib)> {
-    let (mut color, mut spread) = ([0.0; 3], 0.0);
-    for i in -2..=2 {
-        let off_px = 0.25 * i as f32 * (width_px - 2.5).max(0.5);
-        let own = picture.between(vec2::along(at, normal, off_px))?;
-        color = std::array::from_fn(|c: usize| color[c] + 0.2 * own[c]);
-        spread += 0.2 * unlikeness(own, walk.color);
-    }
-    let half_px = 0.5 * width_px;
     let beside = |off_px: f32| picture.between(vec2::along(at, normal, off_px));
+    let half_px = 0.5 * width_px;
     let sides = [beside(half_px + 2.0)?, beside(-half_px - 2.0)?];
-    let inside = [beside(half_px - 1.5)?, beside(1.5 - half_px)?];
-    let [a, b] = [0, 1].map(|k| distance(sides[k], inside[k]).min(EDGES.1));
-    let unlike = unlikeness(color, walk.color);
-    if unlike > UNLIKE.0 || spread > UNLIKE.1 || a.max(b) < EDGES.0 {
+    let a = distance(sides[0], beside(half_px - 1.5)?).min(EDGES.1);
+    let b = distance(sides[1], beside(1.5 - half_px)?).min(EDGES.1);
+    let edges = a + b + 0.5 * a.min(b);
+    if a.max(b) < EDGES.0 || !is_more(edges) {
         return None;
     }
-    let worth = a + b + 0.5 * a.min(b) - 1.5 * unlike - 0.5 * spread;
+    let (mut color, mut inside) = ([0.0; 3], [[0.0; 3]; 5]);
+    for (i, own) in (-2i8..).zip(&mut inside) {
+        *own = beside(0.25 * f32::from(i) * (width_px - 2.5).max(0.5))?;
+        color = std::array::from_fn(|c: usize| color[c] + 0.2 * own[c]);
+    }
+    let unlike = unlikeness(color, walk.color);
+    if unlike > UNLIKE.0 || !is_more(edges - 1.5 * unlike) {
+        return None;
+    }
+    let spread = inside
+        .iter()
+        .fold(0.0, |sum, own| sum + 0.2 * unlikeness(*own, walk.color));
+    let worth = edges - 1.5 * unlike - 0.5 * spread;
+    if spread > UNLIKE.1 || !is_more(worth) {
+        return None;
+    }
     let rib = Rib {
         at,
         width_px,
