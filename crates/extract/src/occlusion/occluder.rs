@@ -5,6 +5,8 @@
 //! it; what it hides of a rope is bridged later. Strands that lie close beside each other are wide
 //! too, but have the rope's color, and a thick rope among thin ones is long.
 
+use std::ops::Range;
+
 use crate::bitmap::bits::{BitPlane, left_of, right_of};
 use crate::image::{Image, color};
 use crate::skeleton::Skeleton;
@@ -154,6 +156,7 @@ impl Occluder {
     ) -> bool {
         let yuv = color::is_yuv(image.format());
         let own = seed.color(image);
+        let most = SQUARES * (4.0 * seed.half_px * seed.half_px);
         self.thing.resize(mask.width(), mask.height());
         seed.fill(&mut self.thing, 0.8);
         if color::distance(own, rope, yuv) <= ALIKE {
@@ -164,24 +167,29 @@ impl Occluder {
             seed.fill(&mut self.thing, 1.1);
             self.alike.copy_from(mask);
         } else {
-            self.alike.resize(mask.width(), mask.height());
             let nearer = |share: f32, x: usize, y: usize| {
                 let pixel = color::native(image, x, y).map(f32::from);
                 color::distance(pixel, own, yuv) < share * color::distance(pixel, rope, yuv)
             };
-            for_each_set(mask, |x, y| {
-                if nearer(NEARER, x, y) {
-                    self.alike.fill(y, x, x + 1, true);
-                }
-            });
-            and(&mut self.thing, &self.alike);
-            spread(&mut self.thing, &self.alike);
-            for_each_set(mask, |x, y| {
-                self.alike.fill(y, x, x + 1, nearer(1.0, x, y));
-            });
+            let like = |share: f32, y: usize, alike: &mut BitPlane| {
+                alike.row_mut(y).fill(0);
+                for_each_set(mask, y, |x| {
+                    if nearer(share, x, y) {
+                        alike.fill(y, x, x + 1, true);
+                    }
+                });
+            };
+            self.alike.resize(mask.width(), mask.height());
+            let rows = seed.rows(0.8, mask.height());
+            rows.clone().for_each(|y| like(NEARER, y, &mut self.alike));
+            and(&mut self.thing, &self.alike, rows.clone());
+            let most = if known { f32::INFINITY } else { most };
+            let like_thing = |y, alike: &mut BitPlane| like(NEARER, y, alike);
+            let rows = spread((&mut self.thing, &mut self.alike), rows, most, like_thing);
+            let rows = rows.start.saturating_sub(RIM)..(rows.end + RIM).min(mask.height());
+            rows.for_each(|y| like(1.0, y, &mut self.alike));
         }
-        let square = 4.0 * seed.half_px * seed.half_px;
-        if !known && self.thing.count() as f32 > SQUARES * square {
+        if !known && self.thing.count() as f32 > most {
             return false;
         }
         for _ in 0..RIM {
@@ -228,11 +236,16 @@ impl Seed {
         sum.map(|s| s / count)
     }
 
+    /// The rows within `share` of the half-width, of so many.
+    fn rows(&self, share: f32, height: usize) -> Range<usize> {
+        let reach = (share * self.half_px) as usize;
+        self.y.saturating_sub(reach)..(self.y + reach + 1).min(height)
+    }
+
     /// Sets the pixels within `share` of the half-width.
     fn fill(&self, plane: &mut BitPlane, share: f32) {
         let radius = share * self.half_px;
-        let reach = radius as usize;
-        for y in self.y.saturating_sub(reach)..=(self.y + reach).min(plane.height() - 1) {
+        for y in self.rows(share, plane.height()) {
             let dy = y as f32 - self.y as f32;
             let half = (radius * radius - dy * dy).max(0.0).sqrt() as usize;
             let to = (self.x + half + 1).min(plane.width());
@@ -241,20 +254,19 @@ impl Seed {
     }
 }
 
-fn for_each_set(plane: &BitPlane, mut visit: impl FnMut(usize, usize)) {
-    for y in 0..plane.height() {
-        for (i, &row_word) in plane.row(y).iter().enumerate() {
-            let mut word = row_word;
-            while word != 0 {
-                visit(64 * i + word.trailing_zeros() as usize, y);
-                word &= word - 1;
-            }
+/// Calls `visit` with each set pixel of row `y`.
+fn for_each_set(plane: &BitPlane, y: usize, mut visit: impl FnMut(usize)) {
+    for (i, &row_word) in plane.row(y).iter().enumerate() {
+        let mut word = row_word;
+        while word != 0 {
+            visit(64 * i + word.trailing_zeros() as usize);
+            word &= word - 1;
         }
     }
 }
 
-fn and(plane: &mut BitPlane, other: &BitPlane) {
-    for y in 0..plane.height() {
+fn and(plane: &mut BitPlane, other: &BitPlane, rows: Range<usize>) {
+    for y in rows {
         for (word, &o) in plane.row_mut(y).iter_mut().zip(other.row(y)) {
             *word &= o;
         }
@@ -270,22 +282,43 @@ fn or(plane: &mut BitPlane, other: &BitPlane) {
 }
 
 /// Grows `plane` within `limits`, by sides, to all that hangs together with it: down and up, until a
-/// round changes nothing.
-fn spread(plane: &mut BitPlane, limits: &BitPlane) {
-    let height = plane.height();
+/// round changes nothing, or it has more than so many pixels. It lies within `rows`, whose limits are known; those of each other
+/// row that it comes to are written by `limit`. Returns the rows whose limits are known then.
+fn spread(
+    (plane, limits): (&mut BitPlane, &mut BitPlane),
+    mut rows: Range<usize>,
+    most: f32,
+    limit: impl Fn(usize, &mut BitPlane),
+) -> Range<usize> {
+    let is_empty = |plane: &BitPlane, y: usize| plane.row(y).iter().all(|&word| word == 0);
     // Each round goes once around a bend; what winds more than this is not a thing's outline.
     for _ in 0..MOST_BENDS {
         let mut changed = false;
-        for y in 1..height {
+        for y in rows.start + 1..plane.height() {
+            if y == rows.end {
+                if is_empty(plane, y - 1) {
+                    break;
+                }
+                limit(y, limits);
+                rows.end += 1;
+            }
             changed |= spread_row(plane, limits, y, y - 1);
         }
-        for y in (0..height.saturating_sub(1)).rev() {
+        for y in (0..rows.end - 1).rev() {
+            if y + 1 == rows.start {
+                if is_empty(plane, y + 1) {
+                    break;
+                }
+                limit(y, limits);
+                rows.start -= 1;
+            }
             changed |= spread_row(plane, limits, y, y + 1);
         }
-        if !changed {
-            return;
+        if !changed || plane.count() as f32 > most {
+            break;
         }
     }
+    rows
 }
 
 /// Grows row `y` from row `from` and along itself; returns whether it grew.
@@ -354,7 +387,15 @@ mod tests {
         limits.fill(14, 10, 125, true);
         limits.fill(2, 60, 90, true);
         plane.fill(3, 11, 12, true);
-        spread(&mut plane, &limits);
+        // Rows are limited when it comes to them.
+        let mut known = BitPlane::default();
+        known.resize(150, 20);
+        let limit = |y: usize, known: &mut BitPlane| {
+            known.row_mut(y).copy_from_slice(limits.row(y));
+        };
+        limit(3, &mut known);
+        let rows = spread((&mut plane, &mut known), 3..4, f32::INFINITY, limit);
+        assert_eq!(rows, 1..16);
         assert!(plane.get(122, 2) && plane.get(70, 14) && plane.get(10, 2));
         assert!(!plane.get(70, 2));
         assert_eq!(plane.count(), limits.count() - 30);
