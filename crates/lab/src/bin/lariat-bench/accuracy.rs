@@ -2,7 +2,7 @@
 //!
 //! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
 //! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
-//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `causes`, `crossings`), held against the curve through them (`curve`), and told
+//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `whole`, `causes`, `crossings`), held against the curve through them (`curve`), and told
 //! (`report`, `csv`, `overlay`).
 
 mod assignment;
@@ -23,6 +23,7 @@ mod rendered;
 mod report;
 mod spline;
 mod strip;
+mod whole;
 mod whole_file;
 
 use std::path::{Path, PathBuf};
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use lariat_extract::Method;
 
+use crate::mask::Mask;
 use curve::Curves;
 use measure::Bench;
 
@@ -52,6 +54,9 @@ pub(crate) struct Args {
     /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
     #[arg(long, value_name = "NAME", default_value_t)]
     method: Method,
+    /// How the ropes' pixels are told from the others, in photographs
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Mask::Auto, requires = "dataset")]
+    mask: Mask,
     /// Also writes one line for each image, with all its figures
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -88,7 +93,7 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         .clone()
         .or_else(|| crossings::list_for(folder));
     let seen = list.map(|list| crossings::load(&list)).transpose()?;
-    let mut bench = Bench::new(args.method)?;
+    let mut bench = Bench::new(args.method, args.mask)?;
     let mut measured = Vec::new();
     for set in &sets {
         let images: Result<_> = set.pairs.iter().map(|pair| bench.measure(pair)).collect();
@@ -104,6 +109,7 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         }
     }
     print!("{}", report::table(&measured));
+    print!("{}", whole::table(&measured));
     print!("{}", crossings::table(&measured, &seen.unwrap_or_default()));
     let mut curves = Curves::new(args.order)?;
     let mut fitted = Vec::new();

@@ -4,7 +4,7 @@ use lariat_drawn::scenes::{SeenCurve, TrueRope, Truth, score};
 use lariat_extract::Curve;
 
 /// The share of a rope that is covered, and of a curve that lies on it.
-const WHOLE: f64 = 0.93;
+pub(super) const WHOLE: f64 = 0.93;
 /// Between two of a curve's points as many places are looked at.
 const STEPS: usize = 6;
 
@@ -59,7 +59,7 @@ fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
 }
 
 /// The share of these points that others are near to.
-fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64) -> f64 {
+pub(super) fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64) -> f64 {
     let is_near = |p: &&[f64; 2]| {
         let mut others = others.iter();
         others.any(|q| libm::hypot(p[0] - q[0], p[1] - q[1]) <= reach_px)

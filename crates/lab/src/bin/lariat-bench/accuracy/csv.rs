@@ -87,7 +87,7 @@ mod tests {
     fn each_line_has_a_value_under_each_head() {
         let rope = curve(&[[30.0, 50.0], [120.0, 54.0], [210.0, 50.0]], 11.0);
         let (photo, label) = picture(&[rope]);
-        let mut measured = Bench::new(lariat_extract::Method::Skeleton)
+        let mut measured = Bench::new(lariat_extract::Method::Skeleton, crate::mask::Mask::Auto)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();

@@ -14,6 +14,8 @@ use super::labels::Labels;
 use super::overlap::overlap;
 use super::photo;
 use super::spline;
+use super::whole;
+use crate::mask::Mask;
 
 /// What an image took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +45,10 @@ pub(super) struct Measured {
     pub(super) dice: f64,
     pub(super) rope_dice: Vec<f64>,
     pub(super) coverage: Coverage,
+    /// Whether each curve is a labelled rope, whole.
+    pub(super) is_whole: Vec<bool>,
+    /// Whether extraction said that it is unsure of the picture.
+    pub(super) has_notice: bool,
     pub(super) disagreement: Disagreement,
     /// Labelled pixels.
     pub(super) area: usize,
@@ -54,6 +60,11 @@ impl Measured {
     pub(super) fn is_miscounted(&self) -> bool {
         self.curves.len() != self.ropes
     }
+
+    /// Whether every rope has a whole curve of its own, and no curve is left over.
+    pub(super) fn is_right(&self) -> bool {
+        !self.is_miscounted() && self.is_whole.iter().all(|&is_whole| is_whole)
+    }
 }
 
 /// An extractor for photographs that have nothing to do with each other.
@@ -63,12 +74,13 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// One with the default options but for the method: with the default one, too, the figures are those of lariat as it
+    /// One with the default options but for these two: with the default ones, too, the figures are those of lariat as it
     /// comes.
-    pub(super) fn new(method: Method) -> Result<Self> {
+    pub(super) fn new(method: Method, mask: Mask) -> Result<Self> {
         Ok(Self {
             extractor: Extractor::new(Options {
                 method,
+                mask: mask.into(),
                 ..Options::default()
             })?,
             prepared: (0, 0),
@@ -131,7 +143,11 @@ impl Bench {
             last = now;
         });
         let (curves, crossings) = (scene.curves.to_vec(), scene.crossings.to_vec());
-        Ok(compare(label, curves, crossings, times))
+        let has_notice = scene.notice.is_some();
+        Ok(Measured {
+            has_notice,
+            ..compare(label, curves, crossings, times)
+        })
     }
 }
 
@@ -163,6 +179,8 @@ fn compare(label: &Labels, curves: Vec<Curve>, crossings: Vec<Crossing>, times: 
         dice: overlap.dice,
         rope_dice: overlap.ropes.iter().map(|rope| rope.2).collect(),
         coverage: coverage(label, &splines),
+        is_whole: whole::curves(label, &curves, &splines),
+        has_notice: false,
         disagreement,
         area: label.area(),
         times,
@@ -196,7 +214,7 @@ pub(in crate::accuracy) mod tests {
     #[test]
     fn ropes_that_are_plain_to_see_are_found_and_drawn_well() {
         let (photo, label) = picture(&bars());
-        let measured = Bench::new(lariat_extract::Method::Skeleton)
+        let measured = Bench::new(Method::Skeleton, Mask::Auto)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();
@@ -210,7 +228,7 @@ pub(in crate::accuracy) mod tests {
     fn a_wrong_count_is_counted() {
         let (photo, _) = picture(&bars());
         let (_, label) = picture(&bars()[..1]);
-        let measured = Bench::new(lariat_extract::Method::Skeleton)
+        let measured = Bench::new(Method::Skeleton, Mask::Auto)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();
@@ -220,7 +238,7 @@ pub(in crate::accuracy) mod tests {
 
     #[test]
     fn each_photograph_is_a_scene_of_its_own() {
-        let mut bench = Bench::new(lariat_extract::Method::Skeleton).unwrap();
+        let mut bench = Bench::new(Method::Skeleton, Mask::Auto).unwrap();
         let (photo, label) = picture(&bars());
         let first = bench.extract(&photo, &label).unwrap();
         let (empty, no_label) = picture(&[]);

@@ -155,12 +155,12 @@ mod tests {
     fn the_table_has_the_rule_each_set_and_the_worst() {
         let rope = curve(&[[30.0, 50.0], [120.0, 54.0], [210.0, 50.0]], 11.0);
         let (photo, label) = picture(&[rope]);
-        let mut good = Bench::new(lariat_extract::Method::Skeleton)
+        let mut good = Bench::new(lariat_extract::Method::Skeleton, crate::mask::Mask::Auto)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();
         good.name = "good".into();
-        let mut bad = Bench::new(lariat_extract::Method::Skeleton)
+        let mut bad = Bench::new(lariat_extract::Method::Skeleton, crate::mask::Mask::Auto)
             .unwrap()
             .extract(&picture(&[]).0, &label)
             .unwrap();

@@ -3,11 +3,12 @@
 use lariat_extract::Evidence;
 use std::fmt::Write;
 
+use crate::reliability::Reliability;
+
 const CLUES: usize = Evidence::NAMES.len();
 /// The weights' own cost: a clue that nothing depends on has none.
 const RIDGE: f64 = 0.1;
 const ROUNDS: usize = 30;
-const BINS: usize = 10;
 
 /// A curve that was judged.
 pub(super) struct Example {
@@ -68,34 +69,13 @@ impl Weights {
         text + "];\n"
     }
 
-    /// How many curves there are, how far what is said is from how many are right, and both in tenths.
-    pub(super) fn reliability(&self, examples: &[&Example]) -> String {
-        let mut bins = [(0.0, 0.0, 0.0); BINS];
+    /// How true what it says is of these.
+    pub(super) fn reliability(&self, examples: &[&Example]) -> Reliability {
+        let mut reliability = Reliability::default();
         for example in examples {
-            let p = self.probability(example);
-            let (count, said, right) = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
-            *count += 1.0;
-            *said += p;
-            *right += f64::from(u8::from(example.is_right));
+            reliability.add(self.probability(example), example.is_right);
         }
-        let off: f64 = bins
-            .iter()
-            .map(|(_, said, right)| (said - right).abs())
-            .sum();
-        let count = examples.len();
-        let mut text = format!(
-            "{count} curves, expected calibration error {:.3}\n",
-            off / count.max(1) as f64
-        );
-        for (count, said, right) in bins.iter().filter(|bin| bin.0 > 0.0) {
-            let _ = writeln!(
-                text,
-                "  said {:.2}, right {:.2} of {count}",
-                said / count,
-                right / count
-            );
-        }
-        text
+        reliability
     }
 }
 
@@ -146,6 +126,6 @@ mod tests {
         let weights = Weights::fit(&examples);
         assert!((weights.probability(examples[0]) - 0.9).abs() < 0.01);
         assert!((weights.probability(examples[1]) - 0.3).abs() < 0.01);
-        assert!(weights.reliability(&examples).contains("error 0.00"));
+        assert!(weights.reliability(&examples).error() < 0.005);
     }
 }

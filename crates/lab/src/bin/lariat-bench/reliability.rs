@@ -1,0 +1,57 @@
+//! How true the confidence of curves is.
+
+use std::fmt;
+
+/// Steps of confidence in which what is said is held against what is right.
+const BINS: usize = 10;
+
+/// How often curves of each confidence are right: how many there are, the sum of what is said, how many are right.
+#[derive(Default)]
+pub(crate) struct Reliability([(usize, f64, usize); BINS]);
+
+impl Reliability {
+    pub(crate) fn add(&mut self, confidence: f64, is_right: bool) {
+        let bin = ((confidence * BINS as f64) as usize).min(BINS - 1);
+        let (count, said, right) = &mut self.0[bin];
+        *count += 1;
+        *said += confidence;
+        *right += usize::from(is_right);
+    }
+
+    fn count(&self) -> usize {
+        self.0.iter().map(|bin| bin.0).sum()
+    }
+
+    /// The expected calibration error: how far what is said is from what is right, in the mean of all curves.
+    pub(crate) fn error(&self) -> f64 {
+        let off = |(_, said, right): &(usize, f64, usize)| (said - *right as f64).abs();
+        self.0.iter().map(off).sum::<f64>() / self.count().max(1) as f64
+    }
+}
+
+impl fmt::Display for Reliability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (count, error) = (self.count(), self.error());
+        writeln!(f, "{count} curves, expected calibration error {error:.3}")?;
+        for (count, said, right) in self.0.iter().filter(|bin| bin.0 > 0) {
+            let n = *count as f64;
+            let (said, right) = (said / n, *right as f64 / n);
+            writeln!(f, "  said {said:.2}, right {right:.2} of {count}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nine_of_ten_at_nine_tenths_are_calibrated() {
+        let mut seen = Reliability::default();
+        (0..10).for_each(|i| seen.add(0.9, i > 0));
+        assert!(seen.error() < 1e-6);
+        seen.add(0.05, true);
+        assert!((seen.error() - 0.95 / 11.0).abs() < 1e-6);
+    }
+}
