@@ -16,7 +16,7 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         return photograph(side, photographs, random);
     }
     let mut canvas = Field::of(side, color(random));
-    match random.below(32) {
+    match random.below(34) {
         0..6 => plain(&mut canvas, random),
         6..9 => cloudy(&mut canvas, random),
         9..12 => wood(&mut canvas, random),
@@ -28,7 +28,7 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         19..22 => bands(&mut canvas, random),
         22..24 => patches(&mut canvas, random),
         24..28 => stroke::many(&mut canvas, random),
-        28..31 => dots(&mut canvas, random),
+        28..30 => dots(&mut canvas, random),
         _ => tiles(&mut canvas, random),
     }
     canvas
@@ -322,8 +322,8 @@ fn metal(canvas: &mut Canvas, random: &mut SplitMix64) {
 /// Tiles or bricks: rows that are shifted against each other, each piece of a light of its own, joints between them.
 fn tiles(canvas: &mut Canvas, random: &mut SplitMix64) {
     let axes = axes(random);
-    let size_px = [0; 2].map(|_| spread(random, 14.0, 110.0));
-    let joint_px = random.uniform_f32(0.5, 3.0);
+    let size_px = [0; 2].map(|_| spread(random, 14.0, 300.0));
+    let joint_px = spread(random, 0.4, 4.0);
     let joint = color(random);
     let shift = if happens(random, 0.5) { 0.5 } else { 0.0 };
     let lights: [f32; 64] = std::array::from_fn(|_| 1.0 + 0.12 * normal(random));
@@ -340,5 +340,6 @@ fn tiles(canvas: &mut Canvas, random: &mut SplitMix64) {
             covered(edge_px[0].min(edge_px[1]) - joint_px),
         );
     }
-    mottle(canvas, &Noise::even(1.0, 16.0, 0.3), 4.0, random);
+    let levels = random.uniform_f32(1.0, 16.0);
+    mottle(canvas, &Noise::even(1.0, 48.0, 0.5), levels, random);
 }

@@ -12,6 +12,7 @@ mod rope;
 mod scene;
 mod stroke;
 mod thing;
+mod tool;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

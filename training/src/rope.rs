@@ -144,6 +144,11 @@ impl Look {
         }
     }
 
+    /// The same look in another color.
+    pub(crate) fn of_color(self, rgb: Rgb) -> Self {
+        Self { rgb, ..self }
+    }
+
     /// The width at an arc length, as a share of the rope's.
     fn width(&self, along: f32, length: f32) -> f32 {
         match self.tip(along, length) {

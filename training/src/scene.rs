@@ -1,6 +1,6 @@
 //! One picture to learn from.
 
-use crate::canvas::{Canvas, Field, happens, normal, spread};
+use crate::canvas::{Canvas, Field, happens, normal, scaled, spread};
 use crate::path::Path;
 use crate::photographs::Photographs;
 use crate::rope::{Laid, Lamp, Look};
@@ -63,6 +63,10 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
             Look::draw(random)
         };
         let path = Path::draw(side, width_px, random);
+        let look = match happens(random, 0.1) {
+            true => like_the_ground(look, &laid.canvas, random),
+            false => look,
+        };
         if path.points.len() < (3.0 * width_px) as usize + 8 {
             continue;
         }
@@ -86,6 +90,16 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
         }
     }
     (laid, usual_px)
+}
+
+/// White on white, gray on gray: hardly another color than some place of the picture.
+fn like_the_ground(look: Look, canvas: &Canvas, random: &mut SplitMix64) -> Look {
+    let ground = canvas.values[random.below(canvas.values.len())];
+    let by = match happens(random, 0.5) {
+        true => random.uniform_f32(0.7, 0.92),
+        false => random.uniform_f32(1.08, 1.35),
+    };
+    look.of_color(scaled(ground, by))
 }
 
 /// Something lies over the ropes: a tool, a gripper, a label. Where it hides them they are not to be found.

@@ -7,6 +7,7 @@ use crate::canvas::{
     scaled, shadow, spread,
 };
 use crate::stroke as brush;
+use crate::tool;
 use lariat_portable::SplitMix64;
 
 /// A place and two directions in which a thing lies.
@@ -59,7 +60,7 @@ fn stroke(at: Vec2, from: Vec2, to: Vec2) -> f32 {
 
 /// Lays one thing of any kind on a picture.
 pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
-    match random.below(29) {
+    match random.below(33) {
         0..3 => rectangle(canvas, random),
         3 => frame(canvas, random),
         4..6 => polygon(canvas, random),
@@ -74,6 +75,7 @@ pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
         22 => slots(canvas, random),
         23..25 => rails(canvas, random),
         25..28 => brush::lay(canvas, random),
+        28..32 => tool::lay(canvas, random),
         _ => blob(canvas, random),
     }
 }
