@@ -72,11 +72,16 @@ pub(crate) struct Look {
     height: f32,
 }
 
+/// The color of a ferrule's pin.
+const TIN: Rgb = [185.0, 185.0, 190.0];
+
 #[derive(Clone, Copy)]
 struct Tip {
     length: f32,
     width: f32,
     rgb: Rgb,
+    /// How long the bare pin is in which it ends, if it has one, and how wide.
+    pin: Option<[f32; 2]>,
 }
 
 impl Look {
@@ -112,7 +117,7 @@ impl Look {
         let rgb = paints[random.below(paints.len())].draw(random);
         let alike = mix(rgb, [0.0; 3], random.uniform_f32(0.1, 0.5));
         let tip = |random: &mut SplitMix64| {
-            happens(random, 0.3).then(|| Tip {
+            happens(random, 0.35).then(|| Tip {
                 length: random.uniform_f32(0.6, 5.0),
                 width: random.uniform_f32(0.5, 1.25),
                 rgb: if happens(random, 0.4) {
@@ -120,7 +125,21 @@ impl Look {
                 } else {
                     color(random)
                 },
+                pin: None,
             })
+        };
+        // A ferrule: a wide sleeve, and a pin of tin beyond it.
+        let ferrule = |tip: Tip, random: &mut SplitMix64| {
+            let pin = random.uniform_f32(0.8, 4.0);
+            match happens(random, 0.5) {
+                true => Tip {
+                    length: pin + random.uniform_f32(0.8, 3.0),
+                    width: random.uniform_f32(1.0, 1.7),
+                    pin: Some([pin, random.uniform_f32(0.35, 0.85)]),
+                    ..tip
+                },
+                false => tip,
+            }
         };
         Self {
             rgb,
@@ -138,7 +157,7 @@ impl Look {
             },
             shine: (random.uniform_f32(-60.0, 190.0)).max(0.0),
             shine_power: random.uniform_f32(4.0, 40.0),
-            tips: [tip(random), tip(random)],
+            tips: [(); 2].map(|()| tip(random).map(|tip| ferrule(tip, random))),
             speckle: random.uniform_f32(-6.0, 9.0).max(0.0),
             height: random.uniform_f32(0.0, 1.2) * random.uniform_f32(0.2, 2.0),
         }
@@ -159,9 +178,18 @@ impl Look {
 
     fn tip(&self, along: f32, length: f32) -> Option<Tip> {
         let [first, last] = self.tips;
-        first
-            .filter(|tip| along < tip.length)
-            .or(last.filter(|tip| length - along < tip.length))
+        let ends = [(first, along), (last, length - along)];
+        let (tip, beyond) = ends
+            .into_iter()
+            .find_map(|(tip, beyond)| Some((tip.filter(|tip| beyond < tip.length)?, beyond)))?;
+        Some(match tip.pin {
+            Some([pin, width]) if beyond < pin => Tip {
+                width,
+                rgb: TIN,
+                ..tip
+            },
+            _ => tip,
+        })
     }
 
     /// The light from a place: `along` in widths, `across` from −1 to 1, `normal` to the rope's left.
