@@ -152,10 +152,11 @@ impl Brush<'_> {
             let near = cut(near, (normal, down_px), (-reach_px, reach_px));
             let pixel = |px: f32| ((from.at[0] + px + 0.5) * scale - 0.5).max(0.0) as usize;
             let (first, last) = (pixel(near.0), pixel(near.1).saturating_add(2));
-            let out = self.out.row_mut(y);
-            for x in columns.start.max(first)..columns.end.min(last) {
+            let (first, last) = (columns.start.max(first), columns.end.min(last));
+            let row_out = self.out.row_mut(y).iter_mut().enumerate();
+            for (x, out) in row_out.take(last).skip(first) {
                 // No more than all.
-                if out[x] == 255 {
+                if *out == 255 {
                     continue;
                 }
                 let at = [(x as f32 + 0.5) / scale - 0.5, row];
@@ -168,7 +169,7 @@ impl Brush<'_> {
                 let share = (run_px / length_px).clamp(0.0, 1.0);
                 let side_px = vec2::dot(off, normal);
                 let level = level(self.picture, (from, to, share), (at, side_px), kind);
-                out[x] = out[x].max(level);
+                *out = (*out).max(level);
             }
         }
     }

@@ -330,9 +330,9 @@ impl NullaryFnOnce for SumUp<'_> {
         for ((out, likely_out), (&[y, u, v], &likely)) in sums.zip(pixels) {
             (*out, *likely_out) = (sum, likely_sum);
             let color = [y, u, v, 0.0].map(f64::from);
-            for c in 0..4 {
-                sum.colors[c] += color[c];
-                sum.squares[c] += color[c] * color[c];
+            for (c, level) in color.into_iter().enumerate() {
+                sum.colors[c] += level;
+                sum.squares[c] += level * level;
             }
             likely_sum += f32::from(likely) / 255.0;
         }

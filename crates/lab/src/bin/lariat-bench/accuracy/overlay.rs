@@ -172,7 +172,7 @@ mod tests {
     fn the_curve_is_coloured_along_the_rope_inside_its_outline() {
         let rope = curve(&[[30.0, 50.0], [120.0, 50.0], [210.0, 50.0]], 11.0);
         let (photo, label) = picture(&[rope]);
-        let measured = Bench::new(lariat_extract::Method::Skeleton)
+        let measured = Bench::new(lariat_extract::Method::Skeleton, crate::mask::Mask::Auto)
             .unwrap()
             .extract(&photo, &label)
             .unwrap();

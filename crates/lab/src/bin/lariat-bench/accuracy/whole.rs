@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn a_rope_is_whole_in_one_piece_and_alone() {
         let bar =
-            |from: f32, to: f32| curve(&[[from, 20.0], [0.5 * (from + to), 20.0], [to, 20.0]], 9.0);
+            |from: f64, to: f64| curve(&[[from, 20.0], [0.5 * (from + to), 20.0], [to, 20.0]], 9.0);
         let label = draw(&[bar(10.0, 210.0)], &[], (240, 40));
         assert_eq!(whole(&label, &[bar(12.0, 208.0)]), [true]);
         assert_eq!(
