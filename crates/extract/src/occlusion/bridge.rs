@@ -19,6 +19,14 @@ pub(crate) struct Gap {
     pub(crate) to_px: f32,
 }
 
+/// How far aside of each other two lines run that are one rope's, in widths; and the largest share of one that does.
+const BESIDE: f32 = 0.75;
+const DOUBLED: f32 = 0.7;
+/// How opposed the directions are in which they end, by the cosine.
+const OPPOSED: f32 = -0.7;
+/// How far each is cut back from the middle of what is doubled, in widths.
+const BACK: f32 = 2.0;
+
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -56,6 +64,9 @@ impl Bridger {
     ) -> usize {
         self.gaps.clear();
         self.list_ends(lines, colors, scenery);
+        if scenery.elsewhere.is_some() && self.part(lines, scenery) {
+            self.list_ends(lines, colors, scenery);
+        }
         self.list_candidates(lines, scenery);
         self.candidates
             .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -103,6 +114,32 @@ impl Bridger {
                 });
             }
         }
+    }
+
+    /// In a mask that is a guess two pieces of a rope may run on past each other, side by side: both are cut back to where they face
+    /// each other. Whether there are such.
+    fn part(&self, lines: &mut [Line], scenery: &Scenery) -> bool {
+        let mut is_any = false;
+        for (i, a) in self.ends.iter().enumerate() {
+            for b in &self.ends[i + 1..] {
+                if a.line != b.line
+                    && vec2::dot(a.out, b.out) < OPPOSED
+                    && color::distance(a.color, b.color, scenery.yuv) <= scenery.alike().0
+                    && let Some(kept) = kept(a, b, lines)
+                {
+                    for (end, count) in [a, b].into_iter().zip(kept) {
+                        let samples = &mut lines[end.line].samples;
+                        let from = samples.len() - count;
+                        match end.last {
+                            true => samples.truncate(count),
+                            false => drop(samples.drain(..from)),
+                        }
+                    }
+                    is_any = true;
+                }
+            }
+        }
+        is_any
     }
 
     fn list_candidates(&mut self, lines: &[Line], scenery: &Scenery) {
@@ -228,6 +265,36 @@ impl Bridger {
     }
 }
 
+/// Of two lines that run on past each other at these ends, how many samples of each are kept.
+fn kept(a: &End, b: &End, lines: &[Line]) -> Option<[usize; 2]> {
+    let width_px = a.width_px.max(b.width_px);
+    // How many samples of an end's line come before the one that is nearest to a place, and how far that is.
+    let nearest = |end: &End, at: Vec2| {
+        let samples = &lines[end.line].samples;
+        let off = |sample: &Sample| vec2::distance(sample.at, at);
+        let (k, nearest) =
+            (samples.iter().enumerate()).min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
+        let before = if end.last { k } else { samples.len() - 1 - k };
+        (off(nearest) <= BESIDE * width_px).then_some(before)
+    };
+    let last = |end: &End| lines[end.line].samples.len() - 1;
+    let (ka, kb) = (nearest(a, b.at)?, nearest(b, a.at)?);
+    let step_px = |end: &End| lines[end.line].length_px() / last(end) as f32;
+    let (doubled, all) = (last(a) - ka, last(a));
+    let middle_a = ka + doubled / 2;
+    let place = if a.last { middle_a } else { all - middle_a };
+    let middle_b = nearest(b, lines[a.line].samples[place].at)?;
+    let is_part = |end: &End, k: usize| (last(end) - k) as f32 <= DOUBLED * last(end) as f32;
+    if (doubled as f32) * step_px(a) < width_px || !is_part(a, ka) || !is_part(b, kb) {
+        return None;
+    }
+    let back = |end: &End, middle: usize| {
+        let count = middle as f32 + 1.0 - BACK * width_px / step_px(end).max(0.1);
+        (count >= 4.0).then_some(count as usize)
+    };
+    Some([back(a, middle_a)?, back(b, middle_b)?])
+}
+
 /// Lays the samples between two ends behind the first one's.
 fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) {
     let chord_px = vec2::distance(from.at, to.at);
@@ -325,6 +392,35 @@ mod tests {
         let expected = if from_left { 130.0 } else { 170.0 };
         assert!((middle - expected).abs() < 1.5, "{gaps:?}");
         assert!((gaps[0].to_px - gaps[0].from_px - 60.0).abs() < 1.5);
+    }
+
+    #[test]
+    fn pieces_that_run_on_past_each_other_are_one_rope_in_a_mask_that_is_a_guess() {
+        let (mut difference, table) = (GrayPlane::default(), [200; 400 * 200]);
+        difference.resize(400, 200);
+        (0..200).for_each(|y| difference.row_mut(y).fill(90));
+        let image = crate::Image::new(&table, 400, 200, 400, crate::PixelFormat::Gray8);
+        let image = image.expect("whole");
+        let mut scenery = Scenery {
+            past: &Past::default(),
+            difference: &difference,
+            level: 20.0,
+            occluder: &BitPlane::default(),
+            yuv: false,
+            elsewhere: Some(&image),
+        };
+        let count = |aside_px: f32, scenery: &Scenery| {
+            let mut lines = [
+                straight([20.0, 100.0], [200.0, 100.0]),
+                straight([330.0, 100.0 + aside_px], [150.0, 100.0 + aside_px]),
+            ];
+            Bridger::default().join(&mut lines, &mut [[50.0; 3]; 2], scenery)
+        };
+        assert_eq!(count(3.0, &scenery), 1);
+        // Two ropes side by side.
+        assert_eq!(count(6.0, &scenery), 2);
+        scenery.elsewhere = None;
+        assert_eq!(count(3.0, &scenery), 2);
     }
 
     #[test]
