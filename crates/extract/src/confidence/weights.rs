@@ -1,5 +1,5 @@
 //! What each clue weighs: made by `cargo run --release -p lariat-lab -- calibrate-confidence`, which says how true the
-//! confidence is on pictures that it was not fitted to: expected calibration error 0.035 of one's own masks, 0.044 of the network's, 0.029 of
+//! confidence is on pictures that it was not fitted to: expected calibration error 0.029 of one's own masks, 0.030 of the network's, 0.026 of
 //! those from elsewhere.
 
 use super::CLUES;
@@ -7,87 +7,87 @@ use super::CLUES;
 /// Where the extractor made the mask.
 #[rustfmt::skip]
 pub(super) const OWN: [f32; CLUES] = [
-    -6.553, // constant
-    -0.429, // edges on both sides
-    -2.853, // an edge on a side at least
-    6.110, // contrast in levels
-    -1.054, // contrast over texture
-    -0.808, // edges where the width says
-    -0.295, // unevenness of the width
-    -1.828, // unlikeness of colour along the curve
-    0.122, // unlikeness of the two sides
-    0.377, // unlikeness of the ground along the curve
-    -0.826, // like the ground in less light
-    7.119, // length in widths
-    -2.487, // thinness
-    0.026, // bends
-    -2.531, // straight through the picture
-    -1.390, // ends that go on
-    -0.141, // hidden share
-    -2.437, // seen in part
-    -1.803, // its own doubt
-    -0.466, // the mask's notice
-    -2.111, // a stretch without edges
-    2.892, // nothing against it
-    0.000, // an arc of a circle
+    -8.104, // constant
+    1.637, // edges on both sides
+    -4.914, // an edge on a side at least
+    13.127, // contrast in levels
+    -6.657, // contrast over texture
+    -1.714, // edges where the width says
+    -2.418, // unevenness of the width
+    1.083, // unlikeness of colour along the curve
+    -1.640, // unlikeness of the two sides
+    -2.945, // unlikeness of the ground along the curve
+    -1.844, // like the ground in less light
+    9.960, // length in widths
+    -2.607, // thinness
+    1.995, // bends
+    -1.328, // straight through the picture
+    -1.128, // ends that go on
+    -0.313, // hidden share
+    -2.793, // seen in part
+    -1.807, // its own doubt
+    0.824, // the mask's notice
+    -2.850, // a stretch without edges
+    2.614, // nothing against it
+    -2.364, // an arc of a circle
     0.000, // likely by the network
     0.000, // unlikely by the network in part
 ];
 /// Where the network did.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -16.782, // constant
-    1.675, // edges on both sides
-    -5.280, // an edge on a side at least
-    10.215, // contrast in levels
-    -1.921, // contrast over texture
-    -2.198, // edges where the width says
-    1.178, // unevenness of the width
-    -2.761, // unlikeness of colour along the curve
-    2.799, // unlikeness of the two sides
-    1.354, // unlikeness of the ground along the curve
-    -2.515, // like the ground in less light
-    11.225, // length in widths
-    -4.173, // thinness
-    -1.685, // bends
-    -3.827, // straight through the picture
-    -1.916, // ends that go on
-    -1.446, // hidden share
-    -1.402, // seen in part
-    -2.125, // its own doubt
-    -0.046, // the mask's notice
-    -1.895, // a stretch without edges
-    1.875, // nothing against it
-    -7.557, // an arc of a circle
-    7.118, // likely by the network
-    1.739, // unlikely by the network in part
+    -18.230, // constant
+    4.329, // edges on both sides
+    -4.959, // an edge on a side at least
+    7.688, // contrast in levels
+    1.736, // contrast over texture
+    -0.304, // edges where the width says
+    -2.839, // unevenness of the width
+    1.583, // unlikeness of colour along the curve
+    2.115, // unlikeness of the two sides
+    2.256, // unlikeness of the ground along the curve
+    -1.743, // like the ground in less light
+    11.861, // length in widths
+    -3.856, // thinness
+    1.189, // bends
+    -5.413, // straight through the picture
+    -3.981, // ends that go on
+    -0.917, // hidden share
+    -2.605, // seen in part
+    -3.580, // its own doubt
+    -0.025, // the mask's notice
+    -4.055, // a stretch without edges
+    -1.388, // nothing against it
+    -7.351, // an arc of a circle
+    4.460, // likely by the network
+    -1.337, // unlikely by the network in part
 ];
 /// Where somebody else did.
 #[rustfmt::skip]
 pub(super) const ELSEWHERE: [f32; CLUES] = [
-    -10.374, // constant
-    1.913, // edges on both sides
-    0.300, // an edge on a side at least
-    2.242, // contrast in levels
-    -3.479, // contrast over texture
-    0.397, // edges where the width says
-    0.367, // unevenness of the width
-    -2.730, // unlikeness of colour along the curve
-    0.672, // unlikeness of the two sides
-    0.405, // unlikeness of the ground along the curve
-    -0.514, // like the ground in less light
-    10.122, // length in widths
-    -1.570, // thinness
-    -0.742, // bends
+    -15.281, // constant
+    2.511, // edges on both sides
+    0.170, // an edge on a side at least
+    3.553, // contrast in levels
+    -3.095, // contrast over texture
+    1.327, // edges where the width says
+    0.049, // unevenness of the width
+    -3.160, // unlikeness of colour along the curve
+    2.207, // unlikeness of the two sides
+    1.589, // unlikeness of the ground along the curve
+    -0.644, // like the ground in less light
+    12.879, // length in widths
+    -1.781, // thinness
+    -1.045, // bends
     0.000, // straight through the picture
-    -5.290, // ends that go on
-    0.120, // hidden share
-    -0.152, // seen in part
+    -6.133, // ends that go on
+    0.948, // hidden share
+    -0.360, // seen in part
     0.000, // its own doubt
     0.000, // the mask's notice
-    -0.626, // a stretch without edges
-    2.191, // nothing against it
-    0.000, // an arc of a circle
+    -1.150, // a stretch without edges
+    1.638, // nothing against it
+    -3.582, // an arc of a circle
     0.000, // likely by the network
     0.000, // unlikely by the network in part
 ];

@@ -14,7 +14,7 @@ use crate::tracking::track::Tracker;
 const THINNEST_PX: f32 = 3.0;
 
 /// What the network finds and is less likely right than one in ten is not reported, unless all that is found is asked for.
-const UNLIKELY: f32 = 0.1;
+const UNLIKELY: f32 = 0.02;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
