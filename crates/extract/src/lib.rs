@@ -117,7 +117,8 @@
 //! of less confidence than 0.1 counts both ways, and both must agree. Other ropes are left out.
 //!
 //! **Masks from elsewhere** (`mask/level`, `occlusion/ends`, `tracking/strays`). A soft mask is cut near the lower heap of its
-//! histogram. Two ends that face each other are joined over as many as 24 widths where three fifths of the way between have a trace in the
+//! histogram. Pieces that run on past each other side by side are cut back to where they face each
+//! other. Two ends that face each other are joined over as many as 24 widths where three fifths of the way between have a trace in the
 //! mask, lie on another rope, or show a band of the ropes' colour in the picture; on a bare table none of these holds. Then strays
 //! (few squares of the ropes' width, each counted as the mask is sure of it) and slivers (thinner or shorter, all along beside a
 //! longer line) are dropped; so they are from colour ranges' masks.
