@@ -8,9 +8,6 @@ use crate::canvas::{
 };
 use lariat_portable::SplitMix64;
 
-/// Points at most that a body's middle runs through.
-const JOINTS: usize = 12;
-
 /// Lays one tool, anywhere.
 pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     let half_px = 0.5 * spread(random, 4.0, 26.0);
@@ -54,7 +51,6 @@ impl Bar {
             }
             walk(&mut middle, heading, half_px * spread(random, 2.0, 16.0));
         }
-        middle.truncate(JOINTS);
         Self {
             middle,
             half_px,
