@@ -13,7 +13,7 @@ use crate::tracking::track::Tracker;
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 const THINNEST_PX: f32 = 3.0;
 
-/// What the network finds and is less likely right than one in ten is not reported, unless all that is found is asked for.
+/// What the network finds and is less likely right than one in fifty is not reported, unless all that is found is asked for.
 const UNLIKELY: f32 = 0.02;
 
 /// What is known of all curves of a mask.
