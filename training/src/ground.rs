@@ -16,7 +16,7 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         return photograph(side, photographs, random);
     }
     let mut canvas = Field::of(side, color(random));
-    match random.below(34) {
+    match random.below(37) {
         0..6 => plain(&mut canvas, random),
         6..9 => cloudy(&mut canvas, random),
         9..12 => wood(&mut canvas, random),
@@ -27,8 +27,8 @@ pub(crate) fn draw(side: usize, photographs: &Photographs, random: &mut SplitMix
         18 => metal(&mut canvas, random),
         19..22 => bands(&mut canvas, random),
         22..24 => patches(&mut canvas, random),
-        24..28 => stroke::many(&mut canvas, random),
-        28..30 => dots(&mut canvas, random),
+        24..31 => stroke::many(&mut canvas, random),
+        31..33 => dots(&mut canvas, random),
         _ => tiles(&mut canvas, random),
     }
     canvas

@@ -23,6 +23,15 @@ impl Path {
         Self::through(&knots)
     }
 
+    /// Through the picture, without tight bends.
+    pub(crate) fn gentle(side: usize, random: &mut SplitMix64) -> Self {
+        let knots = match happens(random, 0.6) {
+            true => across(side as f32, random),
+            false => nearly_straight(side as f32, random),
+        };
+        Self::through(&knots)
+    }
+
     /// Beside another one, at a signed distance that may change along it.
     pub(crate) fn beside(&self, away_px: impl Fn(usize) -> f32) -> Self {
         let moved = |i: usize| {

@@ -1,6 +1,6 @@
 //! One picture to learn from.
 
-use crate::canvas::{Canvas, Field, happens, normal, scaled, spread};
+use crate::canvas::{Canvas, Field, blur, happens, normal, scaled, spread};
 use crate::path::Path;
 use crate::photographs::Photographs;
 use crate::rope::{Laid, Lamp, Look};
@@ -21,7 +21,14 @@ pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow:
         _ => 12 + random.below(25),
     };
     (0..clutter).for_each(|_| thing::lay(&mut canvas, random));
-    let (mut laid, width_px) = ropes_on(canvas, random);
+    if happens(random, 0.1) {
+        // The ropes lie before it: it is out of focus.
+        blur(&mut canvas, spread(random, 1.5, 8.0));
+    }
+    let (mut laid, width_px) = match happens(random, 0.1) {
+        true => harness_on(canvas, random),
+        false => ropes_on(canvas, random),
+    };
     if happens(random, 0.15) {
         cover(&mut laid, random);
     }
@@ -90,6 +97,40 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
         }
     }
     (laid, usual_px)
+}
+
+/// Thin wires side by side, that fan out towards one end, cross now and then; and their width.
+fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
+    let side = canvas.side;
+    let mut laid = Laid::on(canvas);
+    let lamp = Lamp::draw(random);
+    let width_px = spread(random, 2.2, 9.0);
+    let shared = Look::draw(random);
+    let is_uniform = happens(random, 0.25);
+    for _ in 0..1 + random.below(2) {
+        let path = Path::gentle(side, random);
+        let count = 3 + random.below(14);
+        let gap = spread(random, 0.95, 2.2);
+        let fan = random.uniform_f32(-3.0, 4.0).max(0.0);
+        let wander = random.uniform_f32(-0.5, 1.2).max(0.0);
+        let length = path.points.len() as f32;
+        for k in 0..count {
+            let place = k as f32 - 0.5 * (count - 1) as f32;
+            let period_px = random.uniform_f32(25.0, 150.0);
+            let phase = random.uniform_f32(0.0, 6.3);
+            let away_px = |i: usize| {
+                let (along_px, share) = (i as f32, i as f32 / length);
+                let off = wander * libm::sinf(phase + along_px / period_px);
+                width_px * (place * (gap + fan * share * share) + off)
+            };
+            let look = match is_uniform {
+                true => shared.clone(),
+                false => Look::draw(random),
+            };
+            laid.lay(&path.beside(away_px), width_px, &look, &lamp, random);
+        }
+    }
+    (laid, width_px)
 }
 
 /// White on white, gray on gray: hardly another color than some place of the picture.
