@@ -8,6 +8,7 @@ pub(crate) mod extender;
 pub(crate) mod extrapolate;
 pub(crate) mod line;
 pub(crate) mod path;
+pub(crate) mod plug;
 pub(crate) mod section;
 pub(crate) mod shading;
 pub(crate) mod smooth;

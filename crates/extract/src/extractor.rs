@@ -9,6 +9,7 @@ use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
 use crate::centerline::Centerliner;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::centerline::plug::PlugCutter;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::confidence::Evidence;
@@ -91,6 +92,7 @@ pub struct Extractor {
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
     refitter: Refitter,
+    plug_cutter: PlugCutter,
     strays: Strays,
     looks: Vec<Look>,
     spaced: Vec<Sample>,
@@ -144,6 +146,7 @@ impl Extractor {
             colors: Vec::new(),
             bridger: Bridger::default(),
             refitter: Refitter::default(),
+            plug_cutter: PlugCutter::default(),
             strays: Strays::default(),
             looks: Vec::new(),
             spaced: Vec::new(),
@@ -405,6 +408,9 @@ impl Extractor {
             _ => joined,
         };
         self.lengthen(joined);
+        if self.masker.is_sought {
+            self.cut_plugs(image, joined);
+        }
         self.points(image, joined);
     }
 
@@ -486,6 +492,7 @@ impl Extractor {
         self.evidence.reserve(MOST_PIECES);
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
+        self.plug_cutter.reserve(samples);
         self.strays.reserve(MOST_PIECES);
         self.occluder.reserve(width, height);
         self.masker.reserve(width, height);

@@ -136,6 +136,17 @@ impl Extractor {
         }
     }
 
+    /// Cuts the plugs off the first `count` lines.
+    pub(super) fn cut_plugs(&mut self, image: &Image, count: usize) {
+        for (l, line) in self.lines[..count].iter_mut().enumerate() {
+            let [before_px, _] = self.plug_cutter.cut(line, image);
+            for gap in self.bridger.gaps.iter_mut().filter(|gap| gap.line == l) {
+                gap.from_px -= before_px;
+                gap.to_px -= before_px;
+            }
+        }
+    }
+
     /// Takes the ropes of the last image, refitted to this one, where the first `count` lines
     /// contradict them; returns how many lines there are then.
     pub(super) fn refit(&mut self, image: &Image, count: usize) -> usize {

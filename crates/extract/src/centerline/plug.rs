@@ -1,0 +1,240 @@
+//! What a rope ends in and is no rope: a plug, a ferrule, bare wire. It has a color that the rope has nowhere else.
+
+use lariat_portable::{Arch, NullaryFnOnce};
+
+use super::line::Line;
+use crate::image::ray::LANES;
+use crate::image::{Image, color};
+use crate::statistics::median;
+use crate::vec2;
+
+/// A line of fewer samples is left alone.
+const LEAST_SAMPLES: usize = 16;
+/// A plug is so many widths long at most, and such a share of the line.
+const MOST: (f32, f32) = (9.0, 0.4);
+/// And so many widths at least.
+const LEAST_WIDTHS: f32 = 0.5;
+/// Where across the rope its color is read, in widths from the middle.
+const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
+/// A color is another one from so many deviations of the rope's own on, of which one is so many levels at least.
+const DEVIATIONS: f32 = 3.0;
+const LEAST_DEVIATION: f32 = 6.0;
+/// It changes within so many widths by so many deviations.
+const ASIDE_WIDTHS: f32 = 0.25;
+const STEP: f32 = 2.0;
+/// Of the normal distribution, by the median of what is off.
+const DEVIATION: f32 = 1.5;
+
+/// Cuts plugs off; it allocates only for a line that is longer than all before.
+#[derive(Debug, Default)]
+pub(crate) struct PlugCutter {
+    /// Of each sample.
+    colors: Vec<[f32; 3]>,
+    sorted: Vec<f32>,
+}
+
+impl PlugCutter {
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.colors.reserve(samples);
+        self.sorted.reserve(samples);
+    }
+
+    /// Cuts off the plugs at those ends of the line that do not leave the image; returns how long they were.
+    pub(crate) fn cut(&mut self, line: &mut Line, image: &Image) -> [f32; 2] {
+        let (count, length_px) = (line.samples.len(), line.length_px());
+        if line.closed || line.border == [true; 2] || count < LEAST_SAMPLES {
+            return [0.0; 2];
+        }
+        Arch::new().dispatch(Reading {
+            line,
+            image,
+            colors: &mut self.colors,
+        });
+        self.sorted.clear();
+        self.sorted.extend(line.samples.iter().map(|s| s.width_px));
+        let samples_a_width = median(&mut self.sorted) * count as f32 / length_px.max(1.0);
+        let most = (MOST.0 * samples_a_width).min(MOST.1 * count as f32) as usize;
+        let least = LEAST_WIDTHS * samples_a_width;
+        let own = self.own(most);
+        let [first, last] = [0, 1].map(|end| {
+            let color = |i: usize| match end {
+                0 => self.colors[i],
+                _ => self.colors[count - 1 - i],
+            };
+            if line.border[end] {
+                return 0;
+            }
+            let limit = 3.0 * DEVIATIONS * DEVIATIONS;
+            let are_other = (0..most).map(|i| own.squares_off(color(i), own.usual) > limit);
+            let length = plug(are_other, least);
+            match own.is_step(color, length, samples_a_width) {
+                true => length,
+                false => 0,
+            }
+        });
+        line.samples.truncate(count - last);
+        line.samples.drain(..first);
+        let px_a_sample = length_px / (count - 1) as f32;
+        [first, last].map(|samples| samples as f32 * px_a_sample)
+    }
+
+    /// The rope's own color, away from the ends.
+    fn own(&mut self, most: usize) -> Own {
+        let body = &self.colors[most..self.colors.len() - most];
+        let channels = [0, 1, 2].map(|c| {
+            self.sorted.clear();
+            self.sorted.extend(body.iter().map(|color| color[c]));
+            let usual = median(&mut self.sorted);
+            for value in &mut self.sorted {
+                *value = (*value - usual).abs();
+            }
+            let deviation = DEVIATION * median(&mut self.sorted) + LEAST_DEVIATION;
+            (usual, deviation)
+        });
+        Own {
+            usual: channels.map(|(usual, _)| usual),
+            deviations: channels.map(|(_, deviation)| deviation),
+        }
+    }
+}
+
+/// A rope's own color, and how far it is usually off.
+struct Own {
+    usual: [f32; 3],
+    deviations: [f32; 3],
+}
+
+impl Own {
+    /// How far two colors are apart, in deviations: the sum of three squares.
+    fn squares_off(&self, a: [f32; 3], b: [f32; 3]) -> f32 {
+        let off = [0, 1, 2].map(|c| (a[c] - b[c]) / self.deviations[c]);
+        off.iter().map(|off| off * off).sum()
+    }
+
+    /// Whether the color changes at a sample at once: shade comes little by little.
+    fn is_step(&self, color: impl Fn(usize) -> [f32; 3], at: usize, samples_a_width: f32) -> bool {
+        let mean = |from: usize, to: usize| {
+            let sum = (from..to)
+                .map(&color)
+                .fold([0.0; 3], |sum, color| [0, 1, 2].map(|c| sum[c] + color[c]));
+            sum.map(|sum| sum / (to - from).max(1) as f32)
+        };
+        let [width, aside] = [1.0, ASIDE_WIDTHS].map(|w| (w * samples_a_width).ceil() as usize);
+        let outer = mean(
+            at.saturating_sub(aside + width),
+            at.saturating_sub(aside).max(1),
+        );
+        let inner = mean(at + aside, at + aside + width);
+        self.squares_off(outer, inner) > 3.0 * STEP * STEP
+    }
+}
+
+/// How many samples from a tip on are a plug's: up to there, those of another color outnumber the others by the most.
+fn plug(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
+    let (mut sum, mut best, mut length) = (0, 0, 0);
+    for (i, is_other) in are_other.enumerate() {
+        sum += if is_other { 1 } else { -1 };
+        if sum > best {
+            (best, length) = (sum, i + 1);
+        }
+    }
+    if best as f32 >= least { length } else { 0 }
+}
+
+/// What reads colors, for the widest registers.
+struct Reading<'a> {
+    line: &'a Line,
+    image: &'a Image<'a>,
+    colors: &'a mut Vec<[f32; 3]>,
+}
+
+impl NullaryFnOnce for Reading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let samples = &self.line.samples;
+        self.colors.clear();
+        for first in (0..samples.len()).step_by(LANES) {
+            let count = LANES.min(samples.len() - first);
+            let (mut at, mut across) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
+            for l in 0..count {
+                let sample = &samples[first + l];
+                let slope = self.line.slope(first + l, 2);
+                let normal = vec2::normal(vec2::unit_or(slope, [1.0, 0.0]));
+                for c in 0..2 {
+                    at[c][l] = sample.at[c];
+                    across[c][l] = normal[c] * sample.width_px;
+                }
+            }
+            let mut sums = [[0.0; LANES]; 3];
+            for widths in ACROSS {
+                let places =
+                    [0, 1].map(|c| std::array::from_fn(|l| at[c][l] + widths * across[c][l]));
+                let colors = color::between_each(self.image, &places);
+                for (sums, colors) in sums.iter_mut().zip(&colors) {
+                    for (sum, color) in sums.iter_mut().zip(colors) {
+                        *sum += color / ACROSS.len() as f32;
+                    }
+                }
+            }
+            let colors = (0..count).map(|l| sums.map(|channel| channel[l]));
+            self.colors.extend(colors);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centerline::line::Sample;
+    use crate::image::PixelFormat;
+
+    /// A red rope on white from 10 to 190, its last 12 pixels blue.
+    fn picture() -> Vec<u8> {
+        let pixel = |i: usize| match (i % 200, i / 200) {
+            (10..178, 16..24) => [200, 30, 30],
+            (178..190, 16..24) => [30, 30, 200],
+            _ => [240; 3],
+        };
+        (0..200 * 40).flat_map(pixel).collect()
+    }
+
+    fn line(closed: bool, border: [bool; 2]) -> Line {
+        let sample = |x: usize| Sample {
+            at: [x as f32, 19.5],
+            weight: 1.0,
+            width_px: 8.0,
+            side: 0.0,
+        };
+        Line {
+            samples: (10..190).map(sample).collect(),
+            closed,
+            border,
+        }
+    }
+
+    #[test]
+    fn an_end_of_another_color_is_cut_off() {
+        let pixels = picture();
+        let image = Image::new(&pixels, 200, 40, 600, PixelFormat::Rgb8).expect("of its size");
+        let mut cutter = PlugCutter::default();
+        let mut cut = line(false, [false; 2]);
+        let [first_px, last_px] = cutter.cut(&mut cut, &image);
+        assert_eq!(first_px, 0.0);
+        assert!((last_px - 12.0).abs() < 1.1, "{last_px}");
+        assert!((cut.samples[cut.samples.len() - 1].at[0] - 177.0).abs() < 1.1);
+        // What leaves the image has no end there, and a ring has none.
+        for mut whole in [line(false, [false, true]), line(true, [false; 2])] {
+            assert_eq!(cutter.cut(&mut whole, &image), [0.0; 2]);
+            assert_eq!(whole.samples.len(), 180);
+        }
+    }
+
+    #[test]
+    fn a_fleck_near_a_tip_is_no_plug() {
+        let flecks = [false, false, false, true, true, false, false, false];
+        assert_eq!(plug(flecks.into_iter(), 2.0), 0);
+        assert_eq!(plug([true, true, false, true, false].into_iter(), 2.0), 2);
+    }
+}
