@@ -1,16 +1,17 @@
 //! How far the rope's pixels are from its edge.
 //!
 //! The exact distance to the nearest pixel that is not rope, found row by row from the nearest on: in a window of 64
-//! pixels a row, eight rows at a time, the nearest bit to either side. Rows are left out once they are farther than what
-//! was found. What is outside of the image does not count as unset: a rope that leaves the image is cut, not narrow.
+//! pixels a row, or where that shows none of 128, eight rows at a time, the nearest bit to either side. Rows are left out
+//! once they are farther than what was found. What is outside of the image does not count as unset: a rope that leaves the image is cut, not narrow.
 
 use super::bits::BitPlane;
 use super::strips::{BLOCK, Strips};
 
 /// Half-widths are measured up to this, in pixels.
 const WIDEST_HALF: i32 = 160;
-/// Pixels to either side that a window shows.
+/// Pixels to either side that a window shows, and a wide one.
 const SEEN: u32 = 32;
+const SEEN_WIDE: u32 = 64;
 
 /// How far away the rows about a pixel lie, from eight above on.
 const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
@@ -63,6 +64,30 @@ impl EdgeDistance {
         if best as usize <= far * far && best < SEEN * SEEN {
             return (best as f32).sqrt() - 0.5;
         }
+        self.half_px_wide(mask, x, y)
+    }
+
+    /// The same of a pixel that is farther from the edge than windows show.
+    #[inline(never)]
+    fn half_px_wide(&self, mask: &BitPlane, x: u16, y: usize) -> f32 {
+        let stride = self.bare.shape.stride;
+        // The strip to the left of the pixel's own.
+        let (first, shift) = (usize::from(x) / 64 * stride + BLOCK, usize::from(x) % 64);
+        let (mut best, mut far) = (u32::MAX, 0);
+        while best as usize > far * far && far < SEEN_WIDE as usize {
+            if y >= far {
+                let away = std::array::from_fn(|k| (far + BLOCK - k) as u32);
+                best = best.min(self.nearest_wide(first + y - far - BLOCK, shift, &away));
+            }
+            if y + far < self.bare.shape.height() {
+                let away = std::array::from_fn(|k| (far + k) as u32);
+                best = best.min(self.nearest_wide(first + y + far, shift, &away));
+            }
+            far += BLOCK;
+        }
+        if best as usize <= far * far && best < SEEN_WIDE * SEEN_WIDE {
+            return (best as f32).sqrt() - 0.5;
+        }
         half_width(mask, i32::from(x), y as i32)
     }
 
@@ -84,6 +109,24 @@ impl EdgeDistance {
         for k in 0..ROWS {
             let window = left[k] >> shift | right[k] << 1 << (63 - shift);
             let (before, from) = (window as u32, (window >> SEEN) as u32);
+            let across = from.trailing_zeros().min(before.leading_zeros() + 1);
+            squares[k] = across * across + away[k] * away[k];
+        }
+        squares.into_iter().fold(u32::MAX, u32::min)
+    }
+
+    /// As [`nearest`](Self::nearest), in wide windows of which the middle is `shift` bits within its strip.
+    #[inline(always)]
+    fn nearest_wide(&self, at: usize, shift: usize, away: &[u32; BLOCK]) -> u32 {
+        let rows = |strip: usize| -> &[u64; BLOCK] {
+            let rows = self.bare.words[at + strip * self.bare.shape.stride..].first_chunk();
+            rows.expect("empty blocks lie all around the picture")
+        };
+        let (left, own, right) = (rows(0), rows(1), rows(2));
+        let mut squares = [0u32; BLOCK];
+        for k in 0..BLOCK {
+            let upper = |low: u64, high: u64| low >> shift | high << 1 << (63 - shift);
+            let (before, from) = (upper(left[k], own[k]), upper(own[k], right[k]));
             let across = from.trailing_zeros().min(before.leading_zeros() + 1);
             squares[k] = across * across + away[k] * away[k];
         }
