@@ -68,7 +68,7 @@ impl EdgeDistance {
     }
 
     /// The same of a pixel that is farther from the edge than windows show.
-    #[inline(never)]
+    #[inline(always)]
     fn half_px_wide(&self, mask: &BitPlane, x: u16, y: usize) -> f32 {
         let stride = self.bare.shape.stride;
         // The strip to the left of the pixel's own.
