@@ -2,6 +2,7 @@
 //! and the values along lines through them, and the loops over all pixels that are written for wide registers.
 
 pub(crate) mod color;
+mod fetch;
 pub(crate) mod gray;
 pub(crate) mod kernels;
 pub(crate) mod ray;

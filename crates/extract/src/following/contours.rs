@@ -125,6 +125,7 @@ impl ContourFollower {
         self.frames += 1;
         let ropes = &mut self.ropes[..self.count];
         note(ropes, crossings);
+        ropes.iter().for_each(|rope| rope.fetch(image));
         let found = !self.novelty.is_in(image, ropes)
             && ropes
                 .iter_mut()

@@ -126,6 +126,21 @@ impl Rope {
         0.5 * self.width_px + WINDOW as f32 + self.spacing_px()
     }
 
+    /// Asks for the pixels about the rope's edges, where they are expected in the next frame.
+    pub(super) fn fetch(&self, image: &Image) {
+        let size = [image.width(), image.height()];
+        for station in self.stations.iter().filter(|station| !station.is_crossed) {
+            let axis = axis(station.normal);
+            let at = vec2::along(station.at, station.normal, station.aside_px);
+            let line = (at[1 - axis] + 0.5).clamp(0.0, (size[1 - axis] - 1) as f32) as usize;
+            for edge_px in station.edges_px {
+                let from = at[axis] + edge_px / station.normal[axis] - (WINDOW / 2) as f32;
+                let from = from.max(0.0) as usize;
+                image.fetch(axis, line, from..from + WINDOW + 1);
+            }
+        }
+    }
+
     /// Reads the edges at the stations of the next frame.
     pub(super) fn read(&mut self, image: &Image) {
         let (n, spacing_px) = (self.next.len(), self.spacing_px());

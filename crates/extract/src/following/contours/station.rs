@@ -76,12 +76,15 @@ fn any_near(
                 let reach_px = 0.5 * widths * (rope.width_px + other.width_px) + more_px;
                 let (all, n) = (stations(other), stations(other).len());
                 (0..n).step_by(2).any(|j| {
+                    let off = vec2::sub(all[j].at, here.at);
+                    if vec2::dot(off, off) >= reach_px * reach_px || all[j].is_crossed {
+                        return false;
+                    }
                     let mut between = i.abs_diff(j);
                     if rope.closed {
                         between = between.min(n.abs_diff(between));
                     }
-                    let far = r != o || between > apart;
-                    far && !all[j].is_crossed && vec2::distance(all[j].at, here.at) < reach_px
+                    r != o || between > apart
                 })
             })
         })
