@@ -131,6 +131,36 @@ pub struct Film {
 impl Film {
     /// The film of a story, in pictures of `width` × `height` pixels (each at least 160).
     pub fn new(story: Story, seed: u64, width: u32, height: u32) -> Self {
+        Self::of(story, seed, [width, height], Ground::of)
+    }
+
+    /// The same on a picture: three bytes a pixel without padding, of the size that [`ground_size`](Self::ground_size) tells.
+    ///
+    /// # Panics
+    /// If it is of another size.
+    pub fn on(story: Story, seed: u64, size: [u32; 2], ground: Vec<u8>) -> Self {
+        let pixels = Self::ground_size(story, size).map(|side| side as usize);
+        assert_eq!(
+            ground.len(),
+            3 * pixels[0] * pixels[1],
+            "a ground of {pixels:?}"
+        );
+        Self::of(story, seed, size, |story, options| {
+            Ground::pictured(story, options, ground)
+        })
+    }
+
+    /// Width and height of what a film's ropes lie on: more than the picture where the camera moves.
+    pub fn ground_size(story: Story, size: [u32; 2]) -> [u32; 2] {
+        ground::sides(story, size.map(|side| side as usize)).map(|side| side as u32)
+    }
+
+    fn of(
+        story: Story,
+        seed: u64,
+        [width, height]: [u32; 2],
+        ground: impl FnOnce(Story, &mut RenderOptions) -> Ground,
+    ) -> Self {
         let mut random = SplitMix64::of_stream(seed, 11);
         let rope_px = f64::from(width.min(height)) / 48.0;
         let mut options = RenderOptions {
@@ -140,7 +170,7 @@ impl Film {
             rope_px: rope_px.max(5.0),
             ..RenderOptions::default()
         };
-        let ground = Ground::of(story, &mut options);
+        let ground = ground(story, &mut options);
         let count = match story {
             Story::Two | Story::Visitor => 2,
             Story::Cuts => 8,
@@ -160,6 +190,11 @@ impl Film {
             frame: 0,
             event: [0, 40],
         }
+    }
+
+    /// What happens in it.
+    pub fn story(&self) -> Story {
+        self.story
     }
 
     /// Draws the next frame into `rgb`, three bytes a pixel without padding, and says what is in it.

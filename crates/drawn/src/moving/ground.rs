@@ -10,6 +10,22 @@ use crate::scenes::{self, Class};
 const SWAY: f64 = 0.07;
 const PERIODS_S: [f64; 2] = [4.7, 3.6];
 
+/// Colors that ropes are sold in, and among how many of those that a picture has least of one is drawn.
+const ROPES: [[u8; 3]; 8] = [
+    [40, 90, 190],
+    [200, 40, 40],
+    [235, 120, 30],
+    [40, 150, 70],
+    [230, 200, 40],
+    [235, 235, 230],
+    [30, 30, 35],
+    [200, 60, 150],
+];
+const CLEAREST: usize = 3;
+/// Pixels of a picture, of which one is looked at, and the share of those that may be like the rope.
+const EVERY: usize = 7;
+const ALIKE: usize = 20;
+
 /// A surface, as large as all that a camera gets to see of it.
 #[derive(Debug)]
 pub(super) struct Ground {
@@ -23,12 +39,7 @@ impl Ground {
     /// The ground of a story; one that is no plain table says the rope's color.
     pub(super) fn of(story: Story, options: &mut RenderOptions) -> Self {
         let size = [options.width, options.height].map(|side| side as usize);
-        let margin = if story.is_panned() {
-            (SWAY * size[0].min(size[1]) as f64) as usize + 2
-        } else {
-            0
-        };
-        let sides = size.map(|side| side + 2 * margin);
+        let (margin, sides) = (margin(story, size), sides(story, size));
         let rgb = if story.is_cluttered() {
             let class = [Class::OnClutter, Class::OnTexture][options.seed as usize % 2];
             let (rgb, rope) = scenes::surface(class, options.seed / 2, sides);
@@ -43,6 +54,19 @@ impl Ground {
             })
         };
         Self { rgb, margin, size }
+    }
+
+    /// A picture as the ground of a story, of [`sides`]; the ropes' color is one that it has little of.
+    pub(super) fn pictured(story: Story, options: &mut RenderOptions, rgb: Vec<u8>) -> Self {
+        let size = [options.width, options.height].map(|side| side as usize);
+        let mut colors = ROPES;
+        colors.sort_by_cached_key(|&color| std::cmp::Reverse(clearance(&rgb, color)));
+        options.rope_rgb = colors[options.seed as usize % CLEAREST];
+        Self {
+            rgb,
+            margin: margin(story, size),
+            size,
+        }
     }
 
     /// Fills `out` with what a camera sees at a moment; returns how far it has moved, in pixels.
@@ -70,5 +94,70 @@ impl Ground {
             }
         }
         moved_px
+    }
+}
+
+/// Width and height of all that a story's camera gets to see.
+pub(super) fn sides(story: Story, size: [usize; 2]) -> [usize; 2] {
+    size.map(|side| side + 2 * margin(story, size))
+}
+
+fn margin(story: Story, size: [usize; 2]) -> usize {
+    if story.is_panned() {
+        (SWAY * size[0].min(size[1]) as f64) as usize + 2
+    } else {
+        0
+    }
+}
+
+/// How far a color is from all but a few of a picture's pixels.
+fn clearance(rgb: &[u8], color: [u8; 3]) -> u32 {
+    let off = |pixel: &[u8]| -> u32 {
+        (pixel.iter().zip(color))
+            .map(|(&a, b)| u32::from(a.abs_diff(b)))
+            .sum()
+    };
+    let mut offs: Vec<_> = rgb.chunks_exact(3).step_by(EVERY).map(off).collect();
+    let few = offs.len() / ALIKE;
+    *offs.select_nth_unstable(few).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::moving::Film;
+
+    #[test]
+    fn a_rope_has_a_color_that_its_ground_has_little_of() {
+        let mut options = RenderOptions {
+            width: 160,
+            height: 160,
+            ..RenderOptions::default()
+        };
+        let [width, height] = sides(Story::Clutter, [160; 2]);
+        for seed in 0..3 {
+            options.seed = seed;
+            let blue = ROPES[0].repeat(width * height);
+            Ground::pictured(Story::Clutter, &mut options, blue);
+            assert_ne!(options.rope_rgb, ROPES[0], "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_film_on_a_picture_shows_it_beside_the_rope() {
+        let size = [160, 160];
+        for story in [Story::Clutter, Story::Handheld] {
+            let [width, height] = Film::ground_size(story, size);
+            let gray = vec![120; (3 * width * height) as usize];
+            let mut film = Film::on(story, 1, size, gray);
+            let (mut rgb, mut mask) = (Vec::new(), Vec::new());
+            let truth = film.next(&mut rgb);
+            film.mask(&truth, &mut mask);
+            let gray = |pixel: &[u8]| pixel.iter().all(|&c| c.abs_diff(120) < 40);
+            let beside = rgb.chunks_exact(3).zip(&mask).filter(|&(_, &m)| m == 0);
+            let shown = beside.clone().filter(|(pixel, _)| gray(pixel)).count();
+            // Beside it lies its shadow, too.
+            assert!(shown as f64 > 0.8 * beside.count() as f64, "{story:?}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use image::imageops::{self, FilterType};
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
 
@@ -24,12 +25,27 @@ pub(crate) struct Args {
     /// Only stories whose name contains this
     #[arg(long)]
     story: Option<String>,
+    /// What says where ropes are on the grounds of clutter, handheld and passing, in frames that are not followed
+    #[arg(long, value_enum, default_value = "true")]
+    mask: Sayer,
+    /// A picture that the ropes of those stories lie on, instead of a drawn ground
+    #[arg(long, value_name = "PICTURE")]
+    ground: Option<PathBuf>,
     /// Say what was wrong, frame by frame
     #[arg(long)]
     verbose: bool,
     /// Write the frames in which something was wrong, curve and truth drawn over them, into this folder
     #[arg(long)]
     overlay: Option<PathBuf>,
+}
+
+/// Who says where ropes are.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Sayer {
+    /// The film itself
+    True,
+    Auto,
+    Network,
 }
 
 /// Runs all stories and prints what was wrong in each.
@@ -46,6 +62,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         !stories.is_empty(),
         "no story has that in its name: leave --story out to see them all"
     );
+    let ground = args
+        .ground
+        .as_ref()
+        .map(|path| image::open(path).with_context(|| format!("cannot read {}", path.display())));
+    let ground = ground.transpose()?.map(|picture| picture.to_rgb8());
     let films = stories.len() as u64 * args.seeds.max(1);
     let frames = args.frames.div_ceil(films);
     println!(
@@ -67,13 +88,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     );
     for story in stories {
         for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
-            let (verdict, counts) = watch(story, seed, frames, args)?;
+            let (verdict, counts) =
+                watch(film(story, seed, ground.as_ref()), [seed, frames], args)?;
             print(story, seed, frames, &verdict, counts);
         }
     }
     println!(
         "\nframes of {}×{} at 30/s; followed: frames, from the frame before; right: frames with nothing missed, miscounted, turned, renamed, \
-         exchanged or invented;\nclutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
+         exchanged or invented;\nwith --mask true clutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
          a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
          and seen",
@@ -101,15 +123,29 @@ fn print(story: Story, seed: u64, frames: u64, v: &Verdict, [followed, right]: [
     );
 }
 
+/// The film of a story, on a picture if one is given and the story's ground is cluttered.
+fn film(story: Story, seed: u64, ground: Option<&image::RgbImage>) -> Film {
+    let Some(ground) = ground.filter(|_| story.is_cluttered()) else {
+        return Film::new(story, seed, SIZE.0, SIZE.1);
+    };
+    let size = [SIZE.0, SIZE.1];
+    let [width, height] = Film::ground_size(story, size);
+    let ground = image::DynamicImage::from(ground.clone());
+    let ground = ground.resize_to_fill(width, height, FilterType::Triangle);
+    Film::on(story, seed, size, ground.into_rgb8().into_raw())
+}
+
 /// What was wrong in a film, and how many of its frames were followed, and right.
-fn watch(story: Story, seed: u64, frames: u64, args: &Args) -> Result<(Verdict, [u64; 2])> {
-    let mut film = Film::new(story, seed, SIZE.0, SIZE.1);
+fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdict, [u64; 2])> {
+    let story = film.story();
+    let mask = match args.mask {
+        Sayer::True if story.is_cluttered() => Mask::External,
+        Sayer::Network if story.is_cluttered() => Mask::Network,
+        _ => Mask::Auto,
+    };
+    let is_told = mask == Mask::External;
     let mut extractor = Extractor::new(Options {
-        mask: if story.is_cluttered() {
-            Mask::External
-        } else {
-            Mask::Auto
-        },
+        mask,
         ..Options::default()
     })?;
     let mut judge = Judge::default();
@@ -121,11 +157,7 @@ fn watch(story: Story, seed: u64, frames: u64, args: &Args) -> Result<(Verdict, 
         let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
         film.mask(&truth, &mut mask);
         let mask = Image::new(&mask, width, height, width, PixelFormat::Gray8)?;
-        let scene = look(
-            &mut extractor,
-            &image,
-            story.is_cluttered().then_some(&mask),
-        )?;
+        let scene = look(&mut extractor, &image, is_told.then_some(&mask))?;
         followed += u64::from(scene.followed);
         let curves: Vec<_> = scene.curves.iter().map(seen).collect();
         let before = judge.verdict();
@@ -188,12 +220,7 @@ fn draw(rgb: &[u8], truth: &[TrueRope], curves: &[Curve], path: &Path) -> Result
     let picture = image::RgbImage::from_raw(SIZE.0, SIZE.1, rgb.to_vec())
         .context("a frame has three bytes a pixel")?;
     let size = (ZOOM * SIZE.0, ZOOM * SIZE.1);
-    let mut picture = image::imageops::resize(
-        &picture,
-        size.0,
-        size.1,
-        image::imageops::FilterType::Nearest,
-    );
+    let mut picture = imageops::resize(&picture, size.0, size.1, FilterType::Nearest);
     let mut dot = |x: f64, y: f64, reach: i64, color: [u8; 3]| {
         let zoom = f64::from(ZOOM);
         let at = [x, y].map(|v| (zoom * (v + 0.5)) as i64);
