@@ -15,6 +15,10 @@ const THINNEST_PX: f32 = 3.0;
 
 /// What the network finds and is less likely right than one in fifty is not reported, unless all that is found is asked for.
 const UNLIKELY: f32 = 0.02;
+/// Nor, while a rope is known that was this sure, what is less likely right than that: such a curve is a piece of the rope with
+/// something else, or something else, and would take the rope's number and shape along.
+const SURE: f32 = 0.5;
+const UNLIKELY_BESIDE: f32 = 0.1;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
@@ -41,6 +45,11 @@ impl Extractor {
             return;
         }
         let seen = self.count;
+        let unlikely = if self.tracker.knows_some(SURE) {
+            UNLIKELY_BESIDE
+        } else {
+            UNLIKELY
+        };
         self.find_doubts(image, seen, |_, _| false);
         self.count = 0;
         for i in 0..seen {
@@ -49,7 +58,7 @@ impl Extractor {
                 ..known(&self.masker, &self.options)
             };
             let evidence = confidence::evidence(image, &self.curves[i], known);
-            if evidence.confidence() >= UNLIKELY.min(self.options.min_confidence) {
+            if evidence.confidence() >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;

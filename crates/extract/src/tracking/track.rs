@@ -208,6 +208,11 @@ impl Tracker {
         (self.tracks.iter()).any(|track| track.number == number && track.sure >= KNOWN)
     }
 
+    /// Whether a rope is known that was seen this surely when it was last seen, and for more than a moment.
+    pub(crate) fn knows_some(&self, sure: f32) -> bool {
+        (self.tracks.iter()).any(|track| track.frames >= SETTLED && track.confidence >= sure)
+    }
+
     /// Weighs what a curve looks like with what its track was taken for: returns whether it may be no rope.
     pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
         let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
