@@ -36,31 +36,31 @@ pub(super) const OWN: [f32; CLUES] = [
 /// Where the network did.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -18.230, // constant
-    4.329, // edges on both sides
-    -4.959, // an edge on a side at least
-    7.688, // contrast in levels
-    1.736, // contrast over texture
-    -0.304, // edges where the width says
-    -2.839, // unevenness of the width
-    1.583, // unlikeness of colour along the curve
-    2.115, // unlikeness of the two sides
-    2.256, // unlikeness of the ground along the curve
-    -1.743, // like the ground in less light
-    11.861, // length in widths
-    -3.856, // thinness
-    1.189, // bends
-    -5.413, // straight through the picture
-    -3.981, // ends that go on
-    -0.917, // hidden share
-    -2.605, // seen in part
-    -3.580, // its own doubt
-    -0.025, // the mask's notice
-    -4.055, // a stretch without edges
-    -1.388, // nothing against it
-    -7.351, // an arc of a circle
-    4.460, // likely by the network
-    -1.337, // unlikely by the network in part
+    -18.469, // constant
+    4.523, // edges on both sides
+    -5.063, // an edge on a side at least
+    7.744, // contrast in levels
+    1.623, // contrast over texture
+    0.117, // edges where the width says
+    -2.451, // unevenness of the width
+    1.801, // unlikeness of colour along the curve
+    1.602, // unlikeness of the two sides
+    2.150, // unlikeness of the ground along the curve
+    -1.780, // like the ground in less light
+    11.989, // length in widths
+    -4.081, // thinness
+    1.260, // bends
+    -5.394, // straight through the picture
+    -4.297, // ends that go on
+    -0.931, // hidden share
+    -2.649, // seen in part
+    -3.717, // its own doubt
+    -0.036, // the mask's notice
+    -4.143, // a stretch without edges
+    -1.741, // nothing against it
+    -6.979, // an arc of a circle
+    4.459, // likely by the network
+    -1.286, // unlikely by the network in part
 ];
 /// Where somebody else did.
 #[rustfmt::skip]
