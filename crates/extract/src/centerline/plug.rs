@@ -12,7 +12,9 @@ use crate::vec2;
 const LEAST_SAMPLES: usize = 16;
 /// A plug is so many widths long at most, and such a share of the line.
 const MOST: (f32, f32) = (9.0, 0.4);
-/// And so many widths at least.
+/// A line of fewer widths is no rope, and has no body to tell a plug from.
+const SHORTEST_WIDTHS: f32 = 4.0;
+/// A plug is so many widths long at least.
 const LEAST_WIDTHS: f32 = 0.5;
 /// Where across the rope its color is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
@@ -53,6 +55,9 @@ impl PlugCutter {
         self.sorted.clear();
         self.sorted.extend(line.samples.iter().map(|s| s.width_px));
         let samples_a_width = median(&mut self.sorted) * count as f32 / length_px.max(1.0);
+        if (count as f32) < SHORTEST_WIDTHS * samples_a_width {
+            return [0.0; 2];
+        }
         let most = (MOST.0 * samples_a_width).min(MOST.1 * count as f32) as usize;
         let least = LEAST_WIDTHS * samples_a_width;
         let own = self.own(most);
@@ -190,14 +195,22 @@ mod tests {
     use crate::centerline::line::Sample;
     use crate::image::PixelFormat;
 
-    /// A red rope on white from 10 to 190, its last 12 pixels blue.
-    fn picture() -> Vec<u8> {
+    /// A rope on white from 10 to 190, of these colors along it.
+    fn picture(color: impl Fn(usize) -> [u8; 3]) -> Vec<u8> {
         let pixel = |i: usize| match (i % 200, i / 200) {
-            (10..178, 16..24) => [200, 30, 30],
-            (178..190, 16..24) => [30, 30, 200],
+            (x @ 10..190, 16..24) => color(x),
             _ => [240; 3],
         };
         (0..200 * 40).flat_map(pixel).collect()
+    }
+
+    /// Red, the last 12 pixels blue.
+    fn plugged(x: usize) -> [u8; 3] {
+        if x < 178 {
+            [200, 30, 30]
+        } else {
+            [30, 30, 200]
+        }
     }
 
     fn line(closed: bool, border: [bool; 2]) -> Line {
@@ -214,20 +227,39 @@ mod tests {
         }
     }
 
+    fn cut(line: &mut Line, color: impl Fn(usize) -> [u8; 3]) -> [f32; 2] {
+        let pixels = picture(color);
+        let image = Image::new(&pixels, 200, 40, 600, PixelFormat::Rgb8).expect("of its size");
+        PlugCutter::default().cut(line, &image)
+    }
+
     #[test]
     fn an_end_of_another_color_is_cut_off() {
-        let pixels = picture();
-        let image = Image::new(&pixels, 200, 40, 600, PixelFormat::Rgb8).expect("of its size");
-        let mut cutter = PlugCutter::default();
-        let mut cut = line(false, [false; 2]);
-        let [first_px, last_px] = cutter.cut(&mut cut, &image);
+        let mut rope = line(false, [false; 2]);
+        let [first_px, last_px] = cut(&mut rope, plugged);
         assert_eq!(first_px, 0.0);
         assert!((last_px - 12.0).abs() < 1.1, "{last_px}");
-        assert!((cut.samples[cut.samples.len() - 1].at[0] - 177.0).abs() < 1.1);
+        assert!((rope.samples[rope.samples.len() - 1].at[0] - 177.0).abs() < 1.1);
         // What leaves the image has no end there, and a ring has none.
         for mut whole in [line(false, [false, true]), line(true, [false; 2])] {
-            assert_eq!(cutter.cut(&mut whole, &image), [0.0; 2]);
+            assert_eq!(cut(&mut whole, plugged), [0.0; 2]);
             assert_eq!(whole.samples.len(), 180);
+        }
+    }
+
+    #[test]
+    fn a_tip_that_darkens_little_by_little_stays() {
+        let shaded = |x: usize| [200 - x.saturating_sub(140) as u8, 30, 30];
+        assert_eq!(cut(&mut line(false, [false; 2]), shaded), [0.0; 2]);
+    }
+
+    #[test]
+    fn what_is_as_wide_as_long_is_left_alone() {
+        let mut short = line(false, [false; 2]);
+        short.samples.drain(..140);
+        for width_px in [20.0, 40.0, 400.0] {
+            (short.samples.iter_mut()).for_each(|sample| sample.width_px = width_px);
+            assert_eq!(cut(&mut short, plugged), [0.0; 2]);
         }
     }
 
