@@ -2,7 +2,8 @@
 //!
 //! The exact distance to the nearest pixel that is not rope, found row by row from the nearest on: in a window of 64
 //! pixels a row, or where that shows none of 128, eight rows at a time, the nearest bit to either side. Rows are left out
-//! once they are farther than what was found. What is outside of the image does not count as unset: a rope that leaves the image is cut, not narrow.
+//! once they are farther than what was found. What is outside of the image does not count as unset: a rope that leaves the
+//! image is cut, not narrow.
 
 use super::bits::BitPlane;
 use super::strips::{BLOCK, Strips};
