@@ -1,11 +1,13 @@
 //! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use image::imageops::{self, FilterType};
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
+use lariat_lab::Samples;
 
 /// Width and height of the pictures.
 const SIZE: (u32, u32) = (480, 360);
@@ -70,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let films = stories.len() as u64 * args.seeds.max(1);
     let frames = args.frames.div_ceil(films);
     println!(
-        "{:<12} {:>4} {:>7} {:>8} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9}",
+        "{:<12} {:>4} {:>7} {:>8} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9} {:>6} {:>6}",
         "story",
         "seed",
         "frames",
@@ -84,13 +86,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         "exchanged",
         "invented",
         "misjudged",
-        "mismarked"
+        "mismarked",
+        "µs",
+        "whole"
     );
     for story in stories {
         for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
             let (verdict, counts) =
                 watch(film(story, seed, ground.as_ref()), [seed, frames], args)?;
-            print(story, seed, frames, &verdict, counts);
+            print(story, seed, frames, &verdict, &counts);
         }
     }
     println!(
@@ -98,20 +102,21 @@ pub(crate) fn run(args: &Args) -> Result<()> {
          exchanged or invented;\nwith --mask true clutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
          a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
-         and seen",
+         and seen;\nµs: a followed frame, the median; whole: one that is extracted whole",
         SIZE.0, SIZE.1
     );
     Ok(())
 }
 
-fn print(story: Story, seed: u64, frames: u64, v: &Verdict, [followed, right]: [u64; 2]) {
+fn print(story: Story, seed: u64, frames: u64, v: &Verdict, counts: &Counts) {
     let share = |count: u64| 100.0 * count as f64 / frames as f64;
+    let us = |samples: &Samples| samples.median() / 1e3;
     let mismarked = 100.0 * v.mismarked as f64 / v.marked.max(1) as f64;
     println!(
-        "{:<12} {seed:>4} {frames:>7} {:>7.1}% {:>5.1}% {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {mismarked:>8.2}%",
+        "{:<12} {seed:>4} {frames:>7} {:>7.1}% {:>5.1}% {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {mismarked:>8.2}% {:>6.0} {:>6.0}",
         story.name(),
-        share(followed),
-        share(right),
+        share(counts.followed.count() as u64),
+        share(counts.right),
         v.shown,
         v.missed,
         v.miscounted,
@@ -119,7 +124,9 @@ fn print(story: Story, seed: u64, frames: u64, v: &Verdict, [followed, right]: [
         v.swaps,
         v.exchanged,
         v.invented,
-        v.misjudged
+        v.misjudged,
+        us(&counts.followed),
+        us(&counts.whole)
     );
 }
 
@@ -135,8 +142,16 @@ fn film(story: Story, seed: u64, ground: Option<&image::RgbImage>) -> Film {
     Film::on(story, seed, size, ground.into_rgb8().into_raw())
 }
 
-/// What was wrong in a film, and how many of its frames were followed, and right.
-fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdict, [u64; 2])> {
+/// How long each of a film's frames took, in nanoseconds, and how many were right.
+#[derive(Default)]
+struct Counts {
+    followed: Samples,
+    whole: Samples,
+    right: u64,
+}
+
+/// What was wrong in a film.
+fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdict, Counts)> {
     let story = film.story();
     let mask = match args.mask {
         Sayer::True if story.is_cluttered() => Mask::External,
@@ -150,19 +165,24 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
     })?;
     let mut judge = Judge::default();
     let (mut rgb, mut mask) = (Vec::new(), Vec::new());
-    let [mut followed, mut right] = [0; 2];
+    let mut counts = Counts::default();
     for frame in 0..frames {
         let truth = film.next(&mut rgb);
         let (width, height) = (SIZE.0 as usize, SIZE.1 as usize);
         let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
         film.mask(&truth, &mut mask);
         let mask = Image::new(&mask, width, height, width, PixelFormat::Gray8)?;
+        let start = Instant::now();
         let scene = look(&mut extractor, &image, is_told.then_some(&mask))?;
-        followed += u64::from(scene.followed);
+        let ns = start.elapsed().as_secs_f64() * 1e9;
+        match scene.followed {
+            true => counts.followed.push(ns),
+            false => counts.whole.push(ns),
+        }
         let curves: Vec<_> = scene.curves.iter().map(seen).collect();
         let before = judge.verdict();
         let wrong = judge.look(&truth, &curves);
-        right += u64::from(before.places() == judge.verdict().places());
+        counts.right += u64::from(before.places() == judge.verdict().places());
         if wrong.is_empty() {
             continue;
         }
@@ -179,7 +199,7 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
             draw(&rgb, &truth, scene.curves, &folder.join(name))?;
         }
     }
-    Ok((judge.verdict(), [followed, right]))
+    Ok((judge.verdict(), counts))
 }
 
 /// Follows the ropes, and only where that cannot be done asks for the mask, as of a network that takes its time.
