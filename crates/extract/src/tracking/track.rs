@@ -498,3 +498,31 @@ fn has_jumped(track: &Track, curve: &Curve) -> bool {
         _ => false,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rope_is_known_that_was_surely_seen_for_more_than_a_moment() {
+        let curve = Curve {
+            points: (0u8..20).map(|i| [10.0 * f32::from(i), 50.0]).collect(),
+            widths_px: vec![8.0; 20],
+            hidden: vec![false; 20],
+            width_px: 8.0,
+            length_px: 190.0,
+            ..Curve::empty()
+        };
+        for (confidence, is_known) in [(0.9, true), (0.3, false)] {
+            let (mut tracker, mut curves) = (Tracker::default(), vec![curve.clone()]);
+            for frame in 0..SETTLED {
+                assert!(!tracker.knows_some(0.5), "in frame {frame}");
+                tracker.begin(33_000_000 * u64::from(frame + 1), false);
+                let mut looks = [Look::default()];
+                tracker.update(&mut curves, 1, &mut looks, &Options::default());
+                tracker.note_confidence(curves[0].track, confidence);
+            }
+            assert_eq!(tracker.knows_some(0.5), is_known);
+        }
+    }
+}
