@@ -5,6 +5,7 @@ pub(crate) mod background;
 pub(crate) mod cast;
 mod diagnosis;
 pub(crate) mod difference;
+mod evened;
 mod faint;
 pub(crate) mod hsv;
 mod hysteresis;

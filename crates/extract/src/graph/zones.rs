@@ -17,6 +17,9 @@ use crate::skeleton::{NONE, Skeleton};
 use crate::statistics::quantile_of_positive;
 use crate::vec2::{self, Vec2};
 
+/// How many times as wide as most a strand is that is called wider.
+const WIDER: f32 = 1.25;
+
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Zones {
@@ -47,6 +50,7 @@ impl Zones {
         self.parent.extend(0..graph.nodes.len() as u32);
         self.inside.clear();
         self.inside.resize(graph.edges.len(), false);
+        self.list_widest(graph);
         for e in 0..graph.edges.len() {
             if self.is_overlap(e, graph, skeleton) {
                 self.join(e, graph);
@@ -213,7 +217,13 @@ impl Zones {
         if a.degree < 3 || b.degree < 3 {
             return false;
         }
-        let width = 2.0 * self.half_px;
+        // Beside a strand that is wider than most, its width counts: it is no overlap for being that wide.
+        let widest = self.widest_half_px(e, graph);
+        let half_px = match widest > WIDER * self.half_px {
+            true => widest,
+            false => self.half_px,
+        };
+        let width = 2.0 * half_px;
         // Nearer than this, even two crossings of their own are better resolved together.
         if edge.length_px <= 0.8 * width + 1.0 {
             return true;
@@ -227,10 +237,10 @@ impl Zones {
         let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
         // Along a crossing's bisector the half-width falls evenly from the junctions to the middle,
         // along a strand at once; the rest allows for whole pixels.
-        let wide = mean >= 0.5 * (at_ends + self.half_px) - 0.06 * width;
-        let swollen = mean >= 1.12 * self.half_px + 0.15;
+        let wide = mean >= 0.5 * (at_ends + half_px) - 0.06 * width;
+        let swollen = mean >= 1.12 * half_px + 0.15;
         wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
-            || mean >= 1.5 * self.half_px + 0.3
+            || mean >= 1.5 * half_px + 0.3
     }
 
     /// The arm at one end of edge `e`: how much of it belongs to the crossing, and its direction.

@@ -4,6 +4,7 @@ use super::background::Background;
 use super::cast::{Cast, Shadows};
 use super::diagnosis::{Diagnosis, Evidence};
 use super::difference::Differencer;
+use super::evened::Evener;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
@@ -106,6 +107,7 @@ pub(crate) struct Masker {
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
     ribbons: Ribbons,
+    evener: Evener,
     finder: Finder,
     /// How likely the network says that each pixel is of a rope.
     pub(crate) likely: GrayPlane,
@@ -219,6 +221,7 @@ impl Masker {
         }
         self.difference.resize(image.width(), image.height());
         (self.ribbons).find(image, &self.likely, &mut self.difference);
+        self.evener.run(&mut self.difference);
         let notice = self.notice;
         self.take_levels(ROPE_LEVEL);
         self.notice = notice;
@@ -298,6 +301,7 @@ impl Masker {
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
         self.ribbons.reserve(width, height);
+        self.evener.reserve(width);
         self.finder.reserve(width, height);
         self.likely.resize(width, height);
         self.smoother.reserve(width);

@@ -13,8 +13,10 @@ const HOP_PX: f32 = 3.0;
 const MOST: usize = 200;
 /// Ribs from which on no more pieces are traced.
 pub(super) const MOST_TRACED: usize = 8192;
-/// How far it goes without finding anything, in widths and pixels: across a rope that lies on it.
-const BLIND: (f32, f32) = (1.6, 10.0);
+/// How far it goes without finding anything, in widths and pixels; and what a pixel of that counts where another piece
+/// lies, which may hide it.
+const BLIND: (f32, f32) = (2.0, 12.0);
+const HIDDEN: f32 = 0.3;
 /// The places aside and the changes of width that are tried, in pixels.
 const ASIDE_PX: [f32; 7] = [-2.4, -1.6, -0.8, 0.0, 0.8, 1.6, 2.4];
 const WIDER_PX: [f32; 3] = [-1.0, 0.0, 1.0];
@@ -23,7 +25,7 @@ const UNLIKE: (f32, f32) = (14.0, 22.0);
 const EDGES: (f32, f32) = (20.0, 40.0);
 /// The least worth of a place.
 const WORTH: f32 = 10.0;
-/// What another piece may be unlike and wider, for this one to run into it.
+/// What another piece may be unlike and wider, for this one to end in it.
 const INTO: (f32, f32) = (20.0, 1.5);
 
 /// Where a trace is.
@@ -159,7 +161,7 @@ fn walk(
     ribs: &mut Vec<Rib>,
 ) {
     let (mut good, mut blind_px) = (ribs.len(), 0.0);
-    let mut is_out = false;
+    let (mut is_out, mut has_met) = (false, false);
     let mut sides = [[0.0; 3]; 2];
     for _ in 0..MOST {
         let ahead = walk.go();
@@ -172,28 +174,30 @@ fn walk(
             good = ribs.len();
             break;
         }
-        let other = ground.at(picture, ahead);
-        is_out |= other != Some(number);
-        if let Some(other) = other.filter(|&other| is_out && other != number)
-            && unlikeness(pieces[other].color, walk.color) < INTO.0
-            && pieces[other].wider(walk.width_px) < INTO.1
-        {
-            ribs.push(walk.rib(ahead, sides));
-            good = ribs.len();
-            break;
-        }
-        if let Some(found) = seek(picture, &walk, ahead) {
+        let there = ground.at(picture, ahead);
+        is_out |= there != Some(number);
+        let other = there.filter(|&other| is_out && other != number);
+        let is_alike = other.is_some_and(|other| {
+            unlikeness(pieces[other].color, walk.color) < INTO.0
+                && pieces[other].wider(walk.width_px) < INTO.1
+        });
+        let found = (!is_alike).then(|| seek(picture, &walk, ahead)).flatten();
+        if let Some(found) = found {
             walk.turn_to(&found);
             sides = found.sides;
             ribs.push(walk.rib(walk.at, sides));
-            (good, blind_px) = (ribs.len(), 0.0);
-        } else {
-            walk.at = ahead;
-            ribs.push(walk.rib(ahead, sides));
-            blind_px += HOP_PX;
-            if blind_px > (BLIND.0 * walk.width_px).max(BLIND.1) {
-                break;
-            }
+            (good, blind_px, has_met) = (ribs.len(), 0.0, false);
+            continue;
+        }
+        walk.at = ahead;
+        ribs.push(walk.rib(ahead, sides));
+        if is_alike && !has_met {
+            // It ends here, or goes on beyond.
+            (good, blind_px, has_met) = (ribs.len(), 0.0, true);
+        }
+        blind_px += if other.is_some() { HIDDEN } else { 1.0 } * HOP_PX;
+        if blind_px > (BLIND.0 * walk.width_px).max(BLIND.1) {
+            break;
         }
     }
     ribs.truncate(good);

@@ -99,6 +99,30 @@ fn points_stand_at_equal_steps() {
 }
 
 #[test]
+fn a_hose_under_thin_cables_is_one_rope() {
+    for width_px in [14.0, 18.0, 20.0] {
+        let table = Table::new(320, 240, WHITE);
+        let hose = Rope::along(width_px, BLACK, |t| {
+            let turn = std::f32::consts::PI * t;
+            [160.0 - 110.0 * turn.cos(), 190.0 - 130.0 * turn.sin()]
+        });
+        let cables = [100.0, 170.0, 240.0]
+            .map(|x: f32| Rope::along(8.0, RED, move |t| [x + 30.0 * t, 20.0 + 200.0 * t]));
+        let ropes = [&[hose][..], &cables].concat();
+        let mut extractor = extractor();
+        let scene = see(&mut extractor, &table.draw(&ropes), &table);
+        assert_eq!(scene.curves.len(), ropes.len(), "{width_px} px");
+        for rope in &ropes {
+            let found = |curve: &&lariat_extract::Curve| error(curve, rope).mean_px < 1.0;
+            assert!(
+                scene.curves.iter().any(|curve| found(&curve)),
+                "{width_px} px"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_rope_that_crosses_itself_is_one_rope() {
     for width_px in [4.0, 7.0, 12.0] {
         let mut table = Table::new(320, 240, BLACK);
