@@ -12,14 +12,14 @@ use crate::image::Image;
 use crate::image::gray::GrayPlane;
 use crate::scene::{Curve, Status};
 use crate::statistics::{grade, median, quantile};
-use crate::vec2;
+use crate::vec2::{self, Vec2};
 use across::Across;
 use weights::{ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
 /// Numbers that speak for a curve or against it.
-const CLUES: usize = Clue::Unlikely as usize + 1;
+const CLUES: usize = Clue::Seen as usize + 1;
 /// A step of this many levels beyond the table's own texture is an edge: a camera's noise makes less of a mean.
 const EDGE: (f32, f32) = (6.0, 1.5);
 /// Radians from which on an arc says something, and all; how far it lies off its circle, as a share of the radius, to say nothing, and all.
@@ -27,6 +27,8 @@ const ARC: (f32, f32) = (2.5, 4.0);
 const EXACT: (f32, f32) = (0.03, 0.01);
 /// Lengths in widths beyond which nothing is learnt.
 const LONGEST: f32 = 64.0;
+/// How likely the network finds what it is sure of, of 255.
+const SEEN: f32 = 0.9 * 255.0;
 
 /// What speaks for a curve, or against it: a number from 0 to 1 each.
 #[derive(Clone, Copy)]
@@ -77,10 +79,8 @@ enum Clue {
     Sound,
     /// Whether it is an arc of a circle, of half a turn or more: a rim.
     Round,
-    /// How likely the network says that the curve is of a rope, in the mean.
-    Likely,
-    /// The share of it that the network says is none.
-    Unlikely,
+    /// The share of it that the network is sure of.
+    Seen,
 }
 
 /// Who made the mask: what speaks for a curve weighs otherwise with each.
@@ -130,8 +130,7 @@ impl Evidence {
         "a stretch without edges",
         "nothing against it",
         "an arc of a circle",
-        "likely by the network",
-        "unlikely by the network in part",
+        "surely seen by the network",
     ];
 
     /// The probability that a curve of this evidence is right.
@@ -192,12 +191,8 @@ pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
     clues[Clue::Sound as usize] =
         clues[Clue::BothEdges as usize] * clues[Clue::Agreement as usize] * sound;
     if let Some(likely) = known.likely {
-        let levels = curve.points.iter().map(|&at| likely.sample(at) / 255.0);
-        let (sum, unlikely) = levels.fold((0.0, 0.0), |(sum, unlikely), level| {
-            (sum + level, unlikely + share(level < 0.5))
-        });
-        clues[Clue::Likely as usize] = sum / points;
-        clues[Clue::Unlikely as usize] = unlikely / points;
+        let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
+        clues[Clue::Seen as usize] = curve.points.iter().filter(is_seen).count() as f32 / points;
     }
     Evidence {
         clues,

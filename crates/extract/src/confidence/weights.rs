@@ -1,5 +1,5 @@
 //! What each clue weighs: made by `cargo run --release -p lariat-lab -- calibrate-confidence`, which says how true the
-//! confidence is on pictures that it was not fitted to: expected calibration error 0.035 of one's own masks (these are of an earlier run), 0.040 of the
+//! confidence is on pictures that it was not fitted to: expected calibration error 0.035 of one's own masks (these are of an earlier run), 0.029 of the
 //! network's, 0.029 of those from elsewhere.
 
 use super::CLUES;
@@ -30,37 +30,35 @@ pub(super) const OWN: [f32; CLUES] = [
     -2.111, // a stretch without edges
     2.892, // nothing against it
     0.000, // an arc of a circle
-    0.000, // likely by the network
-    0.000, // unlikely by the network in part
+    0.000, // surely seen by the network
 ];
 /// Where the network did.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -16.179, // constant
-    5.088, // edges on both sides
-    -3.454, // an edge on a side at least
-    7.642, // contrast in levels
-    2.276, // contrast over texture
-    -7.334, // edges where the width says
-    -2.076, // unevenness of the width
-    -1.982, // unlikeness of colour along the curve
-    1.261, // unlikeness of the two sides
-    4.680, // unlikeness of the ground along the curve
-    -2.273, // like the ground in less light
-    10.635, // length in widths
-    -6.805, // thinness
-    1.129, // bends
-    -5.111, // straight through the picture
-    -4.385, // ends that go on
-    -0.338, // hidden share
-    -2.342, // seen in part
-    -3.273, // its own doubt
-    -0.085, // the mask's notice
-    -1.790, // a stretch without edges
-    -0.229, // nothing against it
-    -6.689, // an arc of a circle
-    6.681, // likely by the network
-    1.573, // unlikely by the network in part
+    -12.727, // constant
+    5.111, // edges on both sides
+    -2.722, // an edge on a side at least
+    7.262, // contrast in levels
+    3.016, // contrast over texture
+    -8.276, // edges where the width says
+    -1.502, // unevenness of the width
+    -1.559, // unlikeness of colour along the curve
+    1.315, // unlikeness of the two sides
+    4.740, // unlikeness of the ground along the curve
+    -2.244, // like the ground in less light
+    10.027, // length in widths
+    -6.983, // thinness
+    1.100, // bends
+    -5.000, // straight through the picture
+    -4.259, // ends that go on
+    -0.272, // hidden share
+    -2.336, // seen in part
+    -3.183, // its own doubt
+    -0.071, // the mask's notice
+    -1.666, // a stretch without edges
+    -0.369, // nothing against it
+    -6.684, // an arc of a circle
+    3.637, // surely seen by the network
 ];
 /// Where somebody else did.
 #[rustfmt::skip]
@@ -88,6 +86,5 @@ pub(super) const ELSEWHERE: [f32; CLUES] = [
     -1.273, // a stretch without edges
     1.630, // nothing against it
     -3.600, // an arc of a circle
-    0.000, // likely by the network
-    0.000, // unlikely by the network in part
+    0.000, // surely seen by the network
 ];
