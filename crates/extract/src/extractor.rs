@@ -42,6 +42,8 @@ use std::sync::Arc;
 const SOMETHING: f32 = 24.0;
 /// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
+/// Images that are extracted whole by the network at once, after one in which it found ropes on what is no plain table.
+const FRAMES_KNOWN: u32 = 30;
 /// The time between two images of which nothing else is known: 1/30 s.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 
@@ -116,6 +118,8 @@ pub struct Extractor {
     followed: bool,
     /// Frames without a rope until the network is asked again.
     frames_to_wait: u32,
+    /// Whole images until it is asked again whether the table is plain.
+    frames_known: u32,
     meant: Meant,
 }
 
@@ -164,6 +168,7 @@ impl Extractor {
             is_crowded: false,
             followed: false,
             frames_to_wait: 0,
+            frames_known: 0,
             meant: Meant::default(),
         })
     }
@@ -250,13 +255,29 @@ impl Extractor {
                 return true;
             }
         }
-        self.masker.run(image, &self.options.mask);
-        self.trace(image, after);
-        if self.is_cluttered(image) {
-            self.seek(image, after);
+        if self.frames_known > 0 {
+            self.frames_known -= 1;
+            self.masker.seek_instead(image);
+            self.trace(image, after);
+            if !self.is_found_by_network() {
+                self.frames_known = 0;
+            }
+        } else {
+            self.masker.run(image, &self.options.mask);
+            self.trace(image, after);
+            if self.is_cluttered(image) {
+                self.seek(image, after);
+            }
+            if self.options.mask == Mask::Auto && self.is_found_by_network() {
+                self.frames_known = FRAMES_KNOWN;
+            }
         }
         self.report(image, after);
         false
+    }
+
+    fn is_found_by_network(&self) -> bool {
+        self.masker.is_sought && !self.masker.is_blind && self.count > 0
     }
 
     /// Looks for ropes with the network; where that was in vain, not soon again.
@@ -525,6 +546,7 @@ impl Extractor {
         self.crossings.clear();
         self.follower.forget();
         self.frames_to_wait = 0;
+        self.frames_known = 0;
         self.clusterer.forget();
         self.tracker.reset();
         self.meant.forget();

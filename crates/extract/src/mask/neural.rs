@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use lariat_network::{Maps, Network, Picture, Workspace};
+use lariat_portable::{Arch, NullaryFnOnce};
 
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, PixelFormat, color};
@@ -20,6 +21,7 @@ pub(crate) struct Finder {
     rope: Vec<u8>,
     seam: Vec<u8>,
     row: Vec<u32>,
+    line: Vec<[u8; 3]>,
     sums: Vec<[u32; 3]>,
 }
 
@@ -38,6 +40,7 @@ impl Finder {
             rope: Vec::new(),
             seam: Vec::new(),
             row: Vec::new(),
+            line: Vec::new(),
             sums: Vec::new(),
         }
     }
@@ -87,32 +90,42 @@ impl Finder {
 
     /// The means of blocks in red, green and blue.
     fn read(&mut self, image: &Image, scale: usize, [columns, rows]: [usize; 2]) {
-        let is_yuv = color::is_yuv(image.format());
-        let is_gray = matches!(image.format(), PixelFormat::Gray8 | PixelFormat::Gray16);
+        let format = image.format();
         self.row.resize(columns * scale, 0);
+        self.line.resize(columns * scale, [0; 3]);
         self.sums.resize(columns, [0; 3]);
-        self.rgb.clear();
-        let count = (scale * scale) as u32;
-        for y in 0..rows {
+        self.rgb.resize(3 * columns * rows, 0);
+        let out = self.rgb.as_chunks_mut().0.chunks_exact_mut(columns.max(1));
+        for (y, out) in out.enumerate() {
+            if scale == 1 {
+                color::along(image, y, &mut self.row);
+                let pixels = &self.row[..];
+                Arch::new().dispatch(InRgb {
+                    pixels,
+                    format,
+                    out,
+                });
+                continue;
+            }
             self.sums.fill([0; 3]);
             for line in y * scale..(y + 1) * scale {
                 color::along(image, line, &mut self.row);
-                let blocks = self.row.chunks_exact(scale);
+                Arch::new().dispatch(InRgb {
+                    pixels: &self.row,
+                    format,
+                    out: &mut self.line,
+                });
+                let blocks = self.line.chunks_exact(scale);
                 for (sum, block) in self.sums.iter_mut().zip(blocks) {
                     for pixel in block {
-                        let [a, b, c, _] = pixel.to_le_bytes();
-                        let rgb = match (is_gray, is_yuv) {
-                            (true, _) => [a; 3],
-                            (_, true) => color::yuv_to_rgb([a, b, c]),
-                            _ => [a, b, c],
-                        };
-                        *sum = std::array::from_fn(|k| sum[k] + u32::from(rgb[k]));
+                        *sum = std::array::from_fn(|k| sum[k] + u32::from(pixel[k]));
                     }
                 }
             }
-            let means = self.sums.iter().flatten();
-            self.rgb
-                .extend(means.map(|sum| ((sum + count / 2) / count) as u8));
+            let count = (scale * scale) as u32;
+            for (out, sum) in out.iter_mut().zip(&self.sums) {
+                *out = sum.map(|sum| ((sum + count / 2) / count) as u8);
+            }
         }
     }
 
@@ -155,6 +168,7 @@ impl Finder {
         self.seam.reserve(columns * rows);
         self.rgb.reserve(3 * columns * rows);
         self.row.reserve(width);
+        self.line.reserve(width);
         self.sums.reserve(columns);
     }
 }
@@ -164,4 +178,34 @@ fn scale_of(width: usize, height: usize) -> usize {
     (1..)
         .find(|scale| (width / scale) * (height / scale) <= MOST_PIXELS)
         .unwrap_or(1)
+}
+
+/// A row of pixels in red, green and blue.
+struct InRgb<'a> {
+    pixels: &'a [u32],
+    format: PixelFormat,
+    out: &'a mut [[u8; 3]],
+}
+
+impl NullaryFnOnce for InRgb<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match self.format {
+            PixelFormat::Gray8 | PixelFormat::Gray16 => self.write(|[light, ..]| [light; 3]),
+            format if color::is_yuv(format) => self.write(color::yuv_to_rgb),
+            _ => self.write(|rgb| rgb),
+        }
+    }
+}
+
+impl InRgb<'_> {
+    #[inline(always)]
+    fn write(self, converted: impl Fn([u8; 3]) -> [u8; 3]) {
+        for (out, pixel) in self.out.iter_mut().zip(self.pixels) {
+            let [a, b, c, _] = pixel.to_le_bytes();
+            *out = converted([a, b, c]);
+        }
+    }
 }

@@ -79,6 +79,28 @@ fn ropes_on_a_checkered_table_are_found() {
 }
 
 #[test]
+fn a_table_that_was_not_plain_is_taken_for_such_for_a_while() {
+    let mut extractor = drawing::extractor();
+    let bytes = over(squares, &two());
+    assert!(seen(&mut extractor, &bytes).notice.is_some());
+    let plain = |_: usize, _: usize| [210, 205, 195];
+    let mut notices = Vec::new();
+    for k in 0..40 {
+        // Too far from one frame to the next to be followed.
+        let y = if k % 2 == 0 { 90.0 } else { 270.0 };
+        let rope = Rope::along(11.0, [205.0, 25.0, 35.0], |t| {
+            [60.0 + 360.0 * t, y + 40.0 * (5.0 * t).sin()]
+        });
+        let bytes = over(plain, std::slice::from_ref(&rope));
+        let scene = seen(&mut extractor, &bytes);
+        assert!(is_found(&scene, &rope), "frame {k}");
+        notices.push(scene.notice);
+    }
+    assert_eq!(notices[0], Some(Notice::CheckeredTable));
+    assert_eq!(notices[39], None);
+}
+
+#[test]
 fn ropes_on_a_painters_floor_are_found() {
     let ropes = two();
     for seed in 0..3 {

@@ -83,3 +83,12 @@ fn main() -> ExitCode {
         }
     }
 }
+
+/// A picture's size, as in `640x480`.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        let [width, height] = [width, height].map(str::parse::<usize>);
+        Some([width.ok()?, height.ok()?])
+    });
+    sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
+}

@@ -1,5 +1,7 @@
 //! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
 
+mod video;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -8,9 +10,6 @@ use image::imageops::{self, FilterType};
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
 use lariat_lab::Samples;
-
-/// Width and height of the pictures.
-const SIZE: (u32, u32) = (480, 360);
 
 /// What to measure.
 #[derive(clap::Args)]
@@ -33,6 +32,12 @@ pub(crate) struct Args {
     /// A picture that the ropes of those stories lie on, instead of a drawn ground
     #[arg(long, value_name = "PICTURE")]
     ground: Option<PathBuf>,
+    /// Size of the pictures
+    #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = crate::size)]
+    size: [usize; 2],
+    /// Write each film as a Y4M video into this folder, for instance for `lariat run VIDEO`, instead of looking at it
+    #[arg(long, value_name = "FOLDER")]
+    write: Option<PathBuf>,
     /// Say what was wrong, frame by frame
     #[arg(long)]
     verbose: bool,
@@ -71,6 +76,22 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let ground = ground.transpose()?.map(|picture| picture.to_rgb8());
     let films = stories.len() as u64 * args.seeds.max(1);
     let frames = args.frames.div_ceil(films);
+    let seeds = || args.first_seed..args.first_seed + args.seeds.max(1);
+    if let Some(folder) = &args.write {
+        for (&story, seed) in stories
+            .iter()
+            .flat_map(|story| seeds().map(move |seed| (story, seed)))
+        {
+            let film = film(story, seed, args.size, ground.as_ref());
+            video::write(
+                film,
+                args.size,
+                frames,
+                &folder.join(format!("{}.y4m", name(story, seed))),
+            )?;
+        }
+        return Ok(());
+    }
     println!(
         "{:<12} {:>4} {:>7} {:>8} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9} {:>6} {:>6}",
         "story",
@@ -91,9 +112,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         "whole"
     );
     for story in stories {
-        for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
-            let (verdict, counts) =
-                watch(film(story, seed, ground.as_ref()), [seed, frames], args)?;
+        for seed in seeds() {
+            let (verdict, counts) = watch(
+                film(story, seed, args.size, ground.as_ref()),
+                [seed, frames],
+                args,
+            )?;
             print(story, seed, frames, &verdict, &counts);
         }
     }
@@ -103,7 +127,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
          a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
          and seen;\nµs: a followed frame, the median; whole: one that is extracted whole",
-        SIZE.0, SIZE.1
+        args.size[0], args.size[1]
     );
     Ok(())
 }
@@ -130,12 +154,17 @@ fn print(story: Story, seed: u64, frames: u64, v: &Verdict, counts: &Counts) {
     );
 }
 
+/// A film's name as a file.
+fn name(story: Story, seed: u64) -> String {
+    format!("{}-{seed}", story.name().replace(' ', "-"))
+}
+
 /// The film of a story, on a picture if one is given and the story's ground is cluttered.
-fn film(story: Story, seed: u64, ground: Option<&image::RgbImage>) -> Film {
+fn film(story: Story, seed: u64, size: [usize; 2], ground: Option<&image::RgbImage>) -> Film {
+    let size = size.map(|side| side as u32);
     let Some(ground) = ground.filter(|_| story.is_cluttered()) else {
-        return Film::new(story, seed, SIZE.0, SIZE.1);
+        return Film::new(story, seed, size[0], size[1]);
     };
-    let size = [SIZE.0, SIZE.1];
     let [width, height] = Film::ground_size(story, size);
     let ground = image::DynamicImage::from(ground.clone());
     let ground = ground.resize_to_fill(width, height, FilterType::Triangle);
@@ -168,7 +197,7 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
     let mut counts = Counts::default();
     for frame in 0..frames {
         let truth = film.next(&mut rgb);
-        let (width, height) = (SIZE.0 as usize, SIZE.1 as usize);
+        let [width, height] = args.size;
         let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
         film.mask(&truth, &mut mask);
         let mask = Image::new(&mask, width, height, width, PixelFormat::Gray8)?;
@@ -195,8 +224,8 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
             );
         }
         if let Some(folder) = &args.overlay {
-            let name = format!("{}-{seed}-{frame:05}.png", story.name().replace(' ', "-"));
-            draw(&rgb, &truth, scene.curves, &folder.join(name))?;
+            let name = format!("{}-{frame:05}.png", name(story, seed));
+            draw(&rgb, args.size, (&truth, scene.curves), &folder.join(name))?;
         }
     }
     Ok((judge.verdict(), counts))
@@ -232,14 +261,20 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
 }
 
 /// The frame, the truth as thin dark dots, and the curves' points from red at ρ = 0 to blue at 1, hidden ones white.
-fn draw(rgb: &[u8], truth: &[TrueRope], curves: &[Curve], path: &Path) -> Result<()> {
+fn draw(
+    rgb: &[u8],
+    size: [usize; 2],
+    (truth, curves): (&[TrueRope], &[Curve]),
+    path: &Path,
+) -> Result<()> {
     const ZOOM: u32 = 2;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
-    let picture = image::RgbImage::from_raw(SIZE.0, SIZE.1, rgb.to_vec())
+    let [width, height] = size.map(|side| side as u32);
+    let picture = image::RgbImage::from_raw(width, height, rgb.to_vec())
         .context("a frame has three bytes a pixel")?;
-    let size = (ZOOM * SIZE.0, ZOOM * SIZE.1);
+    let size = (ZOOM * width, ZOOM * height);
     let mut picture = imageops::resize(&picture, size.0, size.1, FilterType::Nearest);
     let mut dot = |x: f64, y: f64, reach: i64, color: [u8; 3]| {
         let zoom = f64::from(ZOOM);

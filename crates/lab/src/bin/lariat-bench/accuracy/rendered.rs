@@ -30,16 +30,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rendered")]
     seed: u64,
     /// Size of the pictures
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size, requires = "rendered")]
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = crate::size, requires = "rendered")]
     size: [usize; 2],
-}
-
-fn size(text: &str) -> Result<[usize; 2], String> {
-    let sides = text.split_once('x').and_then(|(width, height)| {
-        let [width, height] = [width, height].map(str::parse::<usize>);
-        Some([width.ok()?, height.ok()?])
-    });
-    sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
 }
 
 /// One picture's result.
