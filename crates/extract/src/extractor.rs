@@ -255,25 +255,28 @@ impl Extractor {
                 return true;
             }
         }
-        if self.frames_known > 0 {
-            self.frames_known -= 1;
-            self.masker.seek_instead(image);
-            self.trace(image, after);
-            if !self.is_found_by_network() {
-                self.frames_known = 0;
-            }
-        } else {
+        if !self.goes_on_seeking(image, after) {
             self.masker.run(image, &self.options.mask);
             self.trace(image, after);
             if self.is_cluttered(image) {
                 self.seek(image, after);
             }
-            if self.options.mask == Mask::Auto && self.is_found_by_network() {
-                self.frames_known = FRAMES_KNOWN;
-            }
+            let is_to_be_known = self.options.mask == Mask::Auto && self.is_found_by_network();
+            self.frames_known = if is_to_be_known { FRAMES_KNOWN } else { 0 };
         }
         self.report(image, after);
         false
+    }
+
+    /// Gives the image to the network where the last ones were no plain table. Whether there are ropes.
+    fn goes_on_seeking(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
+        if self.frames_known == 0 {
+            return false;
+        }
+        self.frames_known -= 1;
+        self.masker.seek_instead(image);
+        self.trace(image, after);
+        self.is_found_by_network()
     }
 
     fn is_found_by_network(&self) -> bool {
