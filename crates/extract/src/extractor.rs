@@ -42,7 +42,7 @@ use std::sync::Arc;
 const SOMETHING: f32 = 24.0;
 /// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
-/// Images that are extracted whole by the network at once, after one in which it found ropes on what is no plain table.
+/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern.
 const FRAMES_KNOWN: u32 = 30;
 /// The time between two images of which nothing else is known: 1/30 s.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
@@ -118,7 +118,7 @@ pub struct Extractor {
     followed: bool,
     /// Frames without a rope until the network is asked again.
     frames_to_wait: u32,
-    /// Whole images until it is asked again whether the table is plain.
+    /// Whole images until it is asked again whether the table has a pattern.
     frames_known: u32,
     meant: Meant,
 }
@@ -261,14 +261,16 @@ impl Extractor {
             if self.is_cluttered(image) {
                 self.seek(image, after);
             }
-            let is_to_be_known = self.options.mask == Mask::Auto && self.is_found_by_network();
-            self.frames_known = if is_to_be_known { FRAMES_KNOWN } else { 0 };
+            // What covers a table passes, and so does its shade; a pattern stays.
+            let is_patterned = self.masker.notice == Some(Notice::CheckeredTable);
+            let is_known = is_patterned && self.is_found_by_network();
+            self.frames_known = if is_known { FRAMES_KNOWN } else { 0 };
         }
         self.report(image, after);
         false
     }
 
-    /// Gives the image to the network where the last ones were no plain table. Whether there are ropes.
+    /// Gives the image to the network where the last ones had a pattern. Whether there are ropes.
     fn goes_on_seeking(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         if self.frames_known == 0 {
             return false;
