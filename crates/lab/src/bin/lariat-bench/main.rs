@@ -90,5 +90,17 @@ fn size(text: &str) -> Result<[usize; 2], String> {
         let [width, height] = [width, height].map(str::parse::<usize>);
         Some([width.ok()?, height.ok()?])
     });
+    let sides = sides.filter(|sides| !sides.contains(&0));
     sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_size_has_two_sides() {
+        assert_eq!(super::size("640x480"), Ok([640, 480]));
+        for wrong in ["0x480", "640x0", "640", "640x", "640x480x3", "-1x2"] {
+            assert!(super::size(wrong).is_err(), "{wrong}");
+        }
+    }
 }

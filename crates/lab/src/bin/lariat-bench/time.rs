@@ -78,17 +78,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let frames = args.frames.div_ceil(films);
     let seeds = || args.first_seed..args.first_seed + args.seeds.max(1);
     if let Some(folder) = &args.write {
-        for (&story, seed) in stories
-            .iter()
-            .flat_map(|story| seeds().map(move |seed| (story, seed)))
-        {
-            let film = film(story, seed, args.size, ground.as_ref());
-            video::write(
-                film,
-                args.size,
-                frames,
-                &folder.join(format!("{}.y4m", name(story, seed))),
-            )?;
+        for &story in &stories {
+            for seed in seeds() {
+                let film = film(story, seed, args.size, ground.as_ref());
+                let path = folder.join(format!("{}.y4m", name(story, seed)));
+                video::write(film, args.size, frames, &path)?;
+            }
         }
         return Ok(());
     }
