@@ -16,17 +16,25 @@ mod tool;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Parser;
+use image::ExtendedColorType;
 
-/// Draws pictures to train on into a file of numpy's: count × side × side × 5 bytes (red, green, blue, rope, seam).
+use photographs::Photographs;
+
+/// Draws pictures to train on into a file of numpy's: count × side × side × 5 bytes (red, green, blue, rope, seam); or into a folder of
+/// pictures with labels.
 #[derive(Parser)]
+#[command(group = clap::ArgGroup::new("what").required(true).args(["out", "labelled"]))]
 struct Args {
-    /// Where to write it.
+    /// The file to write.
     #[arg(long)]
-    out: PathBuf,
+    out: Option<PathBuf>,
+    /// The folder to write `images` and `labels` into: PNGs named by their seeds, of a label's pixels each the number of its rope.
+    #[arg(long)]
+    labelled: Option<PathBuf>,
     /// The first picture's seed; the following pictures have the following ones.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -43,19 +51,56 @@ struct Args {
 
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    let photographs = photographs::Photographs::of(args.photographs.as_deref())?;
+    let photographs = Photographs::of(args.photographs.as_deref())?;
+    if let Some(out) = &args.out {
+        write_file(out, &args, &photographs)?;
+    }
+    if let Some(folder) = &args.labelled {
+        write_labelled(folder, &args, &photographs)?;
+    }
+    Ok(())
+}
+
+impl Args {
+    fn seeds(&self) -> std::ops::Range<u64> {
+        self.seed..self.seed + self.count
+    }
+}
+
+fn write_file(out: &Path, args: &Args, photographs: &Photographs) -> anyhow::Result<()> {
     let shape = [args.count as usize, args.side, args.side, scene::CHANNELS];
-    let unfinished = args.out.with_extension("part");
+    let unfinished = out.with_extension("part");
     let file = File::create(&unfinished)
         .with_context(|| format!("cannot write {}", unfinished.display()))?;
     let mut file = BufWriter::new(file);
     file.write_all(&header(shape))?;
-    for seed in args.seed..args.seed + args.count {
-        file.write_all(&scene::draw(seed, args.side, &photographs)?)?;
+    for seed in args.seeds() {
+        file.write_all(&scene::draw(seed, args.side, photographs)?.interleaved())?;
     }
     file.into_inner()?.sync_all()?;
-    std::fs::rename(&unfinished, &args.out)
-        .with_context(|| format!("cannot write {}", args.out.display()))
+    std::fs::rename(&unfinished, out).with_context(|| format!("cannot write {}", out.display()))
+}
+
+fn write_labelled(folder: &Path, args: &Args, photographs: &Photographs) -> anyhow::Result<()> {
+    let [images, labels] = ["images", "labels"].map(|name| folder.join(name));
+    for folder in [&images, &labels] {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    let side = args.side as u32;
+    for seed in args.seeds() {
+        let drawn = scene::draw(seed, args.side, photographs)?;
+        let name = format!("{seed:06}.png");
+        for (folder, bytes, color) in [
+            (&images, &drawn.rgb, ExtendedColorType::Rgb8),
+            (&labels, &drawn.labels, ExtendedColorType::L8),
+        ] {
+            let path = folder.join(&name);
+            image::save_buffer(&path, bytes, side, side, color)
+                .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+    }
+    Ok(())
 }
 
 /// The head of numpy's format, version 1: magic, length, a dictionary padded to 64 bytes.

@@ -454,6 +454,16 @@ impl Laid {
         seams
     }
 
+    /// The number of each pixel's rope, from 1 on; 0 where there is none.
+    pub(crate) fn labels(&self) -> Vec<u8> {
+        let number = |(strand, &cover): (&Strand, &f32)| match cover >= 0.5 {
+            true => strand.rope.wrapping_add(1) as u8,
+            false => 0,
+        };
+        let pixels = self.strands.values.iter().zip(&self.cover.values);
+        pixels.map(number).collect()
+    }
+
     /// Nothing of a rope is seen here any more.
     pub(crate) fn hide(&mut self, i: usize, share: f32) {
         self.cover.values[i] *= 1.0 - share;

@@ -10,8 +10,32 @@ use lariat_portable::SplitMix64;
 /// Three bytes of color a pixel, then how much of it ropes cover, then whether two ropes lie side by side there (255) or not (0).
 pub(crate) const CHANNELS: usize = 5;
 
-/// The picture of a seed, [`CHANNELS`] bytes a pixel.
-pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow::Result<Vec<u8>> {
+/// A square picture, row by row.
+pub(crate) struct Scene {
+    /// Three bytes a pixel.
+    pub(crate) rgb: Vec<u8>,
+    /// How much of each pixel ropes cover.
+    cover: Vec<f32>,
+    seams: Vec<bool>,
+    /// The number of each pixel's rope, from 1 on; 0 where there is none.
+    pub(crate) labels: Vec<u8>,
+}
+
+impl Scene {
+    /// [`CHANNELS`] bytes a pixel.
+    pub(crate) fn interleaved(&self) -> Vec<u8> {
+        let rest = self.cover.iter().zip(&self.seams);
+        let pixels = self.rgb.as_chunks::<3>().0.iter().zip(rest);
+        let pixel = |(&[red, green, blue], (cover, &seam)): (&[u8; 3], (&f32, &bool))| {
+            let seam = if seam { 255 } else { 0 };
+            [red, green, blue, (255.0 * cover + 0.5) as u8, seam]
+        };
+        pixels.flat_map(pixel).collect()
+    }
+}
+
+/// The picture of a seed.
+pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow::Result<Scene> {
     let random = &mut SplitMix64::of_stream(seed, 0x7EA);
     let mut canvas = ground::draw(side, photographs, random);
     let clutter = match random.below(10) {
@@ -32,20 +56,15 @@ pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow:
     if happens(random, 0.15) {
         cover(&mut laid, random);
     }
-    let seams = laid.seams(width_px);
-    let bytes = camera::expose(&mut laid.canvas, random)?;
-    let rest = laid.cover.values.iter().zip(&seams.values);
-    let pixels = bytes.as_chunks::<3>().0.iter().zip(rest);
-    let pixel = |(&[red, green, blue], (cover, &seam)): (&[u8; 3], (&f32, &bool))| {
-        [
-            red,
-            green,
-            blue,
-            (255.0 * cover + 0.5) as u8,
-            if seam { 255 } else { 0 },
-        ]
-    };
-    Ok(pixels.flat_map(pixel).collect())
+    let seams = laid.seams(width_px).values;
+    let labels = laid.labels();
+    let rgb = camera::expose(&mut laid.canvas, random)?;
+    Ok(Scene {
+        rgb,
+        cover: laid.cover.values,
+        seams,
+        labels,
+    })
 }
 
 /// None to eight ropes, alone or in bundles; and their usual width.
@@ -171,6 +190,10 @@ mod tests {
     const SIDE: usize = 128;
 
     fn scene(seed: u64) -> Vec<u8> {
+        drawn(seed).interleaved()
+    }
+
+    fn drawn(seed: u64) -> Scene {
         let photographs = Photographs::of(None).expect("none are asked for");
         draw(seed, SIDE, &photographs).expect("a picture")
     }
@@ -195,5 +218,22 @@ mod tests {
         let share = ropes as f32 / (40 * SIDE * SIDE) as f32;
         assert!((0.03..0.5).contains(&share), "{share}");
         assert!(seams > 100 && on_ropes == seams, "{on_ropes} of {seams}");
+    }
+
+    #[test]
+    fn labels_number_the_ropes_where_they_are_seen() {
+        let (mut several, mut covered, mut unnumbered) = (0, 0, 0);
+        for seed in 0..20 {
+            let scene = drawn(seed);
+            several += usize::from(scene.labels.contains(&2));
+            for (&label, &cover) in scene.labels.iter().zip(&scene.cover) {
+                assert!(label == 0 || cover >= 0.5);
+                covered += usize::from(cover >= 0.5);
+                unnumbered += usize::from(cover >= 0.5 && label == 0);
+            }
+        }
+        // Where the edges of two share a pixel it is no more of one than of the other.
+        assert!(100 * unnumbered < covered, "{unnumbered} of {covered}");
+        assert!(several > 5, "{several}");
     }
 }

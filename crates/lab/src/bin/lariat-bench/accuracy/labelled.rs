@@ -1,0 +1,46 @@
+//! Labelled photographs for others than the accuracy's own tables.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use image::DynamicImage;
+use lariat_extract::Curve;
+
+use super::labels::Labels;
+use super::spline::through;
+use super::{dataset, photo, whole};
+
+/// A photograph, and what its label says of curves.
+pub(crate) struct Labelled {
+    pub(crate) photo: DynamicImage,
+    label: Labels,
+}
+
+impl Labelled {
+    /// For each curve whether it is a labelled rope, whole.
+    pub(crate) fn is_whole(&self, curves: &[Curve]) -> Vec<bool> {
+        let splines: Vec<_> = curves.iter().map(through).collect();
+        whole::curves(&self.label, curves, &splines)
+    }
+}
+
+/// All labelled photographs of a folder of sets, one after the other.
+///
+/// # Errors
+/// The folder holds no set. Of the photographs: one, or its label, cannot be read.
+pub(crate) fn photographs(folder: &Path) -> Result<impl Iterator<Item = Result<Labelled>>> {
+    let pairs = dataset::find(folder)?.into_iter().flat_map(|set| set.pairs);
+    let read = |pair: &dataset::Pair| {
+        let label = Labels::load(&pair.label)?;
+        let photo = photo::load(&pair.image)?;
+        let size = [photo.width() as usize, photo.height() as usize];
+        ensure!(
+            size == [label.width, label.height],
+            "its label is of another size"
+        );
+        Ok(Labelled { photo, label })
+    };
+    Ok(pairs.map(move |pair| {
+        read(&pair).with_context(|| format!("cannot use {}", pair.image.display()))
+    }))
+}
