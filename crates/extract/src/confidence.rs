@@ -19,7 +19,7 @@ use weights::{ELSEWHERE, NETWORK, OWN};
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
 /// Numbers that speak for a curve or against it.
-const CLUES: usize = Clue::Seen as usize + 1;
+const CLUES: usize = Clue::Straight as usize + 1;
 /// A step of this many levels beyond the table's own texture is an edge: a camera's noise makes less of a mean.
 const EDGE: (f32, f32) = (6.0, 1.5);
 /// Radians from which on an arc says something, and all; how far it lies off its circle, as a share of the radius, to say nothing, and all.
@@ -81,6 +81,10 @@ enum Clue {
     Round,
     /// The share of it that the network is sure of.
     Seen,
+    /// How the light varies across it: a rope is round, what is printed is flat.
+    Relief,
+    /// Whether it is straight.
+    Straight,
 }
 
 /// Who made the mask: what speaks for a curve weighs otherwise with each.
@@ -131,6 +135,8 @@ impl Evidence {
         "nothing against it",
         "an arc of a circle",
         "surely seen by the network",
+        "light and shade across it",
+        "straight",
     ];
 
     /// The probability that a curve of this evidence is right.
@@ -170,7 +176,9 @@ pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
     clues[Clue::Length as usize] = libm::logf(widths.clamp(1.0, LONGEST)) / libm::logf(LONGEST);
     clues[Clue::Thin as usize] = (1.0 - curve.width_px / 8.0).clamp(0.0, 1.0);
     clues[Clue::Bends as usize] = bends(curve);
-    clues[Clue::Through as usize] = share(curve.border == [true; 2] && is_straight(curve));
+    clues[Clue::Straight as usize] = share(is_straight(curve));
+    clues[Clue::Through as usize] =
+        share(curve.border == [true; 2]) * clues[Clue::Straight as usize];
     clues[Clue::Round as usize] = roundness(curve);
     clues[Clue::Hidden as usize] = hidden;
     clues[Clue::Partial as usize] = share(curve.status == Status::Partial);
@@ -236,6 +244,9 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
     clues[Clue::Contrast as usize] = of(contrast, 24.0);
     clues[Clue::OverTexture as usize] = of(contrast, 1.0 + 2.0 * texture);
     clues[Clue::Agreement as usize] = middle(&|across| across.agreement);
+    let relief =
+        middle(&|across| across.relief[0]).abs() + 0.5 * middle(&|across| across.relief[1].abs());
+    clues[Clue::Relief as usize] = of(relief, 6.0);
     // A twisted rope has two colours by turns: of three neighbours the nearest two are alike.
     let along = |of: &dyn Fn(&Across) -> [f32; 3]| {
         let mut values = [0.0; PLACES];

@@ -117,6 +117,8 @@ pub struct Extractor {
     frames_to_wait: u32,
     /// Whole images until it is asked again whether the table has a pattern.
     frames_known: u32,
+    /// Whether the network was surer of its ropes than the automatic mask of a table that seemed plain.
+    is_network_surer: bool,
     meant: Meant,
 }
 
@@ -166,6 +168,7 @@ impl Extractor {
             followed: false,
             frames_to_wait: 0,
             frames_known: 0,
+            is_network_surer: false,
             meant: Meant::default(),
         })
     }
@@ -507,6 +510,7 @@ impl Extractor {
         self.follower.forget();
         self.frames_to_wait = 0;
         self.frames_known = 0;
+        self.is_network_surer = false;
         self.clusterer.forget();
         self.tracker.reset();
         self.meant.forget();

@@ -80,6 +80,9 @@ pub enum Class {
     OnTexture,
     /// The same ropes on a desk with boxes, text, pens, cups.
     OnClutter,
+    /// A rope that is pulled tight through the image, straight or a little bent, on such surfaces: of seeds 4k to 4k + 3 plain, wood
+    /// and the like, and twice a desk.
+    Taut,
 }
 
 impl Class {
@@ -117,7 +120,7 @@ impl Class {
     ];
 
     /// The classes in which a rope is not just what differs from the table.
-    pub const HARD: [Self; 9] = [
+    pub const HARD: [Self; 10] = [
         Self::HardShadow,
         Self::SoftShadow,
         Self::WhiteShine,
@@ -126,12 +129,16 @@ impl Class {
         Self::OnNoise,
         Self::OnTexture,
         Self::OnClutter,
+        Self::Taut,
         Self::Things,
     ];
 
     /// Whether its ropes lie on a surface as they do in photographs.
     pub fn is_composed(self) -> bool {
-        matches!(self, Self::OnNoise | Self::OnTexture | Self::OnClutter)
+        matches!(
+            self,
+            Self::OnNoise | Self::OnTexture | Self::OnClutter | Self::Taut
+        )
     }
 
     /// Its name on the command line.
@@ -172,6 +179,7 @@ impl Class {
             Self::OnNoise => "on-noise",
             Self::OnTexture => "on-texture",
             Self::OnClutter => "on-clutter",
+            Self::Taut => "taut",
         }
     }
 }

@@ -36,6 +36,8 @@ impl Ground {
             Class::Things => Self::Things(vec![Thing::of(seed, size_px, look, random)]),
             Class::OnClutter => Self::Things(Thing::clutter(size_px, look, random)),
             Class::OnTexture => Self::Texture(Texture::of(seed, random)),
+            Class::Taut if seed % 4 == 1 => Self::Texture(Texture::of(seed / 4, random)),
+            Class::Taut if seed % 4 > 1 => Self::Things(Thing::clutter(size_px, look, random)),
             Class::Gradient => {
                 let turns = random.uniform(0.0, 1.0);
                 let length_px = random.uniform(0.15, 0.8) * size_px[0].min(size_px[1]);

@@ -2,7 +2,7 @@
 //! else that is hard.
 
 use super::Class;
-use super::leaving::leaving;
+use super::leaving::{leaving, taut};
 use super::line::{Found, Line, Meeting, Vec2, meetings};
 use super::rules::{Rules, bends_enough, crossed, crossings_as_asked};
 use super::shape::{self, Beside, Room};
@@ -62,6 +62,7 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
             Class::Touch => touching(random, size_px, width_px),
             Class::EndsNear | Class::EndsTouching => ending(class, random, size_px, width_px),
             Class::Border => leaving(&rules, random, size_px, width_px),
+            Class::Taut => taut(&rules, random, size_px, width_px),
             // The thing lies in the rest.
             Class::Things => {
                 let left_px = [thing::FROM * size_px[0], size_px[1]];

@@ -19,7 +19,31 @@ pub(super) fn leaving(
     };
     let swing = random.uniform(0.0, 0.6);
     let line = shape::open(random, outside, swing);
-    if !bends_enough(&line, width_px) {
+    let layout = cut_off(&line, rules, random, size_px, width_px)?;
+    (layout.border != [[false; 2]]).then_some(layout)
+}
+
+/// A rope that is pulled tight through the image.
+pub(super) fn taut(
+    rules: &Rules,
+    random: &mut SplitMix64,
+    size_px: Vec2,
+    width_px: f64,
+) -> Option<Layout> {
+    let line = shape::taut(random, size_px);
+    let layout = cut_off(&line, rules, random, size_px, width_px)?;
+    (layout.border == [[true; 2]]).then_some(layout)
+}
+
+/// What of a line lies within the image, and a little more.
+fn cut_off(
+    line: &Line,
+    rules: &Rules,
+    random: &mut SplitMix64,
+    size_px: Vec2,
+    width_px: f64,
+) -> Option<Layout> {
+    if !bends_enough(line, width_px) {
         return None;
     }
     // The image ends where its outermost pixels' centres are: beyond them nothing is known.
@@ -29,7 +53,7 @@ pub(super) fn leaving(
     let whole = line.points.len() - 1;
     let border = [first > 0, last < whole];
     let stays = line.points[first..=last].iter().all(|&p| is_in(p));
-    if border == [false; 2] || !stays {
+    if !stays {
         return None;
     }
     let clear_px = 4.0 * width_px;

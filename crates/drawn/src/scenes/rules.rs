@@ -57,6 +57,7 @@ impl Rules {
                 rules.ropes = 2 + (random.next_u64() % 3) as usize;
                 rules.swing = [0.0, 0.3];
             }
+            Class::Taut => rules.crossings = 0..=0,
             composed if composed.is_composed() => {
                 rules.crossings = 0..=3;
                 rules.ropes = 1 + (random.next_u64() % 3) as usize;

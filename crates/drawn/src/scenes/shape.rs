@@ -85,6 +85,26 @@ pub(super) fn open(random: &mut SplitMix64, room: Room, swing: f64) -> Line {
     }
 }
 
+/// A line through the picture and beyond, bent by up to a twenty-fifth of its length.
+pub(super) fn taut(random: &mut SplitMix64, size_px: Vec2) -> Line {
+    let middle = size_px.map(|side| side * random.uniform(0.2, 0.8));
+    let turns = random.uniform(0.0, 1.0);
+    let along = [cos_turns(turns), sin_turns(turns)];
+    let length_px = 1.6 * norm(size_px);
+    let bend_px = length_px * random.uniform(-0.04, 0.04);
+    let points: Vec<Vec2> = (0..=TRIAL_SEGMENTS)
+        .map(|i| {
+            let at = 2.0 * i as f64 / TRIAL_SEGMENTS as f64 - 1.0;
+            let (run_px, off_px) = (0.5 * length_px * at, bend_px * (1.0 - at * at));
+            [
+                middle[0] + run_px * along[0] - off_px * along[1],
+                middle[1] + run_px * along[1] + off_px * along[0],
+            ]
+        })
+        .collect();
+    Line::through(&points, false, TRIAL_SEGMENTS)
+}
+
 /// A closed curve that fills the room.
 pub(super) fn closed(random: &mut SplitMix64, room: Room) -> Line {
     let waves: [[f64; 4]; 4] = std::array::from_fn(|k| {

@@ -19,6 +19,8 @@ const OFF_SHADE: (f32, f32) = (5.0, 1.5);
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Across {
     pub(super) inside: [f32; 3],
+    /// How much lighter its middle is than what lies to both sides of it, inside, and one of these than the other.
+    pub(super) relief: [f32; 2],
     /// Beyond each edge.
     pub(super) beside: [[f32; 3]; 2],
     /// How far the inside is from each.
@@ -84,6 +86,8 @@ impl Across {
             0.0,
             0.0,
         );
+        let [left, middle, right] = [0, 1, 2].map(|l| across.light(color(l)));
+        across.relief = [middle - 0.5 * (left + right), right - left];
         for side in 0..2 {
             let from = INSIDE.len() + 5 * side;
             // Of three the one most unlike the inside: where another strand lies near, the ground shows in one of them.
@@ -106,6 +110,14 @@ impl Across {
         }
         across.agreement = (about / (step + 1.0)).clamp(0.0, 1.0);
         across
+    }
+
+    fn light(&self, [a, b, c]: [f32; 3]) -> f32 {
+        if self.yuv {
+            a
+        } else {
+            0.25 * (a + c) + 0.5 * b
+        }
     }
 
     pub(super) fn distance(&self, a: [f32; 3], b: [f32; 3]) -> f32 {

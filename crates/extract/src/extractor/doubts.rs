@@ -11,14 +11,14 @@ use crate::tracking::plausible::Surroundings;
 use crate::tracking::track::Tracker;
 
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
-const THINNEST_PX: f32 = 3.0;
+pub(super) const THINNEST_PX: f32 = 3.0;
 
 /// What the network finds and is less likely right than one in fifty is not reported, unless all that is found is asked for.
 const UNLIKELY: f32 = 0.02;
-/// Nor, while a rope is known that was this sure, what is less likely right than that: such a curve is a piece of the rope with
-/// something else, or something else, and would take the rope's number and shape along.
-const SURE: f32 = 0.5;
-const UNLIKELY_BESIDE: f32 = 0.1;
+/// Nor, beside a rope that is this sure, or while one is known that was, what is less likely right than that: such a curve is a piece
+/// of the rope with something else, or something else, and would take the rope's number and shape along.
+pub(super) const SURE: f32 = 0.5;
+const UNLIKELY_BESIDE: f32 = 0.2;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
@@ -44,25 +44,33 @@ impl Extractor {
         if !self.masker.is_sought {
             return;
         }
+        self.weigh(image);
         let seen = self.count;
-        let unlikely = if self.tracker.knows_some(SURE) {
-            UNLIKELY_BESIDE
-        } else {
-            UNLIKELY
-        };
-        self.find_doubts(image, seen, |_, _| false);
+        let is_sure = |curve: &Curve| curve.confidence >= SURE;
+        let has_sure = self.tracker.knows_some(SURE) || self.curves[..seen].iter().any(is_sure);
+        let unlikely = if has_sure { UNLIKELY_BESIDE } else { UNLIKELY };
+        let least = unlikely.min(self.options.min_confidence);
         self.count = 0;
         for i in 0..seen {
-            let known = Known {
-                is_doubted: self.doubts[i].is_some(),
-                ..known(&self.masker, &self.options)
-            };
-            let evidence = confidence::evidence(image, &self.curves[i], known);
-            if evidence.confidence() >= unlikely.min(self.options.min_confidence) {
+            if self.curves[i].confidence >= least {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;
             }
+        }
+    }
+
+    /// Says of each of this image's curves how sure it is.
+    pub(super) fn weigh(&mut self, image: &Image) {
+        self.find_doubts(image, self.count, |_, _| false);
+        let known = known(&self.masker, &self.options);
+        let curves = self.curves[..self.count].iter_mut();
+        for (curve, doubt) in curves.zip(&self.doubts) {
+            let known = Known {
+                is_doubted: doubt.is_some(),
+                ..known
+            };
+            curve.confidence = confidence::evidence(image, curve, known).confidence();
         }
     }
 

@@ -1,13 +1,18 @@
-//! When the network is asked where ropes are: where there is no plain table, or more on it than ropes.
+//! When the network is asked where ropes are: where there is no plain table, more on it than ropes, or what is found there is unsure.
 
+use super::doubts::{SURE, THINNEST_PX};
 use super::{Extractor, Step};
 use crate::image::Image;
 use crate::notice::Notice;
+use crate::options::{Mask, Method};
+use crate::scene::Curve;
 
 /// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
-/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern.
+/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern, or surer ones.
 const FRAMES_KNOWN: u32 = 30;
+/// By how much the network's ropes must be surer than those of a table that seems plain, to be taken instead.
+const SURER: f32 = 0.2;
 
 impl Extractor {
     /// The steps of an image that is extracted whole, with the mask that it asks for.
@@ -17,12 +22,15 @@ impl Extractor {
         }
         self.masker.run(image, &self.options.mask);
         self.trace(image, after);
+        let was_surer = std::mem::take(&mut self.is_network_surer);
         if self.is_cluttered(image) {
             self.seek(image, after);
+        } else if self.is_unsure(image, was_surer) {
+            self.ask_as_well(image, after);
         }
         // What covers a table passes, and so does its shade; a pattern stays.
         let is_patterned = self.masker.notice == Some(Notice::CheckeredTable);
-        let is_known = is_patterned && self.is_found_by_network();
+        let is_known = (is_patterned || self.is_network_surer) && self.is_found_by_network();
         self.frames_known = if is_known { FRAMES_KNOWN } else { 0 };
     }
 
@@ -56,5 +64,54 @@ impl Extractor {
         if self.count == 0 {
             self.frames_to_wait = FRAMES_TO_WAIT;
         }
+    }
+
+    /// Whether the automatic mask of what seems a plain table has given a rope that is not sure, and no rope is known yet, or the network
+    /// was surer the last time. Clusterings are compared on one mask.
+    fn is_unsure(&mut self, image: &Image, was_surer: bool) -> bool {
+        let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
+        if !is_asked || self.masker.is_sought || self.count == 0 {
+            return false;
+        }
+        if !was_surer && self.tracker.knows_some(0.0) {
+            return false;
+        }
+        self.weigh(image);
+        let is_weak = |curve: &Curve| curve.confidence < SURE && curve.width_px >= THINNEST_PX;
+        self.curves[..self.count].iter().any(is_weak)
+    }
+
+    /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again.
+    fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+        if self.frames_to_wait > 0 {
+            self.frames_to_wait -= 1;
+            return;
+        }
+        let own = self.mean_confidence();
+        if self.masker.seek_instead(image) {
+            self.trace(image, after);
+            self.drop_unlikely(image);
+            let is_sure = |curve: &Curve| curve.confidence >= SURE;
+            let are_sure = self.curves[..self.count].iter().all(is_sure);
+            let is_surer = self.mean_confidence() > own + SURER;
+            self.is_network_surer = are_sure && is_surer && !self.masker.is_blind;
+        }
+        if !self.is_network_surer {
+            self.frames_to_wait = FRAMES_TO_WAIT;
+            self.masker.run(image, &self.options.mask);
+            self.trace(image, after);
+        }
+    }
+
+    /// How sure this image's curves are in the mean, each by its length; 0 of none.
+    fn mean_confidence(&self) -> f32 {
+        let curves = self.curves[..self.count].iter();
+        let (sum, length_px) = curves.fold((0.0, 0.0), |(sum, length_px), curve| {
+            (
+                sum + curve.confidence * curve.length_px,
+                length_px + curve.length_px,
+            )
+        });
+        sum / f32::max(length_px, 1.0)
     }
 }

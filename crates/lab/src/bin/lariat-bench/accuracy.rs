@@ -13,6 +13,7 @@ mod csv;
 mod curve;
 mod dataset;
 mod drawing;
+pub(crate) mod labelled;
 mod labels;
 mod measure;
 mod overlap;

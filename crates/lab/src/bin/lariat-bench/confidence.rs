@@ -3,17 +3,21 @@
 //! Each picture of every class, the hard ones too, is drawn plain, on grounds of growing texture and in noise. The extractor makes its
 //! own mask of it, asks the network, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
 //! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
-//! along it in order. Four seeds by turns are fitted, four tell how good that is.
+//! along it in order. Four seeds by turns are fitted, four tell how good that is. What the network finds may be fitted to labelled pictures
+//! as well, `lariat-scenes` draws such; every other one tells how good that is.
 
 mod ground;
 mod logistic;
 mod masks;
+
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat};
 use lariat_portable::SplitMix64;
 
+use crate::accuracy::labelled;
 use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
@@ -27,6 +31,9 @@ pub(crate) struct Args {
     /// Pictures of each class; half of them are fitted
     #[arg(long, value_name = "N", default_value_t = 12)]
     seeds: u64,
+    /// Labelled pictures to fit to as well, for what the network finds: a folder of sets, each with `images/` and `labels/`
+    #[arg(long, value_name = "DIR")]
+    labelled: Option<PathBuf>,
 }
 
 /// A picture of a class: of four seeds two of the usual size, one of half of it, in which ropes are short beside their width, and
@@ -89,6 +96,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 }
             }
         }
+    }
+    if let Some(folder) = &args.labelled {
+        look_at_labelled(folder, &mut examples)?;
     }
     let makers = [
         ("OWN", Maker::Own),
@@ -153,6 +163,34 @@ fn look(
             evidence: *evidence,
             is_right: right::is_right(&still.truth, curve),
             is_fitted: seed / 4 % 2 == 0,
+            is_labelled: false,
+        }));
+    }
+    Ok(())
+}
+
+/// Extracts from labelled pictures as the network's mask has them.
+fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
+    for (number, picture) in labelled::photographs(folder)?.enumerate() {
+        let picture = picture?;
+        let rgb = picture.photo.to_rgb8();
+        let [width, height] = [rgb.width() as usize, rgb.height() as usize];
+        let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
+        let mut extractor = Extractor::new(Options {
+            mask: Mask::Network,
+            min_confidence: 0.0,
+            ..Options::default()
+        })?;
+        let curves = extractor.extract(&image).curves.to_vec();
+        let judged = picture
+            .is_whole(&curves)
+            .into_iter()
+            .zip(extractor.evidence());
+        examples.extend(judged.map(|(is_right, evidence)| Example {
+            evidence: *evidence,
+            is_right,
+            is_fitted: number % 2 == 0,
+            is_labelled: true,
         }));
     }
     Ok(())

@@ -6,6 +6,9 @@ use std::fmt::Write;
 use crate::reliability::Reliability;
 
 const CLUES: usize = Evidence::NAMES.len();
+/// What is fitted: a weight for each clue, and how much seldomer right curves are in labelled pictures than in drawn ones, which says nothing
+/// of a curve.
+const TERMS: usize = CLUES + 1;
 /// The weights' own cost: a clue that nothing depends on has none.
 const RIDGE: f64 = 0.1;
 const ROUNDS: usize = 30;
@@ -15,44 +18,51 @@ pub(super) struct Example {
     pub(super) evidence: Evidence,
     pub(super) is_right: bool,
     pub(super) is_fitted: bool,
+    /// Whether its picture came with a label, from pictures that may be easier or harder than drawn ones.
+    pub(super) is_labelled: bool,
 }
 
 impl Example {
-    fn clues(&self) -> [f64; CLUES] {
-        self.evidence.clues.map(f64::from)
+    fn terms(&self) -> [f64; TERMS] {
+        let mut terms = [0.0; TERMS];
+        for (term, &clue) in terms.iter_mut().zip(&self.evidence.clues) {
+            *term = clue.into();
+        }
+        terms[CLUES] = u8::from(self.is_labelled).into();
+        terms
     }
 }
 
 /// A weight for each clue.
-pub(super) struct Weights([f64; CLUES]);
+pub(super) struct Weights([f64; TERMS]);
 
 impl Weights {
     /// The most likely ones.
     pub(super) fn fit(examples: &[&Example]) -> Self {
-        let mut weights = Self([0.0; CLUES]);
+        let mut weights = Self([0.0; TERMS]);
         for _ in 0..ROUNDS {
-            let mut bend = [[0.0; CLUES]; CLUES];
+            let mut bend = [[0.0; TERMS]; TERMS];
             let mut slope = weights.0.map(|weight| -RIDGE * weight);
-            (0..CLUES).for_each(|i| bend[i][i] = RIDGE);
+            (0..TERMS).for_each(|i| bend[i][i] = RIDGE);
             for example in examples {
-                let (clues, p) = (example.clues(), weights.probability(example));
+                let (terms, p) = (example.terms(), weights.probability(example));
                 let off = f64::from(u8::from(example.is_right)) - p;
-                for i in 0..CLUES {
-                    slope[i] += off * clues[i];
-                    for j in 0..CLUES {
-                        bend[i][j] += p * (1.0 - p) * clues[i] * clues[j];
+                for i in 0..TERMS {
+                    slope[i] += off * terms[i];
+                    for j in 0..TERMS {
+                        bend[i][j] += p * (1.0 - p) * terms[i] * terms[j];
                     }
                 }
             }
             let step = solve(bend, slope);
-            (0..CLUES).for_each(|i| weights.0[i] += step[i]);
+            (0..TERMS).for_each(|i| weights.0[i] += step[i]);
         }
         weights
     }
 
     fn probability(&self, example: &Example) -> f64 {
         let sum: f64 = example
-            .clues()
+            .terms()
             .iter()
             .zip(&self.0)
             .map(|(x, w)| x * w)
@@ -80,17 +90,17 @@ impl Weights {
 }
 
 /// The solution of `matrix · x = right`, by elimination: the matrix is symmetric and positive.
-fn solve(mut matrix: [[f64; CLUES]; CLUES], mut right: [f64; CLUES]) -> [f64; CLUES] {
-    for i in 0..CLUES {
+fn solve(mut matrix: [[f64; TERMS]; TERMS], mut right: [f64; TERMS]) -> [f64; TERMS] {
+    for i in 0..TERMS {
         let pivot = matrix[i];
-        for k in i + 1..CLUES {
+        for k in i + 1..TERMS {
             let share = matrix[k][i] / pivot[i];
-            (i..CLUES).for_each(|j| matrix[k][j] -= share * pivot[j]);
+            (i..TERMS).for_each(|j| matrix[k][j] -= share * pivot[j]);
             right[k] -= share * right[i];
         }
     }
-    for i in (0..CLUES).rev() {
-        let known: f64 = (i + 1..CLUES).map(|j| matrix[i][j] * right[j]).sum();
+    for i in (0..TERMS).rev() {
+        let known: f64 = (i + 1..TERMS).map(|j| matrix[i][j] * right[j]).sum();
         right[i] = (right[i] - known) / matrix[i][i];
     }
     right
@@ -114,6 +124,7 @@ mod tests {
                 },
                 is_right,
                 is_fitted: true,
+                is_labelled: false,
             }
         };
         let examples: Vec<_> = (0..2000)
