@@ -3,6 +3,7 @@
 use crate::drawing;
 
 use drawing::{Rope, Table};
+use lariat_drawn::scenes::{self, Class};
 use lariat_extract::{Extractor, Image, Notice, Options, PixelFormat, Scene};
 use lariat_portable::SplitMix64;
 
@@ -175,4 +176,22 @@ fn a_large_picture_is_looked_at_smaller_and_its_ropes_are_as_thin_as_they_are() 
             "{found_px} for {width_px}"
         );
     }
+}
+
+/// Where what seems a plain table gives a curve that is not sure, the network is asked as well: its ropes are surer.
+#[test]
+fn a_pen_or_a_rim_beside_a_rope_is_no_rope() {
+    let [width, height] = [640, 480];
+    let is_alone = |seed: u64| {
+        let still = scenes::draw(Class::Things, seed, width, height).expect("it fits");
+        let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
+        let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+        extractor
+            .extract(&image.expect("the bytes are made for it"))
+            .curves
+            .len()
+            == 1
+    };
+    let alone = (0..12).filter(|&seed| is_alone(seed)).count();
+    assert!(alone >= 8, "{alone} of 12");
 }
