@@ -87,6 +87,7 @@ pub(super) struct Child {
     taken: Option<Taken>,
     ending: Option<Ending>,
     told_to_stop: bool,
+    given_up: bool,
 }
 
 impl Child {
@@ -153,6 +154,7 @@ impl Child {
             taken: None,
             ending: None,
             told_to_stop: false,
+            given_up: false,
         }
     }
 
@@ -212,6 +214,11 @@ impl Child {
     /// Whether its end was wished.
     pub(super) fn was_told_to_stop(&self) -> bool {
         self.told_to_stop
+    }
+
+    /// Whether it had to be killed.
+    pub(super) fn was_given_up(&self) -> bool {
+        self.given_up
     }
 
     /// Readable when it said something, or ended; `None` once it has.
@@ -280,6 +287,7 @@ impl Child {
 
     /// Ends it at once. A thread cannot be: it is given up, and ends with this process.
     pub(super) fn kill(&mut self) {
+        self.given_up = true;
         match &self.host {
             Host::Process(_) => self.signal(Signal::KILL),
             Host::Thread { .. } => self.ending = Some(Ending::Killed(9)),

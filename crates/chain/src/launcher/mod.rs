@@ -94,11 +94,16 @@ impl Part {
 
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long a stage may take to end once it was told to: what waits for it is worked off first.
-const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-
+/// How long a stage may take to end once it was told to: what waits for it, some frames, is worked off first.
+const STOP_TIMEOUT: Duration = Duration::from_secs(3);
+/// And one whose lossless writer waits for a reader that stands still, as long as that again.
+const LOSSLESS_STOP_TIMEOUT: Duration = Duration::from_secs(6);
+/// How long the sink may take: it writes the report.
+const SINK_STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
+/// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
+const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Runs the chain until its source ends, a signal comes, or a stage dies.
 ///
@@ -111,7 +116,10 @@ pub fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<ExitCod
     let _files = RunFiles::open_all(&settings)?;
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
-    let mut chain = Chain::default();
+    let mut chain = Chain {
+        is_lossless: settings.run.lossless,
+        ..Chain::default()
+    };
     let parts = Part::START_ORDER.into_iter().filter(|part| match part {
         Part::Recorder => settings.run.record.is_some(),
         // Frames are written by a process of the user's.
@@ -157,6 +165,7 @@ struct Chain {
     began: bool,
     /// The recorder ended when it should not have, and the chain went on.
     recording_lost: bool,
+    is_lossless: bool,
 }
 
 impl Chain {
@@ -271,25 +280,48 @@ impl Chain {
                 child.tell(&word);
                 child.tell_to_stop();
             }
-            let timeout = match part {
-                Part::Recorder => RECORDER_STOP_TIMEOUT,
-                Part::Capture | Part::Extract | Part::Fit | Part::Sink => STOP_TIMEOUT,
-            };
-            let deadline = Instant::now() + timeout;
-            while self
-                .child(part)
-                .is_some_and(|child| child.ending().is_none())
-            {
-                if Instant::now() >= deadline || self.listen(Some(deadline), None).is_err() {
-                    let Some(child) = &mut self.children[part as usize] else {
-                        break;
-                    };
-                    eprintln!("lariat: {} did not end and was killed", part.name());
-                    child.kill();
-                    self.fallen.get_or_insert(part);
-                }
+            self.await_end(part);
+        }
+    }
+
+    /// Waits for the end of a part that was told to end; one that does not is killed.
+    fn await_end(&mut self, part: Part) {
+        let timeout = match part {
+            Part::Recorder => RECORDER_STOP_TIMEOUT,
+            Part::Sink => SINK_STOP_TIMEOUT,
+            Part::Capture | Part::Extract | Part::Fit if self.is_lossless => LOSSLESS_STOP_TIMEOUT,
+            Part::Capture | Part::Extract | Part::Fit => STOP_TIMEOUT,
+        };
+        if self.ends_within(part, timeout) {
+            return;
+        }
+        eprintln!(
+            "lariat: {} did not end within {} s of being told to, and was killed",
+            part.name(),
+            timeout.as_secs()
+        );
+        self.fallen.get_or_insert(part);
+        if let Some(child) = &mut self.children[part as usize] {
+            child.kill();
+        }
+        if !self.ends_within(part, KILL_TIMEOUT) {
+            eprintln!("lariat: {} could not be killed", part.name());
+        }
+    }
+
+    /// Whether a part ends within a time, or is not there.
+    fn ends_within(&mut self, part: Part, timeout: Duration) -> bool {
+        let deadline = Instant::now() + timeout;
+        let runs = |chain: &Self| {
+            let child = chain.child(part);
+            child.is_some_and(|child| child.ending().is_none())
+        };
+        while runs(self) {
+            if Instant::now() >= deadline || self.listen(Some(deadline), None).is_err() {
+                return false;
             }
         }
+        true
     }
 
     /// What each stage said it sent in all. Of frames from elsewhere, extract knows what capture would.
@@ -319,8 +351,9 @@ impl Chain {
         let fallen = self.fallen.and_then(|part| self.child(part));
         if let Some(fallen) = fallen
             && let Some(ending) = fallen.ending()
-            // What fails in its turn at the end has stopped nothing.
+            // What fails in its turn at the end has stopped nothing, and what did not end has been said.
             && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
+            && !fallen.was_given_up()
         {
             eprintln!(
                 "lariat: {} {ending}; the chain was stopped",
