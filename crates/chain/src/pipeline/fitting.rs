@@ -282,7 +282,7 @@ fn write_rope(curve: &Curve, descriptor: &mut Descriptor) {
     let count = curve.points().len();
     descriptor.track = curve.track;
     descriptor.status = curve.status;
-    descriptor.samples = curve.count;
+    descriptor.samples = count as u32;
     descriptor.closed = curve.closed;
     descriptor.border = curve.border;
     descriptor.length = curve.length_px.into();

@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use crate::{Basis, Descriptor, MAX_CONTROL_POINTS};
+use crate::{Basis, Descriptor, MAX_CONTROL_POINTS, MAX_POINTS};
 
 /// Which functions the control points weigh.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +60,9 @@ impl<'a> Form<'a> {
             return Err(NoShape::Unreadable);
         };
         let coordinates = descriptor.control_points[..count].iter().flatten();
-        if !coordinates.clone().all(|c| c.is_finite()) || (descriptor.samples as usize) < count {
+        // Each evaluation goes through all points that were fitted.
+        let is_fitted = (count..=MAX_POINTS).contains(&(descriptor.samples as usize));
+        if !coordinates.clone().all(|c| c.is_finite()) || !is_fitted {
             return Err(NoShape::Unreadable);
         }
         let form = match basis {

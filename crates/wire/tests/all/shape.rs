@@ -239,13 +239,16 @@ fn numbers_that_make_no_curve_are_not_evaluated() {
     };
     let (sound, _) = fitted(spline, |_| ());
     assert!(Shape::of(&sound).is_ok());
-    let broken: [fn(&mut Descriptor); 9] = [
+    let broken: [fn(&mut Descriptor); 11] = [
         |d| d.count = 0,
         |d| d.count = 33,
         |d| d.order = 7,
         |d| d.order = u32::MAX,
         |d| d.basis = 99,
         |d| d.samples = 6,
+        // More than a message has: each evaluation would go through all of them.
+        |d| d.samples = 257,
+        |d| d.samples = u32::MAX,
         |d| d.control_points[6][1] = f64::NAN,
         |d| d.knots[1] = 0.1,
         |d| d.knots[2] = 1.0,
