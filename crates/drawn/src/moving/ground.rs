@@ -57,7 +57,9 @@ impl Ground {
     }
 
     /// A picture as the ground of a story, of [`sides`]; the ropes' color is one that it has little of.
-    pub(super) fn pictured(story: Story, options: &mut RenderOptions, rgb: Vec<u8>) -> Self {
+    pub(super) fn pictured(story: Story, options: &mut RenderOptions, mut rgb: Vec<u8>) -> Self {
+        rgb.iter_mut()
+            .for_each(|level| *level = to_byte(f32::from(*level)));
         let size = [options.width, options.height].map(|side| side as usize);
         let mut colors = ROPES;
         colors.sort_by_cached_key(|&color| std::cmp::Reverse(clearance(&rgb, color)));
@@ -141,6 +143,18 @@ mod tests {
             Ground::pictured(Story::Clutter, &mut options, blue);
             assert_ne!(options.rope_rgb, ROPES[0], "seed {seed}");
         }
+    }
+
+    /// Where a picture is overexposed, noise is not added beyond white.
+    #[test]
+    fn what_is_white_in_a_picture_stays_white() {
+        let size = [160, 160];
+        let [width, height] = Film::ground_size(Story::Clutter, size);
+        let white = vec![255; (3 * width * height) as usize];
+        let mut rgb = Vec::new();
+        Film::on(Story::Clutter, 1, size, white).next(&mut rgb);
+        // The first pixel lies far from the rope and its shadow.
+        assert!(rgb[..3].iter().all(|&level| level > 220), "{:?}", &rgb[..3]);
     }
 
     #[test]
