@@ -16,7 +16,8 @@ pub(super) const THINNEST_PX: f32 = 3.0;
 /// What the network finds and is less likely right than one in fifty is not reported, unless all that is found is asked for.
 const UNLIKELY: f32 = 0.02;
 /// Nor, beside a rope that is this sure, or while one is known that was, what is less likely right than that: such a curve is a piece
-/// of the rope with something else, or something else, and would take the rope's number and shape along.
+/// of the rope with something else, or something else, and would take the rope's number and shape along. What is new beside one that
+/// is known must be as sure.
 pub(super) const SURE: f32 = 0.5;
 const UNLIKELY_BESIDE: f32 = 0.2;
 
@@ -47,12 +48,17 @@ impl Extractor {
         self.weigh(image);
         let seen = self.count;
         let is_sure = |curve: &Curve| curve.confidence >= SURE;
-        let has_sure = self.tracker.knows_some(SURE) || self.curves[..seen].iter().any(is_sure);
-        let unlikely = if has_sure { UNLIKELY_BESIDE } else { UNLIKELY };
-        let least = unlikely.min(self.options.min_confidence);
+        let knows_sure = self.tracker.knows_some(SURE);
+        let has_sure = knows_sure || self.curves[..seen].iter().any(is_sure);
         self.count = 0;
         for i in 0..seen {
-            if self.curves[i].confidence >= least {
+            let curve = &self.curves[i];
+            let unlikely = match has_sure {
+                false => UNLIKELY,
+                true if knows_sure && !self.tracker.may_know(curve) => SURE,
+                true => UNLIKELY_BESIDE,
+            };
+            if curve.confidence >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;

@@ -213,6 +213,22 @@ impl Tracker {
         (self.tracks.iter()).any(|track| track.frames >= SETTLED && track.confidence >= sure)
     }
 
+    /// Whether a curve may be a rope that is known.
+    pub(crate) fn may_know(&self, curve: &Curve) -> bool {
+        let shape = Shape {
+            points: &curve.points,
+            closed: curve.closed,
+            length_px: curve.length_px,
+            width_px: curve.width_px,
+            color_levels: 0.0,
+        };
+        self.tracks.iter().any(|track| {
+            let rope = shape_of(track);
+            matching::near(&rope, &shape).is_some()
+                || matching::returned(&rope, track.whole_px, &shape).is_some()
+        })
+    }
+
     /// Weighs what a curve looks like with what its track was taken for: returns whether it may be no rope.
     pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
         let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
