@@ -94,12 +94,9 @@ impl Part {
 
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long a stage may take to end once it was told to: what waits for it, some frames, is worked off first.
-const STOP_TIMEOUT: Duration = Duration::from_secs(3);
-/// And one whose lossless writer waits for a reader that stands still, as long as that again.
-const LOSSLESS_STOP_TIMEOUT: Duration = Duration::from_secs(6);
-/// How long the sink may take: it writes the report.
-const SINK_STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// How long a stage may take to end once it was told to: what waits for it is worked off first, and a picture of 48 megapixels takes
+/// seconds.
+const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
@@ -116,10 +113,7 @@ pub fn run(arguments: &[OsString], settings: Settings) -> anyhow::Result<ExitCod
     let _files = RunFiles::open_all(&settings)?;
     let settings = Arc::new(settings);
     let stop = Stop::on_signals()?;
-    let mut chain = Chain {
-        is_lossless: settings.run.lossless,
-        ..Chain::default()
-    };
+    let mut chain = Chain::default();
     let parts = Part::START_ORDER.into_iter().filter(|part| match part {
         Part::Recorder => settings.run.record.is_some(),
         // Frames are written by a process of the user's.
@@ -165,7 +159,6 @@ struct Chain {
     began: bool,
     /// The recorder ended when it should not have, and the chain went on.
     recording_lost: bool,
-    is_lossless: bool,
 }
 
 impl Chain {
@@ -288,9 +281,7 @@ impl Chain {
     fn await_end(&mut self, part: Part) {
         let timeout = match part {
             Part::Recorder => RECORDER_STOP_TIMEOUT,
-            Part::Sink => SINK_STOP_TIMEOUT,
-            Part::Capture | Part::Extract | Part::Fit if self.is_lossless => LOSSLESS_STOP_TIMEOUT,
-            Part::Capture | Part::Extract | Part::Fit => STOP_TIMEOUT,
+            Part::Capture | Part::Extract | Part::Fit | Part::Sink => STOP_TIMEOUT,
         };
         if self.ends_within(part, timeout) {
             return;
