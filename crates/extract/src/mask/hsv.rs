@@ -5,6 +5,7 @@
 mod channels;
 mod cube;
 mod kernels;
+mod outline;
 mod selector;
 
 pub(crate) use selector::Selector;

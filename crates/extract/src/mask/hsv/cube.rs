@@ -3,8 +3,10 @@
 //!
 //! Before it stand three small tables that a register holds: the colors are told apart into eight bands, and of each
 //! channel's level, in steps of eight, it is known in which bands it occurs. A pixel whose three levels have no band in
-//! common has none of the colors: most of a table's pixels, 64 at a time.
+//! common has none of the colors: most of a table's pixels, 64 at a time. Of red, green and blue, which all vary with the light,
+//! the ranges' [outlines](Outline) tell more.
 
+use super::outline::Outline;
 use crate::options::HsvRange;
 
 /// The steps of a channel that the bands are known by.
@@ -28,6 +30,8 @@ pub(super) struct Cube {
     words: Vec<u64>,
     /// The bands, one bit each, of each channel's steps.
     pub(super) bands: [[u8; STEPS]; 3],
+    /// Those of the ranges; none where the colors are YUV, or there are more ranges than are asked one by one.
+    pub(super) outlines: Vec<Outline>,
     ranges: Vec<HsvRange>,
     yuv: bool,
 }
@@ -44,6 +48,10 @@ impl Cube {
         self.ranges.clear();
         self.ranges.extend_from_slice(ranges);
         self.bands = [[0; STEPS]; 3];
+        self.outlines.clear();
+        if !yuv && ranges.len() <= BANDS {
+            self.outlines.extend(ranges.iter().map(Outline::of));
+        }
         self.words.clear();
         self.words.resize(256 * 256 * ROW, 0);
         for (r, range) in ranges.iter().enumerate() {

@@ -13,7 +13,8 @@
 
 use super::{Kernels, PLAIN, among};
 use crate::image::kernels::orders;
-use crate::mask::hsv::cube::Cube;
+use crate::mask::hsv::cube::{Cube, STEPS};
+use crate::mask::hsv::outline::Outline;
 use std::arch::x86_64::*;
 
 /// Pixels of 64 that are looked up one by one, faster than a gather of sixteen is set up.
@@ -102,7 +103,10 @@ fn select_512(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
             _mm512_permutexvar_epi8(_mm512_srli_epi16(levels, 3), table)
         };
         let common = _mm512_and_si512(bands(a, tables[0]), bands(b, tables[1]));
-        let may = _mm512_test_epi8_mask(common, bands(c, tables[2]));
+        let mut may = _mm512_test_epi8_mask(common, bands(c, tables[2]));
+        if may != 0 {
+            may &= outlined_512(&cube.outlines, [a, b, c]);
+        }
         *word = if may.count_ones() <= FEW {
             among(may, cube, [a, b, c])
         } else {
@@ -119,6 +123,37 @@ fn select_512(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
         rest,
         words.get_mut(blocks..).unwrap_or(&mut []),
     );
+}
+
+/// Which of 64 pixels may be in ranges of these outlines.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+fn outlined_512(outlines: &[Outline], channels: [&[u8; 64]; 3]) -> u64 {
+    if outlines.is_empty() {
+        return u64::MAX;
+    }
+    // SAFETY: the arrays are 64 bytes long.
+    let [r, g, b] = channels.map(|channel| unsafe { _mm512_loadu_si512(channel.as_ptr().cast()) });
+    let largest = _mm512_max_epu8(r, _mm512_max_epu8(g, b));
+    let smallest = _mm512_min_epu8(r, _mm512_min_epu8(g, b));
+    let steps = _mm512_srli_epi16(largest, 3);
+    let down = [(r, g), (g, b), (b, r)].map(|(a, b)| _mm512_cmpge_epu8_mask(a, b));
+    let up = [(r, g), (g, b), (b, r)].map(|(a, b)| _mm512_cmple_epu8_mask(a, b));
+    let within = |levels, [least, most]: [__m512i; 2]| {
+        _mm512_cmpge_epu8_mask(levels, least) & _mm512_cmple_epu8_mask(levels, most)
+    };
+    outlines.iter().fold(0, |may, outline| {
+        let ends = outline
+            .largest
+            .map(|level| _mm512_set1_epi8(level.cast_signed()));
+        let of_smallest = outline.smallest.each_ref().map(|table| {
+            // SAFETY: the table is 32 bytes long.
+            let half = unsafe { _mm256_loadu_si256(table.as_ptr().cast()) };
+            _mm512_permutexvar_epi8(steps, _mm512_broadcast_i64x4(half))
+        });
+        let in_order = outline.in_order(down, up);
+        may | within(largest, ends) & within(smallest, of_smallest) & in_order
+    })
 }
 
 /// What [`among`] finds, sixteen pixels at a time.
@@ -183,16 +218,72 @@ fn split_three_256(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
     super::split_three(rest, [first_rest, second_rest, third_rest]);
 }
 
+/// Both halves of a table of 32 bytes, each in either half of a register.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn halves(table: &[u8; STEPS]) -> [__m256i; 2] {
+    [0, 16].map(|from| {
+        // SAFETY: half of the table is 16 bytes long.
+        let half = unsafe { _mm_loadu_si128(table[from..][..16].as_ptr().cast()) };
+        _mm256_broadcastsi128_si256(half)
+    })
+}
+
+/// Half of 64 levels.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn levels(channel: &[u8; 64], half: usize) -> __m256i {
+    // SAFETY: half of the array is 32 bytes long.
+    unsafe { _mm256_loadu_si256(channel[32 * half..][..32].as_ptr().cast()) }
+}
+
+/// What a table has for the steps of some levels.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn at_steps(levels: __m256i, table: [__m256i; 2]) -> __m256i {
+    let steps = _mm256_and_si256(_mm256_srli_epi16(levels, 3), _mm256_set1_epi8(15));
+    // A level's highest bit says in which half of the table its step is.
+    let [low, high] = table.map(|half| _mm256_shuffle_epi8(half, steps));
+    _mm256_blendv_epi8(low, high, levels)
+}
+
+/// As [`outlined_512`].
+#[inline]
+#[target_feature(enable = "avx2")]
+fn outlined_256(outlines: &[Outline], channels: [&[u8; 64]; 3]) -> u64 {
+    if outlines.is_empty() {
+        return u64::MAX;
+    }
+    let mut all = 0;
+    for half in 0..2 {
+        let [r, g, b] = channels.map(|channel| levels(channel, half));
+        let no_less = |a, b| {
+            let equal = _mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a);
+            u64::from(_mm256_movemask_epi8(equal).cast_unsigned())
+        };
+        let largest = _mm256_max_epu8(r, _mm256_max_epu8(g, b));
+        let smallest = _mm256_min_epu8(r, _mm256_min_epu8(g, b));
+        let down = [no_less(r, g), no_less(g, b), no_less(b, r)];
+        let up = [no_less(g, r), no_less(b, g), no_less(r, b)];
+        let within =
+            |levels, [least, most]: [__m256i; 2]| no_less(levels, least) & no_less(most, levels);
+        let may = outlines.iter().fold(0, |may, outline| {
+            let ends = outline
+                .largest
+                .map(|level| _mm256_set1_epi8(level.cast_signed()));
+            let of_smallest =
+                (outline.smallest.each_ref()).map(|table| at_steps(largest, halves(table)));
+            let in_order = outline.in_order(down, up);
+            may | within(largest, ends) & within(smallest, of_smallest) & in_order
+        });
+        all |= may << (32 * half);
+    }
+    all
+}
+
 #[target_feature(enable = "avx2")]
 fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u64]) {
-    let sixteen = _mm256_set1_epi8(15);
-    let tables = cube.bands.each_ref().map(|bands| {
-        [0, 16].map(|from| {
-            // SAFETY: the bands of a channel are 32 bytes long.
-            let half = unsafe { _mm_loadu_si128(bands[from..][..16].as_ptr().cast()) };
-            _mm256_broadcastsi128_si256(half)
-        })
-    });
+    let tables = cube.bands.each_ref().map(|bands| halves(bands));
     let blocks = inside.len() / 64;
     let [a, b, c] = planes.map(|plane| plane.as_chunks::<64>().0);
     let (bytes, rest) = inside.as_chunks_mut::<64>();
@@ -201,14 +292,7 @@ fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
         .zip(&mut *words)
         .zip(a.iter().zip(b).zip(c))
     {
-        let bands = |channel: &[u8; 64], half: usize, [low, high]: [__m256i; 2]| {
-            // SAFETY: half of the array is 32 bytes long.
-            let levels = unsafe { _mm256_loadu_si256(channel[32 * half..][..32].as_ptr().cast()) };
-            let steps = _mm256_and_si256(_mm256_srli_epi16(levels, 3), sixteen);
-            // A level's highest bit says in which half of the table its step is.
-            let [low, high] = [low, high].map(|table| _mm256_shuffle_epi8(table, steps));
-            _mm256_blendv_epi8(low, high, levels)
-        };
+        let bands = |channel: &[u8; 64], half: usize, table| at_steps(levels(channel, half), table);
         let mut may = 0;
         for half in 0..2 {
             let common = _mm256_and_si256(bands(a, half, tables[0]), bands(b, half, tables[1]));
@@ -216,6 +300,9 @@ fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
             let none = _mm256_cmpeq_epi8(common, _mm256_setzero_si256());
             let some = !_mm256_movemask_epi8(none).cast_unsigned();
             may |= u64::from(some) << (32 * half);
+        }
+        if may != 0 {
+            may &= outlined_256(&cube.outlines, [a, b, c]);
         }
         *word = among(may, cube, [a, b, c]);
         bytes.fill(0);
