@@ -5,6 +5,7 @@
 //! is the rope's edge, whatever its color. All that is asked of every pixel is asked here, while a row is in reach.
 
 mod planes;
+mod table;
 
 use super::background::Background;
 use super::threshold::Levels;
@@ -13,6 +14,7 @@ use crate::image::gray::GrayPlane;
 use crate::image::kernels::{self, Band, Kernels, Look};
 use crate::image::{Image, PixelFormat, color};
 use std::ops::Range;
+use table::Table;
 
 /// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
 const BLOCK: usize = kernels::BLOCK;
@@ -27,18 +29,18 @@ const PART: usize = 64;
 /// something lies there for those who read the difference beside the mask, too.
 const MOST_NOISE: u8 = 24;
 
-/// Memory of the differencing: the table's color along a band of rows, interleaved as the image's bytes.
+/// Memory of the differencing.
 #[derive(Debug, Default)]
 pub(crate) struct Differencer {
     kernels: Kernels,
-    /// One level for each block.
-    channels: [Vec<u8>; 3],
-    luma: Vec<u8>,
-    chroma: Vec<u8>,
-    /// The same along the band before it.
-    before: Vec<u8>,
+    /// Along the band that is looked at.
+    table: Table,
+    /// Along the one before it.
+    before: Table,
     /// What is seen in each strip of the bands, with one of nothing at each end and a band of nothing above and below.
     hits: Vec<u8>,
+    /// The same of the second plane of a band.
+    chroma_hits: Vec<u8>,
     /// The blocks that were worked out, a band after the other; none if all were.
     kept: Vec<bool>,
     /// One row of the difference.
@@ -96,8 +98,8 @@ impl Differencer {
             PixelFormat::Uyvy => self.kernels.uyvy_band,
             _ => None,
         };
-        match (kernel, self.kernels.look) {
-            (Some(kernel), Some(look)) if least <= MOST_NOISE => {
+        match self.kernels.look {
+            Some(look) if least <= MOST_NOISE => {
                 self.run_where_seen(scene, look, kernel, out, faint, levels);
             }
             _ => self.run_everywhere(scene, kernel, out, faint, levels),
@@ -114,9 +116,9 @@ impl Differencer {
         let mut row = std::mem::take(&mut self.row);
         for y in 0..image.height() {
             if y % BLOCK == 0 {
-                self.lay_table(image, background, y);
+                self.table.lay(&self.kernels, image, background, y);
             }
-            self.stretch(image, [0, y], &mut row);
+            self.table.apart(&self.kernels, image, [0, y], &mut row);
             let pairs = out.row_mut(y).iter_mut().zip(&row);
             pairs.for_each(|(level, &own)| *level = own.max(*level));
         }
@@ -134,14 +136,14 @@ impl Differencer {
         let (image, least) = (scene.image, scene.least);
         let (width, words) = (image.width(), scene.blocks().1);
         for top in (0..image.height()).step_by(BLOCK) {
-            self.lay_table(image, scene.background, top);
+            self.table.lay(&self.kernels, image, scene.background, top);
             let rows = scene.band(top);
             let (out, faint) = (out.rows_mut(rows.clone()), faint.rows_mut(rows.clone()));
             if let Some(kernel) = kernel {
                 kernel(Band {
                     rows: image.rows(rows.clone()),
                     stride: image.stride(),
-                    table: &self.luma,
+                    table: &self.table.luma,
                     width,
                     out,
                     out_stride: width,
@@ -153,7 +155,7 @@ impl Differencer {
                 let lines = out.chunks_exact_mut(width);
                 let faint = faint.chunks_exact_mut(words);
                 for (y, (out, faint)) in rows.clone().zip(lines.zip(faint)) {
-                    self.stretch(image, [0, y], out);
+                    self.table.apart(&self.kernels, image, [0, y], out);
                     (self.kernels.at_least)(out, least, faint);
                 }
             }
@@ -173,7 +175,7 @@ impl Differencer {
         &mut self,
         scene: Scene,
         look: fn(Look),
-        kernel: fn(Band),
+        kernel: Option<fn(Band)>,
         out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
@@ -181,7 +183,7 @@ impl Differencer {
         let (bands, strips) = scene.blocks();
         self.kept.resize(bands * strips, false);
         for band in 0..=bands {
-            std::mem::swap(&mut self.luma, &mut self.before);
+            std::mem::swap(&mut self.table, &mut self.before);
             if band < bands {
                 self.look_at(scene, band, look, levels);
             }
@@ -195,7 +197,7 @@ impl Differencer {
     fn look_at(&mut self, scene: Scene, band: usize, look: fn(Look), levels: &mut Levels) {
         let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
         let (width, top) = (image.width(), BLOCK * band);
-        self.lay_table(image, scene.background, top);
+        self.table.lay(&self.kernels, image, scene.background, top);
         let format = image.format();
         // U and V count double.
         let half = least.div_ceil(2);
@@ -204,21 +206,43 @@ impl Differencer {
             PixelFormat::Uyvy => [half, least],
             _ => [least; 2],
         };
+        let rows = scene.band(top);
+        let at = (band + 1) * (strips + 2) + 1;
+        let hits = &mut self.hits[at..at + strips];
+        let (stride, bytes) = (image.stride(), format.row_bytes(2) / 2);
         look(Look {
-            rows: image.rows(scene.band(top)),
-            stride: image.stride(),
-            row: format.row_bytes(width),
-            bytes: format.row_bytes(2) / 2,
-            table: &self.luma,
+            rows: image.rows(rows.clone()),
+            stride,
+            row: if bytes == 1 {
+                width
+            } else {
+                format.row_bytes(width)
+            },
+            bytes,
+            table: &self.table.luma,
             least,
-            hits: &mut self.hits[(band + 1) * (strips + 2) + 1..][..strips],
+            hits,
         });
+        if format == PixelFormat::Nv12 {
+            let lines = image.chroma_line(rows.start)..image.chroma_line(rows.end - 1) + 1;
+            look(Look {
+                rows: image.rows(lines),
+                stride,
+                row: format.row_bytes(width),
+                bytes,
+                table: &self.table.chroma,
+                least: [half; 2],
+                hits: &mut self.chroma_hits[..strips],
+            });
+            let both = hits.iter_mut().zip(&self.chroma_hits);
+            both.for_each(|(hits, chroma)| *hits |= chroma);
+        }
         for y in scene.band(top) {
             if !levels.asks_table(y) {
                 continue;
             }
             let mut row = std::mem::take(&mut self.row);
-            self.stretch(image, [0, y], &mut row);
+            self.table.apart(&self.kernels, image, [0, y], &mut row);
             levels.add_table(&row, scene.least);
             self.row = row;
         }
@@ -229,7 +253,7 @@ impl Differencer {
         &mut self,
         scene: Scene,
         band: usize,
-        kernel: fn(Band),
+        kernel: Option<fn(Band)>,
         out: &mut GrayPlane,
         faint: &mut BitPlane,
         levels: &mut Levels,
@@ -253,18 +277,30 @@ impl Differencer {
         while first < strips {
             let run = kept[first..].iter().take_while(|kept| **kept).count();
             let end = first + run;
-            if run > 0 {
-                kernel(Band {
+            let (x, pixels) = (STRIP * first, (STRIP * end).min(width) - STRIP * first);
+            match kernel {
+                _ if run == 0 => {}
+                Some(kernel) => kernel(Band {
                     rows: &bytes[part(first)..],
                     stride: image.stride(),
-                    table: &self.before[part(first)..],
-                    width: (STRIP * end).min(width) - STRIP * first,
-                    out: &mut out[STRIP * first..],
+                    table: &self.before.luma[part(first)..],
+                    width: pixels,
+                    out: &mut out[x..],
                     out_stride: width,
                     faint: &mut faint[first..],
                     faint_stride: strips,
                     least: scene.least,
-                });
+                }),
+                None => {
+                    let faint = faint.chunks_exact_mut(strips);
+                    for (y, (out, faint)) in
+                        rows.clone().zip(out.chunks_exact_mut(width).zip(faint))
+                    {
+                        let out = &mut out[x..x + pixels];
+                        self.before.apart(&self.kernels, image, [x, y], out);
+                        (self.kernels.at_least)(out, scene.least, &mut faint[first..end]);
+                    }
+                }
             }
             first = end + 1;
         }
@@ -295,62 +331,16 @@ impl Differencer {
         }
     }
 
-    /// Lays the table's color along the band from row `top` on.
-    fn lay_table(&mut self, image: &Image, background: &Background, top: usize) {
-        self.reserve(image.width());
-        let middle = (top + BLOCK / 2).min(image.height() - 1);
-        let [a, b, c] = &mut self.channels;
-        background.row([0, middle], BLOCK, [a, b, c]);
-        self.interleave(image.format());
-    }
-
     /// Forgets what was seen of the last image, and makes room for what may be of this one: a camera's first noisy frame
     /// is no reason to grow anything.
     fn reserve_blocks(&mut self, scene: Scene) {
         let (bands, strips) = scene.blocks();
         self.hits.clear();
         self.hits.resize((bands + 2) * (strips + 2), 0);
+        self.chroma_hits.resize(strips, 0);
         self.kept.clear();
         self.kept.reserve(bands * strips);
         self.row.resize(scene.image.width(), 0);
-    }
-
-    /// Makes room for the table along `width` pixels.
-    fn reserve(&mut self, width: usize) {
-        // As many as fill the widest registers with floats.
-        let blocks = width.div_ceil(BLOCK).next_multiple_of(16);
-        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
-        for luma in [&mut self.luma, &mut self.before] {
-            luma.resize(luma.len().max(3 * BLOCK * blocks), 0);
-        }
-        self.chroma.resize(self.chroma.len().max(BLOCK * blocks), 0);
-        for channel in &mut self.channels {
-            channel.resize(blocks, 0);
-        }
-    }
-
-    fn stretch(&self, image: &Image, [x, y]: [usize; 2], out: &mut [u8]) {
-        let (row, luma, chroma) = (image.row(y), &self.luma[..], &self.chroma[..]);
-        match image.format() {
-            PixelFormat::Gray8 => planes::gray(&row[x..], luma, out),
-            PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
-                (self.kernels.three_channels)(&row[3 * x..], luma, out);
-            }
-            PixelFormat::Yuyv => planes::yuyv(&row[2 * x..], luma, out),
-            PixelFormat::Uyvy => planes::uyvy(&row[2 * x..], luma, out),
-            PixelFormat::Nv12 => {
-                let uv = &image.chroma_row(y)[x..];
-                planes::nv12([&row[x..], uv], [luma, chroma], out);
-            }
-            // The others are unpacked before.
-            _ => {}
-        }
-    }
-
-    /// Puts the table's three channels in the order of the image's bytes, a block of pixels at a time.
-    fn interleave(&mut self, format: PixelFormat) {
-        let channels = self.channels.each_ref().map(|channel| &channel[..]);
-        (self.kernels.spread)(format, channels, &mut self.luma, &mut self.chroma);
     }
 }
 
@@ -404,13 +394,14 @@ mod tests {
             let (mut sparse, mut whole) = (Differencer::default(), Differencer { kernels, ..Differencer::default() });
             let (mut out, mut other) = <(GrayPlane, GrayPlane)>::default();
             let fewer = &spots[..spots.len() / 2];
-            let formats = [PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Uyvy];
-            for (format, spots) in formats.into_iter().zip([&spots[..], fewer, fewer]) {
+            use PixelFormat::*;
+            for (format, spots) in [Rgb8, Yuyv, Uyvy, Nv12, Gray8].into_iter().zip([&spots[..], fewer, fewer, &spots[..], fewer]) {
                 let stride = 3 * width + 5;
-                let mut bytes: Vec<u8> = (0..stride * height).map(|_| 90 + (next() % noise) as u8).collect();
+                let rows = format.rows(height);
+                let mut bytes: Vec<u8> = (0..stride * rows).map(|_| 90 + (next() % noise) as u8).collect();
                 for &(x, y, side, byte) in spots {
-                    let (x, y) = ((x * stride as f32) as usize, (y * height as f32) as usize);
-                    for y in y..(y + side).min(height) {
+                    let (x, y) = ((x * stride as f32) as usize, (y * rows as f32) as usize);
+                    for y in y..(y + side).min(rows) {
                         bytes[y * stride + x..][..(3 * side).min(stride - x)].fill(byte);
                     }
                 }
