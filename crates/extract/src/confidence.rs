@@ -13,7 +13,7 @@ use crate::image::gray::GrayPlane;
 use crate::scene::{Curve, Status};
 use crate::statistics::{grade, median, quantile};
 use crate::vec2::{self, Vec2};
-use across::Across;
+use across::{Across, Place};
 use weights::{ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
@@ -215,16 +215,19 @@ fn of(value: f32, half: f32) -> f32 {
 
 /// What the colours across and along the curve say.
 fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
-    let mut all = [Across::default(); PLACES];
+    let mut at = [Place::default(); PLACES];
     let mut count = 0;
-    for across in places(curve).filter_map(|i| Across::read(image, curve, i)) {
-        all[count] = across;
+    for place in places(curve).filter_map(|i| Place::new(image, curve, i)) {
+        at[count] = place;
         count += 1;
     }
-    let all = &all[..count];
-    if all.is_empty() {
+    if count == 0 {
         return;
     }
+    let mut all = [Across::default(); PLACES];
+    let all = &mut all[..count];
+    Across::read(image, &at[..count], all);
+    let all = &*all;
     let middle = |of: &dyn Fn(&Across) -> f32| {
         let mut values = [0.0; PLACES];
         values

@@ -1,9 +1,11 @@
 //! The image read across a curve at one of its points.
 
-use crate::image::ray::LANES;
+use super::PLACES;
+use crate::image::ray::{LANES, Lanes};
 use crate::image::{Image, color};
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
+use lariat_portable::{Arch, NullaryFnOnce};
 
 /// Where it is read, in widths from the middle and pixels beyond that: inside, about each edge, beside each edge.
 const INSIDE: [f32; 3] = [-0.22, 0.0, 0.22];
@@ -14,6 +16,71 @@ const BESIDE: [(f32, f32); 3] = [(0.2, 1.5), (0.4, 2.5), (0.65, 4.0)];
 /// What light a shadow leaves, and how far a channel may be from its share of it, in levels and in the ground's texture.
 const SHADE: [f32; 2] = [0.3, 0.94];
 const OFF_SHADE: (f32, f32) = (5.0, 1.5);
+
+/// Where the image is read across a curve at one of its points.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    at: [Lanes; 2],
+}
+
+impl Place {
+    /// At point `i`; nothing if what is to be read there is not in the image.
+    pub(super) fn new(image: &Image, curve: &Curve, i: usize) -> Option<Self> {
+        let points = &curve.points;
+        let (at, width_px) = (points[i], curve.widths_px[i].max(1.5));
+        let (before, after) = (i.saturating_sub(2), (i + 2).min(points.len() - 1));
+        let along = vec2::unit_or(vec2::sub(points[after], points[before]), [1.0, 0.0]);
+        let normal = vec2::normal(along);
+        let size = [image.width() as f32, image.height() as f32];
+        let reach_px = 0.5 * width_px + (BESIDE[2].0 * width_px).max(BESIDE[2].1);
+        let is_inside = |side: f32| {
+            let [x, y] = vec2::along(at, normal, side * reach_px);
+            x >= 0.0 && y >= 0.0 && x <= size[0] - 1.0 && y <= size[1] - 1.0
+        };
+        (is_inside(1.0) && is_inside(-1.0)).then(|| Self::across(at, normal, width_px))
+    }
+
+    fn across(at: Vec2, normal: Vec2, width_px: f32) -> Self {
+        let half_px = 0.5 * width_px;
+        let about_px = (ABOUT.0 * width_px).max(ABOUT.1);
+        let mut far_px = [0.0; LANES];
+        for (k, inside) in INSIDE.iter().enumerate() {
+            far_px[k] = inside * width_px;
+        }
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let from = INSIDE.len() + 5 * side;
+            far_px[from] = sign * (half_px - about_px).max(0.0);
+            far_px[from + 1] = sign * (half_px + about_px);
+            for (k, (widths, least_px)) in BESIDE.into_iter().enumerate() {
+                far_px[from + 2 + k] = sign * (half_px + (widths * width_px).max(least_px));
+            }
+        }
+        let mut place = Self::default();
+        for (l, far_px) in far_px.into_iter().enumerate() {
+            let [x, y] = vec2::along(at, normal, far_px);
+            (place.at[0][l], place.at[1][l]) = (x, y);
+        }
+        place
+    }
+}
+
+/// The reading of all places, for the widest registers.
+struct Reading<'a> {
+    image: &'a Image<'a>,
+    places: &'a [Place],
+    colors: &'a mut [[Lanes; 3]],
+}
+
+impl NullaryFnOnce for Reading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (colors, place) in self.colors.iter_mut().zip(self.places) {
+            *colors = color::between_each(self.image, &place.at);
+        }
+    }
+}
 
 /// What stands across a curve at one of its points, in native colours.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,44 +100,21 @@ pub(super) struct Across {
 }
 
 impl Across {
-    /// Reads at point `i`; nothing if what is read there is not in the image.
-    pub(super) fn read(image: &Image, curve: &Curve, i: usize) -> Option<Self> {
-        let points = &curve.points;
-        let (at, width_px) = (points[i], curve.widths_px[i].max(1.5));
-        let (before, after) = (i.saturating_sub(2), (i + 2).min(points.len() - 1));
-        let along = vec2::unit_or(vec2::sub(points[after], points[before]), [1.0, 0.0]);
-        let normal = vec2::normal(along);
-        let size = [image.width() as f32, image.height() as f32];
-        let reach_px = 0.5 * width_px + (BESIDE[2].0 * width_px).max(BESIDE[2].1);
-        let is_inside = |side: f32| {
-            let [x, y] = vec2::along(at, normal, side * reach_px);
-            x >= 0.0 && y >= 0.0 && x <= size[0] - 1.0 && y <= size[1] - 1.0
-        };
-        (is_inside(1.0) && is_inside(-1.0)).then(|| Self::at(image, at, normal, width_px))
+    /// What stands at some places of an image.
+    pub(super) fn read(image: &Image, places: &[Place], out: &mut [Self]) {
+        let mut colors = [[[0.0; LANES]; 3]; PLACES];
+        Arch::new().dispatch(Reading {
+            image,
+            places,
+            colors: &mut colors,
+        });
+        let yuv = color::is_yuv(image.format());
+        for (across, colors) in out.iter_mut().zip(&colors) {
+            *across = Self::of(colors, yuv);
+        }
     }
 
-    fn at(image: &Image, at: Vec2, normal: Vec2, width_px: f32) -> Self {
-        let yuv = color::is_yuv(image.format());
-        let half_px = 0.5 * width_px;
-        let about_px = (ABOUT.0 * width_px).max(ABOUT.1);
-        let mut far_px = [0.0; LANES];
-        for (k, inside) in INSIDE.iter().enumerate() {
-            far_px[k] = inside * width_px;
-        }
-        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            let from = INSIDE.len() + 5 * side;
-            far_px[from] = sign * (half_px - about_px).max(0.0);
-            far_px[from + 1] = sign * (half_px + about_px);
-            for (k, (widths, least_px)) in BESIDE.into_iter().enumerate() {
-                far_px[from + 2 + k] = sign * (half_px + (widths * width_px).max(least_px));
-            }
-        }
-        let mut places = [[0.0; LANES]; 2];
-        for l in 0..LANES {
-            let [x, y] = vec2::along(at, normal, far_px[l]);
-            (places[0][l], places[1][l]) = (x, y);
-        }
-        let colors = color::between_each(image, &places);
+    fn of(colors: &[Lanes; 3], yuv: bool) -> Self {
         let color = |l: usize| [0, 1, 2].map(|c| colors[c][l]);
         let mean = |from: usize, count: usize| {
             let sum = |c: usize| colors[c][from..from + count].iter().sum::<f32>();

@@ -99,9 +99,9 @@ impl Background {
     }
 
     /// The table's color at a pixel.
+    #[inline]
     pub(crate) fn at(&self, x: usize, y: usize) -> [f32; 3] {
-        let (u, v) = (unit(x as f32, self.width), unit(y as f32, self.height));
-        self.coefficients.map(|c| surface(&along_row(&c, v), u))
+        self.at_place([x as f32, y as f32])
     }
 
     /// The same for kernels, that have numbers of the same kind for everything.

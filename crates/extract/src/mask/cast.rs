@@ -83,10 +83,14 @@ impl Shadows {
         }
     }
 
-    /// Looks for the ropes' shadow in `mask`.
-    pub(crate) fn find(&mut self, image: &Image, background: &Background, mask: &BitPlane) -> Cast {
+    /// Looks for the ropes' shadow in `mask`, in which `area` pixels are set.
+    pub(crate) fn find(
+        &mut self,
+        image: &Image,
+        background: &Background,
+        (mask, area): (&BitPlane, usize),
+    ) -> Cast {
         self.cast = Cast::None;
-        let area = mask.count();
         for palest in self
             .glance(image, background, mask, area)
             .into_iter()
@@ -322,14 +326,18 @@ pub(super) fn for_each_some(
     mut visit: impl FnMut(usize, usize),
 ) {
     let stride = ((area / wanted) as f32).sqrt().floor().max(1.0) as usize;
+    let every = (0..64)
+        .step_by(stride)
+        .fold(0, |bits, bit| bits | 1u64 << bit);
     for y in (0..plane.height()).step_by(stride) {
         for (i, &row_word) in plane.row(y).iter().enumerate() {
-            let mut word = row_word;
+            if row_word == 0 {
+                continue;
+            }
+            let first = (64 * i).next_multiple_of(stride) - 64 * i;
+            let mut word = row_word & every.checked_shl(first as u32).unwrap_or(0);
             while word != 0 {
-                let x = 64 * i + word.trailing_zeros() as usize;
-                if x.is_multiple_of(stride) {
-                    visit(x, y);
-                }
+                visit(64 * i + word.trailing_zeros() as usize, y);
                 word &= word - 1;
             }
         }

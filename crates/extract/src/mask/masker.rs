@@ -252,7 +252,8 @@ impl Masker {
         self.mask.resize(image.width(), image.height());
         self.extend(image, cut);
         self.clean_or_empty();
-        if Rims::are_there(image, &self.background, &self.mask) {
+        let mask = (&self.mask, self.strips.count());
+        if Rims::are_there(image, &self.background, mask) {
             let mask = (&mut self.strips, &self.mask);
             let difference = (&mut self.difference, cut.level);
             (self.rims).fill(image, &self.background, mask, difference);
@@ -310,7 +311,8 @@ impl Masker {
 
     /// Takes the ropes' own shadow out of an automatic mask.
     fn take_shadows_out(&mut self, image: &Image) {
-        match self.shadows.find(image, &self.background, &self.mask) {
+        let mask = (&self.mask, self.strips.count());
+        match self.shadows.find(image, &self.background, mask) {
             Cast::None => {}
             Cast::Maybe => self.notice = Some(Notice::MaybeShadow),
             Cast::Sure => {

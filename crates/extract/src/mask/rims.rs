@@ -41,10 +41,14 @@ impl Rims {
         self.morphology.reserve(mask);
     }
 
-    /// Whether much of the mask is lighter than the table and some is darker.
-    pub(crate) fn are_there(image: &Image, background: &Background, mask: &BitPlane) -> bool {
+    /// Whether much of the mask, in which `area` pixels are set, is lighter than the table and some is darker.
+    pub(crate) fn are_there(
+        image: &Image,
+        background: &Background,
+        (mask, area): (&BitPlane, usize),
+    ) -> bool {
         let (mut light, mut all) = (0, 0);
-        for_each_some(mask, mask.count(), GLANCE, |x, y| {
+        for_each_some(mask, area, GLANCE, |x, y| {
             light += usize::from(is_lighter(image, background, x, y));
             all += 1;
         });
