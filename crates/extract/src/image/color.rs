@@ -5,6 +5,9 @@ use lariat_portable::{Arch, NullaryFnOnce};
 use super::ray::{LANES, Lanes};
 use super::{Image, PixelFormat, unpack};
 
+/// Bytes that are read at once where two pixels stand side by side.
+const EIGHT: usize = 8;
+
 /// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
 /// YUV formats; the brightness alone, three times the same, of gray ones.
 #[inline]
@@ -190,49 +193,88 @@ pub(crate) fn between_each(image: &Image, at: &[Lanes; 2]) -> [Lanes; 3] {
         }
     }
     let mut fours = [[0u32; LANES]; 4];
-    let (bytes, stride) = (image.bytes(), image.stride());
-    let interleaved = matches!(image.format(), PixelFormat::Rgb8 | PixelFormat::Bgr8);
-    match bytes.len().checked_sub(8) {
-        Some(most) if interleaved && right > 0 && bottom > 0 => {
-            // Eight bytes are two pixels; those that end with the image are shifted.
-            let two = |place: usize| {
-                let from = place.min(most);
-                let word = bytes[from..]
-                    .first_chunk()
-                    .copied()
-                    .map_or(0, u64::from_le_bytes);
-                word >> ((8 * (place - from)) & 63)
-            };
-            for l in 0..LANES {
-                let place = whole[1][l] as usize * stride + 3 * whole[0][l] as usize;
-                let (upper, lower) = (two(place), two(place + stride));
-                (fours[0][l], fours[1][l]) = (upper as u32, (upper >> 24) as u32);
-                (fours[2][l], fours[3][l]) = (lower as u32, (lower >> 24) as u32);
-            }
-        }
-        _ => {
-            for l in 0..LANES {
-                let (x, y) = (whole[0][l] as usize, whole[1][l] as usize);
-                let corners = corners(image, [x, (x + 1).min(right)], [y, (y + 1).min(bottom)]);
-                for (four, [a, b, c]) in fours.iter_mut().zip(corners) {
-                    four[l] = u32::from_le_bytes([a, b, c, 0]);
-                }
+    if right > 0 && bottom > 0 && image.bytes().len() >= EIGHT {
+        corners_each(image, &whole, &mut fours);
+    } else {
+        for l in 0..LANES {
+            let (x, y) = (whole[0][l] as usize, whole[1][l] as usize);
+            let corners = corners(image, [x, (x + 1).min(right)], [y, (y + 1).min(bottom)]);
+            for (four, [a, b, c]) in fours.iter_mut().zip(corners) {
+                four[l] = u32::from_le_bytes([a, b, c, 0]);
             }
         }
     }
     let mut colors = [[0.0; LANES]; 3];
-    // Where bytes were read as they lie.
-    let swapped = interleaved && right > 0 && bottom > 0 && image.format() == PixelFormat::Bgr8;
     for (c, colors) in colors.iter_mut().enumerate() {
-        let shift = 8 * if swapped { 2 - c } else { c };
         for l in 0..LANES {
-            let byte = |k: usize| (fours[k][l] >> shift & 0xff) as i32 as f32;
+            let byte = |k: usize| (fours[k][l] >> (8 * c) & 0xff) as i32 as f32;
             let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
             let (x, y) = (part[0][l], part[1][l]);
             colors[l] = mix(mix(byte(0), byte(1), x), mix(byte(2), byte(3), x), y);
         }
     }
     colors
+}
+
+/// The native colors of each pixel, of that to its right, and of the two below, a byte a channel: all of them in the image, which
+/// has [`EIGHT`] bytes.
+#[inline(always)]
+fn corners_each(image: &Image, whole: &[[i32; LANES]; 2], fours: &mut [[u32; LANES]; 4]) {
+    let (bytes, stride) = (image.bytes(), image.stride());
+    // Eight bytes hold what stands side by side in two pixels; those that end with the image are shifted.
+    let eight = |place: usize| {
+        let from = place.min(bytes.len() - EIGHT);
+        let word = bytes[from..].first_chunk::<EIGHT>().copied();
+        word.map_or(0, u64::from_le_bytes) >> ((8 * (place - from)) & 63)
+    };
+    // Of two pixels of pairs, the first of which is the second of its pair if `x` is odd: where their light stands, and their color.
+    let pairs = |word: u64, x: usize, light: usize| {
+        let odd = x & 1;
+        let bits = |at: usize| (word >> (8 * at) & 0xff) as u32;
+        let pixel = |k: usize| {
+            let pair = 4 * (k / 2);
+            let color = pair + 1 - light;
+            bits(2 * k + light) | bits(color) << 8 | bits(color + 2) << 16
+        };
+        [pixel(odd), pixel(odd + 1)]
+    };
+    let format = image.format();
+    for l in 0..LANES {
+        let (x, y) = (whole[0][l] as usize, whole[1][l] as usize);
+        for row in 0..2 {
+            let start = (y + row) * stride;
+            let two = match format {
+                PixelFormat::Rgb8 => {
+                    let word = eight(start + 3 * x);
+                    [word as u32, (word >> 24) as u32]
+                }
+                PixelFormat::Bgr8 => {
+                    let word = eight(start + 3 * x);
+                    [word as u32, (word >> 24) as u32].map(|pixel| pixel.swap_bytes() >> 8)
+                }
+                PixelFormat::Yuyv => pairs(eight(start + 4 * (x / 2)), x, 0),
+                PixelFormat::Uyvy => pairs(eight(start + 4 * (x / 2)), x, 1),
+                PixelFormat::Nv12 => {
+                    let light = eight(start + x);
+                    let color = eight(image.chroma_line(y + row) * stride + (x & !1));
+                    let pixel = |k: usize| {
+                        let pair = 16 * (((x & 1) + k) / 2);
+                        (light >> (8 * k)) as u32 & 0xff | ((color >> pair) as u32 & 0xffff) << 8
+                    };
+                    [pixel(0), pixel(1)]
+                }
+                PixelFormat::Gray8 => {
+                    let word = eight(start + x) as u32;
+                    [0x01_0101 * (word & 0xff), 0x01_0101 * (word >> 8 & 0xff)]
+                }
+                _ => [x, x + 1].map(|x| {
+                    let [a, b, c] = native(image, x, y + row);
+                    u32::from_le_bytes([a, b, c, 0])
+                }),
+            };
+            (fours[2 * row][l], fours[2 * row + 1][l]) = (two[0], two[1]);
+        }
+    }
 }
 
 /// The native colors of the four pixels of two columns and rows, the upper row first.
