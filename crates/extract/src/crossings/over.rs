@@ -6,11 +6,12 @@
 //! and its own shading. So a few lines along each strand are looked at twice: how far the image
 //! through the crossing is from what is predicted of it from just outside, and how much it changes
 //! on the way through the middle of the crossing, where no blur of lens or motion mixes in the
-//! table. The upper strand is the one that surprises less. That compares colors, shading and edges
-//! at once, and needs no model of a rope or of the light.
+//! table. The upper strand is the one that surprises less, and whose own [edges](rims) are seen. That compares colors, shading
+//! and edges at once, and needs no model of a rope or of the light.
 
 mod axis;
 mod lines;
+mod rims;
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -20,6 +21,7 @@ use crate::scene::Curve;
 use crate::vec2;
 use axis::Axis;
 use lines::Lines;
+use rims::Rims;
 
 /// Beyond the other strand's edge the lens and an error of the width reach this far, in pixels…
 const BLUR_PX: f32 = 1.5;
@@ -40,6 +42,8 @@ const ROUNDING: f32 = 1.0;
 /// motion, shining, flat) gives a slope of 12 for the log-odds; half of it makes the hyperbolic
 /// tangent of the same curve. The number of samples does not enter: what misleads is not noise.
 const CERTAINTY: f32 = 6.0;
+/// A share by which edges stand out that means nothing.
+const LEAST_SHARE: f32 = 0.05;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -64,6 +68,8 @@ struct Surprise {
     off: Mean,
     /// Off the line's own mean in the middle of the crossing.
     unsteady: Mean,
+    /// Its own edges there.
+    rims: Option<Rims>,
 }
 
 /// A mean of differences, in levels.
@@ -110,8 +116,10 @@ impl Judge {
         let [first, second] = &mut self.axes;
         first.lay(&curves[a.curve], a.at, reaches[0], step_px);
         second.lay(&curves[b.curve], b.at, reaches[1], step_px);
-        let a = self.lines.surprise(simd, image, [first, second], step_px);
-        let b = self.lines.surprise(simd, image, [second, first], step_px);
+        let mut a = self.lines.surprise(simd, image, [first, second], step_px);
+        let mut b = self.lines.surprise(simd, image, [second, first], step_px);
+        a.rims = rims::seen(simd, image, [first, second]);
+        b.rims = rims::seen(simd, image, [second, first]);
         verdict(a, b)
     }
 }
@@ -150,11 +158,21 @@ fn share_loop(curve: &Curve, [first, second]: [f32; 2], reaches: &mut [[f32; 2];
 
 /// The upper strand is the one that surprises less.
 fn verdict(a: Surprise, b: Surprise) -> Verdict {
-    let margin = a.off.above(b.off) + a.unsteady.above(b.unsteady);
+    let margin = a.off.above(b.off) + a.unsteady.above(b.unsteady) + above(a.rims, b.rims);
     Verdict {
         second: margin > 0.0,
         confidence: libm::tanhf(CERTAINTY * margin.abs()),
     }
+}
+
+/// How much less the edges of the first strand stand out than those of the second, from −1 to 1; 0 when one of them is not known,
+/// or not sharp.
+fn above(a: Option<Rims>, b: Option<Rims>) -> f32 {
+    let (Some(a), Some(b)) = (a, b) else {
+        return 0.0;
+    };
+    let apart = (b.share - a.share) / (a.share + b.share + LEAST_SHARE);
+    a.sharpness.min(b.sharpness) * apart
 }
 
 impl Mean {

@@ -26,6 +26,21 @@ pub(super) struct Block {
     pub(super) normal: [Lanes; 2],
 }
 
+impl Block {
+    /// The places so far aside of the samples.
+    #[inline(always)]
+    pub(super) fn moved(&self, aside_px: f32) -> [Lanes; 2] {
+        let mut at = [[0.0; LANES]; 2];
+        for (c, at) in at.iter_mut().enumerate() {
+            let axis = self.at[c].iter().zip(&self.normal[c]);
+            for (at, (axis, normal)) in at.iter_mut().zip(axis) {
+                *at = axis + aside_px * normal;
+            }
+        }
+        at
+    }
+}
+
 /// As many places of a spline: the points around each, and how far from the second to the third it lies.
 struct Places {
     points: [[Lanes; 2]; 4],

@@ -175,14 +175,7 @@ impl Line {
             None => (&mut self.colors, None),
         };
         for b in self.seen.start / LANES..self.seen.end.div_ceil(LANES) {
-            let (block, mut at) = (&axis.blocks[b], [[0.0; LANES]; 2]);
-            for (c, at) in at.iter_mut().enumerate() {
-                let axis = block.at[c].iter().zip(&block.normal[c]);
-                for (at, (axis, normal)) in at.iter_mut().zip(axis) {
-                    *at = axis + aside_px * normal;
-                }
-            }
-            let colors = color::between_each(image, &at);
+            let colors = color::between_each(image, &axis.blocks[b].moved(aside_px));
             for (channel, colors) in from.iter_mut().zip(&colors) {
                 channel[b] = *colors;
             }
@@ -302,7 +295,7 @@ fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
 
 /// The mean difference of a channel, U and V counting double as they span half the range.
 #[inline(always)]
-fn levels([a, b, c]: [f32; 3], yuv: bool) -> f32 {
+pub(super) fn levels([a, b, c]: [f32; 3], yuv: bool) -> f32 {
     let chroma = if yuv { 2.0 } else { 1.0 };
     (a + chroma * (b + c)) / 3.0
 }
