@@ -508,6 +508,7 @@ impl Extractor {
         self.count = 0;
         self.crossings.clear();
         self.follower.forget();
+        self.masker.forget();
         self.frames_to_wait = 0;
         self.frames_known = 0;
         self.is_network_surer = false;

@@ -4,6 +4,9 @@
 //! pixels a row, or where that shows none of 128, eight rows at a time, the nearest bit to either side. Rows are left out
 //! once they are farther than what was found. What is outside of the image does not count as unset: a rope that leaves the
 //! image is cut, not narrow.
+//!
+//! Of places wider than that, which are hardly ropes, and of which there are many in a picture of something large, only some are
+//! measured, row by row: the others are as wide as windows show.
 
 use super::bits::BitPlane;
 use super::strips::{BLOCK, Strips};
@@ -13,6 +16,8 @@ const WIDEST_HALF: i32 = 160;
 /// Pixels to either side that a window shows, and a wide one.
 const SEEN: u32 = 32;
 const SEEN_WIDE: u32 = 64;
+/// Of the places that are wider, one in so many is measured: along a line at any multiple of 45° as many as of all.
+const MEASURED: usize = 13;
 
 /// How far away the rows about a pixel lie, from eight above on.
 const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
@@ -89,7 +94,10 @@ impl EdgeDistance {
         if best as usize <= far * far && best < SEEN_WIDE * SEEN_WIDE {
             return (best as f32).sqrt() - 0.5;
         }
-        half_width(mask, i32::from(x), y as i32)
+        match is_measured(x, y) {
+            true => half_width(mask, i32::from(x), y as i32),
+            false => SEEN_WIDE as f32 + 0.5,
+        }
     }
 
     /// The least squared distance to an unset pixel in the rows from `at` on, which lie that far away.
@@ -135,10 +143,15 @@ impl EdgeDistance {
     }
 }
 
+/// Whether a place that is too wide for windows is measured.
+fn is_measured(x: u16, y: usize) -> bool {
+    (usize::from(x) + 5 * y).is_multiple_of(MEASURED)
+}
+
 /// Distance from the center of pixel (x, y) to the nearest side of an unset pixel's center, less the
 /// half pixel that the edge lies before it. What is outside the image does not count as unset: a
 /// rope that leaves the image is cut, not narrow.
-fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
+pub(crate) fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
     let mut best = WIDEST_HALF * WIDEST_HALF;
     let mut dy = 0;
     while dy * dy < best {
@@ -236,7 +249,9 @@ mod tests {
             for y in (0..height).step_by(2) {
                 for x in (0..width).step_by(3) {
                     let by_rows = half_width(&rows, x as i32, y as i32);
-                    prop_assert_eq!(edge_distance.half_px(&rows, x as u16, y as u16), by_rows);
+                    let found = edge_distance.half_px(&rows, x as u16, y as u16);
+                    let is_seen = by_rows < SEEN_WIDE as f32 - 0.5 || is_measured(x as u16, y);
+                    prop_assert_eq!(found, if is_seen { by_rows } else { SEEN_WIDE as f32 + 0.5 });
                 }
             }
         }

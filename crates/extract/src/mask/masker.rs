@@ -127,6 +127,8 @@ pub(crate) struct Masker {
     pub(crate) is_sought: bool,
     /// And whether it saw none, so that they are found by their shape alone.
     pub(crate) is_blind: bool,
+    /// Whether the network found ropes in the last image that it was asked about.
+    has_found: bool,
     /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
     pub(crate) is_smoothed: bool,
     /// What the automatic mask is unsure of.
@@ -208,7 +210,23 @@ impl Masker {
     }
 
     /// Takes the ropes that the network finds, with the edges that are seen there, in the place of what differs from the table.
+    /// A picture in which it guesses none at a glance is left, unless the last one had some.
     fn seek(&mut self, image: &Image) {
+        self.difference.resize(image.width(), image.height());
+        self.is_blind = !self.has_found && !self.finder.glance(image, GUESSES);
+        match self.is_blind {
+            true => (0..image.height()).for_each(|y| self.difference.row_mut(y).fill(0)),
+            false => self.look_closely(image),
+        }
+        let notice = self.notice;
+        self.take_levels(ROPE_LEVEL);
+        self.notice = notice;
+        self.is_sought = true;
+        self.has_found = !self.is_blind && !self.strips.used.is_empty();
+    }
+
+    /// Paints the ropes that the network finds into the difference.
+    fn look_closely(&mut self, image: &Image) {
         self.likely.resize(image.width(), image.height());
         self.finder.find(image, &mut self.likely);
         let levels = self.likely.bytes();
@@ -219,13 +237,13 @@ impl Masker {
             // What it knows nothing of may still have a rope's shape.
             (0..self.likely.height()).for_each(|y| self.likely.row_mut(y).fill(UNKNOWN));
         }
-        self.difference.resize(image.width(), image.height());
         (self.ribbons).find(image, &self.likely, &mut self.difference);
         self.evener.run(&mut self.difference);
-        let notice = self.notice;
-        self.take_levels(ROPE_LEVEL);
-        self.notice = notice;
-        self.is_sought = true;
+    }
+
+    /// Forgets whether the network has found ropes.
+    pub(crate) fn forget(&mut self) {
+        self.has_found = false;
     }
 
     /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.

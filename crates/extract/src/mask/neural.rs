@@ -10,6 +10,10 @@ use crate::image::{Image, PixelFormat, color};
 
 /// Pixels that the network looks at, at most: of larger pictures it sees the means of blocks.
 const MOST_PIXELS: usize = 640 * 640;
+/// How many times smaller a picture is glanced at than it is looked at, and the share of it that is likely where there is a rope:
+/// 4 pixels wide and as long as a quarter of a VGA picture's height.
+const GLANCE: usize = 2;
+const LEAST: usize = 640;
 
 /// The network with its memory.
 #[derive(Debug)]
@@ -22,7 +26,8 @@ pub(crate) struct Finder {
     seam: Vec<u8>,
     row: Vec<u32>,
     line: Vec<[u8; 3]>,
-    sums: Vec<[u32; 3]>,
+    /// A row of blocks, added up down the picture: three numbers a pixel.
+    sums: Vec<u32>,
 }
 
 impl Default for Finder {
@@ -45,13 +50,34 @@ impl Finder {
         }
     }
 
+    /// Whether a rope may be in `image`, at a glance that costs a quarter of finding it: whether enough of it is at least as `likely`.
+    pub(crate) fn glance(&mut self, image: &Image, likely: u8) -> bool {
+        let scale = GLANCE * scale_of(image.width(), image.height());
+        let pixels = self.look(image, scale);
+        let guessed = || self.rope.iter().filter(|&&rope| rope >= likely).count();
+        pixels.is_none_or(|[columns, rows]| LEAST * guessed() >= columns * rows)
+    }
+
     /// Fills `levels`, of the image's size, with how surely each pixel is of a rope: 255 for certain. A seam between two ropes
     /// side by side is of none.
     pub(crate) fn find(&mut self, image: &Image, levels: &mut GrayPlane) {
         let (width, height) = (image.width(), image.height());
         levels.resize(width, height);
         let scale = scale_of(width, height);
-        let (columns, rows) = (width / scale, height / scale);
+        let Some(pixels) = self.look(image, scale) else {
+            (0..height).for_each(|y| levels.row_mut(y).fill(0));
+            return;
+        };
+        for (rope, seam) in self.rope.iter_mut().zip(&self.seam) {
+            *rope = (u16::from(*rope) * u16::from(255 - seam) / 255) as u8;
+        }
+        self.spread(scale, pixels, levels);
+    }
+
+    /// Has the network look at the means of blocks of so many pixels each way, and says how many there are; nothing of a strip
+    /// too long for it, or where there are none.
+    fn look(&mut self, image: &Image, scale: usize) -> Option<[usize; 2]> {
+        let (columns, rows) = (image.width() / scale, image.height() / scale);
         self.rope.resize(columns * rows, 0);
         self.seam.resize(columns * rows, 0);
         let is_as_it_lies = scale == 1 && image.format() == PixelFormat::Rgb8;
@@ -73,19 +99,8 @@ impl Finder {
             seam: &mut self.seam,
             stride: columns,
         };
-        if self
-            .network
-            .run(&mut self.workspace, picture, maps)
-            .is_err()
-        {
-            // Too long a strip for it, or nothing at all.
-            (0..height).for_each(|y| levels.row_mut(y).fill(0));
-            return;
-        }
-        for (rope, seam) in self.rope.iter_mut().zip(&self.seam) {
-            *rope = (u16::from(*rope) * u16::from(255 - seam) / 255) as u8;
-        }
-        self.spread(scale, [columns, rows], levels);
+        let seen = self.network.run(&mut self.workspace, picture, maps);
+        seen.ok().map(|()| [columns, rows])
     }
 
     /// The means of blocks in red, green and blue.
@@ -93,7 +108,7 @@ impl Finder {
         let format = image.format();
         self.row.resize(columns * scale, 0);
         self.line.resize(columns * scale, [0; 3]);
-        self.sums.resize(columns, [0; 3]);
+        self.sums.resize(3 * columns * scale, 0);
         self.rgb.resize(3 * columns * rows, 0);
         let out = self.rgb.as_chunks_mut().0.chunks_exact_mut(columns.max(1));
         for (y, out) in out.enumerate() {
@@ -107,25 +122,25 @@ impl Finder {
                 });
                 continue;
             }
-            self.sums.fill([0; 3]);
+            self.sums.fill(0);
             for line in y * scale..(y + 1) * scale {
+                let sums = &mut self.sums;
+                if format == PixelFormat::Rgb8 {
+                    let line = image.row(line);
+                    Arch::new().dispatch(AddLine { line, sums });
+                    continue;
+                }
                 color::along(image, line, &mut self.row);
                 Arch::new().dispatch(InRgb {
                     pixels: &self.row,
                     format,
                     out: &mut self.line,
                 });
-                let blocks = self.line.chunks_exact(scale);
-                for (sum, block) in self.sums.iter_mut().zip(blocks) {
-                    for pixel in block {
-                        *sum = std::array::from_fn(|k| sum[k] + u32::from(pixel[k]));
-                    }
-                }
+                let line = self.line.as_flattened();
+                Arch::new().dispatch(AddLine { line, sums });
             }
-            let count = (scale * scale) as u32;
-            for (out, sum) in out.iter_mut().zip(&self.sums) {
-                *out = sum.map(|sum| ((sum + count / 2) / count) as u8);
-            }
+            let sums = &self.sums[..];
+            Arch::new().dispatch(Means { sums, scale, out });
         }
     }
 
@@ -169,7 +184,7 @@ impl Finder {
         self.rgb.reserve(3 * columns * rows);
         self.row.reserve(width);
         self.line.reserve(width);
-        self.sums.reserve(columns);
+        self.sums.reserve(3 * columns * scale);
     }
 }
 
@@ -206,6 +221,48 @@ impl InRgb<'_> {
         for (out, pixel) in self.out.iter_mut().zip(self.pixels) {
             let [a, b, c, _] = pixel.to_le_bytes();
             *out = converted([a, b, c]);
+        }
+    }
+}
+
+/// Adds the levels of a line to those above it.
+struct AddLine<'a> {
+    line: &'a [u8],
+    sums: &'a mut [u32],
+}
+
+impl NullaryFnOnce for AddLine<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (sum, &level) in self.sums.iter_mut().zip(self.line) {
+            *sum += u32::from(level);
+        }
+    }
+}
+
+/// The means of blocks whose columns are added up.
+struct Means<'a> {
+    sums: &'a [u32],
+    scale: usize,
+    out: &'a mut [[u8; 3]],
+}
+
+impl NullaryFnOnce for Means<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let count = (self.scale * self.scale) as u32;
+        // Division by multiplication: exact, as a sum times the count is below 2⁴⁰.
+        let share = (1u64 << 40).div_ceil(u64::from(count));
+        for (out, block) in (self.out.iter_mut()).zip(self.sums.chunks_exact(3 * self.scale)) {
+            let mut sum = [count / 2; 3];
+            for pixel in block.as_chunks::<3>().0 {
+                (0..3).for_each(|k| sum[k] += pixel[k]);
+            }
+            *out = [0, 1, 2].map(|k| (u64::from(sum[k]) * share >> 40) as u8);
         }
     }
 }
