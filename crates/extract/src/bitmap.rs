@@ -8,5 +8,6 @@ pub(crate) mod morphology;
 pub(crate) mod neighbors;
 mod octagon;
 pub(crate) mod pieces;
+pub(crate) mod spread;
 pub(crate) mod strips;
 mod tiles;

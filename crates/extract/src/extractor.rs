@@ -30,6 +30,7 @@ use crate::occlusion::occluder::Occluder;
 use crate::options::{Mask, Method, Options, OptionsError};
 use crate::scene::{Crossing, Curve, Scene};
 use crate::skeleton::thin::Thinner;
+use crate::skeleton::wide::Wide;
 use crate::skeleton::{Pixel, Skeleton};
 use crate::tracking::refit::{self, Refitter};
 use crate::tracking::strays::Strays;
@@ -76,6 +77,9 @@ pub struct Extractor {
     unpacker: Unpacker,
     masker: Masker,
     occluder: Occluder,
+    wide: Wide,
+    /// Whether something was too wide that is no gripper over a known rope.
+    has_wide: bool,
     thinner: Thinner,
     skeleton: Skeleton,
     graph: Graph,
@@ -135,6 +139,8 @@ impl Extractor {
             unpacker: Unpacker::default(),
             masker: Masker::default(),
             occluder: Occluder::default(),
+            wide: Wide::default(),
+            has_wide: false,
             thinner: Thinner::default(),
             skeleton: Skeleton::default(),
             graph: Graph::default(),
@@ -352,14 +358,15 @@ impl Extractor {
         let pixels = self.skeleton.pixels.iter();
         self.zones.past.check(pixels.map(Pixel::at));
         let known_half_px = self.zones.past.widest_half_px();
-        let mask = &self.masker.mask;
-        if self
-            .occluder
-            .find(image, &self.skeleton, mask, known_half_px)
-        {
+        let (skeleton, mask) = (&self.skeleton, &self.masker.mask);
+        let widest_half_px = most_passes(self.size) as f32;
+        let halves_px = (known_half_px, widest_half_px);
+        self.has_wide = known_half_px.is_none() && !self.wide.places.is_empty();
+        if (self.occluder).find(image, skeleton, mask, halves_px) {
             self.masker.take_out(&self.occluder.plane);
             self.skeletonize();
         }
+        self.leave_wide_out();
         after(Step::Skeleton);
         self.graph.trace(&self.skeleton);
         self.graph.prune(&mut self.skeleton, &self.zones.past);
@@ -469,6 +476,8 @@ impl Extractor {
                 self.orderer.reserve(samples);
             }
         }
+        let most_passes = most_passes((width, height));
+        self.wide.reserve(&self.masker.strips, most_passes);
         self.graph.reserve();
         self.overlaps.reserve();
         self.colors.reserve(MOST_PIECES);
@@ -528,9 +537,20 @@ impl Extractor {
         &self.masker.mask
     }
 
+    /// Leaves out of the skeleton what hangs together with something far too wide that was not told from the ropes by its color.
+    fn leave_wide_out(&mut self) {
+        if self.options.method == Method::Skeleton && !self.wide.places.is_empty() {
+            self.has_wide = true;
+            let (mask, rows) = (&self.masker.strips, &self.masker.mask);
+            self.wide.leave_pieces_out(rows);
+            self.thinner.thin(&self.wide.rest, most_passes(self.size));
+            self.skeleton.list(&self.thinner.thin, mask, rows);
+        }
+    }
+
     /// Lists the skeleton of the mask: the mask thinned, or what joins the centers of a clustering.
     fn skeletonize(&mut self) {
-        let most_passes = (self.size.0.min(self.size.1) / 8).clamp(16, 128) as u32;
+        let most_passes = most_passes(self.size);
         let (mask, rows) = (&self.masker.strips, &self.masker.mask);
         let Options {
             method,
@@ -539,8 +559,11 @@ impl Extractor {
             ..
         } = self.options;
         if method == Method::Skeleton {
-            self.thinner.thin(mask, most_passes);
+            let has_wide = self.wide.find(mask, rows, most_passes);
+            let lines = if has_wide { &self.wide.rest } else { mask };
+            self.thinner.thin(lines, most_passes);
             self.skeleton.list(&self.thinner.thin, mask, rows);
+            self.skeleton.add(&self.wide.places);
             return;
         }
         self.clusterer.run(method, rows, points, ropes);
@@ -554,4 +577,9 @@ impl Extractor {
         self.skeleton
             .list(&self.thinner.thin, &body.strips, &body.rows);
     }
+}
+
+/// Passes by which a mask of this size is thinned: as many pixels as the widest rope is wide to either side of its middle.
+fn most_passes((width, height): (usize, usize)) -> u32 {
+    (width.min(height) / 8).clamp(16, 128) as u32
 }

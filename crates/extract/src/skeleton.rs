@@ -3,5 +3,6 @@
 
 mod pixels;
 pub(crate) mod thin;
+pub(crate) mod wide;
 
 pub(crate) use pixels::{NONE, Pixel, Skeleton};

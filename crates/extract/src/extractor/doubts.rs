@@ -88,6 +88,10 @@ impl Extractor {
         self.find_doubts(image, self.count, |_, _| false);
         let has_something = !self.masker.strips.used.is_empty();
         match self.count {
+            _ if self.has_wide => {
+                self.masker.doubts_itself();
+                true
+            }
             0 => has_something && self.masker.doubts_itself(),
             _ if self.doubts.iter().flatten().count() < MUCH => false,
             _ => {

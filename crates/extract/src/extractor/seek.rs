@@ -51,7 +51,7 @@ impl Extractor {
 
     /// Looks for ropes with the network; where that was in vain, not soon again.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        let is_all_doubted = self.doubts.iter().all(Option::is_some);
+        let is_all_doubted = self.has_wide || self.doubts.iter().all(Option::is_some);
         if is_all_doubted && self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
             // It said that they are none.

@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use crate::bitmap::bits::{BitPlane, left_of, right_of};
+use crate::bitmap::spread::spread;
 use crate::image::{Image, color};
 use crate::skeleton::Skeleton;
 use crate::statistics::{quantile, quantile_of_positive};
@@ -28,8 +29,6 @@ const SQUARES: f32 = 5.0;
 const NEARER: f32 = 0.6;
 /// Pixels around a thing that are neither it nor the table.
 const RIM: usize = 2;
-/// Turns of a thing's outline that are followed.
-const MOST_BENDS: usize = 24;
 /// The most things in one image.
 const MOST: usize = 6;
 
@@ -74,14 +73,15 @@ impl Occluder {
         self.found
     }
 
-    /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope.
+    /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope. Where none is known, what
+    /// has the ropes' color and a larger half-width than `widest_half_px` is left where it is, as it may have fingers.
     /// Returns whether there are any.
     pub(crate) fn find(
         &mut self,
         image: &Image,
         skeleton: &Skeleton,
         mask: &BitPlane,
-        known_half_px: Option<f32>,
+        (known_half_px, widest_half_px): (Option<f32>, f32),
     ) -> bool {
         let size = [mask.width(), mask.height()];
         if self.found || size != [self.plane.width(), self.plane.height()] {
@@ -119,7 +119,14 @@ impl Occluder {
                 y: usize::from(widest.y),
                 half_px: widest.half_px,
             };
-            if !self.take(image, mask, &seed, rope, half_px, known_half_px.is_some()) {
+            let is_known = known_half_px.is_some();
+            let widest_half_px = if is_known {
+                f32::INFINITY
+            } else {
+                widest_half_px
+            };
+            let halves_px = half_px..widest_half_px;
+            if !self.take(image, mask, &seed, rope, halves_px, is_known) {
                 break;
             }
             self.found = true;
@@ -151,7 +158,7 @@ impl Occluder {
         mask: &BitPlane,
         seed: &Seed,
         rope: [f32; 3],
-        half_px: f32,
+        halves_px: Range<f32>,
         known: bool,
     ) -> bool {
         let yuv = color::is_yuv(image.format());
@@ -160,7 +167,8 @@ impl Occluder {
         self.thing.resize(mask.width(), mask.height());
         seed.fill(&mut self.thing, 0.8);
         if color::distance(own, rope, yuv) <= ALIKE {
-            if seed.half_px <= WIDE_ALIKE * half_px + WIDE.1 {
+            let least_px = WIDE_ALIKE * halves_px.start + WIDE.1;
+            if seed.half_px <= least_px || seed.half_px >= halves_px.end {
                 return false;
             }
             // Color tells nothing: all that is within the widest place.
@@ -281,76 +289,6 @@ fn or(plane: &mut BitPlane, other: &BitPlane) {
     }
 }
 
-/// Grows `plane` within `limits`, by sides, to all that hangs together with it: down and up, until a
-/// round changes nothing, or it has more than so many pixels. It lies within `rows`, whose limits are known; those of each other
-/// row that it comes to are written by `limit`. Returns the rows whose limits are known then.
-fn spread(
-    (plane, limits): (&mut BitPlane, &mut BitPlane),
-    mut rows: Range<usize>,
-    most: f32,
-    limit: impl Fn(usize, &mut BitPlane),
-) -> Range<usize> {
-    let is_empty = |plane: &BitPlane, y: usize| plane.row(y).iter().all(|&word| word == 0);
-    // Each round goes once around a bend; what winds more than this is not a thing's outline.
-    for _ in 0..MOST_BENDS {
-        let mut changed = false;
-        for y in rows.start + 1..plane.height() {
-            if y == rows.end {
-                if is_empty(plane, y - 1) {
-                    break;
-                }
-                limit(y, limits);
-                rows.end += 1;
-            }
-            changed |= spread_row(plane, limits, y, y - 1);
-        }
-        for y in (0..rows.end - 1).rev() {
-            if y + 1 == rows.start {
-                if is_empty(plane, y + 1) {
-                    break;
-                }
-                limit(y, limits);
-                rows.start -= 1;
-            }
-            changed |= spread_row(plane, limits, y, y + 1);
-        }
-        if !changed || plane.count() as f32 > most {
-            break;
-        }
-    }
-    rows
-}
-
-/// Grows row `y` from row `from` and along itself; returns whether it grew.
-fn spread_row(plane: &mut BitPlane, limits: &BitPlane, y: usize, from: usize) -> bool {
-    let words = plane.words_per_row();
-    let mut any = false;
-    for i in 0..words {
-        let new = plane.row(from)[i] & limits.row(y)[i] & !plane.row(y)[i];
-        plane.row_mut(y)[i] |= new;
-        any |= new != 0;
-    }
-    if !any {
-        return false;
-    }
-    loop {
-        let mut changed = false;
-        for i in 0..words {
-            let row = plane.row(y);
-            let word = row[i];
-            if word == 0 && left_of(row, i) == 0 && right_of(row, i) == 0 {
-                continue;
-            }
-            let new = (left_of(row, i) | right_of(row, i)) & limits.row(y)[i] & !word;
-            plane.row_mut(y)[i] |= new;
-            changed |= new != 0;
-        }
-        if !changed {
-            return true;
-        }
-    }
-}
-
 /// Grows `plane` within `limits` by one pixel to all sides.
 fn grow(plane: &mut BitPlane, limits: &BitPlane, grown: &mut BitPlane) {
     grown.copy_from(plane);
@@ -368,36 +306,4 @@ fn grow(plane: &mut BitPlane, limits: &BitPlane, grown: &mut BitPlane) {
         }
     }
     std::mem::swap(plane, grown);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spreading_stays_within_its_limits_and_reaches_all_that_hangs_together() {
-        let (mut plane, mut limits) = (BitPlane::default(), BitPlane::default());
-        plane.resize(150, 20);
-        limits.resize(150, 20);
-        // A U, and a piece apart from it.
-        (2..15).for_each(|y| {
-            limits.fill(y, 10, 14, true);
-            limits.fill(y, 120, 125, true);
-        });
-        limits.fill(14, 10, 125, true);
-        limits.fill(2, 60, 90, true);
-        plane.fill(3, 11, 12, true);
-        // Rows are limited when it comes to them.
-        let mut known = BitPlane::default();
-        known.resize(150, 20);
-        let limit = |y: usize, known: &mut BitPlane| {
-            known.row_mut(y).copy_from_slice(limits.row(y));
-        };
-        limit(3, &mut known);
-        let rows = spread((&mut plane, &mut known), 3..4, f32::INFINITY, limit);
-        assert_eq!(rows, 1..16);
-        assert!(plane.get(122, 2) && plane.get(70, 14) && plane.get(10, 2));
-        assert!(!plane.get(70, 2));
-        assert_eq!(plane.count(), limits.count() - 30);
-    }
 }

@@ -3,6 +3,7 @@
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::edge_distance::EdgeDistance;
 use crate::bitmap::strips::{BLOCK, Strips};
+use crate::skeleton::wide::Place;
 
 /// No pixel, node, edge or arm.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -143,6 +144,22 @@ impl Skeleton {
             i += 1;
         }
         i
+    }
+
+    /// Adds places that no line runs through.
+    pub(crate) fn add(&mut self, places: &[Place]) {
+        (self.pixels).extend(places.iter().map(
+            |&Place {
+                 at: [x, y],
+                 half_px,
+             }| Pixel {
+                x,
+                y,
+                half_px,
+                neighbors: [NONE; 5],
+                degree: 0,
+            },
+        ));
     }
 
     /// Takes pixel `i` out: no neighbor leads to it any more.
