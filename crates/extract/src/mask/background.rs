@@ -104,6 +104,18 @@ impl Background {
         self.at_place([x as f32, y as f32])
     }
 
+    /// The table's color at some pixels of a row, a channel at a time.
+    #[inline(always)]
+    pub(crate) fn at_each(&self, xs: &[usize], y: usize, out: [&mut [f32]; 3]) {
+        let v = unit(y as f32, self.height);
+        for (out, c) in out.into_iter().zip(&self.coefficients) {
+            let row = along_row(c, v);
+            for (out, &x) in out.iter_mut().zip(xs) {
+                *out = surface(&row, unit(x as f32, self.width));
+            }
+        }
+    }
+
     /// The same for kernels, that have numbers of the same kind for everything.
     #[inline(always)]
     pub(crate) fn at_place(&self, [x, y]: [f32; 2]) -> [f32; 3] {

@@ -8,6 +8,8 @@ use crate::bitmap::bits::BitPlane;
 use crate::bitmap::components::Components;
 use crate::image::gray::GrayPlane;
 use crate::statistics::median;
+use lariat_portable::{Arch, NullaryFnOnce};
+use std::ops::Range;
 
 /// Blocks along the shorter side of the image: some three across a rope of a fortieth of it.
 const BLOCKS: usize = 120;
@@ -28,6 +30,8 @@ const MAD_TO_DEVIATION: f32 = 1.4826;
 /// Memory of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Faint {
+    /// A row of blocks, added up down the picture.
+    sums: Vec<u32>,
     blocks: Vec<f32>,
     responses: Vec<f32>,
     sorted: Vec<f32>,
@@ -77,15 +81,15 @@ impl Faint {
         if self.blocks.is_empty() {
             return (0, 0);
         }
+        self.sums.resize(columns * side, 0);
         for (j, blocks) in self.blocks.chunks_exact_mut(columns).enumerate() {
-            for y in j * side..(j + 1) * side {
-                let pixels = difference.row(y).chunks_exact(side);
-                for (block, pixels) in blocks.iter_mut().zip(pixels) {
-                    *block += pixels.iter().map(|&p| u32::from(p)).sum::<u32>() as f32;
-                }
-            }
-            let area = (side * side) as f32;
-            blocks.iter_mut().for_each(|block| *block /= area);
+            let (rows, sums) = (j * side..(j + 1) * side, &mut self.sums[..]);
+            Arch::new().dispatch(Average {
+                difference,
+                rows,
+                sums,
+                blocks,
+            });
         }
         (columns, rows)
     }
@@ -94,13 +98,47 @@ impl Faint {
     fn respond(&mut self, columns: usize, rows: usize) {
         self.responses.clear();
         let blocks = &self.blocks;
-        let at = |x: usize, y: usize| blocks[y * columns + x];
+        let row = |y: usize| &blocks[y * columns..][..columns];
         for y in REACH..rows.saturating_sub(REACH) {
-            for x in REACH..columns.saturating_sub(REACH) {
-                let beside = 0.5 * (at(x - REACH, y) + at(x + REACH, y));
-                let above = 0.5 * (at(x, y - REACH) + at(x, y + REACH));
-                self.responses.push(at(x, y) - beside.min(above));
+            let Some(inner) = columns.checked_sub(2 * REACH) else {
+                return;
+            };
+            let (row, above, below) = (row(y), row(y - REACH), row(y + REACH));
+            let (left, right) = (&row[..inner], &row[2 * REACH..]);
+            let beside = left.iter().zip(right);
+            let above = above[REACH..][..inner].iter().zip(&below[REACH..]);
+            let places = row[REACH..].iter().zip(beside).zip(above);
+            self.responses.extend(places.map(|((own, beside), above)| {
+                let mean = |(a, b): (&f32, &f32)| 0.5 * (a + b);
+                own - mean(beside).min(mean(above))
+            }));
+        }
+    }
+}
+
+/// The means of a row of blocks, each as wide as high.
+struct Average<'a> {
+    difference: &'a GrayPlane,
+    rows: Range<usize>,
+    sums: &'a mut [u32],
+    blocks: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Average<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let side = self.rows.len();
+        self.sums.fill(0);
+        for y in self.rows {
+            for (sum, &level) in self.sums.iter_mut().zip(self.difference.row(y)) {
+                *sum += u32::from(level);
             }
+        }
+        let area = (side * side) as f32;
+        for (mean, sums) in self.blocks.iter_mut().zip(self.sums.chunks_exact(side)) {
+            *mean = sums.iter().sum::<u32>() as f32 / area;
         }
     }
 }

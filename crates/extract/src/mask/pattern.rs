@@ -7,10 +7,14 @@
 use super::background::Background;
 use super::threshold;
 use crate::image::gray::GrayPlane;
-use crate::image::{Image, color};
+use crate::image::{Image, PixelFormat, color};
+use lariat_portable::{Arch, NullaryFnOnce};
 
-/// Samples along each side of the grid.
+/// Samples along each side of the grid at most, and pixels from one to the next at least: a small picture has fewer.
 const GRID: usize = 64;
+const PITCH: usize = 3;
+/// Samples that are worked on side by side.
+const LANES: usize = 16;
 /// Steps from a pixel to the one it is compared with, to the right and down. Sensors that interpolate colour and cameras
 /// that code the image spread noise to direct neighbors; squares of a few pixels change sign between two and six.
 const LAGS: [usize; 3] = [2, 4, 6];
@@ -73,45 +77,127 @@ impl Table<'_> {
         if width <= lag || height <= lag {
             return [0.0; 2];
         }
-        let (columns, rows) = (GRID.min(width - lag), GRID.min(height - lag));
-        let (mut counts, mut sums) = ([0u32; 2], [[0.0f32; 3]; 2]);
+        let along = |side: usize| GRID.min(side.div_ceil(PITCH)).min(side - lag);
+        let (columns, rows) = (along(width), along(height));
+        let place = |i: usize, count: usize, side: usize| (2 * i + 1) * (side - lag) / (2 * count);
+        let table = self;
+        let mut compared = Compared::default();
+        let mut xs = [0; GRID];
+        (0..columns).for_each(|i| xs[i] = place(i, columns, width));
+        let there = xs.map(|x| x + lag);
+        let (xs, there) = (&xs[..columns], &there[..columns]);
         for j in 0..rows {
-            let y = (2 * j + 1) * (height - lag) / (2 * rows);
-            for i in 0..columns {
-                let x = (2 * i + 1) * (width - lag) / (2 * columns);
-                let Some(here) = self.residual(x, y) else {
-                    continue;
-                };
-                let others = [self.residual(x + lag, y), self.residual(x, y + lag)];
-                for (way, there) in others.into_iter().enumerate() {
-                    let Some(there) = there else { continue };
-                    counts[way] += 1;
-                    (0..3).for_each(|c| sums[way][c] += here[c] * there[c]);
-                }
-            }
+            let y = place(j, rows, height);
+            Arch::new().dispatch(Compare {
+                table,
+                here: (xs, y),
+                others: [(there, y), (xs, y + lag)],
+                compared: &mut compared,
+            });
         }
-        std::array::from_fn(|way| {
-            let larger = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
-            sums[way].into_iter().fold(0.0, larger) / counts[way].max(1) as f32
-        })
+        compared.covariances()
     }
 
-    /// How far the pixel's channels are off the table's surface, in levels; nothing where it is not table.
-    fn residual(&self, x: usize, y: usize) -> Option<[f32; 3]> {
-        if self.difference.row(y)[x] >= self.cut {
-            return None;
+    /// How far each pixel's channels are off the table's surface, in levels; 0 where it is not table.
+    #[inline(always)]
+    fn residuals(&self, (xs, y): (&[usize], usize)) -> Residuals {
+        let mut pixels = [0; GRID];
+        color::at_places(self.image, y, xs.iter().copied(), &mut pixels[..xs.len()]);
+        let mut off = Residuals::default();
+        let [a, b, c] = &mut off.channels;
+        self.background.at_each(xs, y, [a, b, c]);
+        let difference = self.difference.row(y);
+        for (is_table, &x) in off.is_table.iter_mut().zip(xs) {
+            *is_table = if difference[x] < self.cut { 1.0 } else { 0.0 };
         }
-        let (pixel, table) = (color::native(self.image, x, y), self.background.at(x, y));
-        let chroma = if color::is_yuv(self.image.format()) {
-            2.0
-        } else {
-            1.0
-        };
         // Twice the least: squares of one color taken for the table, those of the other count in full.
         let most = (MOST * self.background.noise).max(2.0 * LEAST);
-        let weights = [1.0, chroma, chroma];
-        Some(std::array::from_fn(|c| {
-            (weights[c] * (f32::from(pixel[c]) - table[c])).clamp(-most, most)
-        }))
+        let weights = match self.image.format() {
+            PixelFormat::Gray8 => [1.0, 0.0, 0.0],
+            format if color::is_yuv(format) => [1.0, 2.0, 2.0],
+            _ => [1.0; 3],
+        };
+        for (c, levels) in off.channels.iter_mut().enumerate() {
+            for i in 0..GRID {
+                let pixel = (pixels[i] >> (8 * c) & 0xff) as i32 as f32;
+                let level = weights[c] * (pixel - levels[i]);
+                levels[i] = off.is_table[i] * level.min(most).max(-most);
+            }
+        }
+        off
+    }
+}
+
+/// A row of the grid.
+struct Residuals {
+    channels: [[f32; GRID]; 3],
+    /// 1 for a pixel of the table, 0 for another.
+    is_table: [f32; GRID],
+}
+
+impl Default for Residuals {
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            channels: [[0.0; GRID]; 3],
+            is_table: [0.0; GRID],
+        }
+    }
+}
+
+/// Sums over pairs of pixels, to the right and down: how many, and the products of their residuals in each channel.
+#[derive(Default)]
+struct Compared {
+    counts: [Lanes; 2],
+    sums: [[Lanes; 3]; 2],
+}
+
+type Lanes = [f32; LANES];
+
+impl Compared {
+    fn covariances(&self) -> [f32; 2] {
+        std::array::from_fn(|way| {
+            let larger = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
+            let sums = self.sums[way].iter().map(|sums| sums.iter().sum::<f32>());
+            sums.fold(0.0, larger) / self.counts[way].iter().sum::<f32>().max(1.0)
+        })
+    }
+}
+
+/// Compares a row of pixels with those to the right and those below.
+struct Compare<'a> {
+    table: &'a Table<'a>,
+    here: (&'a [usize], usize),
+    others: [(&'a [usize], usize); 2],
+    compared: &'a mut Compared,
+}
+
+impl NullaryFnOnce for Compare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Compared { counts, sums } = self.compared;
+        let here = self.table.residuals(self.here);
+        for (way, other) in self.others.into_iter().enumerate() {
+            let there = self.table.residuals(other);
+            add_products(&here.is_table, &there.is_table, &mut counts[way]);
+            let channels = here.channels.iter().zip(&there.channels);
+            for ((here, there), sums) in channels.zip(&mut sums[way]) {
+                add_products(here, there, sums);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_products(a: &[f32; GRID], b: &[f32; GRID], sums: &mut Lanes) {
+    let pairs = a
+        .as_chunks::<LANES>()
+        .0
+        .iter()
+        .zip(b.as_chunks::<LANES>().0);
+    for (a, b) in pairs {
+        (0..LANES).for_each(|l| sums[l] += a[l] * b[l]);
     }
 }
