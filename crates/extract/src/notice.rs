@@ -30,7 +30,8 @@ pub enum Notice {
     LikeAnEdge,
     /// Something round may be a rim.
     LikeARim,
-    /// More curves were found than are ever reported: the least sure and shortest were left out.
+    /// More curves were found than are ever reported: the least sure and shortest were left out. Of a mask by color or from elsewhere
+    /// that is a net, as of a grid or a keyboard, all were.
     TooMany,
     /// A curve's [confidence](crate::Curve::confidence) is below [the threshold](crate::Options::min_confidence), and nothing
     /// else says why.

@@ -52,11 +52,21 @@ pub(crate) struct Diagnosis {
     faint: Faint,
 }
 
+/// How many more holes a mask has than pieces.
+pub(crate) fn holes_beyond_pieces(mask: &Strips) -> i64 {
+    -lariat_portable::Arch::new().dispatch(PiecesLessHoles(mask))
+}
+
+/// Whether what was cut covers more than ropes do, whatever comes of the mask.
+pub(crate) fn covers_much(cut: Cut) -> bool {
+    cut.covered > MOST_COVERED
+}
+
 impl Diagnosis {
     /// What to say about the mask; nothing when it is sure.
     pub(crate) fn notice(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
         let cut = of.cut.rope;
-        if of.cut.covered > MOST_COVERED {
+        if covers_much(of.cut) {
             let seen = Seen::of(of.difference, cut);
             return Some(match seen.changes > CHANGES {
                 true => Notice::CheckeredTable,
@@ -65,10 +75,7 @@ impl Diagnosis {
         }
         let is_empty = of.mask.used.is_empty();
         // A rope that crosses itself n times encloses n + 1 holes.
-        if !is_empty
-            && lariat_portable::Arch::new().dispatch(PiecesLessHoles(of.mask))
-                < -(MOST_CROSSINGS as i64)
-        {
+        if !is_empty && holes_beyond_pieces(of.mask) > MOST_CROSSINGS as i64 {
             return Some(Notice::CheckeredTable);
         }
         let is_at_floor = !of.cut.is_sure(of.floor);

@@ -2,7 +2,7 @@
 
 use super::background::Background;
 use super::cast::{Cast, Shadows};
-use super::diagnosis::{Diagnosis, Evidence};
+use super::diagnosis::{self, Diagnosis, Evidence};
 use super::difference::Differencer;
 use super::evened::Evener;
 use super::hsv::Selector;
@@ -23,6 +23,7 @@ use crate::image::{Image, PixelFormat};
 use crate::notice::Notice;
 use crate::options::Mask;
 use crate::ribbons::Ribbons;
+use crate::scene::MOST_CROSSINGS;
 use lariat_network::Network;
 use lariat_portable::{Arch, NullaryFnOnce};
 use std::num::NonZeroU8;
@@ -32,6 +33,10 @@ use thiserror::Error;
 /// The largest share of the image that ropes may cover; more means that the ranges or the light
 /// are wrong, and a "skeleton" of it would mean nothing.
 const MOST_COVERED: f32 = 0.6;
+
+/// Holes more than pieces that ropes' mask from elsewhere or by color has at most: they would cross four times as often as is
+/// reported. A net has more.
+const MOST_HOLES: i64 = 4 * MOST_CROSSINGS as i64;
 
 /// The share of the picture's border from which on what lies there is no rope.
 const FRAMED: f32 = 0.18;
@@ -154,7 +159,13 @@ impl Masker {
                 let levels = &mut self.levels;
                 (self.differencer).run(image, &self.background, least, difference, faint, levels);
                 let cut = threshold::choose(levels, noise);
-                self.cut_out(image, cut);
+                if diagnosis::covers_much(cut) {
+                    // The network will be asked, whatever the mask would be.
+                    self.mask.resize(image.width(), image.height());
+                    self.empty();
+                } else {
+                    self.cut_out(image, cut);
+                }
                 chosen = Some(cut);
             }
             Mask::Hsv(ranges) => {
@@ -180,10 +191,11 @@ impl Masker {
         self.is_sought = false;
         self.cut = chosen.map(|cut: Cut| cut.rope);
         self.shadows.cast = Cast::None;
-        self.notice = chosen.and_then(|cut| self.judge(image, cut));
-        if chosen.is_none() {
+        let Some(cut) = chosen else {
+            self.notice = self.leave_net_out();
             return;
-        }
+        };
+        self.notice = self.judge(image, cut);
         if self.notice == Some(Notice::LikeTheTable) && self.is_noisy() {
             self.take_smoothed(image);
         }
@@ -193,7 +205,7 @@ impl Masker {
         if self.notice.is_some_and(is_no_plain_table) {
             self.seek(image);
         }
-        if self.notice.is_none() {
+        if self.notice.is_none() && !self.strips.used.is_empty() {
             self.take_shadows_out(image);
         }
     }
@@ -408,7 +420,16 @@ impl Masker {
         self.is_smoothed = false;
         self.cut = None;
         self.shadows.cast = Cast::None;
-        self.notice = None;
+        self.notice = self.leave_net_out();
+    }
+
+    /// Empties a mask that is a net, and says so.
+    fn leave_net_out(&mut self) -> Option<Notice> {
+        let is_net = diagnosis::holes_beyond_pieces(&self.strips) > MOST_HOLES;
+        if is_net {
+            self.empty();
+        }
+        is_net.then_some(Notice::TooMany)
     }
 
     /// Cleans the mask; one that is no picture of ropes is emptied.
@@ -417,9 +438,13 @@ impl Masker {
             self.strips.put(&mut self.mask);
             self.strips.tighten();
         } else {
-            self.mask.resize(self.mask.width(), self.mask.height());
-            self.strips.resize(&Shape::of(&self.mask));
+            self.empty();
         }
+    }
+
+    fn empty(&mut self) {
+        self.mask.resize(self.mask.width(), self.mask.height());
+        self.strips.resize(&Shape::of(&self.mask));
     }
 
     /// Takes what is set in `occluder` out of the mask and the difference, as if the table lay there.

@@ -262,7 +262,7 @@ impl NullaryFnOnce for Means<'_> {
             for pixel in block.as_chunks::<3>().0 {
                 (0..3).for_each(|k| sum[k] += pixel[k]);
             }
-            *out = [0, 1, 2].map(|k| (u64::from(sum[k]) * share >> 40) as u8);
+            *out = [0, 1, 2].map(|k| ((u64::from(sum[k]) * share) >> 40) as u8);
         }
     }
 }
