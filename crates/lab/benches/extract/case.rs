@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use lariat_extract::{Extractor, Options, Step};
+use lariat_extract::{Extractor, Mask, Options, Scene, Step};
 use lariat_lab::{Picture, ReadPass, Samples};
 
 /// Turns that a table has at least.
@@ -45,6 +45,8 @@ impl Times {
 pub(crate) struct Case {
     pub(crate) name: String,
     film: Vec<Picture>,
+    /// One for each picture of the film, or none.
+    masks: Vec<Picture>,
     forgetful: Extractor,
     mindful: Extractor,
     pub(crate) read_ns: Samples,
@@ -77,6 +79,7 @@ impl Case {
         Ok(Self {
             name: name.into(),
             film,
+            masks: Vec::new(),
             forgetful,
             mindful,
             read_ns: Samples::default(),
@@ -84,6 +87,22 @@ impl Case {
             tracked: Times::default(),
             rope_px2: Samples::default(),
             ropes: Samples::default(),
+        })
+    }
+
+    /// A case whose pictures come with masks made elsewhere.
+    pub(crate) fn masked(
+        name: impl Into<String>,
+        film: Vec<Picture>,
+        masks: Vec<Picture>,
+    ) -> Result<Self> {
+        let options = Options {
+            mask: Mask::External,
+            ..Options::default()
+        };
+        Ok(Self {
+            masks,
+            ..Self::with(name, film, options)?
         })
     }
 
@@ -99,25 +118,26 @@ impl Case {
     }
 
     /// Once through the film.
-    fn turn(&mut self, read: &ReadPass) {
+    fn turn(&mut self, read: &ReadPass) -> Result<()> {
         self.mindful.reset();
         for (k, frame) in self.film.iter().enumerate() {
-            let bytes = frame.bytes();
+            let (bytes, mask) = (frame.bytes(), self.masks.get(k));
             let fetch = || black_box(read.sum(black_box(bytes)));
             fetch();
             let read_ns = self.read_ns.time(fetch);
             fetch();
             self.forgetful.reset();
-            let found = timed(&mut self.forgetful, frame, read_ns, &mut self.cold);
+            let found = timed(&mut self.forgetful, (frame, mask), read_ns, &mut self.cold)?;
             self.ropes.push(found.ropes as f64);
             self.rope_px2.push(found.area_px2);
             fetch();
             if k == 0 {
-                self.mindful.extract(&frame.image());
+                see(&mut self.mindful, (frame, mask), &mut |_| {})?;
             } else {
-                timed(&mut self.mindful, frame, read_ns, &mut self.tracked);
+                timed(&mut self.mindful, (frame, mask), read_ns, &mut self.tracked)?;
             }
         }
+        Ok(())
     }
 
     fn forget(&mut self) {
@@ -127,19 +147,19 @@ impl Case {
 }
 
 /// Lets the cases take turns for that long; returns how many turns each had.
-pub(crate) fn measure(cases: &mut [Case], time: Duration) -> usize {
+pub(crate) fn measure(cases: &mut [Case], time: Duration) -> Result<usize> {
     let read = ReadPass::default();
     for case in &mut *cases {
-        case.turn(&read);
+        case.turn(&read)?;
         case.forget();
     }
     let start = Instant::now();
     let mut turns = 0;
     while turns < FEWEST_TURNS || start.elapsed() < time {
-        cases.iter_mut().for_each(|case| case.turn(&read));
+        cases.iter_mut().try_for_each(|case| case.turn(&read))?;
         turns += 1;
     }
-    turns
+    Ok(turns)
 }
 
 /// What an extraction found.
@@ -148,25 +168,39 @@ struct Found {
     area_px2: f64,
 }
 
-fn timed(extractor: &mut Extractor, frame: &Picture, read_ns: f64, times: &mut Times) -> Found {
-    let image = frame.image();
+/// A picture, and its mask if it has one.
+type Seen<'a> = (&'a Picture, Option<&'a Picture>);
+
+fn see<'a>(
+    extractor: &'a mut Extractor,
+    (picture, mask): Seen,
+    after: &mut dyn FnMut(Step),
+) -> Result<Scene<'a>> {
+    let image = picture.image();
+    Ok(match mask {
+        Some(mask) => extractor.extract_masked_observed(&image, &mask.image(), after)?,
+        None => extractor.extract_observed(&image, after),
+    })
+}
+
+fn timed(extractor: &mut Extractor, seen: Seen, read_ns: f64, times: &mut Times) -> Result<Found> {
     let start = Instant::now();
     let (mut last, mut ns) = (start, [0.0; WHOLE + 1]);
-    let scene = extractor.extract_observed(&image, &mut |step| {
+    let scene = see(extractor, seen, &mut |step| {
         let now = Instant::now();
         if let Some(k) = STEPS.iter().position(|&s| s == step) {
             ns[k] = (now - last).as_secs_f64() * 1e9;
         }
         last = now;
-    });
+    })?;
     ns[WHOLE] = start.elapsed().as_secs_f64() * 1e9;
     for (k, ns) in ns.into_iter().enumerate() {
         times.ns[k].push(ns);
         times.over_read[k].push(ns / read_ns);
     }
     let areas = scene.curves.iter().map(|c| c.length_px * c.width_px);
-    Found {
+    Ok(Found {
         ropes: scene.curves.len(),
         area_px2: f64::from(areas.sum::<f32>()),
-    }
+    })
 }

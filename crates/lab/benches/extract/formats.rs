@@ -40,7 +40,7 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
         ..Options::default()
     };
     cases.push(Case::with("Rgb8, by HSV range", told, options)?);
-    let turns = measure(&mut cases, effort.time(24.0));
+    let turns = measure(&mut cases, effort.time(24.0))?;
     print_steps(&cases[0], film.len(), turns);
     print_formats(&cases);
     Ok(())

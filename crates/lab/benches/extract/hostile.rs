@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use lariat_capture::RenderOptions;
-use lariat_extract::{HsvRange, Mask, Options};
+use lariat_extract::{HsvRange, Mask, Options, PixelFormat};
 use lariat_lab::{Picture, Table, micros, multiple, times};
 
 use crate::Effort;
@@ -21,28 +21,49 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
         let film: Result<Vec<Picture>> = (0..REPEATS).map(|_| draw()).collect();
         cases.push(Case::new(name, film?)?);
     }
-    let ones = (0..REPEATS).map(|_| picture(|_, _| 0.0));
-    let everything = Options {
-        mask: Mask::Hsv(vec![HsvRange {
-            hue_deg: [0.0, 360.0],
-            saturation: [0.0, 1.0],
-            value: [0.0, 1.0],
-        }]),
-        ..Options::default()
-    };
-    let ones = ones.collect::<Result<_>>()?;
-    cases.push(Case::with("a mask of all ones", ones, everything)?);
-    measure(&mut cases, effort.time(14.0));
+    for (name, draw, range) in BY_COLOR {
+        let film: Result<Vec<Picture>> = (0..REPEATS).map(|_| draw()).collect();
+        let by_color = Options {
+            mask: Mask::Hsv(vec![range]),
+            ..Options::default()
+        };
+        cases.push(Case::with(name, film?, by_color)?);
+    }
+    for (name, draw) in WITH_MASKS {
+        let film = (0..REPEATS).map(|_| draw()).collect::<Result<Vec<_>>>()?;
+        let masks = film.iter().map(dark).collect::<Result<_>>()?;
+        cases.push(Case::masked(name, film, masks)?);
+    }
+    let films = [
+        (
+            "a sixteenth of one rope's picture",
+            effort.film(RenderOptions::default(), 8)?,
+        ),
+        (
+            "a sixteenth of a bare table",
+            (0..REPEATS).map(|_| bare()).collect::<Result<_>>()?,
+        ),
+    ];
+    for (name, film) in films {
+        let film = film.iter().map(sixteenth).collect::<Result<_>>()?;
+        cases.push(Case::new(name, film)?);
+    }
+    measure(&mut cases, effort.time(14.0))?;
     print(&cases);
     Ok(())
 }
 
 type Draw = fn() -> Result<Picture>;
 
-const PICTURES: [(&str, Draw); 11] = [
+const PICTURES: [(&str, Draw); 16] = [
+    ("a bare table", bare),
+    ("a disc of 240 px", disc),
+    ("an arm", arm),
+    ("a keyboard", keyboard),
+    ("a keyboard, dark between its keys", dark_keyboard),
     ("ten crossings", ten_crossings),
     ("eight ropes", eight_ropes),
-    ("half is rope", || picture(|x, _| share(x < WIDTH / 2))),
+    ("half is rope", half),
     // As much as a mask may cover; the longest thinning.
     ("a block of 59%", block),
     ("chess board, 1 px", || chess_board(1)),
@@ -53,10 +74,60 @@ const PICTURES: [(&str, Draw); 11] = [
     ("salt and pepper, 1%", || salt(1)),
     // As many strands as the width holds.
     ("stripes, 8 of 18 px", || picture(|x, _| share(x % 18 < 8))),
-    ("net, 6 of 36 px", || {
-        picture(|x, y| share(x % 36 < 6 || y % 36 < 6))
-    }),
+    ("net, 6 of 36 px", net),
 ];
+
+/// The rope's own color, and all colors.
+const BLUE: HsvRange = HsvRange {
+    hue_deg: [190.0, 250.0],
+    saturation: [0.3, 1.0],
+    value: [0.2, 1.0],
+};
+const ALL: HsvRange = HsvRange {
+    hue_deg: [0.0, 360.0],
+    saturation: [0.0, 1.0],
+    value: [0.0, 1.0],
+};
+
+const BY_COLOR: [(&str, Draw, HsvRange); 6] = [
+    ("all colors, a bare table", bare, ALL),
+    ("by color, half is rope", half, BLUE),
+    ("by color, an arm", arm, BLUE),
+    ("by color, a keyboard", keyboard, BLUE),
+    ("by color, a chess board, 20 px", || chess_board(20), BLUE),
+    ("by color, a net", net, BLUE),
+];
+
+/// With a mask from elsewhere that has what is darker than the table.
+const WITH_MASKS: [(&str, Draw); 5] = [
+    ("with a mask, a block of 59%", block),
+    ("with a mask, a disc of 240 px", disc),
+    ("with a mask, an arm", arm),
+    ("with a mask, a keyboard", dark_keyboard),
+    ("with a mask, a net", net),
+];
+
+/// The mask of what is darker than the table, for [`WITH_MASKS`].
+fn dark(picture: &Picture) -> Result<Picture> {
+    let reds = picture.bytes().iter().step_by(3);
+    let levels: Vec<u8> = reds.map(|&red| if red < 133 { 255 } else { 0 }).collect();
+    let write = |bytes: &mut [u8]| bytes.copy_from_slice(&levels);
+    Picture::new(picture.size(), PixelFormat::Gray8, levels.len(), write).context("a byte a pixel")
+}
+
+/// The middle of a picture.
+fn sixteenth(picture: &Picture) -> Result<Picture> {
+    let ([width, height], bytes) = (picture.size(), picture.bytes());
+    let rows = bytes
+        .chunks_exact(3 * width)
+        .skip(3 * height / 8)
+        .take(height / 4);
+    let rgb: Vec<u8> = rows
+        .flat_map(|row| &row[3 * (3 * width / 8)..][..3 * (width / 4)])
+        .copied()
+        .collect();
+    Picture::rgb([width / 4, height / 4], &rgb).context("three bytes a pixel are a picture")
+}
 
 fn share(is_rope: bool) -> f64 {
     f64::from(u8::from(is_rope))
@@ -82,6 +153,61 @@ fn eight_ropes() -> Result<Picture> {
     });
     let lines: Vec<&dyn Fn(f64) -> [f64; 2]> = lines.iter().map(|line| line as _).collect();
     ropes(&lines, 12.0)
+}
+
+fn bare() -> Result<Picture> {
+    picture(|_, _| 0.0)
+}
+
+fn half() -> Result<Picture> {
+    picture(|x, _| share(x < WIDTH / 2))
+}
+
+fn net() -> Result<Picture> {
+    picture(|x, y| share(x % 36 < 6 || y % 36 < 6))
+}
+
+fn disc() -> Result<Picture> {
+    picture(|x, y| 120.5 - (x as f64 - 320.0).hypot(y as f64 - 240.0))
+}
+
+/// From a corner, with a hand and four fingers.
+fn arm() -> Result<Picture> {
+    picture(|x, y| {
+        let within = |half: f64, from: [f64; 2], to: [f64; 2]| {
+            let [along, off] = [0, 1].map(|k| (to[k] - from[k], [x, y][k] as f64 - from[k]));
+            let length2 = along.0 * along.0 + off.0 * off.0;
+            let share = (along.1 * along.0 + off.1 * off.0) / length2;
+            let share = share.clamp(0.0, 1.0);
+            half + 0.5 - (along.1 - share * along.0).hypot(off.1 - share * off.0)
+        };
+        let finger = |k: usize| within(14.0, [330.0, 250.0], [430.0, 170.0 + 45.0 * k as f64]);
+        let forearm = within(60.0, [-40.0, 500.0], [260.0, 300.0]);
+        let hand = within(75.0, [270.0, 290.0], [330.0, 250.0]);
+        (0..4).map(finger).fold(forearm.max(hand), f64::max)
+    })
+}
+
+/// Whether a pixel is of a keyboard, and whether of a gap between its keys.
+fn on_keyboard(x: usize, y: usize) -> (bool, bool) {
+    let is_inside = (60..580).contains(&x) && (140..340).contains(&y);
+    let is_between = is_inside && ((x - 60) % 26 < 3 || (y - 140) % 25 < 3);
+    (is_inside, is_between)
+}
+
+fn keyboard() -> Result<Picture> {
+    picture(|x, y| {
+        let (is_inside, is_between) = on_keyboard(x, y);
+        share(is_inside && !is_between)
+    })
+}
+
+fn dark_keyboard() -> Result<Picture> {
+    picture(|x, y| match on_keyboard(x, y) {
+        (false, _) => 0.0,
+        (true, false) => 0.6,
+        (true, true) => 1.0,
+    })
 }
 
 fn block() -> Result<Picture> {

@@ -18,7 +18,7 @@ pub(crate) fn run(effort: &Effort, folder: &Path) -> Result<()> {
         counts.push(set.pictures.len());
         cases.push(Case::new(set.name, set.pictures)?);
     }
-    measure(&mut cases, effort.time(10.0));
+    measure(&mut cases, effort.time(10.0))?;
     let mut table = Table::new(&[
         "photographs, cold",
         "images",

@@ -30,7 +30,7 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
         let film = effort.film(options, FRAMES)?;
         cases.push(Case::new(format!("{width}×{height}, {rope_px} px"), film)?);
     }
-    measure(&mut cases, effort.time(14.0));
+    measure(&mut cases, effort.time(14.0))?;
     let mut table = Table::new(&[
         "size and rope, RGB",
         "read, µs",
