@@ -6,6 +6,7 @@
 
 mod camera;
 mod class;
+mod covering;
 mod ground;
 mod layout;
 mod leaving;
@@ -16,6 +17,7 @@ mod rules;
 mod score;
 mod shape;
 mod thing;
+mod wound;
 
 use thiserror::Error;
 
@@ -88,6 +90,8 @@ pub struct Still {
     pub height: usize,
     /// Red, green and blue of each pixel, row by row, without padding.
     pub rgb: Vec<u8>,
+    /// How much of each pixel is a rope that is seen, 0 to 255: what a mask would be that knows all.
+    pub mask: Vec<u8>,
     /// What it shows.
     pub truth: Truth,
 }
@@ -142,8 +146,12 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     })?;
     let ropes = layout.lines.len();
     let look = look::Look::of(class, seed, ropes, layout.width_px, &mut stream(1));
-    let painted = paint::paint(&layout, &look, width, height);
+    let mut painted = paint::paint(&layout, &look, width, height);
     let size = [width, height];
+    let mut seen = painted.cover.clone();
+    if let Some(covering) = &layout.covering {
+        covering.paint(&mut painted, &mut seen, width, &look);
+    }
     let size_px = size.map(|side| side as f64);
     let ground = ground::Ground::of(class, seed, size_px, &look, &mut stream(3));
     let rgb = camera::expose(&painted, &look, &ground, size, &mut stream(2));
@@ -151,6 +159,7 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
         width,
         height,
         rgb,
+        mask: seen.iter().map(|share| (255.0 * share) as u8).collect(),
         truth: truth(&layout),
     })
 }

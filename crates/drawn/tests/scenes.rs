@@ -18,7 +18,8 @@ fn the_same_class_and_seed_are_the_same_picture() {
 
 #[test]
 fn true_points_are_evenly_spaced_within_the_image() {
-    for class in Class::ALL.into_iter().chain(Class::HARD) {
+    let classes = Class::ALL.into_iter().chain(Class::HARD);
+    for class in classes.chain(Class::SHAPES) {
         assert_eq!(class.name().parse(), Ok(class));
         let still = still(class, 3);
         for rope in &still.truth.ropes {

@@ -83,6 +83,17 @@ pub enum Class {
     /// A rope that is pulled tight through the image, straight or a little bent, on such surfaces: of seeds 4k to 4k + 3 plain, wood
     /// and the like, and twice a desk.
     Taut,
+    /// The picture of a figure-eight knot of four crossings above 20°, drawn together until there are 2.5 to 5 widths of rope between
+    /// two of them. Half of them are knots; of the others strands lie on top as chance has it.
+    Eights,
+    /// A coil of three to five loops, which cross their neighbors at flat angles, so that the crossings merge.
+    Coils,
+    /// Two ropes run side by side in contact for 10 to 25 widths, and part at both ends.
+    Parallel,
+    /// Three or four ropes of one color, with two to six crossings above 20° in all.
+    OneColor,
+    /// A hand from beyond the picture, or a gripper, lies over a rope.
+    Covered,
 }
 
 impl Class {
@@ -133,6 +144,15 @@ impl Class {
         Self::Things,
     ];
 
+    /// The classes in which ropes are hard to tell apart, or not all there, however well their pixels are known.
+    pub const SHAPES: [Self; 5] = [
+        Self::Eights,
+        Self::Coils,
+        Self::Parallel,
+        Self::OneColor,
+        Self::Covered,
+    ];
+
     /// Whether its ropes lie on a surface as they do in photographs.
     pub fn is_composed(self) -> bool {
         matches!(
@@ -180,6 +200,11 @@ impl Class {
             Self::OnTexture => "on-texture",
             Self::OnClutter => "on-clutter",
             Self::Taut => "taut",
+            Self::Eights => "eights",
+            Self::Coils => "coils",
+            Self::Parallel => "parallel",
+            Self::OneColor => "one-color",
+            Self::Covered => "covered",
         }
     }
 }
@@ -196,6 +221,7 @@ impl FromStr for Class {
     fn from_str(name: &str) -> Result<Self, String> {
         let mut classes = Self::ALL.to_vec();
         classes.extend(Self::HARD.iter().filter(|class| !Self::ALL.contains(class)));
+        classes.extend(Self::SHAPES);
         let found = classes.iter().find(|class| class.name() == name);
         found.copied().ok_or_else(|| {
             let names: Vec<_> = classes.iter().map(|class| class.name()).collect();

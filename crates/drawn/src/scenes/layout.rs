@@ -2,11 +2,13 @@
 //! else that is hard.
 
 use super::Class;
+use super::covering::Covering;
 use super::leaving::{leaving, taut};
 use super::line::{Found, Line, Meeting, Vec2, meetings};
 use super::rules::{Rules, bends_enough, crossed, crossings_as_asked};
 use super::shape::{self, Beside, Room};
 use super::thing;
+use super::wound;
 use lariat_portable::SplitMix64;
 
 /// Steps of a drawn line: of 2000 px, one a pixel.
@@ -36,6 +38,8 @@ pub(super) struct Layout {
     pub(super) border: Vec<[bool; 2]>,
     pub(super) tops: Vec<Top>,
     pub(super) touches: Vec<Touch>,
+    /// What lies over a rope.
+    pub(super) covering: Option<Covering>,
 }
 
 /// Two strands side by side in contact: lines, the middles of the stretches, and half of how long these are.
@@ -60,6 +64,16 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
         }
         let laid = match class {
             Class::Touch => touching(random, size_px, width_px),
+            Class::Parallel => wound::pair(random, size_px, width_px),
+            Class::Eights => wound::eight(random, size_px, width_px),
+            Class::Coils => wound::coil(random, size_px, width_px),
+            Class::Covered => free(class, &rules, random, size_px, width_px).and_then(|layout| {
+                let covering = Covering::over(&layout, random, size_px)?;
+                Some(Layout {
+                    covering: Some(covering),
+                    ..layout
+                })
+            }),
             Class::EndsNear | Class::EndsTouching => ending(class, random, size_px, width_px),
             Class::Border => leaving(&rules, random, size_px, width_px),
             Class::Taut => taut(&rules, random, size_px, width_px),
@@ -135,6 +149,7 @@ fn finish(
         border: vec![[false; 2]; lines.len()],
         tops: tops(&found, random),
         touches: Vec::new(),
+        covering: None,
         lines,
         width_px,
         seen_px,
@@ -227,12 +242,13 @@ fn ending(class: Class, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -
     (cut.length_px() > 12.0 * width_px).then(|| uncrossed_layout(vec![refined(&cut)], width_px))
 }
 
-fn uncrossed_layout(lines: Vec<Line>, width_px: f64) -> Layout {
+pub(super) fn uncrossed_layout(lines: Vec<Line>, width_px: f64) -> Layout {
     Layout {
         seen_px: lines.iter().map(|line| [0.0, line.length_px()]).collect(),
         border: vec![[false; 2]; lines.len()],
         tops: Vec::new(),
         touches: Vec::new(),
+        covering: None,
         lines,
         width_px,
     }

@@ -80,6 +80,7 @@ fn cut_off(
         border: vec![border],
         tops: tops(&found, random),
         touches: Vec::new(),
+        covering: None,
         lines: lines.to_vec(),
         width_px,
         seen_px: seen_px.to_vec(),

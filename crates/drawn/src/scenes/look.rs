@@ -200,7 +200,8 @@ impl Look {
             self.table_to = darker.map(|c| (c * random.uniform(0.85, 1.15)) as f32);
         }
         // Two ropes that touch are of one colour as often as not.
-        let is_alike = class != Class::SeveralColors && random.sign() > 0.0;
+        let is_alike =
+            class == Class::OneColor || class != Class::SeveralColors && random.sign() > 0.0;
         let mut hues: Vec<f64> = Vec::new();
         while self.coats.len() < ropes {
             if let Some(&coat) = self.coats.first().filter(|_| is_alike) {

@@ -242,6 +242,7 @@ mod tests {
             border: vec![[false; 2]],
             tops: Vec::new(),
             touches: Vec::new(),
+            covering: None,
             lines: vec![line],
             width_px,
         };

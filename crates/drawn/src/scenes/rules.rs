@@ -57,6 +57,13 @@ impl Rules {
                 rules.ropes = 2 + (random.next_u64() % 3) as usize;
                 rules.swing = [0.0, 0.3];
             }
+            Class::Eights => rules.width_px = [10.5, 14.0],
+            Class::OneColor => {
+                rules.crossings = 2..=6;
+                rules.sin = [0.342, 1.0];
+                rules.ropes = 3 + (random.next_u64() % 2) as usize;
+                rules.swing = [0.0, 0.3];
+            }
             Class::Taut => rules.crossings = 0..=0,
             composed if composed.is_composed() => {
                 rules.crossings = 0..=3;

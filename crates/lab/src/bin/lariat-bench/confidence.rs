@@ -63,6 +63,15 @@ fn halved(still: &Still) -> Still {
             }
         }
     }
+    let mask = (0..width * height)
+        .map(|i| {
+            let at = |dx, dy| {
+                let [x, y] = [2 * (i % width) + dx, 2 * (i / width) + dy];
+                u16::from(still.mask[y * still.width + x])
+            };
+            ((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4) as u8
+        })
+        .collect();
     let mut truth = still.truth.clone();
     for rope in &mut truth.ropes {
         (rope.length_px, rope.width_px) = (rope.length_px / 2.0, rope.width_px / 2.0);
@@ -74,6 +83,7 @@ fn halved(still: &Still) -> Still {
         width,
         height,
         rgb,
+        mask,
         truth,
     }
 }
