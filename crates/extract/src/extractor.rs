@@ -377,6 +377,7 @@ impl Extractor {
             .join(yuv, &self.graph, &self.skeleton, &self.zones);
         after(Step::Graph);
         let laid = self.lay_lines(image);
+        let is_by_color = matches!(self.options.mask, Mask::Hsv(..));
         let scenery = Scenery {
             past: &self.zones.past,
             difference: &self.masker.difference,
@@ -384,6 +385,7 @@ impl Extractor {
             occluder: &self.occluder.plane,
             yuv,
             elsewhere: self.masker.is_given.then_some(image),
+            picked: (self.masker.is_given || is_by_color).then_some(image),
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);

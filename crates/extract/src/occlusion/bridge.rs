@@ -368,6 +368,7 @@ mod tests {
             occluder: &BitPlane::default(),
             yuv: false,
             elsewhere: None,
+            picked: None,
         };
         let mut colors = vec![[50.0; 3]; lines.len()];
         let mut bridger = Bridger::default();
@@ -408,6 +409,7 @@ mod tests {
             occluder: &BitPlane::default(),
             yuv: false,
             elsewhere: Some(&image),
+            picked: None,
         };
         let count = |aside_px: f32, scenery: &Scenery| {
             let mut lines = [

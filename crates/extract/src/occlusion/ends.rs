@@ -14,6 +14,10 @@ const FLAW: (f32, f32) = (2.5, 0.03);
 const COVERED: (f32, f32) = (16.0, 0.25);
 /// Share of a gap that must differ from the table for something to lie there.
 const SHOWN: f32 = 0.6;
+/// The same where the mask says nothing of it: of the picture, and levels by which it must differ from the ground beside both ends.
+const UNLIKE: (f32, f32) = (0.85, 24.0);
+/// And the widest gap then, and the most bending (a turn by 81°): nothing but ropes has ends in such a mask.
+const HIDDEN: (f32, f32) = (16.0, 0.5);
 /// Levels of color, and factor of width, by which the two sides may differ.
 pub(crate) const ALIKE: (f32, f32) = (40.0, 1.35);
 /// The same of a mask that was made elsewhere: it thins before it breaks.
@@ -61,6 +65,8 @@ pub(crate) struct Scenery<'a> {
     pub(crate) yuv: bool,
     /// The image, where the mask was made elsewhere: what the mask has missed may be seen in it.
     pub(crate) elsewhere: Option<&'a Image<'a>>,
+    /// The image, where the mask is of the ropes alone, whoever made it: what lies over them is not in it.
+    pub(crate) picked: Option<&'a Image<'a>>,
 }
 
 impl Scenery<'_> {
@@ -132,14 +138,24 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
     }
     let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
     // Most ends do not face each other, and that is known at once.
-    if bend > over.1.max(FLAW.1) {
+    let most = scenery.picked.map_or(over.1, |_| HIDDEN.1);
+    if bend > most.max(FLAW.1) {
         return None;
     }
     let covered = match scenery.elsewhere {
         Some(image) => seen(a, b, image, scenery),
         None => shown(a.at, b.at, scenery),
     } >= SHOWN;
-    let (widest, most_bent) = if covered { over } else { FLAW };
+    let is_within = |(widest, most_bent)| gap_widths <= widest && bend <= most_bent;
+    let is_hidden = || {
+        let picture = scenery.picked.filter(|_| is_within(HIDDEN));
+        picture.is_some_and(|image| unlike_ground(a, b, image, scenery.yuv) >= UNLIKE.0)
+    };
+    let (widest, most_bent) = match covered {
+        true if is_within(over) => over,
+        _ if is_hidden() => HIDDEN,
+        _ => FLAW,
+    };
     // Later than all that the past knows, and the straighter and nearer the earlier.
     (gap_widths <= widest && bend <= most_bent)
         .then_some(100.0 + bend / most_bent + gap_widths / widest)
@@ -154,6 +170,25 @@ fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
         covered || scenery.difference.sample(at) >= scenery.level
     });
     hits.count() as f32 / (ASKED - 1) as f32
+}
+
+/// The share of the straight way from a to b, less half a width at each end, that is unlike the ground beside the ropes there.
+fn unlike_ground(a: &End, b: &End, image: &Image, yuv: bool) -> f32 {
+    const ASKED: usize = 16;
+    let beside = [a, b].map(|end| {
+        let back = vec2::along(end.at, end.out, -2.0 * end.width_px);
+        [1.25, -1.25].map(|widths| {
+            let at = vec2::along(back, vec2::normal(end.out), widths * end.width_px);
+            color::between(image, at)
+        })
+    });
+    let hits = (2..ASKED - 1).filter(|&k| {
+        let at = vec2::along(a.at, vec2::sub(b.at, a.at), k as f32 / ASKED as f32);
+        let own = color::between(image, at);
+        let mut grounds = beside.iter().flatten();
+        grounds.all(|&ground| color::distance(own, ground, yuv) >= UNLIKE.1)
+    });
+    hits.count() as f32 / (ASKED - 3) as f32
 }
 
 /// The share of the way from a to b on which the mask has a trace of the rope, or lies on another one, or the picture shows a
