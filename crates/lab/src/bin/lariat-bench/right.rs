@@ -51,10 +51,12 @@ fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
         })
         .chain(points.last().copied())
         .collect();
+    // Of long ropes every eighth place is farther from the next than the ropes are wide.
     let sparse: Vec<_> = rope.points.iter().copied().step_by(8).collect();
+    let close: Vec<_> = rope.points.iter().copied().step_by(2).collect();
     let reach_px = reach_px(rope);
     share_near(&sparse, &dense, reach_px) >= WHOLE
-        && share_near(&points, &sparse, reach_px + 0.1 * rope.width_px) >= WHOLE
+        && share_near(&points, &close, reach_px + 0.1 * rope.width_px) >= WHOLE
         && is_in_order(rope, curve)
 }
 
