@@ -176,7 +176,7 @@ fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
 fn unlike_ground(a: &End, b: &End, image: &Image, yuv: bool) -> f32 {
     const ASKED: usize = 16;
     let beside = [a, b].map(|end| {
-        let back = vec2::along(end.at, end.out, -2.0 * end.width_px);
+        let back = vec2::along(end.at, end.out, -3.5 * end.width_px);
         [1.25, -1.25].map(|widths| {
             let at = vec2::along(back, vec2::normal(end.out), widths * end.width_px);
             color::between(image, at)
