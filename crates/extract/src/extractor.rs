@@ -373,8 +373,13 @@ impl Extractor {
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        self.strands
-            .join(yuv, &self.graph, &self.skeleton, &self.zones);
+        self.strands.join(
+            yuv,
+            &self.graph,
+            &self.skeleton,
+            &mut self.zones,
+            &self.masker.mask,
+        );
         after(Step::Graph);
         let laid = self.lay_lines(image);
         let is_by_color = matches!(self.options.mask, Mask::Hsv(..));
@@ -482,6 +487,7 @@ impl Extractor {
         self.wide.reserve(&self.masker.strips, most_passes);
         self.graph.reserve();
         self.overlaps.reserve();
+        self.strands.reserve();
         self.colors.reserve(MOST_PIECES);
         self.doubts.reserve(MOST_PIECES);
         self.evidence.reserve(MOST_PIECES);

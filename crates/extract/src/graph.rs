@@ -8,6 +8,7 @@ pub(crate) mod overlaps;
 pub(crate) mod pairing;
 pub(crate) mod strands;
 mod unroll;
+pub(crate) mod walk;
 pub(crate) mod zones;
 
 pub(crate) use edges::Graph;

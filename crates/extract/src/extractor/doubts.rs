@@ -2,6 +2,7 @@
 
 use super::Extractor;
 use crate::confidence::{self, Known, Maker};
+use crate::graph::walk::Found;
 use crate::image::Image;
 use crate::mask::Masker;
 use crate::notice::Notice;
@@ -9,6 +10,7 @@ use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
 use crate::tracking::track::Tracker;
+use crate::vec2;
 
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 pub(super) const THINNEST_PX: f32 = 3.0;
@@ -38,6 +40,20 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
 
 /// So many things that may be no ropes are clutter; a single one is reported, as doubtful.
 const MUCH: usize = 2;
+
+/// How much less a rope's way through its crossings costs than the next one that is right as often as two of three.
+const OPEN: f32 = 0.35;
+
+/// How sure it is that a curve takes the right way, if it was looked for.
+fn sure_of_way(curve: &Curve, ways: &[Found]) -> f32 {
+    let is_its = |way: &&Found| {
+        let ends = [curve.points.first(), curve.points.last()];
+        let near_px = 2.0 * curve.width_px;
+        (ends.into_iter().flatten()).any(|&end| vec2::distance(end, way.tip) < near_px)
+    };
+    let way = ways.iter().find(is_its);
+    way.map_or(1.0, |way| 1.0 - libm::expf(-way.gap / OPEN))
+}
 
 impl Extractor {
     /// Drops those of this image's curves that are hardly ropes, where the network found them.
@@ -112,6 +128,7 @@ impl Extractor {
         }
         let mut is_unsure = false;
         self.evidence.clear();
+        let ways = &self.strands.walker.found;
         for curve in &mut self.curves[..seen] {
             let known = Known {
                 is_doubted: curve.status == Status::Doubtful,
@@ -119,7 +136,7 @@ impl Extractor {
             };
             let evidence = confidence::evidence(image, curve, known);
             self.evidence.push(evidence);
-            curve.confidence = evidence.confidence();
+            curve.confidence = evidence.confidence() * sure_of_way(curve, ways);
             self.tracker.note_confidence(curve.track, curve.confidence);
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;

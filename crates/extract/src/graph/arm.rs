@@ -30,4 +30,14 @@ impl Arm {
     pub(crate) fn slot(&self) -> usize {
         2 * self.edge as usize + usize::from(self.end)
     }
+
+    /// Pixels of the strand over which its direction is taken.
+    pub(crate) fn reach_px(&self) -> usize {
+        reach_px(self.half_px)
+    }
+}
+
+/// Pixels over which the direction of a strand of this half-width is taken.
+pub(crate) fn reach_px(half_px: f32) -> usize {
+    ((3.5 * half_px) as usize).max(7)
 }

@@ -143,6 +143,11 @@ pub(crate) fn color_cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
 pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
     let chord = vec2::unit_or(vec2::sub(to, from), out);
     let (alpha, beta) = (vec2::angle(chord, out), vec2::angle(chord, onward));
+    bending_of(alpha, beta)
+}
+
+/// The same for slopes `alpha` and `beta` against the chord.
+pub(crate) fn bending_of(alpha: f32, beta: f32) -> f32 {
     alpha * alpha + alpha * beta + beta * beta
 }
 

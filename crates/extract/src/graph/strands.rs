@@ -2,8 +2,10 @@
 
 use super::arm::Arm;
 use super::pairing::{Pairing, cost};
+use super::walk::Walker;
 use super::zones::Zones;
 use super::{Graph, double_crossing};
+use crate::bitmap::bits::BitPlane;
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 
@@ -41,6 +43,7 @@ pub(crate) struct Strand {
 #[derive(Debug, Default)]
 pub(crate) struct Strands {
     pairing: Pairing,
+    pub(crate) walker: Walker,
     /// For each end of each edge (2·edge + end) the end that it goes on to, or `NONE`.
     link: Vec<u32>,
     /// The arm there, as an index into `Zones::arms`, or `NONE`.
@@ -54,8 +57,22 @@ pub(crate) struct Strands {
 }
 
 impl Strands {
+    /// Makes room for the walks of a tangled rope.
+    pub(crate) fn reserve(&mut self) {
+        self.walker.reserve();
+        self.legs.reserve(256);
+        self.strands.reserve(64);
+    }
+
     /// Pairs the arms of each zone and follows each rope from end to end.
-    pub(crate) fn join(&mut self, yuv: bool, graph: &Graph, skeleton: &Skeleton, zones: &Zones) {
+    pub(crate) fn join(
+        &mut self,
+        yuv: bool,
+        graph: &Graph,
+        skeleton: &Skeleton,
+        zones: &mut Zones,
+        mask: &BitPlane,
+    ) {
         self.link.clear();
         self.link.resize(2 * graph.edges.len(), NONE);
         self.arm.clear();
@@ -74,6 +91,13 @@ impl Strands {
                 break;
             }
             self.walk(graph, zones);
+        }
+        // What the last image knows goes into the pairings, and not into walks.
+        if zones.past.ropes().is_empty() {
+            let ropes = (&mut self.legs, &mut self.strands);
+            (self.walker).improve(ropes, (graph, skeleton), zones, mask);
+        } else {
+            self.walker.found.clear();
         }
     }
 

@@ -9,7 +9,7 @@
 //! show as an edge that is nearly two ropes wide.
 
 use super::Graph;
-use super::arm::Arm;
+use super::arm::{Arm, reach_px};
 use super::unroll::Unroll;
 use crate::image::{Image, color};
 use crate::past::{FormerPlaces, Past};
@@ -244,7 +244,14 @@ impl Zones {
     }
 
     /// The arm at one end of edge `e`: how much of it belongs to the crossing, and its direction.
-    fn arm(&self, e: usize, end: u8, zone: u32, graph: &Graph, skeleton: &Skeleton) -> Arm {
+    pub(super) fn arm(
+        &self,
+        e: usize,
+        end: u8,
+        zone: u32,
+        graph: &Graph,
+        skeleton: &Skeleton,
+    ) -> Arm {
         let pixels = graph.pixels(e);
         let half_px = self.edge_half_px[e];
         let pixel = |i: usize| {
@@ -264,8 +271,7 @@ impl Zones {
             }
             trim = (trim + (0.3 * half_px) as usize).min(most);
         }
-        let reach = ((3.5 * half_px) as usize).max(7);
-        let last = (trim + reach).min(pixels.len() - 1);
+        let last = (trim + reach_px(half_px)).min(pixels.len() - 1);
         let into = line_direction((trim..=last).map(|i| pixel(i).at()), pixel(last).at());
         let at = pixel(trim).at();
         Arm {

@@ -1,0 +1,305 @@
+//! One rope through all of a piece of the mask.
+//!
+//! Crossings are judged one by one, and where several merge that goes wrong: a ring is cut off that is not there, strands are
+//! exchanged, a part of the mask belongs to no rope. A piece of the mask with two tips is one rope, mostly. Then the rope is a walk
+//! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
+//! likes over edges where strands lie on or beside each other. Of all walks the one is sought that bends least beyond what its
+//! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. How much more
+//! the next one costs that runs otherwise says how sure it is.
+
+mod piece;
+
+use super::Graph;
+use super::strands::{Leg, Strand};
+use super::zones::Zones;
+use crate::bitmap::bits::BitPlane;
+use crate::skeleton::{NONE, Skeleton};
+use crate::vec2::Vec2;
+use piece::{Ground, Piece};
+
+/// Walks that are kept at a time, ways on from them, and steps of all walks.
+const BEAM: usize = 32;
+const MOST_NEXT: usize = 1024;
+const MOST_STEPS: usize = 8192;
+/// What a free end that is no tip costs, and a ring.
+const END: f32 = 0.6;
+const RING: f32 = 0.6;
+/// The most that the joint of two legs costs that do not hang together.
+const TORN: f32 = 2.0;
+/// How much less a walk must cost than what was there.
+const BETTER: f32 = 0.1;
+/// Nearer to the next one, a walk is as good as that.
+const OPEN: f32 = 0.15;
+/// Where each joint of a rope costs less than this in the mean, it is as plain as crossings are.
+const PLAIN: f32 = 0.08;
+/// Shorter edges, in widths, make no other walk.
+const SHORT: f32 = 1.5;
+
+/// A walk so far, by its last step.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    before: u32,
+    /// The end of an edge at which the walk comes out of it.
+    slot: u32,
+    cost: f32,
+    /// How much more one costs that has come here otherwise, over the same edges.
+    gap: f32,
+    used: u128,
+    passed: u128,
+}
+
+/// A walk that was looked for: how much less it costs than the next one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    /// One of its tips.
+    pub(crate) tip: Vec2,
+    pub(crate) gap: f32,
+}
+
+/// Memory and result of the search.
+#[derive(Debug, Default)]
+pub(crate) struct Walker {
+    piece: Piece,
+    steps: Vec<Step>,
+    next: Vec<Step>,
+    /// The last steps of walks that have arrived, and what they cost in all, the cheapest first.
+    done: Vec<(u32, f32)>,
+    ways: [Vec<u32>; 2],
+    pub(crate) found: Vec<Found>,
+}
+
+impl Walker {
+    /// Makes room for the walks of a tangled rope.
+    pub(crate) fn reserve(&mut self) {
+        self.piece.reserve();
+        self.steps.reserve(MOST_STEPS + MOST_NEXT);
+        self.next.reserve(MOST_NEXT);
+        self.done.reserve(MOST_STEPS + MOST_NEXT);
+        self.ways.iter_mut().for_each(|way| way.reserve(128));
+        self.found.reserve(8);
+    }
+
+    /// Puts the best walk in the place of strands that cost more.
+    pub(crate) fn improve(
+        &mut self,
+        (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
+        (graph, skeleton): (&Graph, &Skeleton),
+        zones: &mut Zones,
+        mask: &BitPlane,
+    ) {
+        self.found.clear();
+        self.piece.find(graph);
+        for k in 0..self.piece.candidates.len() {
+            let of = Ground {
+                graph,
+                skeleton,
+                zones,
+                mask,
+            };
+            self.piece.gather(self.piece.candidates[k], of);
+            let (before, joints, is_one) = self.cost_of(legs, strands, of);
+            if is_one && before <= PLAIN * joints as f32 {
+                continue;
+            }
+            self.search(of);
+            let Some(&(last, cost)) = self.done.first() else {
+                continue;
+            };
+            let gap = self.gap(of);
+            // Where the crossings one by one say the same, two agree; one rope through all is left for none that is as open.
+            if cost + BETTER < before && !(is_one && gap < OPEN) {
+                self.take(legs, strands, graph, zones);
+                let slot = self.steps[last as usize].slot as usize;
+                let pixels = graph.pixels(slot / 2);
+                let tip = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
+                let tip = skeleton.pixels[tip as usize].at();
+                self.found.push(Found { tip, gap });
+            }
+        }
+    }
+
+    /// What the strands of the piece cost as they are, how many joints they have, and whether they are one rope.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
+        let (mut cost, mut seen, mut joints, mut ropes) = (0.0, 0u128, 0, 0);
+        let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
+        let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
+        for strand in strands {
+            let legs = &legs[strand.from as usize..strand.to as usize];
+            let bits = legs.iter().map(|leg| self.piece.bit(leg.edge));
+            let Some(bits) = bits.sum::<Option<u128>>() else {
+                continue;
+            };
+            seen |= bits;
+            ropes += 1;
+            cost += (legs.iter().map(|leg| self.piece.costs(leg.edge, of)[1])).sum::<f32>();
+            let mut join = |a: &Leg, b: &Leg| {
+                let (mut best, mut over) = (f32::INFINITY, 0);
+                self.piece.onward(out(a), of, &mut |slot, cost, passed| {
+                    if slot == into(b) && cost < best {
+                        (best, over) = (cost, passed);
+                    }
+                });
+                seen |= over;
+                joints += 1;
+                cost += (best + self.piece.joint(out(a), into(b), of.mask)).min(TORN);
+            };
+            legs.windows(2).for_each(|pair| join(&pair[0], &pair[1]));
+            let (first, last) = (&legs[0], &legs[legs.len() - 1]);
+            if strand.closed {
+                join(last, first);
+                cost += RING;
+            } else {
+                let ends = [into(first), out(last)].into_iter();
+                let loose = ends.filter(|&slot| !self.piece.is_tip(slot, of.graph));
+                cost += END * loose.count() as f32;
+            }
+        }
+        cost += self.piece.left_out(seen, of);
+        (cost, joints, ropes == 1)
+    }
+
+    /// Finds the cheapest walks from tip to tip.
+    fn search(&mut self, of: Ground) {
+        let Self {
+            piece,
+            steps,
+            next,
+            done,
+            ..
+        } = self;
+        let is_tip = |slot: u32| piece.is_tip(slot, of.graph);
+        let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
+        steps.clear();
+        done.clear();
+        let mut ends = piece.edges.iter().flat_map(|&e| [2 * e, 2 * e + 1]);
+        let Some(start) = ends.find(|&slot| is_tip(slot)) else {
+            return;
+        };
+        steps.push(Step {
+            before: NONE,
+            slot: start ^ 1,
+            cost: 0.0,
+            gap: f32::INFINITY,
+            used: bit(start),
+            passed: 0,
+        });
+        let (mut layer, mut least) = (0..1, f32::INFINITY);
+        while !layer.is_empty() && steps.len() < MOST_STEPS {
+            next.clear();
+            for s in layer {
+                let step = steps[s];
+                piece.onward(step.slot, of, &mut |slot, over, passed| {
+                    if step.used & bit(slot) != 0 || next.len() == MOST_NEXT {
+                        return;
+                    }
+                    let leg = piece.costs(slot / 2, of)[1];
+                    let cost = step.cost + over + leg + piece.joint(step.slot, slot, of.mask);
+                    let new = Step {
+                        before: s as u32,
+                        slot: slot ^ 1,
+                        cost,
+                        gap: step.gap,
+                        used: step.used | bit(slot),
+                        passed: step.passed | passed,
+                    };
+                    if cost < least {
+                        enter(next, new);
+                    }
+                });
+            }
+            next.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
+            for step in next.iter().filter(|step| is_tip(step.slot)) {
+                let cost = step.cost + piece.left_out(step.used | step.passed, of);
+                least = least.min(cost);
+                done.push((steps.len() as u32, cost));
+                steps.push(*step);
+            }
+            let from = steps.len();
+            let goes_on = |step: &&Step| !is_tip(step.slot) && step.cost < least;
+            steps.extend(next.iter().filter(goes_on).take(BEAM));
+            layer = from..steps.len();
+        }
+        done.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+    }
+
+    /// How much more the next walk costs that runs otherwise than the best.
+    fn gap(&mut self, of: Ground) -> f32 {
+        let [best, other] = &mut self.ways;
+        let Some(&(last, cost)) = self.done.first() else {
+            return 0.0;
+        };
+        let is_long = |slot: &u32| self.piece.widths(slot / 2, of) >= SHORT;
+        trace(&self.steps, last, best);
+        let mut gap = self.steps[last as usize].gap;
+        best.retain(is_long);
+        for &(last, more) in &self.done[1..] {
+            trace(&self.steps, last, other);
+            other.retain(is_long);
+            if other != best {
+                gap = gap.min(more - cost);
+                break;
+            }
+        }
+        gap
+    }
+
+    /// Puts the best walk in the place of the strands of its piece.
+    fn take(
+        &mut self,
+        legs: &mut Vec<Leg>,
+        strands: &mut Vec<Strand>,
+        graph: &Graph,
+        zones: &mut Zones,
+    ) {
+        let piece = &self.piece;
+        let last = self.done[0].0;
+        let used = self.steps[last as usize].used;
+        strands.retain(|strand| piece.bit(legs[strand.from as usize].edge).is_none());
+        for (k, &e) in piece.edges.iter().enumerate() {
+            zones.inside[e as usize] = used >> k & 1 == 0;
+        }
+        let way = &mut self.ways[0];
+        trace(&self.steps, last, way);
+        let from = legs.len() as u32;
+        let trim = |slot: u32| match piece.is_tip(slot, graph) {
+            true => 0,
+            false => piece.trim(slot),
+        };
+        legs.extend(way.iter().rev().map(|&slot| Leg {
+            edge: slot / 2,
+            reversed: slot.is_multiple_of(2),
+            trim: [trim(slot ^ 1), trim(slot)],
+        }));
+        let length = |slot: &u32| graph.edges[*slot as usize / 2].length_px;
+        strands.push(Strand {
+            from,
+            to: legs.len() as u32,
+            closed: false,
+            length_px: way.iter().map(length).sum(),
+        });
+        strands.sort_unstable_by(|a, b| b.length_px.total_cmp(&a.length_px));
+    }
+}
+
+/// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
+fn enter(next: &mut Vec<Step>, mut new: Step) {
+    let is_same = |old: &&mut Step| old.used == new.used && old.slot == new.slot;
+    match next.iter_mut().find(is_same) {
+        Some(old) if old.cost <= new.cost => old.gap = old.gap.min(new.cost - old.cost),
+        Some(old) => {
+            new.gap = new.gap.min(old.cost - new.cost);
+            *old = new;
+        }
+        None => next.push(new),
+    }
+}
+
+/// Fills `way` with the ends at which a walk comes out of its edges, the last first.
+fn trace(steps: &[Step], last: u32, way: &mut Vec<u32>) {
+    way.clear();
+    let mut at = last;
+    while let Some(step) = steps.get(at as usize) {
+        way.push(step.slot);
+        at = step.before;
+    }
+}

@@ -1,0 +1,316 @@
+//! A piece of the skeleton that may be one rope: its edges, and what it costs to go from one to another.
+
+use crate::bitmap::bits::BitPlane;
+use crate::graph::Graph;
+use crate::graph::arm::Arm;
+use crate::graph::pairing::bending_of;
+use crate::graph::zones::Zones;
+use crate::skeleton::{NONE, Skeleton};
+use crate::vec2;
+
+/// Pieces of more edges are no single rope, and more pieces no few ropes.
+const MOST_EDGES: usize = 96;
+const MOST_PIECES: usize = 8;
+/// Edges that are passed in a row, at most, their length in widths, and what they may cost.
+const MOST_PASSES: usize = 6;
+const LONGEST_PASS: f32 = 14.0;
+const DEAREST_PASS: f32 = 1.0;
+/// A way over passed edges is at most this many times as long as straight, and a width more: an arc of two fifths of a turn.
+const DETOUR: f32 = 1.3;
+/// From this many half-widths on an edge is more than one strand; what whole pixels leave in doubt.
+const WIDE: (f32, f32) = (1.25, 0.2);
+/// What it costs a width to pass over an edge that is one strand, to take one for a strand that is more, and to leave one out.
+const NARROW_PASS: f32 = 0.15;
+const WIDE_LEG: f32 = 0.25;
+const LEFT_OUT: f32 = 0.3;
+/// What a width costs that a strand's middle runs outside of the mask.
+const OUTSIDE: f32 = 0.5;
+/// The share of all bending that counts; the rest is what it bends beyond an arc.
+const ALL_BENDING: f32 = 0.25;
+/// Half-widths over which a strand's curvature is taken, and the fewest that tell.
+const CURVED: (f32, f32) = (9.0, 4.0);
+
+/// What a piece is judged by.
+#[derive(Clone, Copy)]
+pub(super) struct Ground<'a> {
+    pub(super) graph: &'a Graph,
+    pub(super) skeleton: &'a Skeleton,
+    pub(super) zones: &'a Zones,
+    pub(super) mask: &'a BitPlane,
+}
+
+/// An end of an edge as a strand that comes out of a crossing.
+#[derive(Clone, Copy, Debug)]
+struct Mouth {
+    arm: Arm,
+    /// How the strand bends toward the crossing, in radians a pixel.
+    curvature: f32,
+}
+
+/// Edges that hang together. Ends of edges are named by 2·edge + end.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    /// The ends of edges at each node, one node after the other; `from` where they begin.
+    slots: Vec<u32>,
+    from: Vec<u32>,
+    /// For each edge the first of its piece.
+    first: Vec<u32>,
+    waiting: Vec<u32>,
+    /// The first edges of pieces that may be one rope.
+    pub(super) candidates: Vec<u32>,
+    /// The edges of the piece that is looked at, and for each edge its place among them.
+    pub(super) edges: Vec<u32>,
+    place: Vec<u32>,
+    mouths: Vec<Mouth>,
+    is_wide: Vec<bool>,
+}
+
+impl Piece {
+    pub(super) fn reserve(&mut self) {
+        self.candidates.reserve(MOST_PIECES);
+        self.edges.reserve(MOST_EDGES);
+        self.mouths.reserve(2 * MOST_EDGES);
+        self.is_wide.reserve(MOST_EDGES);
+        for edges in [&mut self.first, &mut self.place, &mut self.waiting] {
+            edges.reserve(1024);
+        }
+        for nodes in [&mut self.from, &mut self.slots] {
+            nodes.reserve(2048);
+        }
+    }
+
+    /// Lists the pieces with two tips and enough edges that one could be led wrong.
+    pub(super) fn find(&mut self, graph: &Graph) {
+        self.list_slots(graph);
+        self.candidates.clear();
+        self.first.clear();
+        self.first.resize(graph.edges.len(), NONE);
+        for e in 0..graph.edges.len() {
+            if graph.edges[e].nodes[0] == NONE || self.first[e] != NONE {
+                continue;
+            }
+            let (mut edges, mut tips) = (0, 0);
+            self.first[e] = e as u32;
+            self.waiting.clear();
+            self.waiting.push(e as u32);
+            while let Some(edge) = self.waiting.pop() {
+                edges += 1;
+                for node in graph.edges[edge as usize].nodes {
+                    tips += usize::from(graph.nodes[node as usize].degree == 1);
+                    for k in self.at(node) {
+                        let other = self.slots[k] / 2;
+                        if self.first[other as usize] == NONE {
+                            self.first[other as usize] = e as u32;
+                            self.waiting.push(other);
+                        }
+                    }
+                }
+            }
+            let may_be = tips == 2 && (4..=MOST_EDGES).contains(&edges);
+            if may_be && self.candidates.len() < MOST_PIECES {
+                self.candidates.push(e as u32);
+            }
+        }
+    }
+
+    fn list_slots(&mut self, graph: &Graph) {
+        self.from.clear();
+        self.from.resize(graph.nodes.len() + 1, 0);
+        let edges = || graph.edges.iter().enumerate();
+        let joined = || edges().filter(|(_, edge)| edge.nodes[0] != NONE);
+        for node in joined().flat_map(|(_, edge)| edge.nodes) {
+            self.from[node as usize] += 1;
+        }
+        // Where each node's end; they are filled in from behind.
+        for n in 1..self.from.len() {
+            self.from[n] += self.from[n - 1];
+        }
+        let all = self.from.last().map_or(0, |&all| all as usize);
+        self.slots.clear();
+        self.slots.resize(all, NONE);
+        for (e, edge) in joined() {
+            for (end, &node) in edge.nodes.iter().enumerate() {
+                self.from[node as usize] -= 1;
+                self.slots[self.from[node as usize] as usize] = (2 * e + end) as u32;
+            }
+        }
+    }
+
+    fn at(&self, node: u32) -> std::ops::Range<usize> {
+        self.from[node as usize] as usize..self.from[node as usize + 1] as usize
+    }
+
+    /// Learns of the edges of a piece.
+    pub(super) fn gather(&mut self, first: u32, of: Ground) {
+        let (graph, zones) = (of.graph, of.zones);
+        self.edges.clear();
+        self.mouths.clear();
+        self.is_wide.clear();
+        self.place.clear();
+        self.place.resize(graph.edges.len(), NONE);
+        for e in first as usize..graph.edges.len() {
+            if self.first[e] != first {
+                continue;
+            }
+            self.place[e] = self.edges.len() as u32;
+            self.edges.push(e as u32);
+            (0..2).for_each(|end| self.mouths.push(mouth(e, end, of)));
+            let pixels = graph.pixels(e);
+            let half = |&p: &u32| of.skeleton.pixels[p as usize].half_px;
+            let mean_px = pixels.iter().map(half).sum::<f32>() / pixels.len() as f32;
+            let is_wide = mean_px > WIDE.0 * zones.half_px + WIDE.1;
+            self.is_wide.push(is_wide || zones.inside[e]);
+        }
+    }
+
+    /// Whether an edge is of the piece, as a bit at its place.
+    pub(super) fn bit(&self, edge: u32) -> Option<u128> {
+        let place = self.place[edge as usize];
+        (place != NONE).then(|| 1 << place)
+    }
+
+    /// Whether an end of an edge is a tip of the piece.
+    pub(super) fn is_tip(&self, slot: u32, graph: &Graph) -> bool {
+        graph.nodes[node(slot, graph) as usize].degree == 1
+    }
+
+    /// Pixels at an end of an edge that belong to the crossing there.
+    pub(super) fn trim(&self, slot: u32) -> u32 {
+        self.mouth(slot).arm.trim
+    }
+
+    fn mouth(&self, slot: u32) -> &Mouth {
+        let place = self.place[slot as usize / 2];
+        &self.mouths[2 * place as usize + slot as usize % 2]
+    }
+
+    /// What it costs to go on from one end of an edge to another.
+    pub(super) fn joint(&self, from: u32, to: u32, mask: &BitPlane) -> f32 {
+        let (a, b) = (self.mouth(from), self.mouth(to));
+        let chord = vec2::sub(b.arm.at, a.arm.at);
+        let px = vec2::norm(chord);
+        let chord = vec2::unit_or(chord, a.arm.into);
+        let alpha = vec2::angle(chord, a.arm.into);
+        let beta = vec2::angle(chord, vec2::scale(b.arm.into, -1.0));
+        // Half of what an arc turns that bends as both do: the strand runs out of b the other way round.
+        let turn = 0.25 * px * (a.curvature - b.curvature);
+        let (wa, wb) = (a.arm.half_px, b.arm.half_px);
+        let width = (wa - wb) / (wa + wb);
+        ALL_BENDING * bending_of(alpha, beta)
+            + (1.0 - ALL_BENDING) * bending_of(alpha + turn, beta - turn)
+            + width * width * (wa + wb).min(10.0) / 10.0
+            + OUTSIDE * px * outside(&a.arm, &b.arm, px, mask) / (wa + wb)
+    }
+
+    pub(super) fn widths(&self, e: u32, of: Ground) -> f32 {
+        of.graph.edges[e as usize].length_px / (2.0 * of.zones.half_px)
+    }
+
+    /// What it costs to pass over an edge, and to take it for one strand.
+    pub(super) fn costs(&self, e: u32, of: Ground) -> [f32; 2] {
+        let widths = self.widths(e, of);
+        match self.is_wide[self.place[e as usize] as usize] {
+            true => [0.0, WIDE_LEG * (0.5 + widths)],
+            false => [NARROW_PASS * widths, 0.0],
+        }
+    }
+
+    /// What the edges cost that are not among these.
+    pub(super) fn left_out(&self, seen: u128, of: Ground) -> f32 {
+        let left = (self.edges.iter().enumerate()).filter(|(k, _)| seen >> k & 1 == 0);
+        left.map(|(_, &e)| LEFT_OUT * self.widths(e, of)).sum()
+    }
+
+    /// Calls `reach` with each end of an edge that a strand can go on with from `slot`, what the edges cost that are passed on the
+    /// way, and which these are.
+    pub(super) fn onward(&self, slot: u32, of: Ground, reach: &mut impl FnMut(u32, f32, u128)) {
+        let at = self.mouth(slot).arm.at;
+        let mut direct = |to: u32, pass: Pass| {
+            let straight_px = vec2::distance(at, self.mouth(to).arm.at);
+            if pass.widths <= DETOUR * straight_px / (2.0 * of.zones.half_px) + 1.0 {
+                reach(to, pass.cost, pass.passed);
+            }
+        };
+        self.pass(slot, Pass::default(), of, &mut direct);
+    }
+
+    fn pass(&self, last: u32, so_far: Pass, of: Ground, reach: &mut impl FnMut(u32, Pass)) {
+        for k in self.at(node(last, of.graph)) {
+            let slot = self.slots[k];
+            if slot == last {
+                continue;
+            }
+            reach(slot, so_far);
+            let bit = 1 << self.place[slot as usize / 2];
+            let further = Pass {
+                cost: so_far.cost + self.costs(slot / 2, of)[0],
+                widths: so_far.widths + self.widths(slot / 2, of),
+                count: so_far.count + 1,
+                passed: so_far.passed | bit,
+            };
+            let is_short = further.count <= MOST_PASSES && further.widths <= LONGEST_PASS;
+            let is_new = so_far.passed & bit == 0 && !self.is_tip(slot ^ 1, of.graph);
+            if is_short && is_new && further.cost < DEAREST_PASS {
+                self.pass(slot ^ 1, further, of, reach);
+            }
+        }
+    }
+}
+
+/// Edges that are passed.
+#[derive(Clone, Copy, Default)]
+struct Pass {
+    cost: f32,
+    widths: f32,
+    count: usize,
+    passed: u128,
+}
+
+/// The node at an end of an edge.
+fn node(slot: u32, graph: &Graph) -> u32 {
+    graph.edges[slot as usize / 2].nodes[slot as usize % 2]
+}
+
+/// The share of the way from one arm to another, by the cubic that leaves both as they point, that lies outside of the mask.
+fn outside(a: &Arm, b: &Arm, px: f32, mask: &BitPlane) -> f32 {
+    const ASKED: usize = 8;
+    let out = (1..ASKED).filter(|&k| {
+        let t = k as f32 / ASKED as f32;
+        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+        let straight = vec2::along(a.at, vec2::sub(b.at, a.at), s);
+        let leaving = vec2::along(straight, a.into, px * t * u * u);
+        let [x, y] = vec2::along(leaving, b.into, px * t * t * u);
+        !mask.get(x as i32, y as i32)
+    });
+    out.count() as f32 / (ASKED - 1) as f32
+}
+
+/// What is known of one end of an edge.
+fn mouth(e: usize, end: u8, of: Ground) -> Mouth {
+    let arm = of.zones.arm(e, end, 0, of.graph, of.skeleton);
+    let pixels = of.graph.pixels(e);
+    let at = |i: usize| {
+        let i = if end == 0 { i } else { pixels.len() - 1 - i };
+        of.skeleton.pixels[pixels[i] as usize].at()
+    };
+    let from = arm.trim as usize;
+    let to = (from + (CURVED.0 * arm.half_px) as usize).min(pixels.len() - 1);
+    if ((to - from) as f32) < CURVED.1 * arm.half_px {
+        let curvature = 0.0;
+        return Mouth { arm, curvature };
+    }
+    let middle = (from + to) / 2;
+    let halves = [
+        vec2::sub(at(middle), at(to)),
+        vec2::sub(at(from), at(middle)),
+    ];
+    let px = 0.5 * (vec2::norm(halves[0]) + vec2::norm(halves[1]));
+    let curvature = vec2::angle(halves[0], halves[1]) / px.max(1.0);
+    // A line along an arc points as the arc's middle does.
+    let reach_px = arm.reach_px().min(pixels.len() - from) as f32;
+    let (sin, cos) = libm::sincosf(0.5 * curvature * reach_px);
+    let [x, y] = arm.into;
+    let into = [cos * x - sin * y, sin * x + cos * y];
+    let arm = Arm { into, ..arm };
+    Mouth { arm, curvature }
+}
