@@ -2,7 +2,7 @@
 
 use crate::scored::scored;
 use lariat_drawn::scenes::{self, Class, score};
-use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
+use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene, Status};
 
 const SIZE: [usize; 2] = [640, 480];
 
@@ -75,5 +75,49 @@ fn what_the_network_finds_and_is_hardly_a_rope_is_dropped() {
     for seed in [3, 12, 19] {
         let is_right = look(Class::OnClutter, seed, |_, is_right| is_right);
         assert!(is_right, "picture {seed}");
+    }
+}
+
+/// What is seen in a drawn picture by its true mask, and whether every rope of it is there, whole and alone.
+fn look_masked<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> T {
+    let [width, height] = SIZE;
+    let still = scenes::draw(class, seed, width, height).expect("there is room in the picture");
+    let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
+    let mask = Image::new(&still.mask, width, height, width, PixelFormat::Gray8);
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    let [image, mask] = [image, mask].map(|image| image.expect("made for this size"));
+    let scene = extractor.extract_masked(&image, &mask);
+    let scene = scene.expect("the mask is of the image's size");
+    let score = score(&still.truth, &scored(scene.curves), &[]);
+    let width_px = still.truth.ropes[0].width_px;
+    tell(
+        &scene,
+        !score.is_miscounted() && score.mean_px() < 0.25 * width_px,
+    )
+}
+
+#[test]
+fn what_lies_over_a_rope_is_bridged_in_a_still_and_said() {
+    for seed in [1, 2, 3, 6, 8] {
+        look_masked(Class::Covered, seed, |scene, is_right| {
+            assert!(is_right, "picture {seed}");
+            assert_eq!(scene.curves[0].status, Status::Partial, "picture {seed}");
+            assert!(scene.curves[0].hidden.contains(&true), "picture {seed}");
+        });
+    }
+}
+
+#[test]
+fn a_rope_wound_up_is_one_rope_through_all_of_its_mask() {
+    for (class, seed) in [
+        (Class::Eights, 56),
+        (Class::Eights, 76),
+        (Class::Eights, 118),
+        (Class::Coils, 1),
+        (Class::Coils, 5),
+        (Class::Coils, 8),
+    ] {
+        let is_right = look_masked(class, seed, |_, is_right| is_right);
+        assert!(is_right, "{class} {seed}");
     }
 }
