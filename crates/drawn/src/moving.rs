@@ -52,11 +52,13 @@ pub enum Story {
     Handheld,
     /// The same, and now and then a hand passes over it.
     Passing,
+    /// Now and then a hand comes over the writhing rope, stays, and goes.
+    Resting,
 }
 
 impl Story {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Writhing,
         Self::Two,
         Self::Vanishing,
@@ -69,6 +71,7 @@ impl Story {
         Self::Clutter,
         Self::Handheld,
         Self::Passing,
+        Self::Resting,
     ];
 
     /// Whether the ropes lie on more than a plain table, so that only one who knows them tells them from it.
@@ -95,6 +98,7 @@ impl Story {
             Self::Clutter => "clutter",
             Self::Handheld => "handheld",
             Self::Passing => "passing",
+            Self::Resting => "resting",
         }
     }
 }
@@ -222,11 +226,14 @@ impl Film {
         if self.story == Story::Gripper {
             self.grip(time_s, &mut truth);
         }
-        if self.story == Story::Passing {
-            let size_px = [self.options.width, self.options.height].map(f64::from);
-            if let Some(hand) = Hand::at(time_s, size_px, self.options.rope_px) {
-                hand.draw(&mut self.clean, self.options.width as usize, &mut truth);
-            }
+        let size_px = [self.options.width, self.options.height].map(f64::from);
+        let hand = match self.story {
+            Story::Passing => Hand::passing(time_s, size_px, self.options.rope_px),
+            Story::Resting => Hand::resting(time_s, size_px, self.options.rope_px),
+            _ => None,
+        };
+        if let Some(hand) = hand {
+            hand.draw(&mut self.clean, self.options.width as usize, &mut truth);
         }
         rgb.resize(self.clean.len(), 0);
         let row_bytes = 3 * self.options.width as usize;

@@ -1,4 +1,4 @@
-//! A hand that passes over the ropes: a forearm that comes in from below, and what it ends in.
+//! A hand over the ropes: a forearm that comes in from below, and what it ends in.
 
 use super::TrueRope;
 use crate::rendered::portable::smoothstep;
@@ -8,6 +8,13 @@ const SKIN: [f64; 3] = [206.0, 158.0, 132.0];
 const EVERY_S: f64 = 6.0;
 const PASSES_S: f64 = 3.0;
 
+/// It comes to rest every so many seconds, and takes so many to come, stays for so many, and goes as it came.
+const RESTS_EVERY_S: f64 = 5.0;
+const COMES_S: f64 = 0.4;
+const STAYS_S: f64 = 2.5;
+/// Where it comes to rest, in turn, as shares of the picture's sides.
+const RESTS: [[f64; 2]; 3] = [[0.5, 0.45], [0.36, 0.6], [0.64, 0.55]];
+
 /// A hand at a moment: all that lies within a radius of a line.
 #[derive(Debug)]
 pub(super) struct Hand {
@@ -16,8 +23,8 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    /// Where the hand is, if it is there.
-    pub(super) fn at(time_s: f64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
+    /// Where a hand is that passes from one side to the other, if it is there.
+    pub(super) fn passing(time_s: f64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
         let share = (time_s % EVERY_S - (EVERY_S - PASSES_S)) / PASSES_S;
         let radius_px = 3.0 * rope_px;
         (share > 0.0).then(|| {
@@ -29,6 +36,22 @@ impl Hand {
                 ends: [[x - 0.2 * size_px[0], 1.3 * size_px[1]], tip],
                 radius_px,
             }
+        })
+    }
+
+    /// Where a hand is that comes to rest at a place, if it is there.
+    pub(super) fn resting(time_s: f64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
+        let begun_s = time_s % RESTS_EVERY_S - (RESTS_EVERY_S - STAYS_S - 2.0 * COMES_S);
+        let gone_s = STAYS_S + 2.0 * COMES_S - begun_s;
+        let reach = smoothstep((begun_s.min(gone_s) / COMES_S).clamp(0.0, 1.0));
+        let place = RESTS[(time_s / RESTS_EVERY_S) as usize % RESTS.len()];
+        let below = [place[0] - 0.1, 1.3];
+        let [tip, from] = [reach, -0.5].map(|reach| {
+            [0, 1].map(|axis| size_px[axis] * (below[axis] + reach * (place[axis] - below[axis])))
+        });
+        (begun_s > 0.0).then_some(Self {
+            ends: [from, tip],
+            radius_px: 3.0 * rope_px,
         })
     }
 
