@@ -324,7 +324,7 @@ impl Extractor {
         self.follower.drop();
         self.tracker.pass(self.now_ns);
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
-        self.count = self.tracker.update(curves, 0, looks, &self.options);
+        [_, self.count] = self.tracker.update(curves, 0, looks, &self.options);
         self.followed = false;
         self.choose_meant();
         Scene {
@@ -357,12 +357,12 @@ impl Extractor {
         self.skeletonize();
         let pixels = self.skeleton.pixels.iter();
         self.zones.past.check(pixels.map(Pixel::at));
-        let known_half_px = self.zones.past.widest_half_px();
-        let (skeleton, mask) = (&self.skeleton, &self.masker.mask);
+        let mask = (&self.masker.mask, &self.masker.strips);
         let widest_half_px = most_passes(self.size) as f32;
-        let halves_px = (known_half_px, widest_half_px);
-        self.has_wide = known_half_px.is_none() && !self.wide.places.is_empty();
-        if (self.occluder).find(image, skeleton, mask, halves_px) {
+        let known = (&self.zones.past, widest_half_px);
+        let knows_some = self.zones.past.widest_half_px().is_some();
+        self.has_wide = !knows_some && !self.wide.places.is_empty();
+        if (self.occluder).find(image, &self.skeleton, mask, known) {
             self.masker.take_out(&self.occluder.plane);
             self.skeletonize();
         }
@@ -415,9 +415,9 @@ impl Extractor {
     /// What becomes of the curves that are known, and of those of this image.
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely(image);
-        let seen = self.count;
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
-        self.count = self.tracker.update(curves, seen, looks, &self.options);
+        let [seen, count] = (self.tracker).update(curves, self.count, looks, &self.options);
+        self.count = count;
         self.doubt(image, seen);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);

@@ -1,6 +1,7 @@
 //! Ropes followed from one image to the next, where nothing else happens: a fraction of the work of a whole extraction.
 //!
-//! On a plain table by what differs from it (`chords`), on any other ground by their edges ([`contours`]).
+//! On a plain table by what differs from it (`chords`), on any other ground, and where a tip lies against a strand, by their
+//! edges ([`contours`]).
 
 mod chords;
 mod contours;
@@ -95,7 +96,10 @@ impl Follower {
             if self.plain_frames >= SETTLED {
                 (self.chords).anchor(image, &masker.background, cut, curves, crossings);
             }
-            return;
+            // Of several ropes that touch each other edges do not tell which is whose.
+            if self.chords.is_ready() || curves.len() > 1 {
+                return;
+            }
         }
         // A mask that was given is taken at its word.
         let is_told = masker.is_given && !masker.is_sought;

@@ -60,7 +60,7 @@ impl Default for FormerPlaces {
 }
 
 impl FormerPlaces {
-    fn iter(&self) -> impl Iterator<Item = &FormerPlace> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &FormerPlace> {
         self.0.iter().filter(|t| t.rope != NONE)
     }
 
@@ -98,6 +98,8 @@ pub(crate) struct Past {
     trusted: bool,
     /// How far the ropes have moved since, in widths.
     moved: f32,
+    /// Half the width of the widest that is well known.
+    widest_half_px: f32,
 }
 
 /// One rope.
@@ -174,6 +176,7 @@ impl Past {
     pub(crate) fn clear(&mut self) {
         self.count = 0;
         self.trusted = false;
+        self.widest_half_px = 0.5;
     }
 
     /// Notes a rope.
@@ -275,10 +278,14 @@ impl Past {
         self.moved
     }
 
-    /// Half the width of the widest rope, if the past means anything.
+    /// Half the width of the widest rope that is well known, if the past means anything.
     pub(crate) fn widest_half_px(&self) -> Option<f32> {
-        let halves = self.ropes().iter().map(|rope| 0.5 * rope.width_px);
-        self.trusted.then(|| halves.fold(0.5, f32::max))
+        self.trusted.then_some(self.widest_half_px)
+    }
+
+    /// Notes that a rope of this width is well known.
+    pub(crate) fn know(&mut self, width_px: f32) {
+        self.widest_half_px = self.widest_half_px.max(0.5 * width_px);
     }
 
     pub(crate) fn ropes(&self) -> &[Rope] {

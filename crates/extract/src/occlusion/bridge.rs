@@ -5,8 +5,9 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
-use super::ends::{End, Scenery, cubic, known_way, plain_cost};
-use crate::centerline::line::{Line, Sample};
+use super::ends::{End, Scenery, cubic, is_stretched, known_way, plain_cost};
+use super::pieces::{self, Piece};
+use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::image::color;
 use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
@@ -27,6 +28,11 @@ const OPPOSED: f32 = -0.7;
 /// How far each is cut back from the middle of what is doubled, in widths.
 const BACK: f32 = 2.0;
 
+/// Widths along a rope over which two of its pieces may both seem to lie.
+const DOUBLED_WIDTHS: f32 = 2.0;
+/// What it costs to join two of them: more than ends that say themselves where they go on, less than all that is not known.
+const NEIGHBORS: f32 = 50.0;
+
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -41,6 +47,7 @@ struct Candidate {
 pub(crate) struct Bridger {
     ends: Vec<End>,
     candidates: Vec<Candidate>,
+    pieces: Vec<Piece>,
     pub(crate) gaps: Vec<Gap>,
     spaced: Vec<Sample>,
 }
@@ -50,6 +57,7 @@ impl Bridger {
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.ends.reserve(256);
         self.candidates.reserve(256);
+        self.pieces.reserve(MOST_PIECES);
         self.gaps.reserve(64);
         self.spaced.reserve(samples);
     }
@@ -144,6 +152,7 @@ impl Bridger {
 
     fn list_candidates(&mut self, lines: &[Line], scenery: &Scenery) {
         self.candidates.clear();
+        self.list_neighbors(lines, scenery.past);
         for (i, a) in self.ends.iter().enumerate() {
             for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
                 let same = a.line == b.line;
@@ -166,6 +175,55 @@ impl Bridger {
                         self.candidates.push(Candidate { cost, ends, way });
                     }
                 }
+            }
+        }
+    }
+
+    /// The ends between two pieces of a known rope that follow each other along it.
+    fn list_neighbors(&mut self, lines: &[Line], past: &Past) {
+        pieces::list(lines, past, &mut self.pieces);
+        let end = |piece: &Piece, is_last: bool| {
+            let ends = self.ends.iter();
+            let mut own = ends.map(|end| end.line == piece.line && end.last == is_last);
+            own.position(|is_own| is_own)
+        };
+        let mut before: Option<Piece> = None;
+        for &piece in &self.pieces {
+            let rope = &past.ropes()[piece.rope as usize];
+            let Some(from) = before.filter(|before| before.rope == piece.rope) else {
+                before = Some(piece);
+                continue;
+            };
+            let way_px = piece.from_px - from.to_px;
+            if way_px < -DOUBLED_WIDTHS * rope.width_px {
+                // One of the two is no piece of it: the shorter.
+                if piece.to_px - piece.from_px > from.to_px - from.from_px {
+                    before = Some(piece);
+                }
+                continue;
+            }
+            before = Some(piece);
+            let (Some(i), Some(j)) = (end(&from, !from.reversed), end(&piece, piece.reversed))
+            else {
+                continue;
+            };
+            let place = |piece: &Piece, along_px, ahead| FormerPlace {
+                rope: piece.rope,
+                along_px,
+                ahead,
+                off: piece.off,
+            };
+            let way = [
+                place(&from, from.to_px, true),
+                place(&piece, piece.from_px, false),
+            ];
+            let chord_px = vec2::distance(self.ends[i].at, self.ends[j].at);
+            if !is_stretched(rope, &way, way_px, chord_px) {
+                self.candidates.push(Candidate {
+                    cost: NEIGHBORS,
+                    ends: [i, j],
+                    way: Some(way),
+                });
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
-use crate::past::{FormerPlace, FormerPlaces, Past};
+use crate::past::{FormerPlace, FormerPlaces, Past, Rope};
 use crate::vec2::{self, Vec2};
 
 /// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
@@ -104,8 +104,7 @@ pub(crate) fn known_way(
             let way_px = rope.way_px(ta, tb, ta.ahead);
             let slack_px = STRETCH.0 * width_px;
             let apart_px = vec2::distance(rope.at(ta.along_px), rope.at(tb.along_px));
-            let stretched = (chord_px - apart_px).abs() > slack_px + STRETCH.1 * way_px;
-            if way_px < -slack_px || way_px > LONGEST_SHARE * rope.length_px || stretched {
+            if way_px < -slack_px || is_stretched(rope, &[*ta, *tb], way_px, chord_px) {
                 continue;
             }
             let miss = (chord_px - apart_px) / (slack_px + STRETCH.1 * way_px.max(0.0));
@@ -121,6 +120,19 @@ pub(crate) fn known_way(
     let faces = chord_px < width_px
         || out > libm::cosf(SHARPEST) * chord_px && -back > libm::cosf(SHARPEST) * chord_px;
     best.filter(|_| faces)
+}
+
+/// Whether two ends, `chord_px` apart, lie nearer or farther than the way between them along the rope allows, or that is too
+/// long.
+pub(crate) fn is_stretched(
+    rope: &Rope,
+    way: &[FormerPlace; 2],
+    way_px: f32,
+    chord_px: f32,
+) -> bool {
+    let [a, b] = way.map(|place| rope.at(place.along_px));
+    let most_px = STRETCH.0 * rope.width_px + STRETCH.1 * way_px.max(0.0);
+    way_px > LONGEST_SHARE * rope.length_px || (chord_px - vec2::distance(a, b)).abs() > most_px
 }
 
 /// What it costs to join ends of which nothing is known, if they may be one rope.

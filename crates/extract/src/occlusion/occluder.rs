@@ -1,15 +1,19 @@
 //! What stands out from the table and is no rope: a gripper, a hand, a tool that lies at a rope.
 //!
 //! It shows as a place where the mask is far wider than the ropes are, in a color of its own; from
-//! there its whole area is taken by color. It is taken out of the mask, so that no curve runs into
-//! it; what it hides of a rope is bridged later. Strands that lie close beside each other are wide
-//! too, but have the rope's color, and a thick rope among thin ones is long.
+//! there its whole area is taken by color, and of ropes that are known its rim, which is in less
+//! light, by width. It is taken out of the mask, so that no curve runs into it or around it; what it
+//! hides of a rope is bridged later. Strands that lie close beside each other are wide too, but have
+//! the rope's color, and a thick rope among thin ones is long.
 
 use std::ops::Range;
 
 use crate::bitmap::bits::{BitPlane, left_of, right_of};
+use crate::bitmap::morphology::Morphology;
 use crate::bitmap::spread::spread;
+use crate::bitmap::strips::Strips;
 use crate::image::{Image, color};
+use crate::past::{Past, Rope};
 use crate::skeleton::Skeleton;
 use crate::statistics::{quantile, quantile_of_positive};
 
@@ -40,6 +44,10 @@ pub(crate) struct Occluder {
     alike: BitPlane,
     thing: BitPlane,
     grown: BitPlane,
+    morphology: Morphology,
+    opened: Strips,
+    /// Where the mask is far wider than the ropes.
+    wide: BitPlane,
     /// The pixels of all things.
     pub(crate) plane: BitPlane,
     /// Whether there is any.
@@ -62,10 +70,13 @@ impl Occluder {
             &mut self.alike,
             &mut self.thing,
             &mut self.grown,
+            &mut self.wide,
             &mut self.plane,
         ] {
             plane.resize(width, height);
         }
+        self.opened.take(&self.plane);
+        self.morphology.reserve(&self.opened);
     }
 
     /// Whether there is any.
@@ -73,16 +84,16 @@ impl Occluder {
         self.found
     }
 
-    /// Looks for things that are no rope; `known_half_px` is half the width of the widest known rope. Where none is known, what
-    /// has the ropes' color and a larger half-width than `widest_half_px` is left where it is, as it may have fingers.
-    /// Returns whether there are any.
+    /// Looks for things that are no rope, of which those of the past are known. Where none is known, what has the ropes' color and a
+    /// larger half-width than `widest_half_px` is left where it is, as it may have fingers. Returns whether there are any.
     pub(crate) fn find(
         &mut self,
         image: &Image,
         skeleton: &Skeleton,
-        mask: &BitPlane,
-        (known_half_px, widest_half_px): (Option<f32>, f32),
+        (mask, strips): (&BitPlane, &Strips),
+        (past, widest_half_px): (&Past, f32),
     ) -> bool {
+        let known_half_px = past.widest_half_px();
         let size = [mask.width(), mask.height()];
         if self.found || size != [self.plane.width(), self.plane.height()] {
             self.plane.resize(size[0], size[1]);
@@ -106,6 +117,13 @@ impl Occluder {
             return false;
         }
         let rope = self.rope_color(image, skeleton, half_px);
+        if known_half_px.is_some() {
+            self.opened.copy_from(strips);
+            (self.morphology).open(&mut self.opened, (2.0 * wide_px) as usize);
+            self.wide.resize(size[0], size[1]);
+            self.opened.put(&mut self.wide);
+            (past.live()).for_each(|rope| clear_along(&mut self.wide, rope));
+        }
         for _ in 0..MOST {
             let free = |x: u16, y: u16| !self.plane.get(i32::from(x), i32::from(y));
             let widest = skeleton
@@ -203,6 +221,11 @@ impl Occluder {
         for _ in 0..RIM {
             grow(&mut self.thing, &self.alike, &mut self.grown);
         }
+        // Of ropes that are not known what is wide beside the thing may be a thicker one.
+        if known {
+            let planes = (&mut self.thing, &mut self.wide);
+            spread(planes, 0..mask.height(), f32::INFINITY, |_, _| {});
+        }
         or(&mut self.plane, &self.thing);
         // The seed is judged even where its very pixel was not taken.
         self.plane.fill(seed.y, seed.x, seed.x + 1, true);
@@ -218,6 +241,23 @@ fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
     let near_px = 1.001 * (widest_px - WIDE.1).max(0.0) / WIDE.0;
     let narrow = pixels.iter().filter(|p| p.half_px < near_px).count();
     narrow <= ((pixels.len().max(1) - 1) as f32 * USUAL) as usize
+}
+
+/// Clears what lies along a rope: beside an arm the mask of both is as wide as a thing.
+fn clear_along(plane: &mut BitPlane, rope: &Rope) {
+    let steps = (2.0 * rope.length_px / rope.width_px) as usize;
+    for step in 0..=steps {
+        let [x, y] = rope.at(0.5 * rope.width_px * step as f32);
+        let reach = |c: f32, most: usize| {
+            let from = (c - 0.5 * rope.width_px).max(0.0) as usize;
+            let to = (c + 0.5 * rope.width_px).max(0.0) as usize + 1;
+            from.min(most)..to.min(most)
+        };
+        let columns = reach(x, plane.width());
+        for row in reach(y, plane.height()) {
+            plane.fill(row, columns.start, columns.end, false);
+        }
+    }
 }
 
 /// The middle of a wide place.

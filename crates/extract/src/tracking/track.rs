@@ -22,6 +22,8 @@ const PARTIAL: f32 = 0.85;
 const JUMP_WIDTHS: f32 = 1.5;
 /// What more it must have lost of its length: that of a rope seen whole varies by less.
 const JUMP_SHARE: f32 = 0.015;
+/// The share by which a rope's width changes from one image to the next, at most.
+const WIDTH_PACE: f32 = 0.05;
 /// Frames after which a rope is missed when it goes out of sight.
 const SETTLED: u32 = 3;
 /// Frames after which a rope is as well known as can be.
@@ -137,7 +139,12 @@ impl Tracker {
     /// Writes the ropes as they were last seen into `past`.
     pub(crate) fn remember(&self, past: &mut Past) {
         past.clear();
+        // An arm may be taken for a rope for a moment, but not be what it is told by that it is none.
+        let longest = self.tracks.iter().map(|track| track.frames).max();
         for track in &self.tracks {
+            if 2 * track.frames.min(LONG) >= longest.unwrap_or(0).min(LONG) {
+                past.know(track.width_px);
+            }
             let sizes_px = [track.length_px, track.width_px, track.whole_px];
             let live = track.age == 0 && track.frames >= SETTLED;
             let whole = track.border == [false; 2];
@@ -152,15 +159,15 @@ impl Tracker {
         }
     }
 
-    /// Numbers and turns the curves of a new image, and says which lost ropes are to be reported by
-    /// appending them to `curves` from `count` on. Returns the new count.
+    /// Numbers and turns the curves of a new image, drops those that are pieces of a rope that is known, and says which lost
+    /// ropes are to be reported by appending them to `curves`. Returns how many curves are seen, and how many there are.
     pub(crate) fn update(
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
         looks: &mut [Look],
         options: &Options,
-    ) -> usize {
+    ) -> [usize; 2] {
         for track in &mut self.tracks {
             track.current = None;
             track.age = track.age.saturating_add(1);
@@ -177,7 +184,8 @@ impl Tracker {
             let was_lost = track.age > 1;
             was_lost.then(|| matching::returned(rope, track.whole_px, curve))?
         });
-        for (c, curve) in curves.iter_mut().enumerate().take(count) {
+        let seen = self.drop_pieces(&mut curves[..count], looks);
+        for (c, curve) in curves.iter_mut().enumerate().take(seen) {
             if !self.tracks.iter().any(|t| is_current(t, c)) {
                 if self.orient_new(curve, options.start) {
                     looks[c].covered.swap(0, 1);
@@ -185,7 +193,7 @@ impl Tracker {
                 self.add(c);
             }
         }
-        self.started |= count > 0;
+        self.started |= seen > 0;
         for t in 0..self.tracks.len() {
             if let Some((c, reversed)) = self.tracks[t].current {
                 let track = &mut self.tracks[t];
@@ -200,7 +208,43 @@ impl Tracker {
             }
         }
         self.drop_old(options.keep_lost.as_nanos());
-        self.report_lost(curves, count, options.ropes)
+        [seen, self.report_lost(curves, seen, options.ropes)]
+    }
+
+    /// Drops the curves that lie along a rope that is known as a whole, of which a longer piece is seen: where something
+    /// covers it, it may fall into several. Returns how many are left.
+    fn drop_pieces(&mut self, curves: &mut [Curve], looks: &mut [Look]) -> usize {
+        let (mut seen, mut c) = (curves.len(), 0);
+        while c < seen {
+            let is_new = !self.tracks.iter().any(|track| is_current(track, c));
+            if is_new && self.is_piece(&curves[..seen], c) {
+                curves[c..seen].rotate_left(1);
+                looks[c..seen].rotate_left(1);
+                for (current, _) in self.tracks.iter_mut().flat_map(|track| &mut track.current) {
+                    *current -= usize::from(*current > c);
+                }
+                seen -= 1;
+            } else {
+                c += 1;
+            }
+        }
+        seen
+    }
+
+    fn is_piece(&self, curves: &[Curve], c: usize) -> bool {
+        let curve = &curves[c];
+        self.tracks.iter().any(|track| {
+            let Some((longer, _)) = track.current else {
+                return false;
+            };
+            let rest_px = track.length_px - curves[longer].length_px;
+            let fits = curve.length_px <= rest_px + JUMP_WIDTHS * track.width_px;
+            let is_known = track.frames >= SETTLED && track.sure >= 0;
+            is_known && fits && {
+                let along = matching::along(&shape_of(track), &shape_of_curve(curve));
+                along.cost <= SAME_WIDTHS * track.width_px
+            }
+        })
     }
 
     /// Whether the rope of this number was taken for one for a while.
@@ -215,13 +259,7 @@ impl Tracker {
 
     /// Whether a curve may be a rope that is known.
     pub(crate) fn may_know(&self, curve: &Curve) -> bool {
-        let shape = Shape {
-            points: &curve.points,
-            closed: curve.closed,
-            length_px: curve.length_px,
-            width_px: curve.width_px,
-            color_levels: 0.0,
-        };
+        let shape = shape_of_curve(curve);
         self.tracks.iter().any(|track| {
             let rope = shape_of(track);
             matching::near(&rope, &shape).is_some()
@@ -281,18 +319,12 @@ impl Tracker {
                     color::distance(color, looks[c].color, self.yuv)
                 });
                 let rope = Shape {
-                    points: &track.points,
-                    closed: track.closed,
-                    length_px: track.length_px,
-                    width_px: track.width_px,
                     color_levels,
+                    ..shape_of(track)
                 };
                 let curve = Shape {
-                    points: &curve.points,
-                    closed: curve.closed,
-                    length_px: curve.length_px,
-                    width_px: curve.width_px,
                     color_levels,
+                    ..shape_of_curve(curve)
                 };
                 if let Some(agreement) = agree(track, &rope, &curve) {
                     self.matches.push(Match {
@@ -415,6 +447,16 @@ fn shape_of(track: &Track) -> Shape<'_> {
     }
 }
 
+fn shape_of_curve(curve: &Curve) -> Shape<'_> {
+    Shape {
+        points: &curve.points,
+        closed: curve.closed,
+        length_px: curve.length_px,
+        width_px: curve.width_px,
+        color_levels: 0.0,
+    }
+}
+
 /// Turns the curve as its track was, judges how much of the rope it is, and takes it as the track's
 /// newest shape.
 fn see(
@@ -466,10 +508,20 @@ fn see(
         (curve.length_px, [0.0, curve.length_px])
     };
     track.covered_px = [0, 1].map(|end| look.covered[end].then_some(seen_px[end]));
-    (track.closed, track.border, track.width_px) = (curve.closed, curve.border, curve.width_px);
+    track.note_width(curve.width_px);
+    (track.closed, track.border) = (curve.closed, curve.border);
 }
 
 impl Track {
+    /// Lets the width follow what is seen: what lies over a rope or beside it may change it at once, the rope does not.
+    fn note_width(&mut self, width_px: f32) {
+        if self.frames <= SETTLED {
+            self.width_px = width_px;
+        }
+        let most_px = WIDTH_PACE * self.width_px;
+        self.width_px += (width_px - self.width_px).clamp(-most_px, most_px);
+    }
+
     /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
     /// a rope that stays short is a shorter view of it, not half hidden for ever. Ends that lie upon
     /// something say next to nothing of it.
@@ -518,6 +570,46 @@ fn has_jumped(track: &Track, curve: &Curve) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A rope along y = 50, seen from x to x.
+    fn seen(from: f32, to: f32) -> Curve {
+        let at = |i: u8| [from + (to - from) * f32::from(i) / 19.0, 50.0];
+        Curve {
+            points: (0..20).map(at).collect(),
+            widths_px: vec![8.0; 20],
+            hidden: vec![false; 20],
+            width_px: 8.0,
+            length_px: to - from,
+            ..Curve::empty()
+        }
+    }
+
+    #[test]
+    fn the_pieces_of_a_known_rope_are_one_track() {
+        let mut tracker = Tracker::default();
+        let look = |tracker: &mut Tracker, curves: &[Curve]| {
+            let mut seen = curves.to_vec();
+            let mut looks = vec![Look::default(); curves.len()];
+            tracker.begin(tracker.now_ns + 33_000_000, false);
+            let [count, _] =
+                tracker.update(&mut seen, curves.len(), &mut looks, &Options::default());
+            seen.truncate(count);
+            seen
+        };
+        for _ in 0..SETTLED {
+            look(&mut tracker, &[seen(10.0, 310.0)]);
+        }
+        let covered = look(&mut tracker, &[seen(150.0, 310.0), seen(10.0, 110.0)]);
+        assert_eq!(covered.len(), 1);
+        assert_eq!((covered[0].track, covered[0].status), (0, Status::Partial));
+        let whole = look(&mut tracker, &[seen(10.0, 310.0)]);
+        assert_eq!((whole[0].track, whole[0].status), (0, Status::Ok));
+        // One that lies elsewhere is another.
+        let mut other = seen(10.0, 110.0);
+        other.points.iter_mut().for_each(|at| at[1] += 60.0);
+        let both = look(&mut tracker, &[seen(150.0, 310.0), other]);
+        assert_eq!((both[0].track, both[1].track), (0, 1));
+    }
 
     #[test]
     fn a_rope_is_known_that_was_surely_seen_for_more_than_a_moment() {

@@ -1,0 +1,133 @@
+//! Which lines are pieces of a rope that is known, and in which order they lie along it.
+//!
+//! A finger on a loop leaves two ends that point the same way, a hand on a crossing four, frayed by its rim: by
+//! themselves they say little of where each goes on. But the pieces between them lie along the rope as it was, each from
+//! one place to another, and a rope does not tear.
+
+use crate::centerline::line::Line;
+use crate::past::{Past, Rope};
+use crate::vec2;
+
+/// A piece is so many times as long as wide: of a shorter one it is not said where it lies.
+const LEAST_WIDTHS: f32 = 4.0;
+/// How far along the rope a piece is looked for from where its middle says that it lies, and in which steps, in widths.
+const ALONG_WIDTHS: f32 = 2.0;
+const STEP_WIDTHS: f32 = 0.25;
+/// Widths, beside those that the ropes have moved, by which a piece may lie off the rope, in the mean.
+const APART_WIDTHS: f32 = 1.0;
+/// Places along a piece that are compared with the rope.
+const COMPARED: usize = 32;
+
+/// A piece of a rope.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub(super) line: usize,
+    /// The number of the rope of the past.
+    pub(super) rope: u32,
+    /// From where to where along the rope it lies.
+    pub(super) from_px: f32,
+    pub(super) to_px: f32,
+    /// Whether the line runs against the rope.
+    pub(super) reversed: bool,
+    /// How far it lies off the rope, in its widths.
+    pub(super) off: f32,
+}
+
+/// Lists the pieces among `lines`, rope by rope and in their order along each.
+pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Piece>) {
+    pieces.clear();
+    let placed = lines.iter().enumerate();
+    pieces.extend(placed.filter_map(|(l, line)| place(l, line, past)));
+    pieces.sort_unstable_by(|a, b| {
+        let by_rope = a.rope.cmp(&b.rope);
+        by_rope.then(a.from_px.total_cmp(&b.from_px))
+    });
+}
+
+/// Where a line lies along which open rope.
+fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
+    let n = line.samples.len();
+    if line.closed || n < 8 {
+        return None;
+    }
+    let length_px = line.length_px();
+    let (middle, beside) = (n / 2, (n / 8).max(1));
+    let at = |i: usize| line.samples[i].at;
+    let toward = vec2::sub(at(middle + beside), at(middle - beside));
+    let mut best: Option<Piece> = None;
+    for trace in past.recall(at(middle), toward).iter() {
+        let rope = &past.ropes()[trace.rope as usize];
+        if rope.closed || length_px < LEAST_WIDTHS * rope.width_px {
+            continue;
+        }
+        let steps = (ALONG_WIDTHS / STEP_WIDTHS) as i32;
+        for step in -steps..=steps {
+            let from_px =
+                trace.along_px - 0.5 * length_px + STEP_WIDTHS * rope.width_px * step as f32;
+            let off = apart_widths(line, length_px, rope, from_px, !trace.ahead);
+            if best.is_none_or(|best| off < best.off) {
+                best = Some(Piece {
+                    line: l,
+                    rope: trace.rope,
+                    from_px,
+                    to_px: from_px + length_px,
+                    reversed: !trace.ahead,
+                    off,
+                });
+            }
+        }
+    }
+    best.filter(|piece| piece.off <= APART_WIDTHS + past.moved())
+}
+
+/// How far the line lies from the stretch of the rope that begins at `from_px`, in the mean and in widths.
+fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
+    let last = (line.samples.len() - 1) as f32;
+    let apart = |k: usize| {
+        let t = k as f32 / (COMPARED - 1) as f32;
+        let u = if reversed { 1.0 - t } else { t };
+        let at = line.samples[(u * last).round() as usize].at;
+        vec2::distance(at, rope.at(from_px + t * length_px))
+    };
+    (0..COMPARED).map(apart).sum::<f32>() / COMPARED as f32 / rope.width_px
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centerline::line::Sample;
+    use crate::vec2::Vec2;
+
+    fn line(from: Vec2, to: Vec2) -> Line {
+        let count = vec2::distance(from, to) as usize;
+        let at = |i| vec2::along(from, vec2::sub(to, from), i as f32 / count as f32);
+        let sample = |i| Sample {
+            at: at(i),
+            weight: 1.0,
+            width_px: 6.0,
+            side: 0.0,
+        };
+        Line {
+            samples: (0..=count).map(sample).collect(),
+            closed: false,
+            border: [false; 2],
+        }
+    }
+
+    #[test]
+    fn the_pieces_of_a_rope_are_told_in_their_order_whichever_way_they_run() {
+        let mut past = Past::default();
+        let points: Vec<Vec2> = (0..=60).map(|i| [20.0 + 5.0 * i as f32, 100.0]).collect();
+        past.add(false, [300.0, 6.0], &points);
+        let lines = [
+            line([300.0, 102.0], [220.0, 102.0]),
+            line([30.0, 30.0], [130.0, 30.0]),
+            line([20.0, 101.0], [160.0, 101.0]),
+        ];
+        let mut pieces = Vec::new();
+        list(&lines, &past, &mut pieces);
+        let found: Vec<_> = pieces.iter().map(|p| (p.line, p.reversed)).collect();
+        assert_eq!(found, [(2, false), (0, true)]);
+        assert!((pieces[1].from_px - 200.0).abs() < 2.0, "{:?}", pieces[1]);
+    }
+}
