@@ -28,10 +28,6 @@ const RING: f32 = 0.6;
 const TORN: f32 = 2.0;
 /// How much less a walk must cost than what was there.
 const BETTER: f32 = 0.1;
-/// Nearer to the next one, a walk is as good as that.
-const OPEN: f32 = 0.15;
-/// Where each joint of a rope costs less than this in the mean, it is as plain as crossings are.
-const PLAIN: f32 = 0.08;
 /// Shorter edges, in widths, make no other walk.
 const SHORT: f32 = 1.5;
 
@@ -97,17 +93,16 @@ impl Walker {
                 mask,
             };
             self.piece.gather(self.piece.candidates[k], of);
-            let (before, joints, is_one) = self.cost_of(legs, strands, of);
-            if is_one && before <= PLAIN * joints as f32 {
+            // What is one rope crossing by crossing is right more often than the cheapest walk.
+            let Some(before) = self.cost_of(legs, strands, of) else {
                 continue;
-            }
+            };
             self.search(of);
             let Some(&(last, cost)) = self.done.first() else {
                 continue;
             };
             let gap = self.gap(of);
-            // Where the crossings one by one say the same, two agree; one rope through all is left for none that is as open.
-            if cost + BETTER < before && !(is_one && gap < OPEN) {
+            if cost + BETTER < before {
                 self.take(legs, strands, graph, zones);
                 let slot = self.steps[last as usize].slot as usize;
                 let pixels = graph.pixels(slot / 2);
@@ -118,9 +113,9 @@ impl Walker {
         }
     }
 
-    /// What the strands of the piece cost as they are, how many joints they have, and whether they are one rope.
-    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
-        let (mut cost, mut seen, mut joints, mut ropes) = (0.0, 0u128, 0, 0);
+    /// What the strands of the piece cost as they are; nothing where they are one rope.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> Option<f32> {
+        let (mut cost, mut seen, mut ropes) = (0.0, 0u128, 0);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -140,7 +135,6 @@ impl Walker {
                     }
                 });
                 seen |= over;
-                joints += 1;
                 cost += (best + self.piece.joint(out(a), into(b), of.mask)).min(TORN);
             };
             legs.windows(2).for_each(|pair| join(&pair[0], &pair[1]));
@@ -155,7 +149,7 @@ impl Walker {
             }
         }
         cost += self.piece.left_out(seen, of);
-        (cost, joints, ropes == 1)
+        (ropes != 1).then_some(cost)
     }
 
     /// Finds the cheapest walks from tip to tip.
