@@ -382,6 +382,7 @@ impl Extractor {
         );
         after(Step::Graph);
         let laid = self.lay_lines(image);
+        let is_made_elsewhere = self.masker.is_given && !self.masker.is_sought;
         let is_by_color = matches!(self.options.mask, Mask::Hsv(..));
         let scenery = Scenery {
             past: &self.zones.past,
@@ -390,7 +391,7 @@ impl Extractor {
             occluder: &self.occluder.plane,
             yuv,
             elsewhere: self.masker.is_given.then_some(image),
-            picked: (self.masker.is_given || is_by_color).then_some(image),
+            picked: (is_made_elsewhere || is_by_color).then_some(image),
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
