@@ -373,13 +373,9 @@ impl Extractor {
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        self.strands.join(
-            yuv,
-            &self.graph,
-            &self.skeleton,
-            &mut self.zones,
-            &self.masker.mask,
-        );
+        // What the network finds may be other things, too.
+        let of_ropes = (!self.masker.is_sought).then_some(&self.masker.mask);
+        (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
         after(Step::Graph);
         let laid = self.lay_lines(image);
         let is_made_elsewhere = self.masker.is_given && !self.masker.is_sought;

@@ -64,14 +64,15 @@ impl Strands {
         self.strands.reserve(64);
     }
 
-    /// Pairs the arms of each zone and follows each rope from end to end.
+    /// Pairs the arms of each zone and follows each rope from end to end. In a `mask` that is of ropes alone, those that are wound up
+    /// are walked through.
     pub(crate) fn join(
         &mut self,
         yuv: bool,
         graph: &Graph,
         skeleton: &Skeleton,
         zones: &mut Zones,
-        mask: &BitPlane,
+        mask: Option<&BitPlane>,
     ) {
         self.link.clear();
         self.link.resize(2 * graph.edges.len(), NONE);
@@ -93,7 +94,7 @@ impl Strands {
             self.walk(graph, zones);
         }
         // What the last image knows goes into the pairings, and not into walks.
-        if zones.past.ropes().is_empty() {
+        if let (Some(mask), true) = (mask, zones.past.ropes().is_empty()) {
             let ropes = (&mut self.legs, &mut self.strands);
             (self.walker).improve(ropes, (graph, skeleton), zones, mask);
         } else {
