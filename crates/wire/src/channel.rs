@@ -14,9 +14,10 @@ use iceoryx2::service::builder::publish_subscribe::{
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
-use crate::making::{self, Hindrance};
+use crate::door::Held;
+use crate::making;
 use crate::survey::{ChannelEnds, ends_of};
-use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
+use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, tidy};
 
 /// One kind of channel. Every rig has one of each.
 #[derive(Debug)]
@@ -196,7 +197,7 @@ impl<P: Payload + ?Sized> Channel<P> {
         domain: &Domain,
         rig: &Rig,
         delivery: Option<&Delivery>,
-    ) -> Result<PortFactory<ipc::Service, P, P::Header>, WireError> {
+    ) -> Result<Held<PortFactory<ipc::Service, P, P::Header>>, WireError> {
         let name = self.on(rig);
         let service_name = ServiceName::new(&name)
             .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
@@ -219,7 +220,7 @@ impl<P: Payload + ?Sized> Channel<P> {
                 .max_nodes(NODES);
             P::open_or_create(builder)
         };
-        making::make(domain, attempt, hindrance)
+        making::make(domain, attempt, passes)?
             .map_err(|cause| self.explain(domain, &service_name, cause, overflow()))
     }
 
@@ -235,8 +236,11 @@ impl<P: Payload + ?Sized> Channel<P> {
         let name = self.on(rig);
         let service_name = ServiceName::new(&name)
             .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
-        let found = || in_use(domain, &service_name).is_some_and(|seen| !seen.overflow);
-        Ok(if lossless.unwrap_or_else(found) {
+        let is_lossless = match lossless {
+            Some(lossless) => lossless,
+            None => looked_up(domain, &service_name)?.is_some_and(|seen| !seen.overflow),
+        };
+        Ok(if is_lossless {
             Delivery::Lossless { stop: stop.clone() }
         } else {
             Delivery::NewestWins
@@ -272,8 +276,8 @@ impl<P: Payload + ?Sized> Channel<P> {
             | OpenOrCreateError::PublishSubscribeCreateError(
                 CreateError::InsufficientPermissions,
             ) => WireError::Permission { channel },
-            cause => match in_use(domain, name) {
-                Some(seen) if seen.types != P::types() => WireError::Version {
+            cause => match looked_up(domain, name) {
+                Ok(Some(seen)) if seen.types != P::types() => WireError::Version {
                     channel,
                     ours: P::types(),
                     theirs: seen.types,
@@ -284,23 +288,24 @@ impl<P: Payload + ?Sized> Channel<P> {
     }
 }
 
-fn hindrance(cause: &OpenOrCreateError) -> Hindrance {
-    match cause {
-        OpenOrCreateError::PublishSubscribeOpenError(OpenError::HangsInCreation) => {
-            Hindrance::HalfMade
-        }
+/// Whether it may be otherwise a moment later.
+fn passes(cause: &OpenOrCreateError) -> bool {
+    matches!(
+        cause,
         OpenOrCreateError::SystemInFlux
-        | OpenOrCreateError::PublishSubscribeOpenError(
-            // A signal came, which is not to end this: whoever asked for it is told when it is done.
-            OpenError::IsMarkedForDestruction | OpenError::DoesNotExist | OpenError::Interrupt,
-        )
-        | OpenOrCreateError::PublishSubscribeCreateError(
-            CreateError::IsBeingCreatedByAnotherInstance
-            | CreateError::AlreadyExists
-            | CreateError::Interrupt,
-        ) => Hindrance::Passing,
-        _ => Hindrance::Lasting,
-    }
+            | OpenOrCreateError::PublishSubscribeOpenError(
+                OpenError::HangsInCreation
+                    | OpenError::IsMarkedForDestruction
+                    | OpenError::DoesNotExist
+                    // A signal came, which is not to end this: whoever asked for it is told when it is done.
+                    | OpenError::Interrupt,
+            )
+            | OpenOrCreateError::PublishSubscribeCreateError(
+                CreateError::IsBeingCreatedByAnotherInstance
+                    | CreateError::AlreadyExists
+                    | CreateError::Interrupt,
+            )
+    )
 }
 
 /// What an existing channel carries.
@@ -309,6 +314,14 @@ struct InUse {
     overflow: bool,
 }
 
+/// As long as no other process makes or removes it.
+fn looked_up(domain: &Domain, name: &ServiceName) -> Result<Option<InUse>, WireError> {
+    let passing = domain.door.pass()?;
+    tidy::remove_half_made(domain.config(), &passing);
+    Ok(in_use(domain, name))
+}
+
+/// To be called while passing.
 fn in_use(domain: &Domain, name: &ServiceName) -> Option<InUse> {
     let details =
         ipc::Service::details(name, domain.config(), MessagingPattern::PublishSubscribe).ok()??;

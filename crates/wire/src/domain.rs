@@ -1,4 +1,3 @@
-#![allow(unsafe_code)] // Removing the transport's last trace is marked unsafe there.
 //! Where the channels of a machine live, and the names of the camera chains in it.
 //!
 //! Processes see each other if they are in the same domain: the one that the environment variable `LARIAT_DOMAIN`
@@ -11,14 +10,12 @@
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::time::Duration;
+use std::sync::Arc;
 
 use iceoryx2::prelude::*;
 
-use crate::{WireError, memory, owner, roster};
-
-/// How long a sweep waits for another process that is sweeping too.
-const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
+use crate::door::{Door, Held};
+use crate::{WireError, memory, owner, tidy};
 
 /// The name of one camera chain, so that several run side by side.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,16 +64,15 @@ fn is_plain(name: &str, longest: usize) -> bool {
 /// domain also removes what killed processes left behind in it.
 #[derive(Debug)]
 pub struct Domain {
-    // Before `last_out`, which looks whether any node is left.
-    pub(crate) node: Node<ipc::Service>,
-    _last_out: LastOut,
+    pub(crate) node: Held<Node<ipc::Service>>,
+    pub(crate) door: Arc<Door>,
 }
 
 impl Domain {
     /// Joins the domain that `LARIAT_DOMAIN` names, or the user's own.
     ///
     /// # Errors
-    /// It is another user's, or there is no shared memory.
+    /// It is another user's, there is no shared memory, or a process that is just joining or leaving stands still.
     pub fn open() -> Result<Self, WireError> {
         Self::named(&name_here()?)
     }
@@ -84,12 +80,13 @@ impl Domain {
     /// Joins a domain by name, whatever the environment says. A user's own is named by the user's number.
     ///
     /// # Errors
-    /// It is another user's, or there is no shared memory.
+    /// It is another user's, there is no shared memory, or a process that is just joining or leaving stands still.
     pub fn named(name: &str) -> Result<Self, WireError> {
         set_log_level_from_env_or(LogLevel::Fatal);
         let config = config_of(name)?;
         owner::require_own(name, &root_of(&config))?;
         memory::require_shared_memory()?;
+        let (door, _passing) = Door::enter(&config)?;
         let node = NodeBuilder::new()
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
@@ -103,15 +100,17 @@ impl Domain {
                 cause => WireError::transport("joining the domain", cause),
             })?;
         Ok(Self {
-            node,
-            _last_out: LastOut(config),
+            node: door.keep(node),
+            door,
         })
     }
 
     /// Removes the shared memory and files that killed processes left behind in this domain.
     pub fn sweep(&self) {
-        self.node.blocking_cleanup_dead_nodes(SWEEP_TIMEOUT);
-        roster::sweep(self.config());
+        // Else it is for the next that joins or leaves.
+        if let Some(passing) = self.door.leave() {
+            tidy::finish(self.config(), &passing);
+        }
     }
 
     /// The transport's own node, for measurements that go below the channels.
@@ -132,37 +131,22 @@ impl Drop for Domain {
     }
 }
 
-/// Removes the transport's counter of nodes when the last process leaves: it is all that would stay in `/dev/shm`.
-#[derive(Debug)]
-struct LastOut(Config);
-
-impl Drop for LastOut {
-    fn drop(&mut self) {
-        let mut nodes = 0;
-        let listed = Node::<ipc::Service>::list(&self.0, |_| {
-            nodes += 1;
-            CallbackProgression::Stop
-        });
-        if listed.is_ok() && nodes == 0 {
-            // SAFETY: no node is left. A process that joins at this very moment keeps the counter it has mapped, and
-            // the next one makes a new one: nodes stay distinct, since their numbers also hold process id and time.
-            let _ =
-                unsafe { iceoryx2::testing::remove_global_mgmt_segment::<ipc::Service>(&self.0) };
-        }
-    }
-}
-
 /// The transport's settings for a domain of its own: its own prefix in `/dev/shm`, its own folder.
 pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     let unusable = || WireError::DomainName(name.into());
     if !is_plain(name, 16) {
         return Err(unusable());
     }
-    let mut config = Config::global_config().clone();
+    // Not the global one, which a `config/iceoryx2.toml` of the current folder would change.
+    let mut config = Config::default();
     let prefix = FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
     let root = Path::new(format!("/tmp/lariat-{name}").as_bytes()).map_err(|_| unusable())?;
     config.global.prefix = prefix;
     config.global.set_root_path(&root);
+    // Under the lock, by `tidy`.
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    config.global.service.cleanup_dead_nodes_on_open = false;
     Ok(config)
 }
 

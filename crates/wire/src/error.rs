@@ -38,6 +38,25 @@ pub enum WireError {
         /// Whose it is.
         owner: String,
     },
+    /// The domain's folder cannot be used.
+    #[error("{folder} cannot be used ({cause}): make it a folder of yours, or remove it")]
+    Folder {
+        /// The folder.
+        folder: String,
+        /// Why.
+        cause: String,
+    },
+    /// Another process joins or leaves the domain, and does not come to an end.
+    #[error(
+        "{holder} has been joining or leaving the domain of {folder} for 2 s and keeps all others from it: let it go on if it \
+         was stopped (kill -CONT), or end it (kill -9)"
+    )]
+    Held {
+        /// The domain's folder.
+        folder: String,
+        /// The process.
+        holder: String,
+    },
     /// The system has no POSIX shared memory.
     #[error(
         "there is no shared memory at /dev/shm ({0}): mount it with 'mount -t tmpfs tmpfs /dev/shm', or start the container with --ipc=host"

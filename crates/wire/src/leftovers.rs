@@ -7,7 +7,7 @@
 //! shares the host's `/dev/shm` alone it is not, and nothing can be known), none of the locks is held, no process has its
 //! shared memory mapped, as far as this user may know, and nothing was made just now by one that is about to take a lock.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, DirEntry, Metadata};
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -18,13 +18,12 @@ use iceoryx2::node::NodeState;
 use iceoryx2::prelude::*;
 
 use crate::domain::{config_of, root_of};
+use crate::door::Passing;
 use crate::memory::SHM;
-use crate::{owner, roster};
+use crate::{owner, roster, tidy};
 
 /// A process takes its locks within milliseconds of its first file.
 const SETTLED_AFTER: Duration = Duration::from_secs(2);
-/// How long a sweep waits for another process that is sweeping too.
-const SWEEP_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The files that a domain's processes left when they were killed, all of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -99,7 +98,7 @@ pub fn shared_by_others() -> BTreeMap<u32, (usize, u64)> {
 
 /// Whether the place that all users once shared has lariat's own folder in it, as far as this user may see.
 fn is_shared_place_left() -> bool {
-    let roster = root_of(Config::global_config()).join(roster::FOLDER);
+    let roster = root_of(&Config::default()).join(roster::FOLDER);
     fs::symlink_metadata(roster).is_ok_and(|data| data.is_dir() && is_settled(&data))
 }
 
@@ -110,6 +109,16 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     let mut kept = Vec::new();
     for of in &left {
         let before = kept.len();
+        let root = config(of.domain.as_deref()).map(|config| root_of(&config));
+        // Nobody joins meanwhile.
+        let passing = root.filter(|_| of.domain.is_some());
+        let _passing = match passing.map(|root| Passing::into(&root)) {
+            Some(Err(cause)) => {
+                kept.push(((&of.prefix).into(), io::Error::other(cause)));
+                continue;
+            }
+            passing => passing,
+        };
         for (domain, entry) in shared_files() {
             if domain == of.domain {
                 remove(&entry.path(), &mut kept);
@@ -128,21 +137,16 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
         remove_if_empty_of_life(&folder);
     }
     let domains = shared_files().map(|(domain, _)| domain);
-    let mut domains: Vec<_> = domains.collect();
-    domains.sort();
-    domains.dedup();
-    for config in domains
-        .iter()
-        .filter_map(|domain| config(domain.as_deref()))
-    {
-        sweep_dead(&config);
+    let domains: BTreeSet<_> = domains.collect();
+    for domain in &domains {
+        sweep_dead(domain.as_deref());
     }
     (left, kept)
 }
 
 /// The domains that have a folder.
 fn domain_folders() -> Vec<String> {
-    let root = root_of(Config::global_config());
+    let root = root_of(&Config::default());
     let beside = fs::read_dir(root.parent().unwrap_or(Path::new("/tmp")));
     let entries = beside.into_iter().flatten().flatten();
     let folders = entries.filter(|entry| entry.metadata().is_ok_and(|data| data.is_dir()));
@@ -170,19 +174,29 @@ fn remove_if_empty_of_life(domain: &str) {
     }
 }
 
-/// Removes what dead nodes left beside living ones, by the transport's own books.
-fn sweep_dead(config: &Config) {
-    let mut dead = Vec::new();
-    let _ = Node::<ipc::Service>::list(config, |node| {
+/// Removes what the dead left beside the living.
+fn sweep_dead(domain: Option<&str>) {
+    let Some(config) = config(domain) else {
+        return;
+    };
+    if domain.is_some() {
+        let root = root_of(&config);
+        // A process that stands still while it joins or leaves is told of when the domain is joined.
+        if root.is_dir()
+            && let Ok(passing) = Passing::into(&root)
+        {
+            tidy::finish(&config, &passing);
+        }
+        return;
+    }
+    // Other programs on the transport know none of lariat's locks: by its own books, then.
+    let _ = Node::<ipc::Service>::list(&config, |node| {
         if let NodeState::Dead(node) = node {
-            dead.push(node);
+            // Another process may be at it, or have the right to it that this one has not.
+            let _ = node.try_remove_stale_resources();
         }
         CallbackProgression::Continue
     });
-    for node in dead {
-        // Another process may be at it, or have the right to it that this one has not.
-        let _ = node.blocking_remove_stale_resources(SWEEP_TIMEOUT);
-    }
 }
 
 fn remove(path: &Path, kept: &mut Vec<(PathBuf, io::Error)>) {
@@ -239,14 +253,14 @@ fn domain_of(name: &str) -> Option<Option<&str>> {
 fn prefix_of(domain: Option<&str>) -> String {
     match domain {
         Some(name) => format!("lariat_{name}_"),
-        None => Config::global_config().global.prefix.to_string(),
+        None => Config::default().global.prefix.to_string(),
     }
 }
 
 fn config(domain: Option<&str>) -> Option<Config> {
     match domain {
         Some(name) => config_of(name).ok(),
-        None => Some(Config::global_config().clone()),
+        None => Some(Config::default()),
     }
 }
 
@@ -256,7 +270,7 @@ fn is_settled(data: &Metadata) -> bool {
 }
 
 /// The files of shared memory that some process has mapped, as far as this user may know.
-fn mapped_files() -> Vec<String> {
+pub(crate) fn mapped_files() -> Vec<String> {
     let mut files = Vec::new();
     for entry in fs::read_dir("/proc").into_iter().flatten().flatten() {
         let Ok(maps) = fs::read_to_string(entry.path().join("maps")) else {
@@ -274,18 +288,15 @@ fn mapped_files() -> Vec<String> {
 
 /// Whether a process of this domain lives, or may live.
 fn lives(domain: Option<&str>) -> bool {
-    let Some(config) = config(domain) else {
-        return true;
-    };
-    let mut lives = false;
-    let listed = Node::<ipc::Service>::list(&config, |node| match node {
-        NodeState::Dead(_) => CallbackProgression::Continue,
-        _ => {
-            lives = true;
-            CallbackProgression::Stop
-        }
-    });
-    lives || listed.is_err()
+    config(domain).is_none_or(|config| {
+        let root = root_of(&config);
+        let is_entered = || match Passing::at_once(&root) {
+            Some(passing) => !passing.is_alone(&root),
+            // Somebody is just joining or leaving.
+            None => root.exists(),
+        };
+        domain.is_some() && is_entered() || tidy::has_living_nodes(&config)
+    })
 }
 
 #[cfg(test)]

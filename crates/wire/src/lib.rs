@@ -103,6 +103,7 @@ mod centerline;
 mod channel;
 mod command_reader;
 mod domain;
+mod door;
 mod error;
 mod frame;
 mod frame_reader;
@@ -121,6 +122,7 @@ mod roster;
 mod seen;
 mod shape;
 mod survey;
+mod tidy;
 mod writer;
 
 pub use centerline::Centerline;

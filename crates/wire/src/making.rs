@@ -1,104 +1,29 @@
-//! Services are made and opened by one process of lariat at a time.
-//!
-//! A process that is killed while it makes a service leaves it half made: nobody can open it, and nobody can make it again,
-//! because the transport takes it for one that is just being made. But each process of lariat holds a lock on the domain's folder
-//! meanwhile, which the kernel takes back however a process ends. So whoever holds it knows that what hangs was left by a
-//! dead one, and removes it.
+//! Services are made and opened by one process of lariat at a time, while it passes the [`door`](crate::door).
 
-use std::fs::{self, File};
-use std::os::unix::fs::PermissionsExt;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use iceoryx2::prelude::*;
+use crate::door::Held;
+use crate::{Domain, WireError, tidy};
 
-use crate::Domain;
-use crate::domain::root_of;
-
-/// How long a service that another process is just making or removing is waited for.
-const IN_FLUX: Duration = Duration::from_secs(4);
-/// A service's file may be read by others when it is whole; until then it has these permissions.
-const HALF_MADE: u32 = 0o600;
-
-/// What keeps a service from being opened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Hindrance {
-    /// Nothing that passes.
-    Lasting,
-    /// Another process is between two steps.
-    Passing,
-    /// It has not been whole for as long as the transport waits for one.
-    HalfMade,
-}
+/// How long a service is tried for that other programs on the transport, which know no lock, are just making or removing.
+const IN_FLUX: Duration = Duration::from_secs(1);
 
 /// Makes or opens a service, again and again while what hinders it passes.
 pub(crate) fn make<T, E>(
     domain: &Domain,
     mut attempt: impl FnMut() -> Result<T, E>,
-    hindrance: impl Fn(&E) -> Hindrance,
-) -> Result<T, E> {
-    // Without it (the folder is another user's) nothing is removed.
-    let alone = Alone::in_domain(domain.config());
+    passes: impl Fn(&E) -> bool,
+) -> Result<Result<Held<T>, E>, WireError> {
+    let passing = domain.door.pass()?;
+    // Who opens what was left half made may wait for it without end.
+    tidy::remove_half_made(domain.config(), &passing);
     let deadline = Instant::now() + IN_FLUX;
     loop {
-        let cause = match attempt() {
-            Ok(service) => return Ok(service),
-            Err(cause) => cause,
-        };
-        match hindrance(&cause) {
-            Hindrance::Lasting => return Err(cause),
-            _ if Instant::now() >= deadline => return Err(cause),
-            Hindrance::HalfMade => {
-                if let Some(alone) = &alone {
-                    alone.remove_half_made();
-                }
-            }
+        match attempt() {
+            Ok(service) => return Ok(Ok(domain.door.keep(service))),
+            Err(cause) if !passes(&cause) || Instant::now() >= deadline => return Ok(Err(cause)),
             // There is nothing to be woken by.
-            Hindrance::Passing => std::thread::yield_now(),
-        }
-    }
-}
-
-/// The lock on a domain's folder.
-struct Alone {
-    _lock: File,
-    services: PathBuf,
-    prefix: String,
-    settled_after: Duration,
-}
-
-impl Alone {
-    fn in_domain(config: &Config) -> Option<Self> {
-        let global = &config.global;
-        let root = root_of(config);
-        let folder = File::open(&root).ok()?;
-        folder.lock().ok()?;
-        Some(Self {
-            _lock: folder,
-            services: root.join(global.service.directory.to_string()),
-            prefix: global.prefix.to_string(),
-            settled_after: global.creation_timeout,
-        })
-    }
-
-    /// Other programs on the transport know nothing of the lock: what one of them is making is younger.
-    fn remove_half_made(&self) {
-        let entries = fs::read_dir(&self.services).into_iter().flatten().flatten();
-        for entry in entries {
-            let is_ours = entry
-                .file_name()
-                .to_string_lossy()
-                .starts_with(&self.prefix);
-            let is_left = entry.metadata().is_ok_and(|data| {
-                let age = data.modified().ok().and_then(|at| at.elapsed().ok());
-                data.is_file()
-                    && data.permissions().mode() & 0o777 == HALF_MADE
-                    && age.is_some_and(|age| age >= self.settled_after)
-            });
-            if is_ours && is_left {
-                // Who comes second finds it gone.
-                let _ = fs::remove_file(entry.path());
-            }
+            Err(_) => tidy::finish(domain.config(), &passing),
         }
     }
 }
@@ -107,8 +32,10 @@ impl Alone {
 mod tests {
     use super::*;
     use crate::Receiver;
-    use std::path::Path;
-    use std::time::SystemTime;
+    use crate::domain::root_of;
+    use std::fs::{self, File};
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::{Path, PathBuf};
 
     fn services(domain: &Domain) -> PathBuf {
         let global = &domain.config().global;
@@ -134,10 +61,8 @@ mod tests {
         assert_eq!(made.len(), 2);
         for path in &made {
             let file = File::create(path).expect("a file");
-            let half_made = fs::Permissions::from_mode(HALF_MADE);
+            let half_made = fs::Permissions::from_mode(0o600);
             file.set_permissions(half_made).expect("it is ours");
-            let before = SystemTime::now() - Duration::from_secs(2);
-            file.set_modified(before).expect("it is ours");
         }
         let reader = Receiver::descriptors(&domain, &rig);
         assert!(reader.is_ok(), "{reader:?}");

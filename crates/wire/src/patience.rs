@@ -5,12 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use iceoryx2::node::{DeadNodeView, NodeState};
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
 
 use crate::channel::Delivery;
-use crate::{Domain, now_ns};
+use crate::domain::root_of;
+use crate::door::Passing;
+use crate::{Domain, now_ns, tidy};
 
 /// A writer that waits looks this often whether the reader was killed.
 const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
@@ -69,11 +70,8 @@ pub(crate) fn with_slow_readers(
 
 /// Removes what killed processes left.
 fn remove_the_dead(config: &Config) {
-    // What cannot be removed now is tried again at the next check.
-    let _ = Node::<ipc::Service>::list(config, |node| {
-        if let NodeState::Dead(dead) = node {
-            let _ = DeadNodeView::try_remove_stale_resources(dead);
-        }
-        CallbackProgression::Continue
-    });
+    // While another process joins or leaves, it is for that one, or for the next check.
+    if let Some(passing) = Passing::at_once(&root_of(config)) {
+        tidy::finish(config, &passing);
+    }
 }

@@ -35,7 +35,8 @@ use iceoryx2::service::port_factory::event::PortFactory;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use crate::making::{self, Hindrance};
+use crate::door::Held;
+use crate::making;
 use crate::{Domain, WireError};
 
 /// How long a bell must have been silent before it is trusted.
@@ -59,7 +60,7 @@ fn open(
     domain: &Domain,
     channel: &str,
     readers: usize,
-) -> Result<PortFactory<ipc::Service>, WireError> {
+) -> Result<Held<PortFactory<ipc::Service>>, WireError> {
     let name = format!("{channel}-ready");
     let service = ServiceName::new(&name)
         .map_err(|cause| WireError::transport(format!("naming {name}"), cause))?;
@@ -74,37 +75,37 @@ fn open(
             .event_id_max_value(ANSWER)
             .open_or_create()
     };
-    making::make(domain, attempt, hindrance)
+    making::make(domain, attempt, passes)?
         .map_err(|cause| WireError::transport(format!("opening {name}"), cause))
 }
 
-fn hindrance(cause: &EventOpenOrCreateError) -> Hindrance {
-    match cause {
-        EventOpenOrCreateError::EventOpenError(EventOpenError::HangsInCreation) => {
-            Hindrance::HalfMade
-        }
+/// Whether it may be otherwise a moment later.
+fn passes(cause: &EventOpenOrCreateError) -> bool {
+    matches!(
+        cause,
         EventOpenOrCreateError::SystemInFlux
-        | EventOpenOrCreateError::EventOpenError(
-            EventOpenError::IsMarkedForDestruction
-            | EventOpenError::DoesNotExist
-            | EventOpenError::Interrupt,
-        )
-        | EventOpenOrCreateError::EventCreateError(
-            EventCreateError::IsBeingCreatedByAnotherInstance
-            | EventCreateError::AlreadyExists
-            | EventCreateError::Interrupt,
-        ) => Hindrance::Passing,
-        _ => Hindrance::Lasting,
-    }
+            | EventOpenOrCreateError::EventOpenError(
+                EventOpenError::HangsInCreation
+                    | EventOpenError::IsMarkedForDestruction
+                    | EventOpenError::DoesNotExist
+                    | EventOpenError::Interrupt,
+            )
+            | EventOpenOrCreateError::EventCreateError(
+                EventCreateError::IsBeingCreatedByAnotherInstance
+                    | EventCreateError::AlreadyExists
+                    | EventCreateError::Interrupt,
+            )
+    )
 }
 
 /// The writer's side.
 #[derive(Debug)]
-pub(crate) struct Bell(Notifier<ipc::Service>);
+pub(crate) struct Bell(Held<Notifier<ipc::Service>>);
 
 impl Bell {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
-        let notifier = open(domain, channel, readers)?.notifier_builder().create();
+        let service = open(domain, channel, readers)?;
+        let notifier = domain.door.hold(|| service.notifier_builder().create())?;
         notifier
             .map(Self)
             .map_err(|cause| WireError::transport(format!("waking readers of {channel}"), cause))
@@ -128,7 +129,7 @@ impl Bell {
 /// The reader's side.
 #[derive(Debug)]
 pub struct Ear {
-    listener: Listener<ipc::Service>,
+    listener: Held<Listener<ipc::Service>>,
     /// To answer with.
     bell: Bell,
     /// When it last heard something, or was made.
@@ -148,9 +149,9 @@ pub(crate) struct Heard {
 
 impl Ear {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
-        let listener = open(domain, channel, readers)?
-            .listener_builder()
-            .create()
+        let service = open(domain, channel, readers)?;
+        let listener = domain.door.hold(|| service.listener_builder().create())?;
+        let listener = listener
             .map_err(|cause| WireError::transport(format!("listening to {channel}"), cause))?;
         let bell = Bell::new(domain, channel, readers)?;
         Ok(Self {

@@ -12,6 +12,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
+use crate::door::Held;
 use crate::reader::WriterId;
 use crate::ready::{self, Ear};
 use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
@@ -19,8 +20,8 @@ use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireErr
 /// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
 pub struct Receiver<P: Payload + ?Sized> {
     // Before the service, so that it is dropped first.
-    subscriber: Subscriber<ipc::Service, P, P::Header>,
-    service: PortFactory<ipc::Service, P, P::Header>,
+    subscriber: Held<Subscriber<ipc::Service, P, P::Header>>,
+    service: Held<PortFactory<ipc::Service, P, P::Header>>,
     /// `None`: a reader that is never woken.
     ear: Option<Ear>,
     /// How long it looks for a message before it sleeps.
@@ -108,13 +109,18 @@ impl<P: Payload + ?Sized> Receiver<P> {
         if waiting == Waiting::Newest && service.static_config().has_safe_overflow() {
             builder = builder.buffer_size(1);
         }
-        let subscriber = builder.create().map_err(|cause| match cause {
-            SubscriberCreateError::ExceedsMaxSupportedSubscribers => WireError::TooManyReaders {
-                channel: name.clone(),
-                most: channel.readers,
-            },
-            cause => WireError::transport(format!("becoming a reader of {name}"), cause),
-        })?;
+        let subscriber = domain
+            .door
+            .hold(|| builder.create())?
+            .map_err(|cause| match cause {
+                SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
+                    WireError::TooManyReaders {
+                        channel: name.clone(),
+                        most: channel.readers,
+                    }
+                }
+                cause => WireError::transport(format!("becoming a reader of {name}"), cause),
+            })?;
         Ok(Self {
             subscriber,
             service,

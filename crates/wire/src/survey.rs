@@ -7,7 +7,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{self, Payload, describe};
-use crate::{Domain, Rig, WireError, memory};
+use crate::{Domain, Rig, WireError, memory, tidy};
 
 /// A channel of a rig, as it is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,6 +59,8 @@ impl Domain {
     /// The transport's folder cannot be read.
     pub fn channels(&self) -> Result<Vec<ChannelState>, WireError> {
         let mut found = Vec::new();
+        let passing = self.door.pass()?;
+        tidy::remove_half_made(self.config(), &passing);
         let listed = ipc::Service::list(self.config(), |service| {
             found.extend(place_of(service.static_details.name().as_str()));
             CallbackProgression::Continue
@@ -69,12 +71,19 @@ impl Domain {
         found.dedup();
         let states = found
             .iter()
-            .filter_map(|(rig, place)| self.channel(rig, channel::ALL[*place].name));
+            .filter_map(|(rig, place)| self.state(rig, channel::ALL[*place].name));
         Ok(states.collect())
     }
 
     /// One channel of a rig as it is; `None` if no process has it open, or there is none of that name.
     pub fn channel(&self, rig: &Rig, name: &str) -> Option<ChannelState> {
+        let passing = self.door.pass().ok()?;
+        tidy::remove_half_made(self.config(), &passing);
+        self.state(rig, name)
+    }
+
+    /// To be called while passing: it opens the channel for a moment.
+    fn state(&self, rig: &Rig, name: &str) -> Option<ChannelState> {
         let channel = channel::ALL.iter().find(|known| known.name == name)?;
         let name = ServiceName::new(&format!("lariat/{rig}/{name}")).ok()?;
         let details =

@@ -17,6 +17,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
 use crate::channel::{Channel, Delivery, FRAMES, MASKS, Payload};
+use crate::door::Held;
 use crate::patience::Meanwhile;
 use crate::ready::{self, Bell, Ear};
 use crate::{
@@ -29,8 +30,8 @@ const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
 /// The one writer of a channel.
 pub struct Writer<P: Payload + ?Sized> {
     // Before the service, so that it is dropped first.
-    publisher: Publisher<ipc::Service, P, P::Header>,
-    service: PortFactory<ipc::Service, P, P::Header>,
+    publisher: Held<Publisher<ipc::Service, P, P::Header>>,
+    service: Held<PortFactory<ipc::Service, P, P::Header>>,
     bell: Bell,
     name: String,
     /// Set for a lossless writer.
@@ -67,10 +68,11 @@ macro_rules! message_writer {
             ) -> Result<Self, WireError> {
                 let service = Self::open(domain, rig, channel, delivery, size_of::<$message>(), 1)?;
                 let builder = service.publisher_builder().max_loaned_samples(1);
-                let publisher = match patience::with_slow_readers(domain, delivery, None) {
+                let wait = patience::with_slow_readers(domain, delivery, None);
+                let publisher = domain.door.hold(|| match wait {
                     None => builder.create(),
                     Some(wait) => builder.set_backpressure_handler(wait).create(),
-                };
+                })?;
                 Self::finish(domain, rig, channel, delivery, service, publisher, None)
             }
 
@@ -144,10 +146,10 @@ impl Writer<[u8]> {
             .max_loaned_samples(borrowed)
             .initial_max_slice_len(largest);
         let wait = patience::with_slow_readers(domain, delivery, meanwhile.clone());
-        let publisher = match wait {
+        let publisher = domain.door.hold(|| match wait {
             None => builder.create(),
             Some(wait) => builder.set_backpressure_handler(wait).create(),
-        };
+        })?;
         Self::finish(
             domain, rig, channel, delivery, service, publisher, meanwhile,
         )
@@ -177,7 +179,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         delivery: &Delivery,
         slot_bytes: usize,
         borrowed: usize,
-    ) -> Result<PortFactory<ipc::Service, P, P::Header>, WireError> {
+    ) -> Result<Held<PortFactory<ipc::Service, P, P::Header>>, WireError> {
         let service = channel.open(domain, rig, Some(delivery))?;
         if service.dynamic_config().number_of_publishers() > 0 {
             return Err(WireError::SecondWriter {
@@ -200,9 +202,9 @@ impl<P: Payload + ?Sized> Writer<P> {
         rig: &Rig,
         channel: &Channel<P>,
         delivery: &Delivery,
-        service: PortFactory<ipc::Service, P, P::Header>,
+        service: Held<PortFactory<ipc::Service, P, P::Header>>,
         publisher: Result<
-            Publisher<ipc::Service, P, P::Header>,
+            Held<Publisher<ipc::Service, P, P::Header>>,
             iceoryx2::port::publisher::PublisherCreateError,
         >,
         meanwhile: Option<Meanwhile>,
