@@ -86,7 +86,7 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     let pairs = match (&args.points, &args.points_file) {
         (Some(text), _) => points::of_flag(text)?,
         (None, Some(path)) => {
-            let text = std::fs::read_to_string(path)
+            let text = lariat_chain::bounded::read_text(path)
                 .with_context(|| format!("cannot read the points {}", path.display()))?;
             points::of_file(&text).with_context(|| path.display().to_string())?
         }

@@ -2,8 +2,11 @@
 
 use anyhow::{Context, Result};
 use base64::prelude::{BASE64_STANDARD, Engine as _};
+use lariat_chain::bounded;
 use std::path::Path;
 
+/// More than any camera takes.
+const LARGEST_PICTURE: u64 = 1 << 30;
 const PAGE: &str = include_str!("page.html");
 
 /// The page of a picture of this size; the command that it shows names the calibration.
@@ -15,7 +18,8 @@ pub(super) fn of(
     [width, height]: [u32; 2],
     calibration: Option<&Path>,
 ) -> Result<String> {
-    let bytes = std::fs::read(image).with_context(|| format!("cannot read {}", image.display()))?;
+    let bytes = bounded::read(image, LARGEST_PICTURE)
+        .with_context(|| format!("cannot read {}", image.display()))?;
     let kind = if bytes.starts_with(b"\x89PNG") {
         "png"
     } else {

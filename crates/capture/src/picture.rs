@@ -53,11 +53,12 @@ pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
     let head_size = (&mut file).take(HEAD_BYTES).read_to_end(&mut bytes);
     let head_size = head_size.map_err(unreadable)?;
     layout(path, &bytes).or_else(|error| {
-        if (head_size as u64) < HEAD_BYTES {
+        if (head_size as u64) < HEAD_BYTES || format_of(&bytes).is_none() {
             return Err(error);
         }
         // A long profile or preview may stand before the size.
-        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        let mut rest = file.take(LARGEST_BYTES);
+        rest.read_to_end(&mut bytes).map_err(unreadable)?;
         layout(path, &bytes)
     })
 }
@@ -160,7 +161,8 @@ impl PictureDecoder {
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
         let mut file = std::mem::take(&mut self.file);
         file.clear();
-        let read = File::open(path).and_then(|mut open| open.read_to_end(&mut file));
+        let read =
+            File::open(path).and_then(|open| open.take(LARGEST_BYTES).read_to_end(&mut file));
         let decoded = match read {
             Ok(_) => self.decode_file(path, &file, pixels),
             Err(error) => Err(broken(path, error)),

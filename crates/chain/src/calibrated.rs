@@ -74,7 +74,7 @@ impl Calibrated {
 /// It cannot be read, or is not a calibration.
 pub fn read_camera(path: &Path) -> Result<Camera> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path)
+    let text = crate::bounded::read_text(path)
         .with_context(|| format!("cannot read the calibration {shown}"))?;
     Camera::from_yaml(&text).with_context(|| shown.to_string())
 }

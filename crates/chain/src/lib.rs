@@ -31,6 +31,7 @@ macro_rules! eprint {
     }};
 }
 
+pub mod bounded;
 pub mod calibrated;
 pub mod canvas;
 pub mod doubts;

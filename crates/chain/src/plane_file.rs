@@ -33,7 +33,7 @@ enum Rotation {
 /// It cannot be read, says neither or both, says what cannot be, or is a pose and no camera is given.
 pub fn read(path: &Path, camera: Option<&Camera>) -> Result<Plane> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| {
+    let text = crate::bounded::read_text(path).with_context(|| {
         format!("cannot read the plane {shown}: `lariat calibrate plane` makes one")
     })?;
     parse(&text, camera).with_context(|| shown.to_string())

@@ -1,4 +1,4 @@
-//! SIGINT and SIGTERM as a flag to look at and a descriptor to be woken by.
+//! SIGINT, SIGTERM and SIGHUP as a flag to look at and a descriptor to be woken by.
 
 use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use lariat_wire::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// The wish of a signal that this process come to its end; or of a [`Stopper`] that a thread of it does.
 pub struct Stop {
@@ -19,11 +19,14 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// From now on the two signals are a wish. Ctrl-C a second time ends the process at once.
+    /// From now on the signals are a wish: Ctrl-C, SIGTERM, and a closed terminal's SIGHUP, unless that was ignored, as `nohup`
+    /// does. Ctrl-C a second time ends the process at once.
     pub fn on_signals() -> anyhow::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
         let (pipe, write) = UnixStream::pair().context("no pipe for signals could be made")?;
-        for signal in [SIGINT, SIGTERM] {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let hang_up = (!is_ignored(SIGHUP, &status)).then_some(SIGHUP);
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
             let register = || -> std::io::Result<()> {
                 if signal == SIGINT {
                     // Before the flag is registered, so that the first signal finds it unset.
@@ -97,5 +100,25 @@ impl Stopper {
 impl AsFd for Stop {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.pipe.as_fd()
+    }
+}
+
+/// Whether a process ignores a signal, as the kernel says in its `status`.
+fn is_ignored(signal: i32, status: &str) -> bool {
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_that_is_ignored_is_told_from_the_others() {
+        let status = "Name:\tlariat\nSigBlk:\t0000000000000001\nSigIgn:\t0000000000001001\n";
+        assert!(is_ignored(SIGHUP, status));
+        assert!(!is_ignored(SIGTERM, status));
+        assert!(!is_ignored(SIGHUP, ""));
     }
 }

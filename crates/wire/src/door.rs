@@ -14,7 +14,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::mem::ManuallyDrop;
 use std::ops::Deref;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -22,6 +22,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::*;
+use rustix::fs::OFlags;
 
 use crate::WireError;
 use crate::domain::root_of;
@@ -182,7 +183,11 @@ fn open_folder(path: &Path) -> io::Result<File> {
     let made = fs::DirBuilder::new().mode(0o700).create(path);
     match made {
         Err(cause) if cause.kind() != io::ErrorKind::AlreadyExists => Err(cause),
-        _ => File::open(path),
+        // Not through a link that was put there since it was looked at.
+        _ => fs::OpenOptions::new()
+            .read(true)
+            .custom_flags((OFlags::NOFOLLOW | OFlags::DIRECTORY).bits() as i32)
+            .open(path),
     }
 }
 

@@ -163,12 +163,19 @@ fn remove_if_empty_of_life(domain: &str) {
         return;
     };
     let root = root_of(&config);
+    let Some(passing) = Passing::at_once(&root) else {
+        return;
+    };
     let entries = fs::read_dir(&root).into_iter().flatten().flatten();
     let mut all = entries
         .filter_map(|entry| entry.metadata().ok())
         .chain(fs::metadata(&root).ok());
     let has_memory = || shared_files().any(|(other, _)| other.as_deref() == Some(domain));
-    if all.all(|data| is_settled(&data)) && !has_memory() && !lives(Some(domain)) {
+    if all.all(|data| is_settled(&data))
+        && !has_memory()
+        && passing.is_alone(&root)
+        && !tidy::has_living_nodes(&config)
+    {
         roster::sweep(&config);
         remove_tree(&root, &prefix_of(Some(domain)), &mut Vec::new());
     }

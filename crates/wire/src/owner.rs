@@ -2,7 +2,7 @@
 //! neither take part nor tell what lives there.
 
 use std::fs;
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 
 use crate::WireError;
@@ -41,8 +41,32 @@ pub(crate) fn require_own(name: &str, folder: &Path) -> Result<(), WireError> {
             folder: folder.display().to_string(),
             owner: user_name(owner),
         }),
-        _ => Ok(()),
+        _ => require_closed(folder),
     }
+}
+
+/// It is a folder, and no other user can put anything into it.
+fn require_closed(folder: &Path) -> Result<(), WireError> {
+    let unusable = |cause: &str| WireError::Folder {
+        folder: folder.display().to_string(),
+        cause: cause.into(),
+    };
+    let Ok(data) = fs::symlink_metadata(folder) else {
+        // It is made by whoever enters.
+        return Ok(());
+    };
+    if !data.is_dir() {
+        return Err(unusable("it is a link or a file"));
+    }
+    if data.mode() & 0o022 != 0 {
+        return Err(unusable("others may write into it"));
+    }
+    if data.mode() & 0o077 != 0 {
+        // Of an older release: nobody else is to take its locks.
+        let closed = fs::set_permissions(folder, fs::Permissions::from_mode(0o700));
+        closed.map_err(|cause| unusable(&cause.to_string()))?;
+    }
+    Ok(())
 }
 
 fn is_number(name: &str) -> bool {
@@ -72,5 +96,24 @@ mod tests {
         let owner = fs::metadata("/proc/sys").expect("there").uid();
         let other = require_own("mine", Path::new("/proc/sys"));
         assert_eq!(matches!(other, Err(WireError::Owner { .. })), owner != me);
+    }
+
+    #[test]
+    fn a_folder_that_others_may_change_is_no_domain() {
+        let here = std::env::temp_dir().join(format!("lariat-owner-{}", std::process::id()));
+        let (folder, link) = (here.join("folder"), here.join("link"));
+        fs::create_dir_all(&folder).expect("it is ours");
+        std::os::unix::fs::symlink(&folder, &link).expect("it is ours");
+        let mode = |mode| fs::set_permissions(&folder, fs::Permissions::from_mode(mode));
+        mode(0o777).expect("it is ours");
+        let refused = require_own("mine", &folder).map_err(|cause| cause.to_string());
+        assert!(refused.is_err_and(|cause| cause.contains("others may write into it")));
+        mode(0o750).expect("it is ours");
+        assert!(require_own("mine", &folder).is_ok());
+        let data = fs::metadata(&folder).expect("it is there");
+        assert_eq!(data.mode() & 0o777, 0o700);
+        let refused = require_own("mine", &link).map_err(|cause| cause.to_string());
+        assert!(refused.is_err_and(|cause| cause.contains("it is a link")));
+        let _ = fs::remove_dir_all(here);
     }
 }

@@ -27,8 +27,8 @@ use std::cell::Cell;
 use std::os::fd::BorrowedFd;
 use std::time::{Duration, Instant};
 
-use iceoryx2::port::listener::Listener;
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::listener::{Listener, ListenerCreateError};
+use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::prelude::*;
 use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
 use iceoryx2::service::port_factory::event::PortFactory;
@@ -98,6 +98,14 @@ fn passes(cause: &EventOpenOrCreateError) -> bool {
     )
 }
 
+/// Each reader has an ear, and a bell to answer with: without a place for them it has none on the channel either.
+fn too_many(channel: &str, readers: usize) -> WireError {
+    WireError::TooManyReaders {
+        channel: channel.to_owned(),
+        most: readers,
+    }
+}
+
 /// The writer's side.
 #[derive(Debug)]
 pub(crate) struct Bell(Held<Notifier<ipc::Service>>);
@@ -106,9 +114,10 @@ impl Bell {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
         let service = open(domain, channel, readers)?;
         let notifier = domain.door.hold(|| service.notifier_builder().create())?;
-        notifier
-            .map(Self)
-            .map_err(|cause| WireError::transport(format!("waking readers of {channel}"), cause))
+        notifier.map(Self).map_err(|cause| match cause {
+            NotifierCreateError::ExceedsMaxSupportedNotifiers => too_many(channel, readers),
+            cause => WireError::transport(format!("waking readers of {channel}"), cause),
+        })
     }
 
     /// Wakes every waiting reader. A reader that died is no reason to stop: its message was delivered all the same.
@@ -151,8 +160,10 @@ impl Ear {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
         let service = open(domain, channel, readers)?;
         let listener = domain.door.hold(|| service.listener_builder().create())?;
-        let listener = listener
-            .map_err(|cause| WireError::transport(format!("listening to {channel}"), cause))?;
+        let listener = listener.map_err(|cause| match cause {
+            ListenerCreateError::ExceedsMaxSupportedListeners => too_many(channel, readers),
+            cause => WireError::transport(format!("listening to {channel}"), cause),
+        })?;
         let bell = Bell::new(domain, channel, readers)?;
         Ok(Self {
             listener,

@@ -13,6 +13,7 @@ pub use form::NoShape;
 pub(crate) use growth::Growth;
 pub use nearest::Nearest;
 
+use std::hint::black_box;
 use std::ops::Deref;
 
 use crate::{Descriptor, MAX_CONTROL_POINTS};
@@ -51,13 +52,15 @@ impl<'a> Shape<'a> {
     /// # Errors
     /// The descriptor is of points or of the center, or its numbers do not agree with each other.
     pub fn of(descriptor: &'a Descriptor) -> Result<Self, NoShape> {
-        let form = Form::of(descriptor)?;
-        let count = descriptor.count as usize;
+        // Each is read once: a message may lie in shared memory, where its writer may have lost its wits.
+        let [count, samples] =
+            [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
+        let form = Form::of(descriptor, count, samples)?;
         Ok(Self {
             form,
             control_points: &descriptor.control_points[..count],
             covariances: &descriptor.covariances[..count],
-            samples: descriptor.samples as usize,
+            samples,
             closed: matches!(form, Form::Fourier),
         })
     }

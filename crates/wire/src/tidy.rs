@@ -30,7 +30,7 @@ use crate::roster;
 
 /// What a file's owner may do with shared memory that is whole.
 const READABLE: u32 = 0o400;
-/// A service's file may be only read when it is whole; until then it has these permissions.
+/// The file of a service, a node or a tag can be written until it is whole.
 const HALF_WRITTEN: u32 = 0o600;
 /// What a node's monitor has beside its own file.
 const OWNER_LOCK: &str = "_owner_lock";
@@ -58,7 +58,12 @@ pub(crate) fn remove_half_made(config: &Config, _passing: &Passing) {
             let _ = fs::remove_file(path);
         }
     }
-    for path in files(&domain.services) {
+    remove_half_written(&domain.services);
+}
+
+/// Removes the files that are still to be written. What they were to tell of has not been made yet.
+fn remove_half_written(folder: &Path) {
+    for path in files(folder) {
         let is_half_written = fs::symlink_metadata(&path)
             .is_ok_and(|data| data.is_file() && data.mode() & 0o777 == HALF_WRITTEN);
         if is_half_written {
@@ -124,6 +129,7 @@ fn remove_dead_nodes(config: &Config, domain: &Paths) {
         return;
     }
     for dead in found.difference(&living) {
+        remove_half_written(&domain.nodes.join(dead.to_string()));
         // What cannot be written now is tried again by the next.
         let _ = domain.complete_monitor(*dead);
     }

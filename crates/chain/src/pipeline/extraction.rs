@@ -1,12 +1,12 @@
 //! A frame's image → the centerlines of the ropes in it.
 
+use crate::bounded;
 use crate::doubts::{self, Doubts};
 use crate::settings::{self, Settings};
 use anyhow::{Context, Result};
 use lariat_extract::{Extractor, Image, Network, PixelFormat, Region, Scene, Status, Step};
 use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -126,9 +126,13 @@ pub struct FrameExtractor {
     doubts: Doubts,
 }
 
+/// The weights of a network take some hundred kilobytes.
+const LARGEST_WEIGHTS: u64 = 64 << 20;
+
 /// The network of a file.
 fn network(file: &Path) -> Result<Arc<Network>> {
-    let bytes = fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let bytes = bounded::read(file, LARGEST_WEIGHTS)
+        .with_context(|| format!("cannot read {}", file.display()))?;
     let network = Network::from_bytes(&bytes).with_context(|| file.display().to_string())?;
     Ok(Arc::new(network))
 }

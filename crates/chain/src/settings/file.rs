@@ -28,7 +28,7 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
 /// # Errors
 /// The file cannot be read.
 pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
-    let text = std::fs::read_to_string(path).with_context(|| {
+    let text = crate::bounded::read_text(path).with_context(|| {
         format!(
             "cannot read the settings file {}: `lariat config init` writes one",
             path.display()

@@ -49,9 +49,12 @@ pub enum NoShape {
 }
 
 impl<'a> Form<'a> {
-    /// Reads and checks all that the curve is made of.
-    pub(super) fn of(descriptor: &'a Descriptor) -> Result<Self, NoShape> {
-        let count = descriptor.count as usize;
+    /// Checks what was read of the descriptor, and reads and checks all else that the curve is made of.
+    pub(super) fn of(
+        descriptor: &'a Descriptor,
+        count: usize,
+        samples: usize,
+    ) -> Result<Self, NoShape> {
         let order = descriptor.order as usize;
         let (Some(basis), true) = (
             descriptor.basis(),
@@ -61,7 +64,7 @@ impl<'a> Form<'a> {
         };
         let coordinates = descriptor.control_points[..count].iter().flatten();
         // Each evaluation goes through all points that were fitted.
-        let is_fitted = (count..=MAX_POINTS).contains(&(descriptor.samples as usize));
+        let is_fitted = (count..=MAX_POINTS).contains(&samples);
         if !coordinates.clone().all(|c| c.is_finite()) || !is_fitted {
             return Err(NoShape::Unreadable);
         }
@@ -69,10 +72,10 @@ impl<'a> Form<'a> {
             Basis::Bezier if count == order + 1 => Self::Bezier,
             Basis::BSpline if (1..count).contains(&order) => Self::BSpline {
                 degree: order,
-                inner: descriptor.inner_knots(),
+                inner: &descriptor.knots[..count - order - 1],
             },
             Basis::RationalBezier if count == order + 1 => Self::Rational {
-                weights: descriptor.weights(),
+                weights: &descriptor.weights[..count],
             },
             Basis::Fourier if count == 2 * order + 1 => Self::Fourier,
             Basis::FeaturePoints => return Err(NoShape::FeaturePoints),

@@ -198,6 +198,24 @@ fn a_second_writer_is_refused_and_told_what_to_do() {
 }
 
 #[test]
+fn a_reader_too_many_is_told_so_on_a_lossless_channel_too() {
+    let (domain, rig) = (domain(), rig("full"));
+    let delivery = Delivery::Lossless {
+        stop: Arc::default(),
+    };
+    let _writer = Writer::frames(&domain, &rig, &delivery, 64).unwrap();
+    let read = || Receiver::create(&domain, &rig, &FRAMES, None);
+    let _readers = [(); 4].map(|()| read().unwrap());
+    let refused = [(); 2].map(|()| read().unwrap_err());
+    for cause in refused {
+        assert!(
+            matches!(cause, WireError::TooManyReaders { most: 4, .. }),
+            "{cause}"
+        );
+    }
+}
+
+#[test]
 fn lossless_and_newest_wins_do_not_mix() {
     let (domain, rig) = (domain(), rig("mixed"));
     let _reader = Receiver::descriptors(&domain, &rig).unwrap();

@@ -4,6 +4,7 @@ mod allocation;
 mod channels;
 mod commands;
 mod image_writer;
+mod kills;
 mod nearest;
 mod prediction;
 mod reader;
