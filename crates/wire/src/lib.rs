@@ -114,6 +114,7 @@ mod making;
 mod memory;
 mod owner;
 mod patience;
+mod quiet;
 mod reader;
 mod ready;
 mod receiver;

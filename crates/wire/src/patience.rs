@@ -11,7 +11,7 @@ use iceoryx2::prelude::*;
 use crate::channel::Delivery;
 use crate::domain::root_of;
 use crate::door::Passing;
-use crate::{Domain, now_ns, tidy};
+use crate::{Domain, now_ns, quiet, tidy};
 
 /// A writer that waits looks this often whether the reader was killed.
 const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
@@ -39,6 +39,7 @@ pub(crate) fn with_slow_readers(
     let next_check_ns = AtomicU64::new(0);
     let next_look_ns = AtomicU64::new(0);
     Some(move |waiting: &BackpressureInfo| {
+        quiet::let_through();
         let now_ns = now_ns();
         if let Some(meanwhile) = &meanwhile
             && now_ns >= next_look_ns.load(Ordering::Relaxed)

@@ -21,7 +21,7 @@ use crate::door::Held;
 use crate::patience::Meanwhile;
 use crate::ready::{self, Bell, Ear};
 use crate::{
-    Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience,
+    Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience, quiet,
 };
 
 /// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
@@ -301,7 +301,12 @@ pub struct Slot<'a, P: Payload + ?Sized> {
 impl<P: Payload + ?Sized> Slot<'_, P> {
     /// Sends the message and wakes the readers. `false`: it was lost, because waiting for a reader was given up.
     pub fn send(self) -> Result<bool, WireError> {
-        let delivered = match self.sample.send() {
+        let send = || self.sample.send();
+        let sent = match self.writer.gathering {
+            None => send(),
+            Some(_) => quiet::quietly(send),
+        };
+        let delivered = match sent {
             Ok(_) => true,
             Err(SendError::UnableToDeliver) => false,
             Err(cause) => return Err(self.writer.broken(cause)),
