@@ -1,5 +1,9 @@
 //! What happens when a process dies, by a signal it can catch and by one it cannot.
 
+use std::thread;
+use std::time::{Duration, Instant};
+
+use lariat_wire::{Domain, Receiver, Rig};
 use rustix::process::Signal;
 
 use crate::rig::{Bench, wait_until_gone};
@@ -58,7 +62,7 @@ fn a_stage_that_is_told_to_end_ends_the_chain() {
 
 #[test]
 fn a_signal_to_the_chain_ends_it_in_order_with_its_report() {
-    for signal in [Signal::INT, Signal::TERM] {
+    for signal in [Signal::INT, Signal::TERM, Signal::HUP] {
         let bench = Bench::new();
         let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
         chain.wait_for_frames();
@@ -134,6 +138,68 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
         ended.stderr
     );
     bench.assert_nothing_is_left();
+}
+
+/// A reader of a lossless chain that stands still until the chain has been told to end, and reads on then: how many messages
+/// came, and which numbers the first and the last had.
+fn read_late(domain: &str, until: Instant) -> (u64, u64, u64) {
+    let domain = Domain::named(domain).expect("a domain");
+    let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
+    while Instant::now() < until {
+        // It takes up its end of the channel, and takes no message.
+        reader.before_poll().expect("a channel");
+        thread::sleep(Duration::from_millis(10));
+    }
+    let (mut came, mut first, mut last) = (0, 0, 0);
+    let mut patient_until = Instant::now() + Duration::from_secs(3);
+    while Instant::now() < patient_until {
+        match reader.next().expect("a channel") {
+            Some(message) => {
+                last = message.trace.fitted;
+                first = if came == 0 { last } else { first };
+                came += 1;
+                patient_until = Instant::now() + Duration::from_secs(3);
+            }
+            None => thread::sleep(Duration::from_millis(2)),
+        }
+    }
+    (came, first, last)
+}
+
+#[test]
+fn a_lossless_chain_that_is_told_to_end_delivers_all_to_a_reader_that_was_slow() {
+    for round in 0..4 {
+        let bench = Bench::new();
+        let arguments = [
+            "--lossless",
+            "--fps",
+            "300",
+            "--duration",
+            "60",
+            "--out",
+            "out",
+        ];
+        let mut chain = bench.start(&arguments);
+        chain.wait_for_frames();
+        let domain = bench.domain.clone();
+        let reads_from = Instant::now() + Duration::from_millis(1500);
+        let reader = thread::spawn(move || read_late(&domain, reads_from));
+        // All buffers are full by now, and each stage waits for the next.
+        thread::sleep(Duration::from_millis(800));
+        chain.signal_chain(Signal::TERM);
+        let ended = chain.end();
+        assert_eq!(
+            ended.status.code(),
+            Some(0),
+            "round {round}: {}",
+            ended.stderr
+        );
+        let (came, first, last) = reader.join().expect("it reads");
+        let sent = bench.summary("out")["frames"]["received"].as_u64();
+        assert_eq!(Some(last), sent, "round {round}");
+        assert_eq!(came, 1 + last - first, "round {round}");
+        bench.assert_nothing_is_left();
+    }
 }
 
 #[test]
