@@ -85,7 +85,7 @@ impl Channels {
         }
         while let Some(descriptors) = self.descriptors.next()? {
             seen.begun |= last.fitted.begins_with(descriptors.trace.fitted);
-            ledger.received(&descriptors.trace);
+            ledger.received(&descriptors.trace, lariat_wire::now_ns());
             to.descriptors(&descriptors)?;
             seen.messages += 1;
         }

@@ -272,7 +272,7 @@ impl Look {
     fn take(&mut self, message: &Descriptors) {
         let trace = &message.trace;
         let ledger = self.ledger.get_or_insert_with(|| Ledger::new(false));
-        if ledger.received(trace) == Arrival::Stale {
+        if ledger.received(trace, lariat_wire::now_ns()) == Arrival::Stale {
             return;
         }
         // Without an image there is nothing that was exposed.

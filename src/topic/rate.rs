@@ -231,10 +231,10 @@ impl Meter for Rate {
         Some(Duration::from_secs(1))
     }
 
-    fn see(&mut self, message: Any, _now_ns: u64) -> Result<String> {
+    fn see(&mut self, message: Any, now_ns: u64) -> Result<String> {
         let trace = message.trace();
         let counted = ended_here(self.channel, trace, self.ledger.received_count());
-        if self.ledger.received(&counted) == Arrival::Stale {
+        if self.ledger.received(&counted, now_ns) == Arrival::Stale {
             return Ok(String::new());
         }
         let step = self.pace.step(self.channel, trace);

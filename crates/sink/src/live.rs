@@ -122,13 +122,14 @@ mod tests {
     use lariat_message::Trace;
 
     fn receive(live: &mut Live, ledger: &mut Ledger, number: u64, received_ns: u64) {
-        ledger.received(&Trace {
+        let trace = Trace {
             sequence: number,
             captured: number,
             extracted: number,
             fitted: number,
             ..Trace::EMPTY
-        });
+        };
+        ledger.received(&trace, received_ns);
         live.received(1, Some(500_000), received_ns);
     }
 

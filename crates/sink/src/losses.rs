@@ -28,6 +28,9 @@ pub struct Restarts {
     pub fit: u64,
 }
 
+/// What no stage counts to: a thousand frames a second for eight thousand years.
+const LARGEST_COUNT: u64 = 1 << 48;
+
 /// The source's number and the counters of capture, extract and fit, in the order of the way.
 type Counters = [u64; 4];
 
@@ -38,7 +41,7 @@ pub enum Arrival {
     First,
     /// A later one.
     Next,
-    /// Seen before, or older than one seen before: not counted.
+    /// Seen before, older than one seen before, or of counters or of a clock that cannot be: not counted.
     Stale,
 }
 
@@ -74,8 +77,14 @@ impl Ledger {
         }
     }
 
-    /// Counts one descriptors message.
-    pub fn received(&mut self, trace: &Trace) -> Arrival {
+    /// Counts one descriptors message, which came at that moment.
+    pub fn received(&mut self, trace: &Trace, received_ns: u64) -> Arrival {
+        let counts = [trace.captured, trace.extracted, trace.fitted];
+        if counts.iter().any(|&count| count > LARGEST_COUNT) || trace.fitted_ns > received_ns {
+            // Taken as it is, it would be ahead of all messages that are to come, and none of them would count.
+            self.stale += 1;
+            return Arrival::Stale;
+        }
         let now = [
             trace.sequence,
             trace.captured,
@@ -175,7 +184,7 @@ impl Ledger {
         self.received
     }
 
-    /// Messages that came again or late, and were not counted.
+    /// Messages that came again, late or damaged, and were not counted.
     pub fn stale(&self) -> u64 {
         self.stale
     }

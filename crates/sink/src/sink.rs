@@ -51,7 +51,7 @@ impl Sink {
 
     /// One descriptors message, and when it was in the reader's hands. One that came before is not counted again.
     pub fn descriptors(&mut self, message: &Descriptors, received_ns: u64) {
-        let arrival = self.ledger.received(&message.trace);
+        let arrival = self.ledger.received(&message.trace, received_ns);
         if arrival == Arrival::Stale {
             return;
         }

@@ -415,3 +415,22 @@ fn of_frames_from_elsewhere_that_no_stage_sent_on_all_are_lost() {
     assert!(is_whole(&found));
     assert_eq!((found.published, found.lost.mask), (4, 4));
 }
+
+#[test]
+fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
+    let mut chain = Chain::default();
+    let mut sink = sink(true);
+    let mut frame = |sink: &mut Sink| receive(sink, chain.frame(None).expect("it arrives"));
+    (0..3).for_each(|_| frame(&mut sink));
+    let poisoned = Trace {
+        captured: u64::MAX,
+        extracted: u64::MAX,
+        fitted: u64::MAX,
+        fitted_ns: u64::MAX,
+        ..Trace::EMPTY
+    };
+    sink.descriptors(&descriptors(poisoned, &[]), 1_000_000_000);
+    (0..3).for_each(|_| frame(&mut sink));
+    assert_eq!(sink.frames().received, 6);
+    assert_eq!(sink.frames().lost, Lost::default());
+}
