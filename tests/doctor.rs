@@ -65,7 +65,16 @@ fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither(
     let dead = format!("{name}dead");
     let living = lariat_wire::Domain::named(&name).expect("a domain");
     let word = "0".repeat(40);
-    let of_the_living = format!("/dev/shm/lariat_{name}_{word}_1.data");
+    let rig = lariat_wire::Rig::default();
+    let reader = lariat_wire::Receiver::descriptors(&living, &rig).expect("a reader");
+    let prefix = format!("lariat_{name}_");
+    let shared = fs::read_dir("/dev/shm").expect("readable").flatten();
+    let of_the_living: Vec<_> = shared
+        .filter(|file| file.file_name().to_string_lossy().starts_with(&prefix))
+        .map(|file| file.path())
+        .collect();
+    assert!(!of_the_living.is_empty());
+    let beside_the_living = format!("/dev/shm/lariat_{name}_{word}_1.data");
     let of_the_dead = format!("/dev/shm/lariat_{dead}_{word}_1.data");
     // A process that begins makes its files before it can be seen to live.
     let of_the_newborn = format!("/dev/shm/lariat_{dead}new_{word}_1.data");
@@ -73,7 +82,7 @@ fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither(
         fs::create_dir_all(format!("/tmp/lariat-{folder}/services")).expect("made");
     }
     let service = format!("/tmp/lariat-{dead}/services/lariat_{dead}_{word}.service");
-    for file in [&of_the_living, &of_the_dead, &service] {
+    for file in [&beside_the_living, &of_the_dead, &service] {
         old_file(file);
     }
     fs::write(&of_the_newborn, "left").expect("written");
@@ -118,14 +127,13 @@ fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither(
     let cleaned = told(&["--json", "--clean"]);
     assert_eq!(cleaned["verdict"], "ok", "{cleaned}");
     let is_there = |path: &str| fs::exists(path).expect("readable");
-    assert!(is_there(&of_the_living) && is_there(&of_the_newborn));
+    assert!(of_the_living.iter().all(|file| file.exists()));
+    assert!(is_there(&of_the_newborn) && !is_there(&beside_the_living));
     assert!(!is_there(&of_the_dead) && !is_there(&format!("/tmp/lariat-{dead}")));
     assert!(!is_ours || !is_there("/tmp/iceoryx2"));
 
-    for file in [&of_the_living, &of_the_newborn] {
-        fs::remove_file(file).expect("removed");
-    }
-    drop(living);
+    fs::remove_file(&of_the_newborn).expect("removed");
+    drop((reader, living));
     for folder in [name, format!("{dead}new")] {
         let _ = fs::remove_dir_all(format!("/tmp/lariat-{folder}"));
     }

@@ -15,9 +15,10 @@ pub(crate) fn wire_error(cause: WireError) -> PyErr {
     let sentence = cause.to_string();
     match cause {
         WireError::RigName(_) | WireError::DomainName(_) => PyValueError::new_err(sentence),
-        WireError::Permission { .. } | WireError::Owner { .. } | WireError::DomainOfUser { .. } => {
-            PyPermissionError::new_err(sentence)
-        }
+        WireError::Permission { .. }
+        | WireError::Owner { .. }
+        | WireError::Folder { .. }
+        | WireError::DomainOfUser { .. } => PyPermissionError::new_err(sentence),
         _ => PyOSError::new_err(sentence),
     }
 }

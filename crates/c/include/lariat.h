@@ -554,8 +554,9 @@ int lariat_curvature_at(const struct lariat_descriptor *rope,
                         double rho,
                         double *curvature);
 
-// How much the point at `rho` moves with each control point, the same for x and y: `values` is `rope->count` numbers. Of a
-// rope without a curve they are not written.
+// How much the point at `rho` moves with each control point, the same for x and y: `values` is `rope->count` numbers (give room
+// for `LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile). Of a rope without a curve they are not
+// written.
 int lariat_jacobian_at(const struct lariat_descriptor *rope,
                        double rho,
                        double *values);
@@ -566,7 +567,7 @@ int lariat_covariance_at(const struct lariat_descriptor *rope,
                          double *covariance);
 
 // How uncertain all control points are together: of the vector x0, y0, x1, y1, ..., row by row; `matrix` is the square of
-// `2 * rope->count` numbers.
+// `2 * rope->count` numbers (give room for `2 * LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile).
 //
 // Returns 1 if it is that of plain least squares or of its filter, and so right to rounding; 0 if not (ridge, pinned ends,
 // weights, a plane, rational curves): then each control point's own is right, and how two of them hang together is that of the

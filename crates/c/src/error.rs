@@ -99,6 +99,7 @@ impl From<WireError> for Failure {
             WireError::TooManyReaders { .. } => LARIAT_ERROR_TOO_MANY,
             WireError::Permission { .. }
             | WireError::Owner { .. }
+            | WireError::Folder { .. }
             | WireError::DomainOfUser { .. } => LARIAT_ERROR_PERMISSION,
             WireError::SecondWriter { .. } => LARIAT_ERROR_TAKEN,
             _ => LARIAT_ERROR_TRANSPORT,

@@ -188,9 +188,9 @@ fn sweep_dead(domain: Option<&str>) {
     };
     if domain.is_some() {
         let root = root_of(&config);
-        // A process that stands still while it joins or leaves is told of when the domain is joined.
-        if root.is_dir()
-            && let Ok(passing) = Passing::into(&root)
+        // Who joins or leaves just now does it, too.
+        if let Some(passing) = Passing::at_once(&root)
+            && (!passing.is_alone(&root) || tidy::has_living_nodes(&config))
         {
             tidy::finish(&config, &passing);
         }

@@ -157,13 +157,7 @@ fn a_reader_that_is_killed_at_any_moment_leaves_the_rig_as_it_was() {
     let mut alive = 0;
     for round in 0..60 {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
-        let mut victim = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "kills::victim", "--include-ignored"])
-            .env(VICTIM, &name)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+        let mut victim = victim_of(&name).spawn().unwrap();
         thread::sleep(Duration::from_micros(2_000 + (seed >> 33) % 12_000));
         victim.kill().unwrap();
         alive += usize::from(!victim.wait().unwrap().success());
@@ -174,9 +168,34 @@ fn a_reader_that_is_killed_at_any_moment_leaves_the_rig_as_it_was() {
 }
 
 #[test]
-#[ignore = "what the test before kills"]
+fn settings_of_the_transport_in_the_current_folder_change_nothing() {
+    let name = name("c");
+    let here = std::env::temp_dir().join(format!("lariat-settings-{}", std::process::id()));
+    fs::create_dir_all(here.join("config")).unwrap();
+    let settings = "[global.node]\ndirectory = \"elsewhere\"\n";
+    fs::write(here.join("config/iceoryx2.toml"), settings).unwrap();
+    let visited = victim_of(&name).current_dir(&here).status().unwrap();
+    assert!(visited.success());
+    assert!(root(&name).join("nodes").exists());
+    assert!(!root(&name).join("elsewhere").exists());
+    fs::remove_dir_all(here).unwrap();
+}
+
+/// This program as a process that joins the domain and leaves it, again and again.
+fn victim_of(domain: &str) -> Command {
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command
+        .args(["--exact", "kills::victim", "--include-ignored"])
+        .env(VICTIM, domain)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    command
+}
+
+#[test]
+#[ignore = "it is started by the tests before"]
 fn victim() {
-    let name = std::env::var(VICTIM).expect("it was started by the test");
+    let name = std::env::var(VICTIM).expect("it was started by a test");
     let until = Instant::now() + Duration::from_secs(1);
     while Instant::now() < until {
         visit(&name).unwrap();
