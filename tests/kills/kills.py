@@ -58,7 +58,7 @@ class Rounds:
         return [self.reads]
 
     def chain(self):
-        return [self.binary, "run", "--quiet", "--source", "rendered", "--size", "64x64", "--fps", "200", "--frames", "4",
+        return [self.binary, "run", "--quiet", "--source", "rendered", "--size", "320x240", "--fps", "200", "--frames", "4",
                 "--record", f"{self.scratch}/kills.mcap"]
 
     def files(self):

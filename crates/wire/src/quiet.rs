@@ -7,38 +7,27 @@
 //! through at each of its looks.
 
 use std::cell::Cell;
-use std::ffi::c_int;
+use std::mem::MaybeUninit;
 use std::ptr;
 
-/// As large as glibc and musl have it.
-#[derive(Clone, Copy)]
-#[repr(C, align(8))]
-struct SignalSet([u64; 16]);
-
-const EVERY: SignalSet = SignalSet([u64::MAX; 16]);
-/// To replace the whole mask, on each processor that Rust's `linux` is made for but MIPS.
-const SET_MASK: c_int = 2;
-
-unsafe extern "C" {
-    fn pthread_sigmask(how: c_int, set: *const SignalSet, before: *mut SignalSet) -> c_int;
-}
+use libc::sigset_t;
 
 thread_local! {
     /// The mask that was there before.
-    static BEFORE: Cell<Option<SignalSet>> = const { Cell::new(None) };
+    static BEFORE: Cell<Option<sigset_t>> = const { Cell::new(None) };
 }
 
 /// Does something meanwhile of which no signal reaches this thread, but at [`let_through`].
 pub(crate) fn quietly<T>(work: impl FnOnce() -> T) -> T {
     /// Also if the work panics.
-    struct Restored(SignalSet);
+    struct Restored(sigset_t);
     impl Drop for Restored {
         fn drop(&mut self) {
             BEFORE.set(None);
             set_mask(&self.0);
         }
     }
-    let restored = Restored(set_mask(&EVERY));
+    let restored = Restored(set_mask(&every()));
     BEFORE.set(Some(restored.0));
     work()
 }
@@ -47,13 +36,24 @@ pub(crate) fn quietly<T>(work: impl FnOnce() -> T) -> T {
 pub(crate) fn let_through() {
     if let Some(before) = BEFORE.get() {
         set_mask(&before);
-        set_mask(&EVERY);
+        set_mask(&every());
     }
 }
 
-fn set_mask(set: &SignalSet) -> SignalSet {
-    let mut before = SignalSet([0; 16]);
-    // SAFETY: both are sets of signals as libc has them. libc itself leaves out the signals that it needs.
-    unsafe { pthread_sigmask(SET_MASK, ptr::from_ref(set), ptr::from_mut(&mut before)) };
-    before
+fn every() -> sigset_t {
+    let mut set = MaybeUninit::uninit();
+    // SAFETY: it is initialized there.
+    unsafe {
+        libc::sigfillset(set.as_mut_ptr());
+        set.assume_init()
+    }
+}
+
+fn set_mask(set: &sigset_t) -> sigset_t {
+    let mut before = MaybeUninit::zeroed();
+    // SAFETY: both are sets of signals; of zeros alone is one, too.
+    unsafe {
+        libc::pthread_sigmask(libc::SIG_SETMASK, ptr::from_ref(set), before.as_mut_ptr());
+        before.assume_init()
+    }
 }
