@@ -292,6 +292,9 @@ mod tests {
     use super::*;
     use lariat_wire::Centerlines;
 
+    /// When all of these messages have come.
+    const LATER_NS: u64 = 1_000_000_000;
+
     fn shape(
         sequence: u64,
         captured: u64,
@@ -321,7 +324,8 @@ mod tests {
         // Every 10 ms; one that was sent is not read here, one came 2 ms late.
         for (fitted, ms) in [(5, 100), (6, 110), (8, 130), (9, 142), (10, 150)] {
             let message = shape(fitted, fitted, fitted, fitted, ms);
-            rate.see(Any::Descriptors(&message), 0).expect("seen");
+            rate.see(Any::Descriptors(&message), LATER_NS)
+                .expect("seen");
         }
         let found = figures(&rate);
         assert_eq!(
@@ -343,7 +347,8 @@ mod tests {
     fn what_was_lost_is_told_by_the_link_and_each_time_only_since_the_last() {
         let mut rate = Rate::new(ChannelName::Descriptors);
         for message in [shape(1, 1, 1, 1, 10), shape(10, 8, 5, 4, 40)] {
-            rate.see(Any::Descriptors(&message), 0).expect("seen");
+            rate.see(Any::Descriptors(&message), LATER_NS)
+                .expect("seen");
         }
         let lost = &figures(&rate)["lost"];
         let counts = ["source", "capture", "extract", "here"].map(|link| lost[link].as_u64());
@@ -359,10 +364,12 @@ mod tests {
         message.count = 2;
         message.curves[0].fit = FitQuality::Coarse as u32;
         message.curves[1].status = Status::Doubtful as u32;
-        rate.see(Any::Descriptors(&message), 0).expect("seen");
+        rate.see(Any::Descriptors(&message), LATER_NS)
+            .expect("seen");
         message.trace = shape(2, 2, 2, 2, 20).trace;
         message.count = 1;
-        rate.see(Any::Descriptors(&message), 0).expect("seen");
+        rate.see(Any::Descriptors(&message), LATER_NS)
+            .expect("seen");
         assert_eq!(figures(&rate)["ropes"]["doubtful"], 1);
         let text = rate.report(&Rig::default(), false).expect("text");
         assert!(
@@ -385,7 +392,8 @@ mod tests {
                 extracted_ns: ms * 1_000_000,
                 ..Trace::EMPTY
             };
-            rate.see(Any::Centerlines(&message), 0).expect("seen");
+            rate.see(Any::Centerlines(&message), LATER_NS)
+                .expect("seen");
         }
         let found = figures(&rate);
         assert_eq!(
@@ -411,7 +419,7 @@ mod tests {
                 },
                 ..lariat_wire::FrameHeader::default()
             };
-            rate.see(Any::Image(&header, &[]), 0).expect("seen");
+            rate.see(Any::Image(&header, &[]), LATER_NS).expect("seen");
         }
         let found = figures(&rate);
         let hz = found["hz"].as_f64().expect("a figure");
