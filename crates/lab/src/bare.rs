@@ -43,18 +43,14 @@ impl RelaySender {
     /// # Errors
     /// What the transport says.
     pub fn create(domain: &Domain, link: usize) -> Result<Self> {
-        let (publisher, notifier) = {
-            let data = data(domain, link)?;
-            let event = event(domain, link)?;
-            (
-                data.publisher_builder().create().map_err(failed)?,
-                event.notifier_builder().create().map_err(failed)?,
-            )
-        };
-        Ok(Self {
-            publisher,
-            notifier,
-        })
+        domain.making(|node| {
+            let publisher = data(node, link)?.publisher_builder().create();
+            let notifier = event(node, link)?.notifier_builder().create();
+            Ok(Self {
+                publisher: publisher.map_err(failed)?,
+                notifier: notifier.map_err(failed)?,
+            })
+        })?
     }
 
     /// Sends a message and wakes the receiver.
@@ -83,12 +79,14 @@ impl RelayReceiver {
     /// # Errors
     /// What the transport says.
     pub fn create(domain: &Domain, link: usize) -> Result<Self> {
-        let listener = event(domain, link)?.listener_builder().create();
-        let subscriber = data(domain, link)?.subscriber_builder().create();
-        Ok(Self {
-            subscriber: subscriber.map_err(failed)?,
-            listener: listener.map_err(failed)?,
-        })
+        domain.making(|node| {
+            let listener = event(node, link)?.listener_builder().create();
+            let subscriber = data(node, link)?.subscriber_builder().create();
+            Ok(Self {
+                subscriber: subscriber.map_err(failed)?,
+                listener: listener.map_err(failed)?,
+            })
+        })?
     }
 
     /// The next message, slept for until `timeout` is over; `None` if none came.
@@ -109,8 +107,8 @@ type Data =
     iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, RelayMessage, ()>;
 type Event = iceoryx2::service::port_factory::event::PortFactory<ipc::Service>;
 
-fn data(domain: &Domain, link: usize) -> Result<Data> {
-    let service = domain.node().service_builder(&name(link, "")?);
+fn data(node: &Node<ipc::Service>, link: usize) -> Result<Data> {
+    let service = node.service_builder(&name(link, "")?);
     let service = service
         .publish_subscribe::<RelayMessage>()
         .subscriber_max_buffer_size(WAITING)
@@ -120,8 +118,8 @@ fn data(domain: &Domain, link: usize) -> Result<Data> {
     service.open_or_create().map_err(failed)
 }
 
-fn event(domain: &Domain, link: usize) -> Result<Event> {
-    let service = domain.node().service_builder(&name(link, "-ready")?);
+fn event(node: &Node<ipc::Service>, link: usize) -> Result<Event> {
+    let service = node.service_builder(&name(link, "-ready")?);
     service.event().open_or_create().map_err(failed)
 }
 

@@ -113,10 +113,12 @@ impl Domain {
         }
     }
 
-    /// The transport's own node, for measurements that go below the channels.
+    /// Makes something with the transport's own node while no other process makes or removes anything, for measurements that go
+    /// below the channels.
     #[doc(hidden)]
-    pub fn node(&self) -> &Node<ipc::Service> {
-        &self.node
+    pub fn making<T>(&self, make: impl FnOnce(&Node<ipc::Service>) -> T) -> Result<T, WireError> {
+        let _passing = self.door.pass()?;
+        Ok(make(&self.node))
     }
 
     pub(crate) fn config(&self) -> &Config {
