@@ -518,6 +518,23 @@ impl Extractor {
         self.tracker.restart();
     }
 
+    /// Goes on where another extractor stopped, whose last image, of `size` \[width, height\] and exposed at a moment of the same
+    /// clock, had these curves: ropes keep their numbers and directions, those that were lost age on, and what
+    /// [`tracks`](Self::tracks) the other had given is not given again. The next image is looked at whole.
+    ///
+    /// What only the other knew, such as the ropes' colors and how long a covered one is, is learnt anew.
+    pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
+        self.new_scene();
+        self.size = size.into();
+        self.now_ns = exposed_ns;
+        self.tracker.resume(curves, tracks, exposed_ns);
+    }
+
+    /// How many numbers have been given to ropes.
+    pub fn tracks(&self) -> u32 {
+        self.tracker.next()
+    }
+
     fn new_scene(&mut self) {
         self.count = 0;
         self.crossings.clear();

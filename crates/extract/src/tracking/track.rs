@@ -117,6 +117,45 @@ impl Tracker {
         self.tracks.reserve(64);
     }
 
+    /// The number that the next new rope gets.
+    pub(crate) fn next(&self) -> u32 {
+        self.next
+    }
+
+    /// Takes over the ropes that another tracker knew when it had reported these curves, at this moment.
+    pub(crate) fn resume(&mut self, curves: &[Curve], next: u32, now_ns: u64) {
+        self.reset();
+        (self.next, self.now_ns) = (next, now_ns);
+        self.started = !curves.is_empty();
+        for curve in curves.iter().filter(|curve| curve.points.len() > 1) {
+            let mut track = self.spare.pop().unwrap_or_default();
+            track.points.clear();
+            track.points.extend_from_slice(&curve.points);
+            self.tracks.push(Track {
+                number: curve.track,
+                seen_ns: now_ns.saturating_sub(curve.age_ns),
+                age: u32::from(curve.status == Status::Lost),
+                frames: LONG,
+                free_frames: 0,
+                current: None,
+                closed: curve.closed,
+                border: curve.border,
+                covered_px: [None; 2],
+                points: track.points,
+                width_px: curve.width_px,
+                length_px: curve.length_px,
+                color: None,
+                confidence: curve.confidence,
+                whole_px: curve.length_px,
+                sure: if curve.status == Status::Doubtful {
+                    -1
+                } else {
+                    LONG as i32
+                },
+            });
+        }
+    }
+
     /// Numbers ropes from the first again.
     pub(crate) fn restart(&mut self) {
         self.next = 0;

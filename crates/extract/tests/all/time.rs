@@ -5,7 +5,7 @@ use crate::drawing;
 use std::time::Duration;
 
 use drawing::{Rope, Table, Vec2, distance, extractor, see};
-use lariat_extract::{Extractor, Options, Status};
+use lariat_extract::{Curve, Extractor, Options, Status};
 
 const WHITE: [f32; 3] = [215.0, 212.0, 205.0];
 const BLUE: [f32; 3] = [30.0, 60.0, 130.0];
@@ -55,6 +55,38 @@ fn a_moving_rope_keeps_its_track_and_its_direction() {
         );
         assert!(starts_at(start).min(starts_at(end)) < 1.5, "frame {frame}");
     }
+}
+
+#[test]
+fn another_extractor_that_goes_on_keeps_tracks_and_directions_and_gives_no_number_again() {
+    let table = Table::new(320, 300, WHITE);
+    let mut first = extractor();
+    let low = Rope::along(8.0, BLUE, |t| [40.0 + 200.0 * t, 270.0]);
+    for frame in 0..20 {
+        let ropes = [swinging(frame), low.clone()];
+        see(&mut first, &table.draw(&ropes), &table);
+    }
+    // One goes.
+    let mut before = Vec::new();
+    for frame in 20..60 {
+        let drawn = table.draw(&[swinging(frame)]);
+        before = see(&mut first, &drawn, &table).curves.to_vec();
+    }
+    let [start, end] = [before[0].points[0], before[0].points[119]];
+    let ropes = [swinging(60), low];
+    let drawn = table.draw(&ropes);
+    let is_kept = |curve: &Curve| distance(curve.points[0], start) < distance(curve.points[0], end);
+    // Who has seen nothing begins at the other end.
+    let alone = see(&mut extractor(), &drawn, &table).curves.to_vec();
+    assert!(!alone.iter().any(is_kept));
+    let mut second = extractor();
+    second.resume([320, 300], 2_000_000_000, &before, first.tracks());
+    second.at(2_033_000_000);
+    let after = see(&mut second, &drawn, &table).curves.to_vec();
+    let known = after.iter().find(|curve| curve.track == before[0].track);
+    assert!(is_kept(known.expect("the rope that was known")));
+    let new = after.iter().find(|curve| curve.track != before[0].track);
+    assert_eq!(new.expect("the rope that came back").track, 2);
 }
 
 fn straight(y: f32, shift: f32) -> Rope {
