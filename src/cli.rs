@@ -22,6 +22,7 @@ use crate::info::{self, InfoArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
+use crate::set::{self, RestartArgs, SetArgs};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
@@ -53,6 +54,11 @@ struct Verbosity {
     quiet: bool,
 }
 
+const SET_EXAMPLES: &str = "Examples:
+  lariat set fit.order=6                       of the rig default
+  lariat set --rig cell extract.ropes=2 capture.fps=60
+  lariat set                                   what holds now";
+
 const RUN_EXAMPLES: &str = "Examples:
   lariat run rope.png --loop --duration 10s    one picture, again and again
   lariat run /dev/video0 --record run.mcap     a camera, recorded";
@@ -70,6 +76,11 @@ enum Command {
     Fit(FitArgs),
     /// The last stage alone: counts and times what arrives, and reports at the end
     Sink(Flags),
+    /// Changes settings of a running chain, between two frames where that can be
+    #[command(after_help = SET_EXAMPLES)]
+    Set(SetArgs),
+    /// Starts a stage of a running chain anew; the others and all readers go on
+    Restart(RestartArgs),
     /// Records what a chain sees and says, from outside, as an MCAP file
     Record(RecordArgs),
     /// The recorder that `run --record` starts
@@ -119,27 +130,27 @@ pub(crate) fn run() -> Result<ExitCode> {
         None => {
             let settings = Settings::resolve(&Flags::default())?;
             settings.check_frames()?;
-            launcher::run(
-                &[&SHOW.map(OsString::from)[..], &verbosity.words()].concat(),
-                settings,
-            )
+            let words = [&SHOW.map(OsString::from)[..], &verbosity.words()].concat();
+            launcher::run(&Flags::default(), &words, settings)
         }
         Some(Command::Run(flags)) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
             let settings = Settings::resolve(&flags)?;
             settings.check_frames()?;
-            launcher::run(&[flags.words(), verbosity.words()].concat(), settings)
+            launcher::run(&flags, &verbosity.words(), settings)
         }
         Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
         Some(Command::Extract(flags)) => stage(&flags, stages::extract::run),
         Some(Command::Fit(args)) if fit_lines::is_line_filter(&args) => fit_lines::run(args),
         Some(Command::Fit(args)) => stage(&args.flags, stages::fit::run),
         Some(Command::Sink(flags)) => {
-            let mut settings = Settings::resolve(&flags)?;
+            let mut settings = Settings::of_stage(&flags)?;
             settings.sink.live &= !verbosity.quiet;
             stages::sink::run(&settings, Supervision::of_this_process()?)
                 .map(|()| ExitCode::SUCCESS)
         }
+        Some(Command::Set(args)) => set::run(&args),
+        Some(Command::Restart(args)) => set::restart(&args),
         Some(Command::Record(args)) => record::run(args),
         Some(Command::Recorder(flags)) => record::run_for_chain(&flags),
         Some(Command::Replay(args)) => replay::run(*args),
@@ -160,7 +171,7 @@ pub(crate) fn run() -> Result<ExitCode> {
 }
 
 fn stage(flags: &Flags, run: fn(&Settings, Supervision) -> Result<()>) -> Result<ExitCode> {
-    run(&Settings::resolve(flags)?, Supervision::of_this_process()?).map(|()| ExitCode::SUCCESS)
+    run(&Settings::of_stage(flags)?, Supervision::of_this_process()?).map(|()| ExitCode::SUCCESS)
 }
 
 /// The words of the command line, with `run` before a source that stands where a command would.

@@ -17,6 +17,7 @@ mod pick;
 mod record;
 mod recording;
 mod replay;
+mod set;
 mod snapshot;
 mod top;
 mod topic;

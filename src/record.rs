@@ -18,6 +18,8 @@ use lariat_chain::exit::wrong_use;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stages::Supervision;
 
+pub(crate) use about::versioned_name;
+
 /// What it is called among those that run on a rig.
 const STAGE: &str = "record";
 
@@ -51,7 +53,7 @@ pub(crate) fn run(args: RecordArgs) -> Result<ExitCode> {
 
 /// Records for the chain that started this process.
 pub(crate) fn run_for_chain(flags: &Flags) -> Result<ExitCode> {
-    let settings = Settings::resolve(flags)?;
+    let settings = Settings::of_stage(flags)?;
     let Some(file) = settings.run.record.clone() else {
         wrong_use!("there is nothing to record into: say --record FILE.mcap");
     };

@@ -6,10 +6,11 @@ mod pixels;
 pub(crate) use gather::{Gather, Gathered};
 pub(crate) use pixels::{Decoder, Pixels};
 
+use crate::record::versioned_name;
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_capture::Position;
-use lariat_chain::settings::{Flags, Settings};
+use lariat_chain::settings::{Flags, Settings, version_of};
 use lariat_record::{Place, Recording, Span};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -85,7 +86,22 @@ impl RecordedSettings {
     /// # Errors
     /// They make no sense to this release.
     pub(crate) fn of(recording: &Recording) -> Result<Option<Self>> {
-        let Some(text) = text_of(recording, SETTINGS)? else {
+        Self::named(recording, 0)
+    }
+
+    /// Those of a later version; `None` if they are not in it.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub(crate) fn of_version(&self, recording: &Recording, version: u32) -> Result<Option<Self>> {
+        if version == self.settings.version {
+            return Self::of(recording);
+        }
+        Self::named(recording, version)
+    }
+
+    fn named(recording: &Recording, version: u32) -> Result<Option<Self>> {
+        let Some(text) = text_of(recording, &versioned_name(SETTINGS, version))? else {
             return Ok(None);
         };
         let about = || "the recording's own settings cannot be used";
@@ -96,7 +112,10 @@ impl RecordedSettings {
             for (key, name) in [("calibration", CALIBRATION), ("plane", PLANE)] {
                 if camera.contains_key(key) {
                     let path = folder.path().join(name);
-                    let text = text_of(recording, name)?.with_context(|| {
+                    let of_version = text_of(recording, &versioned_name(name, version))?;
+                    let text = of_version
+                        .map_or_else(|| text_of(recording, name), |text| Ok(Some(text)))?;
+                    let text = text.with_context(|| {
                         format!(
                             "the recording's settings name a {key}, and it is not in the recording"
                         )
@@ -108,7 +127,8 @@ impl RecordedSettings {
         }
         let path = folder.path().join(SETTINGS);
         std::fs::write(&path, table.to_string()).with_context(about)?;
-        let settings = Settings::of_file(&path).with_context(about)?;
+        let mut settings = Settings::of_file(&path).with_context(about)?;
+        settings.version = version_of(&text);
         Ok(Some(Self { settings, folder }))
     }
 

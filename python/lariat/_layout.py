@@ -19,6 +19,8 @@ _TRACE = np.dtype(
         ("extracted_ns", "u8"),
         ("fit_started_ns", "u8"),
         ("fitted_ns", "u8"),
+        ("settings", "u4"),
+        ("restarts", "u4"),
     ]
 )
 
@@ -72,7 +74,7 @@ MESSAGE = np.dtype(
         ("centerlines", _CENTERLINE, (24,)),
     ]
 )
-"""The type of ``Frame.message``: ``lariat.Descriptors.v6``."""
+"""The type of ``Frame.message``: ``lariat.Descriptors.v7``."""
 
 
 def record(message: NDArray[np.uint8]) -> Any:

@@ -26,10 +26,15 @@ pub(crate) struct Trace {
     fit_started_ns: u64,
     /// When fit had its result ready to send.
     fitted_ns: u64,
+    /// By which settings the sender went: 0 by those that its chain began with, one more for each change since.
+    settings: u32,
+    /// How often capture, extract and fit had been started anew, modulo 256.
+    restarts: (u8, u8, u8),
 }
 
 impl From<lariat_wire::Trace> for Trace {
     fn from(trace: lariat_wire::Trace) -> Self {
+        let restarts = trace.restarts().into();
         let lariat_wire::Trace {
             sequence,
             captured,
@@ -41,6 +46,8 @@ impl From<lariat_wire::Trace> for Trace {
             extracted_ns,
             fit_started_ns,
             fitted_ns,
+            settings,
+            restarts: _,
         } = trace;
         Self {
             sequence,
@@ -53,6 +60,8 @@ impl From<lariat_wire::Trace> for Trace {
             extracted_ns,
             fit_started_ns,
             fitted_ns,
+            settings,
+            restarts,
         }
     }
 }

@@ -11,7 +11,7 @@ use lariat_wire::{Member, members, now_ns};
 use toml::{Table, Value};
 
 use super::STAGE;
-use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings};
+use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings, version_line, version_of};
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
 const FILES: [(&str, &str, &str); 2] = [
@@ -61,17 +61,25 @@ pub(super) enum Rig {
 }
 
 impl Rig {
-    /// Puts the settings into the recording, if they are known and others than before.
-    pub(super) fn attach(&mut self, to: &mut Recorder) -> Result<(), Ended> {
+    /// The chain's settings have changed.
+    pub(super) fn change(&mut self, settings: Settings) {
+        *self = Self::Ours(Box::new(settings));
+    }
+
+    /// Puts the settings into the recording, if they are known and others than before: under their version's name, if others
+    /// are in it.
+    pub(super) fn attach(&mut self, to: &mut Recorder, is_first: bool) -> Result<(), Ended> {
         match self {
             Self::Ours(settings) => {
-                attach_text(to, settings.text())?;
+                let version = (!is_first).then_some(settings.version);
+                let called = |name: &str| versioned_name(name, version.unwrap_or(0));
+                attach_text(to, &called(FILE_NAME), settings.text())?;
                 let camera = &settings.camera;
-                for ((_, called, media_type), path) in
+                for ((_, name, media_type), path) in
                     FILES.iter().zip([&camera.calibration, &camera.plane])
                 {
                     if let Some(path) = path {
-                        attach_file(to, path, called, media_type)?;
+                        attach_file(to, path, &called(name), media_type)?;
                     }
                 }
                 Ok(())
@@ -79,18 +87,22 @@ impl Rig {
             Self::Theirs { name, said } => {
                 let stages = members().unwrap_or_default();
                 let stages = stages.iter().filter(|member| member.rig == *name);
+                let newest = stages.clone().map(|member| version_of(&member.settings));
+                let version = newest.max().unwrap_or(0);
                 let (settings, folder) = joined(stages);
-                let text = settings.to_string();
+                let text = version_line(version) + &settings.to_string();
                 if settings.is_empty() || said.as_ref() == Some(&text) {
                     return Ok(());
                 }
+                let version = if is_first { 0 } else { version };
                 for (key, called, media_type) in FILES {
                     let named = settings.get("camera").and_then(|camera| camera.get(key));
                     if let Some(path) = named.and_then(Value::as_str) {
-                        attach_file(to, &folder.join(path), called, media_type)?;
+                        let called = versioned_name(called, version);
+                        attach_file(to, &folder.join(path), &called, media_type)?;
                     }
                 }
-                attach_text(to, text.clone())?;
+                attach_text(to, &versioned_name(FILE_NAME, version), text.clone())?;
                 *said = Some(text);
                 Ok(())
             }
@@ -98,8 +110,16 @@ impl Rig {
     }
 }
 
-fn attach_text(to: &mut Recorder, text: String) -> Result<(), Ended> {
-    to.attach(FILE_NAME, "application/toml", now_ns(), text.into_bytes())
+/// What a file of a later version of the settings is called: `lariat.toml`, `lariat.2.toml`.
+pub(crate) fn versioned_name(name: &str, version: u32) -> String {
+    match (version, name.rsplit_once('.')) {
+        (0, _) | (_, None) => name.to_owned(),
+        (version, Some((stem, ending))) => format!("{stem}.{version}.{ending}"),
+    }
+}
+
+fn attach_text(to: &mut Recorder, called: &str, text: String) -> Result<(), Ended> {
+    to.attach(called, "application/toml", now_ns(), text.into_bytes())
 }
 
 fn attach_file(

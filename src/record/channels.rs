@@ -36,6 +36,8 @@ pub(crate) struct Seen {
     pub(crate) messages: u64,
     /// A stage was seen for the first time, or had begun anew.
     pub(crate) begun: bool,
+    /// By which version of the settings the newest message was made.
+    pub(crate) settings: Option<u32>,
 }
 
 impl Channels {
@@ -80,11 +82,13 @@ impl Channels {
         }
         while let Some(centerlines) = self.centerlines.next()? {
             seen.begun |= last.extracted.begins_with(centerlines.trace.extracted);
+            seen.settings = seen.settings.max(Some(centerlines.trace.settings));
             to.centerlines(&centerlines)?;
             seen.messages += 1;
         }
         while let Some(descriptors) = self.descriptors.next()? {
             seen.begun |= last.fitted.begins_with(descriptors.trace.fitted);
+            seen.settings = seen.settings.max(Some(descriptors.trace.settings));
             ledger.received(&descriptors.trace, lariat_wire::now_ns());
             to.descriptors(&descriptors)?;
             seen.messages += 1;

@@ -20,6 +20,7 @@ use super::channels::{Channels, Counters};
 use super::{STAGE, report};
 use lariat_chain::run_files::check_recording;
 use lariat_chain::settings::Settings;
+use lariat_chain::stages::orders::Changes;
 use lariat_chain::stages::status::{LastWord, Word};
 use lariat_chain::stages::{Station, Supervision, arrangement};
 
@@ -35,27 +36,34 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     let supervised = station.status.is_supervised();
     // A rig of others may have its masks made elsewhere.
     let masks = !supervised || settings.extract.mask == Mask::External;
+    // One that was started anew has not seen what was before.
+    let from_start =
+        supervised && !settings.capture.is_external() && station.heirloom.progress().restarts == 0;
     let channels = Channels::open(&station, masks)?;
     let recorder = begin(settings, file)?;
     let mut reel = Reel {
         channels,
         recorder,
-        ledger: Ledger::new(supervised && !settings.capture.is_external()),
+        ledger: Ledger::new(from_start),
         counters: Counters::default(),
         rig: rig(settings, supervised),
         losses: Losses::default(),
         losses_due: Instant::now(),
         frames: 0,
         first: None,
+        version: settings.version,
     };
+    let changes = station.listen(settings, |_, now| Ok(Some(now.clone())))?;
     if supervised {
-        reel.recorder.begins_with_the_rig();
-        reel.rig.attach(&mut reel.recorder)?;
+        if station.heirloom.progress().restarts == 0 {
+            reel.recorder.begins_with_the_rig();
+        }
+        reel.rig.attach(&mut reel.recorder, true)?;
     }
     let flush = flush_on_signal(settings)?;
     station.ready()?;
     station.say_who_is_missing(FRAMES.name());
-    let outcome = reel.turn(settings, &station, supervised, file, &flush);
+    let outcome = reel.turn(settings, &mut station, &changes, supervised, file, &flush);
     station.status.say(Word::Ending);
     if outcome.is_ok() {
         reel.ledger
@@ -134,13 +142,16 @@ struct Reel {
     frames: u64,
     /// When the first message came.
     first: Option<Instant>,
+    /// The newest version of the rig's settings that was seen.
+    version: u32,
 }
 
 impl Reel {
     fn turn(
         &mut self,
         settings: &Settings,
-        station: &Station,
+        station: &mut Station,
+        changes: &Changes<Settings>,
         supervised: bool,
         file: &Path,
         flush: &Option<Arc<AtomicBool>>,
@@ -164,7 +175,15 @@ impl Reel {
                 self.first.get_or_insert_with(Instant::now);
             }
             if seen.begun && !supervised {
-                self.rig.attach(&mut self.recorder)?;
+                self.version = seen.settings.unwrap_or(0);
+                self.rig.attach(&mut self.recorder, true)?;
+            } else if !supervised && seen.settings > Some(self.version) {
+                self.version = seen.settings.unwrap_or(0);
+                self.rig.attach(&mut self.recorder, false)?;
+            }
+            if let Some(changed) = station.change(changes) {
+                self.rig.change(changed);
+                self.rig.attach(&mut self.recorder, false)?;
             }
             if let Some(flush) = flush
                 && flush.swap(false, Ordering::Relaxed)

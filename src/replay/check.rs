@@ -13,10 +13,13 @@ use anyhow::{Context, Result, bail};
 use lariat_chain::exit::wrong_use;
 use lariat_chain::layout::{self, hanging};
 use lariat_chain::output::print;
+use lariat_chain::settings::Settings;
 use lariat_record::{About, Recording, Span};
 use lariat_sink::Machine;
 use lariat_wire::{Centerlines, Descriptors};
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -94,8 +97,38 @@ fn is_same_machine(about: &About) -> bool {
         && about.get("cpu") == cpu.as_deref()
 }
 
+/// The settings of a recording in all the versions that held while it was made.
+struct Versions<'a> {
+    recording: &'a Recording,
+    first: &'a RecordedSettings,
+    others: BTreeMap<u32, RecordedSettings>,
+}
+
+impl Versions<'_> {
+    /// Those by which the messages of a frame were made.
+    fn get(&mut self, version: u32, frame: u64) -> Result<&Settings> {
+        if version == self.first.settings.version {
+            return Ok(&self.first.settings);
+        }
+        let found = match self.others.entry(version) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(unknown) => {
+                let settings = self.first.of_version(self.recording, version)?;
+                unknown.insert(settings.with_context(|| {
+                    format!("frame {frame} was made by settings {version}, which are not in it")
+                })?)
+            }
+        };
+        Ok(&found.settings)
+    }
+}
+
 /// A check, message by message.
-pub(super) struct Check {
+pub(super) struct Check<'a> {
+    versions: Versions<'a>,
+    /// By which settings extract and fit went at the last message, and how often they had been started anew.
+    of_extract: [u32; 2],
+    of_fit: [u32; 2],
     stages: Stages,
     decoders: [Decoder; 2],
     comparer: Comparer,
@@ -115,17 +148,25 @@ pub(super) struct Check {
     difference: Option<Shown>,
 }
 
-impl Check {
+impl<'a> Check<'a> {
     pub(super) fn new(
-        recorded: &RecordedSettings,
-        recording: &Recording,
+        recorded: &'a RecordedSettings,
+        recording: &'a Recording,
         within_px: Option<f64>,
     ) -> Result<Self> {
+        let begins = [recorded.settings.version, 0];
         let rule = match is_same_machine(recording.about()) {
             true => Rule::Bits,
             false => Rule::Within(OTHER_MACHINE_PX),
         };
         Ok(Self {
+            versions: Versions {
+                recording,
+                first: recorded,
+                others: BTreeMap::new(),
+            },
+            of_extract: begins,
+            of_fit: begins,
             stages: Stages::new(&recorded.settings)?,
             decoders: Default::default(),
             comparer: Comparer::new(rule),
@@ -168,10 +209,21 @@ impl Check {
         let trace = recorded.trace;
         let (count, frame) = (trace.extracted, trace.sequence);
         let before = self.extracted.replace(count);
+        let restarts = trace.restarts()[1];
+        let [version_before, restarts_before] = self.of_extract;
+        self.of_extract = [trace.settings, restarts.into()];
         if count == 1 && before.is_some() {
-            // It was started anew.
-            self.stages.restart_extract()?;
-        } else if self.within_px.is_none() {
+            // Its chain was.
+            let settings = self.versions.get(trace.settings, frame)?;
+            self.stages.restart_extract(settings)?;
+        } else if u32::from(restarts) != restarts_before {
+            let settings = self.versions.get(trace.settings, frame)?;
+            self.stages.replace_extract(settings)?;
+        } else if trace.settings != version_before {
+            let settings = self.versions.get(trace.settings, frame)?;
+            self.stages.change_extract(settings)?;
+        }
+        if count != 1 && self.within_px.is_none() {
             follows(before, count).with_context(|| {
                 format!("what extract saw before frame {frame} is not all in it (--within PX compares it all the same)")
             })?;
@@ -215,9 +267,17 @@ impl Check {
         let trace = recorded.trace;
         let (count, frame) = (trace.fitted, trace.sequence);
         let before = self.fitted.replace(count);
-        if count == 1 && before.is_some() {
-            self.stages.restart_fit()?;
-        } else if self.within_px.is_none() {
+        let restarts = trace.restarts()[2];
+        let [version_before, restarts_before] = self.of_fit;
+        self.of_fit = [trace.settings, restarts.into()];
+        if count == 1 && before.is_some() || u32::from(restarts) != restarts_before {
+            let settings = self.versions.get(trace.settings, frame)?;
+            self.stages.restart_fit(settings)?;
+        } else if trace.settings != version_before {
+            let settings = self.versions.get(trace.settings, frame)?;
+            self.stages.change_fit(settings)?;
+        }
+        if count != 1 && self.within_px.is_none() {
             follows(before, count).with_context(|| {
                 format!("what fit was sent before frame {frame} is not all in it (--within PX compares it all the same)")
             })?;

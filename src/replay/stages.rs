@@ -99,15 +99,46 @@ impl Stages {
         self.settings.extract.mask == Mask::External
     }
 
-    /// Extract, as it is when it has just been started.
-    pub(super) fn restart_extract(&mut self) -> Result<()> {
-        self.extractor = FrameExtractor::prepared(&self.settings)?;
+    /// Extract, as it is when it has just been started, by these settings.
+    pub(super) fn restart_extract(&mut self, settings: &Settings) -> Result<()> {
+        self.settings.extract = settings.extract.clone();
+        self.extractor = FrameExtractor::prepared(settings)?;
         Ok(())
     }
 
-    /// Fit, likewise.
-    pub(super) fn restart_fit(&mut self) -> Result<()> {
-        self.curves = CurveFitter::new(&self.settings)?;
+    /// Extract, as it is when it was started anew in its place: it goes on after what the one before said last.
+    pub(super) fn replace_extract(&mut self, settings: &Settings) -> Result<()> {
+        let past = self.extractor.past();
+        self.restart_extract(settings)?;
+        self.extractor.go_on_after(past, &self.centerlines);
+        Ok(())
+    }
+
+    /// Extract, as it is when other settings have come to hold.
+    pub(super) fn change_extract(&mut self, settings: &Settings) -> Result<()> {
+        if self.settings.extract != settings.extract {
+            let mut changed = FrameExtractor::prepared(settings)?;
+            changed.go_on_from(&self.extractor);
+            self.extractor = changed;
+            self.settings.extract = settings.extract.clone();
+        }
+        Ok(())
+    }
+
+    /// Fit, as it is when it has just been started, by these settings.
+    pub(super) fn restart_fit(&mut self, settings: &Settings) -> Result<()> {
+        self.settings.fit = settings.fit.clone();
+        self.settings.camera = settings.camera.clone();
+        self.curves = CurveFitter::new(settings)?;
+        Ok(())
+    }
+
+    /// Fit, as it is when other settings have come to hold.
+    pub(super) fn change_fit(&mut self, settings: &Settings) -> Result<()> {
+        let before = (&self.settings.fit, &self.settings.camera);
+        if before != (&settings.fit, &settings.camera) {
+            self.restart_fit(settings)?;
+        }
         Ok(())
     }
 

@@ -90,7 +90,7 @@ fn a_stage_that_does_not_end_is_killed_and_the_report_is_printed() {
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
-    let sentence = "lariat: fit did not end within 20 s of being told to, and was killed";
+    let sentence = "lariat: fit did not end within 3 s of being told to, and was killed";
     assert_eq!(
         ended.stderr.matches(sentence).count(),
         1,

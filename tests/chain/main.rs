@@ -11,6 +11,7 @@ mod fused;
 mod masks;
 mod outputs;
 mod piped;
+mod restarts;
 mod rig;
 mod simulated;
 mod sources;

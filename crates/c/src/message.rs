@@ -91,6 +91,10 @@ pub struct lariat_trace {
     pub fit_started_ns: u64,
     /// When fit had its result ready to send.
     pub fitted_ns: u64,
+    /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
+    pub settings: u32,
+    /// How often capture, extract and fit had been started anew, a byte each from the lowest on, modulo 256: `restarts`.
+    pub restarts: u32,
 }
 
 /// One rope's shape as a few control points, in the message's unit.
@@ -193,7 +197,9 @@ same_layout!(lariat_trace, wire::Trace:
     extract_started_ns = extract_started_ns,
     extracted_ns = extracted_ns,
     fit_started_ns = fit_started_ns,
-    fitted_ns = fitted_ns);
+    fitted_ns = fitted_ns,
+    settings = settings,
+    restarts = restarts);
 same_layout!(lariat_descriptor, wire::Descriptor:
     track = track,
     status = status,

@@ -353,6 +353,22 @@ impl FrameSource for Ahead {
         Ok(Next::Frame(self.frame()))
     }
 
+    fn pass_over(&mut self, sequence: u64) -> Result<bool, SourceError> {
+        if self.plan.looped {
+            return Ok(false);
+        }
+        let until = Until::forever();
+        while let Next::Frame(frame) = self.advance(&until)? {
+            if frame.sequence > sequence {
+                // It is shown when it is asked for.
+                self.is_primed = true;
+                break;
+            }
+        }
+        self.clock = OwnClock::default();
+        Ok(true)
+    }
+
     fn has_truth(&self) -> bool {
         self.plan.has_truth
     }

@@ -47,6 +47,11 @@ impl FrameSource for RenderedFrames {
         (interval_s > 0.0).then(|| 1.0 / interval_s)
     }
 
+    fn pass_over(&mut self, sequence: u64) -> Result<bool, SourceError> {
+        self.0.pass_over(sequence);
+        Ok(true)
+    }
+
     fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         Ok(match self.0.advance() {
             Some(sequence) => Next::Frame(self.frame(sequence)),

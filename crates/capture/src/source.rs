@@ -95,6 +95,16 @@ pub trait FrameSource: Send {
     /// Takes a slot into its hands, under a number that none of those has that it holds.
     fn lend(&mut self, _slot: LentSlot) {}
 
+    /// Goes on behind the frame of this number, which another source of the same settings showed last, before it is asked for a
+    /// frame or lent a slot. `false` if it begins anew: one that is live has nothing to pass over, and one that is looped does
+    /// not know how often to.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn pass_over(&mut self, _sequence: u64) -> Result<bool, SourceError> {
+        Ok(false)
+    }
+
     /// Makes the next frame ready, waiting for it as long as `until` lets it; [`Next::End`] when the source has ended, and
     /// from then on. What needs no waiting for the outside, such as a decoder, may be waited for in any case.
     ///

@@ -6,6 +6,7 @@
 //! | [`pipeline`] | from a frame to the shapes in it, without transport, clock or waiting |
 //! | [`stages`] | the processes around it: what each reads, computes and sends |
 //! | [`launcher`] | `lariat run`: starts the stages, watches them, stops them in order |
+//! | [`control`] | what a running chain can be asked for, and how |
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
@@ -34,6 +35,7 @@ macro_rules! eprint {
 pub mod bounded;
 pub mod calibrated;
 pub mod canvas;
+pub mod control;
 pub mod doubts;
 pub mod exit;
 pub mod inputs;

@@ -7,6 +7,7 @@
 mod arrangement;
 mod camera;
 mod capture;
+mod change;
 mod curve;
 pub mod duration;
 mod extract;
@@ -27,6 +28,7 @@ mod view;
 pub use arrangement::{Arrangement, Cpus, STAGES, Stage, Wake};
 pub use camera::CameraSettings;
 pub use capture::{Capture, Fps, USUAL_FPS};
+pub use change::{Concerned, version_line, version_of};
 pub use curve::{Family, Fit, Order};
 pub use extract::Extract;
 pub use flags::Flags;
@@ -35,17 +37,20 @@ pub use meaning::{image_size, mask_text, nearest, number_text};
 pub use problem::Problems;
 pub use recording::{COMPRESSIONS, IMAGES, Recording};
 pub use resolve::Resolved;
-pub use run::Run;
+pub use run::{Restart, Run};
 pub use simulation::Simulation;
 pub use view::{Camera, Unit};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use lariat_capture::Source;
 use run::nanoseconds;
 use std::path::{Path, PathBuf};
 
 /// The file that is read where none is named.
 pub const FILE_NAME: &str = "lariat.toml";
+
+/// The variable that holds the number of a file with a stage's settings.
+pub const SETTINGS_FD: &str = "LARIAT_SETTINGS_FD";
 
 /// All settings of a chain, section by section.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,6 +73,8 @@ pub struct Settings {
     pub record: Recording,
     /// The settings file that was read.
     pub file: Option<PathBuf>,
+    /// 0 for those that a chain begins with, one more for each change since.
+    pub version: u32,
 }
 
 /// `[sink]`: what is shown.
@@ -125,12 +132,29 @@ impl Settings {
         }
     }
 
-    /// All that is set, as the text of a `lariat.toml`.
+    /// All that is set, as the text of a `lariat.toml`; one that has changed says as which version.
     pub fn text(&self) -> String {
-        keys::document(|_, key| match (key.get)(self) {
-            Some(value) => format!("{} = {value}\n", key.name),
-            None => String::new(),
-        })
+        version_line(self.version)
+            + &keys::document(|_, key| match (key.get)(self) {
+                Some(value) => format!("{} = {value}\n", key.name),
+                None => String::new(),
+            })
+    }
+
+    /// Those of a stage: what its chain has for it, if they have changed since the chain began; else as
+    /// [`resolve`](Self::resolve) has them.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of_stage(flags: &Flags) -> Result<Self> {
+        match std::env::var(SETTINGS_FD) {
+            Ok(number) => {
+                let text = std::fs::read_to_string(format!("/proc/self/fd/{number}"))
+                    .with_context(|| format!("{SETTINGS_FD} names no file: unset it"))?;
+                Self::of_text(&text)
+            }
+            Err(_) => Self::resolve(flags),
+        }
     }
 
     /// The settings of one file alone.

@@ -166,6 +166,11 @@ impl Rendered {
         &self.options
     }
 
+    /// Goes on behind a frame, by its number, as if all up to it had been drawn.
+    pub fn pass_over(&mut self, sequence: u64) {
+        self.sequence = sequence;
+    }
+
     /// Draws the next frame; its number, from 1, or `None` if that was the last.
     pub fn advance(&mut self) -> Option<u64> {
         if self.options.frames.is_some_and(|end| self.sequence >= end) {

@@ -142,7 +142,7 @@ pub use owner::user_name;
 pub use reader::Reader;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};
 pub use rope::{FARTHEST, Motion, NoPrediction, Prediction, Rope, Track};
-pub use roster::{Announcement, Member, members};
+pub use roster::{Announcement, Member, control_socket, members};
 pub use seen::{Absent, Doubt, LastKnown, Seen};
 pub use shape::{Covariance, Jacobian, Nearest, NoShape, Shape};
 pub use survey::{ChannelEnds, ChannelState, ChannelWriter};

@@ -44,6 +44,17 @@ pub struct Announcement {
     _lock: File,
 }
 
+impl Announcement {
+    /// Says that this process goes by other settings from now on.
+    ///
+    /// # Errors
+    /// The entry cannot be written; the one before stands.
+    pub fn renew(&mut self, settings: &str) -> io::Result<()> {
+        self._lock = write_entry(&self.path, settings)?;
+        Ok(())
+    }
+}
+
 impl Drop for Announcement {
     fn drop(&mut self) {
         // Gone already, or of no use to anyone: the lock says so.
@@ -70,6 +81,15 @@ pub fn members() -> Result<Vec<Member>, WireError> {
     Ok(read_folder(&folder_of(&config_here()?)))
 }
 
+/// The path of the socket on which a rig's chain is told what to do, in the domain that `LARIAT_DOMAIN` names, or the user's own:
+/// whoever may join it may tell it.
+///
+/// # Errors
+/// `LARIAT_DOMAIN` is no name.
+pub fn control_socket(rig: &Rig) -> Result<PathBuf, WireError> {
+    Ok(folder_of(&config_here()?).join(format!("{rig}.control")))
+}
+
 /// Removes what the dead left.
 pub(crate) fn sweep(config: &Config) {
     read_folder(&folder_of(config));
@@ -81,9 +101,15 @@ fn folder_of(config: &Config) -> PathBuf {
 
 fn announce(folder: &Path, rig: &Rig, stage: &str, settings: &str) -> io::Result<Announcement> {
     fs::create_dir_all(folder)?;
-    let name = format!("{rig}.{stage}.{}", process::id());
-    let path = folder.join(&name);
-    let unfinished = folder.join(format!("{name}.{UNFINISHED}"));
+    let path = folder.join(format!("{rig}.{stage}.{}", process::id()));
+    let lock = write_entry(&path, settings)?;
+    Ok(Announcement { path, _lock: lock })
+}
+
+/// Puts an entry in its place whole, and returns it locked.
+fn write_entry(path: &Path, settings: &str) -> io::Result<File> {
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(format!(".{UNFINISHED}"));
     let mut file = File::create(&unfinished)?;
     file.lock()?;
     let started_in = std::env::current_dir().unwrap_or_default();
@@ -93,8 +119,8 @@ fn announce(folder: &Path, rig: &Rig, stage: &str, settings: &str) -> io::Result
         env!("CARGO_PKG_VERSION"),
         started_in.display()
     )?;
-    fs::rename(&unfinished, &path)?;
-    Ok(Announcement { path, _lock: file })
+    fs::rename(&unfinished, path)?;
+    Ok(file)
 }
 
 fn read_folder(folder: &Path) -> Vec<Member> {
@@ -153,7 +179,8 @@ mod tests {
     fn who_lives_is_listed_with_what_it_said() {
         let folder = folder("lives");
         let rig: Rig = "left-arm".parse().unwrap();
-        let fit = announce(&folder, &rig, "fit", "[fit]\norder = 8\n").unwrap();
+        let mut fit = announce(&folder, &rig, "fit", "").unwrap();
+        fit.renew("[fit]\norder = 8\n").unwrap();
         let extract = announce(&folder, &rig, "extract", "").unwrap();
         let members = read_folder(&folder);
         let stages: Vec<&str> = members.iter().map(|m| m.stage.as_str()).collect();

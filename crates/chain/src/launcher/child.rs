@@ -2,22 +2,27 @@
 
 use std::ffi::OsString;
 use std::fmt;
+use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
+use std::os::unix::fs::FileExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use anyhow::Context;
+use rustix::fs::{MemfdFlags, memfd_create};
 use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::Part;
-use crate::settings::Settings;
+use crate::settings::{SETTINGS_FD, Settings};
 use crate::stages::Supervision;
 use crate::stages::arrangement::Lacks;
+use crate::stages::heirloom::{HEIRLOOM_FD, Heirloom};
+use crate::stages::orders::{self, ORDERS_FD, Orders};
 use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken, Word};
 use crate::stop::{Stop, Stopper};
 
@@ -74,7 +79,9 @@ pub(super) struct Child {
     pub(super) part: Part,
     host: Host,
     /// What it says; `None` once it has ended.
-    line: Option<std::fs::File>,
+    line: Option<File>,
+    /// What it is told.
+    orders: File,
     /// The part of a line that has not ended yet.
     unread: Vec<u8>,
     ready: bool,
@@ -93,17 +100,42 @@ pub(super) struct Child {
 impl Child {
     /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with. One alone may read
     /// the chain's standard input.
-    pub(super) fn start(part: Part, arguments: &[OsString], reads: bool) -> anyhow::Result<Self> {
+    ///
+    /// `heirloom`: what its predecessor left, or none yet. `changed`: its settings, if they are others than the arguments say.
+    pub(super) fn start(
+        part: Part,
+        arguments: &[OsString],
+        reads: bool,
+        heirloom: &Heirloom,
+        changed: Option<&str>,
+    ) -> anyhow::Result<Self> {
         let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
-        rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
-        // The child's end is inherited; nothing else starts a process here meanwhile.
-        fcntl_setfd(&its_end, FdFlags::empty()).with_context(starting)?;
+        let (its_orders, orders) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
+        for nonblocking in [&line, &orders] {
+            rustix::io::ioctl_fionbio(nonblocking, true).with_context(starting)?;
+        }
+        let settings = changed.map(in_memory).transpose().with_context(starting)?;
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
-        let process = Command::new(itself)
-            .arg(part.name())
-            .args(arguments)
-            .env(STATUS_FD, its_end.as_raw_fd().to_string())
+        let mut command = Command::new(itself);
+        command.arg(part.name()).args(arguments);
+        // Inherited by the child alone; nothing else starts a process here meanwhile.
+        let inherited = [
+            (STATUS_FD, Some(its_end.as_fd())),
+            (ORDERS_FD, Some(its_orders.as_fd())),
+            (HEIRLOOM_FD, heirloom.file().map(AsFd::as_fd)),
+            (SETTINGS_FD, settings.as_ref().map(AsFd::as_fd)),
+        ];
+        let inherited = || {
+            inherited
+                .iter()
+                .filter_map(|(name, fd)| Some((name, (*fd)?)))
+        };
+        for (name, fd) in inherited() {
+            fcntl_setfd(fd, FdFlags::empty()).with_context(starting)?;
+            command.env(name, fd.as_raw_fd().to_string());
+        }
+        let process = command
             .env(CHAIN_PID, std::process::id().to_string())
             .stdin(match part.is_told_the_last_word() {
                 true => Stdio::piped(),
@@ -111,9 +143,12 @@ impl Child {
                 false => Stdio::null(),
             })
             .process_group(0)
-            .spawn()
-            .with_context(starting)?;
-        Ok(Self::new(part, Host::Process(process), line))
+            .spawn();
+        for (_, fd) in inherited() {
+            fcntl_setfd(fd, FdFlags::CLOEXEC).with_context(starting)?;
+        }
+        let host = Host::Process(process.with_context(starting)?);
+        Ok(Self::new(part, host, line, orders))
     }
 
     /// Starts a stage as a thread of this process. It says what a process would, on a line of its own, and is told to stop
@@ -125,24 +160,39 @@ impl Child {
     ) -> anyhow::Result<Self> {
         let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
-        rustix::io::ioctl_fionbio(&line, true).with_context(starting)?;
+        let (its_orders, orders) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
+        for nonblocking in [&line, &orders] {
+            rustix::io::ioctl_fionbio(nonblocking, true).with_context(starting)?;
+        }
         let (stop, stopper) = Stop::by_another()?;
         let settings = settings.clone();
-        let status = Status::on(its_end);
+        let supervision = Supervision {
+            stop,
+            status: Status::on(its_end),
+            orders: Orders::on(its_orders),
+            // A thread has no successor.
+            heirloom: Heirloom::default(),
+        };
         let outcome = std::thread::Builder::new()
             .name(part.name().to_owned())
             // The end of the line is dropped with the supervision, also by a panic.
-            .spawn(move || run(&settings, Supervision { stop, status }))
+            .spawn(move || run(&settings, supervision))
             .with_context(starting)?;
         let outcome = Some(outcome);
-        Ok(Self::new(part, Host::Thread { outcome, stopper }, line))
+        Ok(Self::new(
+            part,
+            Host::Thread { outcome, stopper },
+            line,
+            orders,
+        ))
     }
 
-    fn new(part: Part, host: Host, line: OwnedFd) -> Self {
+    fn new(part: Part, host: Host, line: OwnedFd, orders: OwnedFd) -> Self {
         Self {
             part,
             host,
             line: Some(line.into()),
+            orders: orders.into(),
             unread: Vec::new(),
             ready: false,
             lacks: Lacks::default(),
@@ -265,6 +315,26 @@ impl Child {
         }
     }
 
+    /// Tells it that settings have changed; `false` if it does not listen.
+    pub(super) fn order(&mut self, settings: &str) -> bool {
+        self.orders
+            .write_all(orders::order(settings).as_bytes())
+            .is_ok()
+    }
+
+    /// How much of a core's time its process has used, in the kernel's ticks; `None` of a thread, and if the kernel does not say.
+    pub(super) fn ticks(&self) -> Option<u64> {
+        let Host::Process(process) = &self.host else {
+            return None;
+        };
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id())).ok()?;
+        // The name, in parentheses, may hold anything.
+        let (_, rest) = stat.rsplit_once(')')?;
+        let mut numbers = rest.split_ascii_whitespace().skip(11);
+        let mut next = || numbers.next()?.parse::<u64>().ok();
+        Some(next()? + next()?)
+    }
+
     /// Writes to its standard input and closes it.
     pub(super) fn tell(&mut self, word: &str) {
         let Host::Process(process) = &mut self.host else {
@@ -283,6 +353,11 @@ impl Child {
             Host::Process(_) => self.signal(Signal::TERM),
             Host::Thread { stopper, .. } => stopper.stop(),
         }
+    }
+
+    /// Ends it at once, to be started anew.
+    pub(super) fn strike(&self) {
+        self.signal(Signal::KILL);
     }
 
     /// Ends it at once. A thread cannot be: it is given up, and ends with this process.
@@ -304,6 +379,13 @@ impl Child {
             let _ = kill_process(pid, signal);
         }
     }
+}
+
+/// A text as a file in memory.
+fn in_memory(text: &str) -> std::io::Result<File> {
+    let file: File = memfd_create("lariat-settings", MemfdFlags::CLOEXEC)?.into();
+    file.write_all_at(text.as_bytes(), 0)?;
+    Ok(file)
 }
 
 /// How a thread ended, said as its process would have.

@@ -4,7 +4,7 @@ use crate::bounded;
 use crate::doubts::{self, Doubts};
 use crate::settings::{self, Settings};
 use anyhow::{Context, Result};
-use lariat_extract::{Extractor, Image, Network, PixelFormat, Region, Scene, Status, Step};
+use lariat_extract::{Curve, Extractor, Image, Network, PixelFormat, Region, Scene, Status, Step};
 use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
 
 use std::path::Path;
@@ -113,9 +113,24 @@ impl<'a> Part<'a> {
     }
 }
 
+/// What an extractor that goes on where another stopped needs to know beside what that one said last.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Past {
+    /// When the last frame was exposed.
+    pub exposed_ns: u64,
+    /// Width and height of the last image, in pixels.
+    pub size: [u32; 2],
+    /// How many numbers were given to ropes.
+    pub tracks: u32,
+}
+
 /// Extracts the centerlines of one frame after the other.
 pub struct FrameExtractor {
     extractor: Extractor,
+    /// When the last frame was exposed.
+    exposed_ns: u64,
+    /// Width and height of the last image.
+    size: [u32; 2],
     /// What of the frames is read, if not all.
     region: Option<Region>,
     /// Where in the last frame the extractor looked.
@@ -149,6 +164,8 @@ impl FrameExtractor {
         }
         Ok(Self {
             extractor,
+            exposed_ns: 0,
+            size: [0; 2],
             region: settings.roi,
             origin: [0; 2],
             prepared: None,
@@ -179,6 +196,57 @@ impl FrameExtractor {
         }
     }
 
+    /// Goes on where another extractor stopped, that of this chain until now: ropes keep their numbers and directions.
+    pub fn go_on_from(&mut self, other: &Self) {
+        let curves: Vec<Curve> = other.extractor.scene().curves.to_vec();
+        self.resume(other.past(), curves, other.origin);
+    }
+
+    /// What a successor needs to know beside the last message.
+    pub fn past(&self) -> Past {
+        Past {
+            exposed_ns: self.exposed_ns,
+            size: self.size,
+            tracks: self.extractor.tracks(),
+        }
+    }
+
+    /// Goes on where an extractor stopped that said this of the last frame.
+    pub fn go_on_after(&mut self, past: Past, last: &Centerlines) {
+        let curves = last.curves().iter().map(curve_of).collect();
+        self.resume(past, curves, [0; 2]);
+    }
+
+    /// The curves are measured from `origin` in the image.
+    fn resume(&mut self, past: Past, mut curves: Vec<Curve>, origin: [usize; 2]) {
+        let [width, height] = past.size.map(|side| side as usize);
+        if width == 0 || height == 0 {
+            // There was no image yet.
+            return;
+        }
+        let all = Region {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        };
+        let region = self.region.unwrap_or(all);
+        let end = [
+            (region.x, region.width, width),
+            (region.y, region.height, height),
+        ];
+        let size = end.map(|(from, length, whole)| length.min(whole.saturating_sub(from)));
+        let begin = [region.x, region.y];
+        let moved: [f32; 2] = std::array::from_fn(|c| origin[c] as f32 - begin[c] as f32);
+        for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = std::array::from_fn(|c| point[c] + moved[c]);
+        }
+        self.prepare(size);
+        (self.origin, self.size, self.exposed_ns) = (begin, past.size, past.exposed_ns);
+        self.extractor
+            .resume(size, past.exposed_ns, &curves, past.tracks);
+    }
+
     /// The next frame is of another scene.
     pub fn forget(&mut self) {
         self.extractor.reset();
@@ -207,8 +275,9 @@ impl FrameExtractor {
     ) -> Result<Scene<'_>> {
         let mask = mask.map(|mask| part.of_mask(mask)).transpose()?;
         self.origin = part.origin();
-        [message.width, message.height] =
-            [part.whole.width(), part.whole.height()].map(|side| side as u32);
+        self.exposed_ns = exposed_ns;
+        self.size = [part.whole.width(), part.whole.height()].map(|side| side as u32);
+        [message.width, message.height] = self.size;
         self.extractor.at(exposed_ns);
         let scene = match mask {
             None => self.extractor.extract_observed(&part.image, after),
@@ -226,7 +295,8 @@ impl FrameExtractor {
         let header = frame.header;
         (message.width, message.height) = (header.width, header.height);
         if header.is_blank() {
-            self.extractor.at(header.trace.exposed_ns);
+            self.exposed_ns = header.trace.exposed_ns;
+            self.extractor.at(self.exposed_ns);
             return fill(message, &self.extractor.blank(), self.origin);
         }
         if let Err(cause) = self.try_to_answer(frame, mask, message) {
@@ -251,6 +321,29 @@ impl FrameExtractor {
             tracing::warn!("{}", doubts::sentence(notice));
         }
         Ok(())
+    }
+}
+
+/// A message's curve as the extractor has it.
+fn curve_of(curve: &lariat_wire::Curve) -> Curve {
+    let points = curve.points().to_vec();
+    Curve {
+        track: curve.track,
+        status: match curve.status() {
+            Some(lariat_wire::Status::Ok) => Status::Ok,
+            Some(lariat_wire::Status::Partial) => Status::Partial,
+            Some(lariat_wire::Status::Doubtful) => Status::Doubtful,
+            Some(lariat_wire::Status::Lost) | None => Status::Lost,
+        },
+        closed: curve.closed != 0,
+        border: [0, 1].map(|end| curve.border >> end & 1 == 1),
+        widths_px: curve.widths_px().to_vec(),
+        hidden: (0..points.len()).map(|k| curve.is_hidden(k)).collect(),
+        points,
+        width_px: curve.width_px,
+        length_px: curve.length_px,
+        confidence: curve.confidence,
+        age_ns: curve.age_ns,
     }
 }
 

@@ -5,7 +5,7 @@ mod extraction;
 mod fitting;
 mod schedule;
 
-pub use extraction::{FrameExtractor, FrameView, Part, pixel_format};
+pub use extraction::{FrameExtractor, FrameView, Part, Past, pixel_format};
 pub use fitting::CurveFitter;
 pub use schedule::{Schedule, frame_header};
 

@@ -34,12 +34,17 @@ pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
             path.display()
         )
     })?;
+    Ok(entries(path, &text, problems))
+}
+
+/// The settings in a file's text.
+pub(super) fn entries(path: &Path, text: &str, problems: &mut Problems) -> Vec<Entry> {
     let origin = |offset: usize| Origin::File {
         path: path.to_owned(),
         line: 1 + text[..offset.min(text.len())].matches('\n').count(),
     };
     // The same text twice: once for the values, once for where they stand.
-    let (values, places) = match (text.parse::<toml::Table>(), DeTable::parse(&text)) {
+    let (values, places) = match (text.parse::<toml::Table>(), DeTable::parse(text)) {
         (Ok(values), Ok(places)) => (values, places.into_inner()),
         (Err(error), _) | (_, Err(error)) => {
             let offset = error.span().map_or(0, |span| span.start);
@@ -47,7 +52,7 @@ pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
                 &origin(offset),
                 format!("this is not TOML: {}", error.message()),
             );
-            return Ok(Vec::new());
+            return Vec::new();
         }
     };
 
@@ -75,7 +80,7 @@ pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
             }
         }
     }
-    Ok(entries)
+    entries
 }
 
 /// About a value that stands before the first section.

@@ -2,7 +2,7 @@
 
 use crate::settings::keys::{self, KEYS, Key};
 use crate::settings::kind::Takes;
-use crate::settings::{STAGES, Settings};
+use crate::settings::{STAGES, Settings, change};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -55,6 +55,9 @@ struct Given {
     value: Value,
 }
 
+/// What a change is called where flags are.
+const CHANGE: &str = "lariat set";
+
 /// What was typed behind a flag, and the value that it is.
 #[derive(Clone)]
 struct Typed(String, Value);
@@ -100,6 +103,22 @@ impl Flags {
         });
         flags.given.extend(source);
         flags
+    }
+
+    /// These, and a change that is written as `section.name=value`, which overrules them.
+    ///
+    /// # Errors
+    /// There is no such setting, or nothing that could be a value.
+    pub fn with_change(&self, text: &str) -> anyhow::Result<Self> {
+        let (key, value) = change::parse(text)?;
+        let mut flags = self.clone();
+        flags.given.push(Given {
+            flag: CHANGE,
+            key,
+            typed: Vec::new(),
+            value,
+        });
+        Ok(flags)
     }
 
     /// As words of a command line, for the processes of a chain.

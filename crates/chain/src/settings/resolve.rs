@@ -4,7 +4,9 @@ use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
 use crate::settings::{Family, Flags, Order, Problems, Settings, curve, file, range};
 use anyhow::Result;
+use file::Entry;
 use lariat_fit::Fitter;
+use std::path::PathBuf;
 
 /// Settings, and where each of them came from.
 pub struct Resolved {
@@ -20,16 +22,31 @@ impl Resolved {
     /// # Errors
     /// What is wrong with each of them.
     pub fn new(flags: &Flags) -> Result<Self> {
+        let mut problems = Problems::default();
+        let path = file::path(flags.config.as_deref());
+        let entries = match &path {
+            Some(path) => file::read(path, &mut problems)?,
+            None => Vec::new(),
+        };
+        Self::of(entries, path, flags, problems)
+    }
+
+    /// Of a file's entries, and flags.
+    pub(super) fn of(
+        entries: Vec<Entry>,
+        file: Option<PathBuf>,
+        flags: &Flags,
+        mut problems: Problems,
+    ) -> Result<Self> {
         let mut resolved = Self {
-            settings: Settings::default(),
+            settings: Settings {
+                file,
+                ..Settings::default()
+            },
             origins: vec![Origin::Default; KEYS.len()],
         };
-        let mut problems = Problems::default();
-        if let Some(path) = file::path(flags.config.as_deref()) {
-            for entry in file::read(&path, &mut problems)? {
-                resolved.set(entry.key, entry.value, entry.origin, &mut problems);
-            }
-            resolved.settings.file = Some(path);
+        for entry in entries {
+            resolved.set(entry.key, entry.value, entry.origin, &mut problems);
         }
         for (flag, key, value) in flags.given() {
             resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);

@@ -4,6 +4,23 @@ use crate::settings::Arrangement;
 use std::path::PathBuf;
 use std::time::Duration;
 
+/// When a stage is started anew in its place, while the others go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Restart {
+    /// Never: the chain ends with it.
+    Never,
+    /// When it died, hangs, or was told to end by another than its chain.
+    OnFailure,
+    /// Also when its source has ended.
+    Always,
+}
+
+pub(super) const RESTARTS: [(&str, Restart); 3] = [
+    ("never", Restart::Never),
+    ("on-failure", Restart::OnFailure),
+    ("always", Restart::Always),
+];
+
 /// The chain as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
@@ -25,6 +42,16 @@ pub struct Run {
     pub record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub fuse: bool,
+    /// When a stage is started anew.
+    pub restart: Restart,
+    /// How often at most within the window before the chain gives up.
+    pub max_restarts: u32,
+    /// The window.
+    pub restart_window: Duration,
+    /// How long a stage may stand still while work waits for it, before it is taken to hang.
+    pub hang: Duration,
+    /// Whether a change of the settings file is taken while the chain runs.
+    pub watch: bool,
     /// How the stages are arranged on the machine.
     pub arrangement: Arrangement,
 }
@@ -52,6 +79,11 @@ impl Default for Run {
             record: None,
             deadline: None,
             fuse: false,
+            restart: Restart::Never,
+            max_restarts: 10,
+            restart_window: Duration::from_secs(60),
+            hang: Duration::from_secs(5),
+            watch: false,
             arrangement: Arrangement::default(),
         }
     }

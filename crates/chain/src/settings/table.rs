@@ -7,7 +7,7 @@ use crate::settings::kind::{
     ABOVE_0, AT_LEAST_0, Between, By, Controls, Kind, MEGABYTES, MICROSECONDS, Maybe, Named, PATH,
     SECONDS, SWITCH, TEXT, Takes, Whole,
 };
-use crate::settings::{arrangement, camera, meaning, range, recording, view};
+use crate::settings::{arrangement, camera, meaning, range, recording, run, view};
 use lariat_capture::Position;
 use lariat_extract::Method;
 use lariat_fit::{Knots, MAX_ORDER, MAX_POINTS, Rho, Solver};
@@ -75,6 +75,20 @@ pub(super) const KEYS: &[Key] = keys! {
     run.fuse: SWITCH,
         "Run capture, extract and fit in one process (`lariat run`): waits are a fifth shorter, but a crash of one ends all.",
         "--fuse", "", "Run", "Capture, extract and fit in one process";
+    run.restart: Named("ways", &run::RESTARTS),
+        "When a stage is started anew in its place, while the others and all readers go on: \"never\" (its chain ends with it),\n\
+         \"on-failure\" (it died, hangs, or was told to end by another than its chain), or \"always\" (also when its source has ended).",
+        "--restart WHEN", "", "Run", "Start a stage anew that fell: on-failure";
+    run.max_restarts: Whole(1..=1_000_000),
+        "How often stages are started anew within `restart_window_s` before the chain gives up and ends.";
+    run.restart_window as restart_window_s: SECONDS,
+        "See `max_restarts`, in seconds.";
+    run.hang as hang_s: SECONDS,
+        "A stage that stands still for so many seconds while work waits for it hangs, and is started anew (not with lossless, where\n\
+         each waits for the next).";
+    run.watch: SWITCH,
+        "Take a change of the settings file while the chain runs, as `lariat set` does.",
+        "--watch", "", "Run", "Take changes of the settings file while it runs";
     run.arrangement.realtime: SWITCH,
         "For a robot: FIFO scheduling, locked memory, and the stages on cores as `cpus` says. What of it this user\n\
          may not have is said in a sentence, and the chain runs without.",

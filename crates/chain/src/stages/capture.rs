@@ -8,23 +8,33 @@ use lariat_wire::{
     Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
 };
 
-use super::arrangement::{Rest, precise_timer};
+use super::arrangement::precise_timer;
+use super::orders::Changes;
 use super::slot_lender::{self, SlotLender};
 use super::status::{Sent, Word};
 use super::{Station, Supervision};
 use crate::pipeline::{Schedule, frame_header};
 use crate::settings::{Fps, Settings, Stage};
-use crate::stop::Stop;
+
+/// How often it says that it lives, if nothing else does.
+const BEAT_NS: u64 = 1_000_000_000;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Capture, supervision)?;
     let mut source = open(settings, &station)?;
+    let before = station.heirloom.progress();
+    let goes_on = before.restarts > 0 && source.pass_over(before.taken)?;
+    // What the numbers from here on are ahead of the source's own.
+    let ahead = match goes_on {
+        true => before.sent.last_sequence - before.taken,
+        false => before.sent.last_sequence,
+    };
     let first = match source.largest_frame_bytes() {
         // What room the frames need is known with the first.
         0 => {
             station.ready()?;
-            let Some(first) = wait_for_first(settings, source.as_mut(), &station)? else {
+            let Some(first) = wait_for_first(settings, source.as_mut(), &mut station)? else {
                 if !station.stop.asked() {
                     station.status.say(Word::Done);
                 }
@@ -35,16 +45,18 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         }
         _ => None,
     };
-    let Station {
-        domain,
-        rig,
-        delivery,
-        ..
-    } = &station;
-    let frames = slot_lender::writer(domain, rig, delivery, source.as_ref())?;
+    let frames = slot_lender::writer(&station, source.as_ref())?;
     let truth = source
         .has_truth()
-        .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
+        .then(|| {
+            let Station {
+                domain,
+                rig,
+                delivery,
+                ..
+            } = &station;
+            Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery)
+        })
         .transpose()?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
@@ -53,22 +65,23 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         truth: truth.as_ref(),
         schedule: Schedule::new(
             &settings.capture,
-            matches!(delivery, Delivery::Lossless { .. }),
+            matches!(station.delivery, Delivery::Lossless { .. }),
         )?,
-        sent: Sent::default(),
+        sent: before.sent,
+        ahead,
+        restarts: before.restarts,
         lasts_ns: settings.run.duration_ns(),
         end_ns: None,
     };
+    // What changes for capture starts it anew; of the rest it takes the version.
+    let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     if let Some(first) = first {
-        sender.send(&first, &mut |_| true)?;
+        sender.send(&first, &mut station, &mut |_, _| true)?;
     } else {
         station.ready()?;
     }
-    let outcome = sender.send_all(
-        &station.stop,
-        &mut station.rest(),
-        settings.run.frames.unwrap_or(u64::MAX),
-    );
+    let most = settings.run.frames.unwrap_or(u64::MAX);
+    let outcome = sender.send_all(&mut station, &changes, most);
     let sent = sender.sent;
     // A camera is stopped, a thread joined, before the last word.
     drop(sender);
@@ -103,6 +116,10 @@ struct Sender<'w> {
     truth: Option<&'w Writer<Centerlines>>,
     schedule: Schedule,
     sent: Sent,
+    /// What its numbers are ahead of the source's.
+    ahead: u64,
+    /// How often capture was started anew.
+    restarts: u64,
     /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
     lasts_ns: Option<u64>,
     /// When that is over.
@@ -111,25 +128,37 @@ struct Sender<'w> {
 
 impl Sender<'_> {
     /// Sends up to so many frames.
-    fn send_all(&mut self, stop: &Stop, rest: &mut Rest, most: u64) -> anyhow::Result<()> {
+    fn send_all(
+        &mut self,
+        station: &mut Station,
+        changes: &Changes<()>,
+        most: u64,
+    ) -> anyhow::Result<()> {
         let began_ns = now_ns();
-        while self.sent.count < most && !stop.asked() {
+        let mut rest = station.rest();
+        while self.sent.count < most && !station.stop.asked() {
+            station.change(changes);
             rest.if_due(now_ns());
             let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
             let deadline_ns = self.end_ns.or(latest_ns);
-            let until = Until::new(deadline_ns, stop.as_fd());
+            // Whoever watches over it sees that it lives.
+            let beat_ns = station.heirloom.is_held().then(|| now_ns() + BEAT_NS);
+            let until_ns = deadline_ns.into_iter().chain(beat_ns).min();
+            let until = Until::new(until_ns, station.stop.as_fd());
             let next = self.lender.source.advance(&until);
             rest.has_waited(until.waited_ns());
             tell(self.lender.source.as_mut());
             match next.context("the source ended with a fault")? {
                 Next::Frame(frame) => {
-                    let mut wait = |due_ns| rest.while_waiting(|| stop.sleep_until(due_ns));
-                    if !self.send(&frame, &mut wait)? {
+                    let mut wait = |station: &mut Station, due_ns| {
+                        rest.while_waiting(|| wait_until(station, due_ns))
+                    };
+                    if !self.send(&frame, station, &mut wait)? {
                         break;
                     }
                 }
                 Next::Nothing if deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns) => break,
-                Next::Nothing => {}
+                Next::Nothing => station.heirloom.beat(),
                 Next::End => break,
             }
         }
@@ -139,7 +168,12 @@ impl Sender<'_> {
     /// Sends one frame; `false` when its time is over, or a signal came.
     ///
     /// `wait`: sleeps until the frame is due; `false` if a signal came.
-    fn send(&mut self, frame: &Frame, wait: &mut impl FnMut(u64) -> bool) -> anyhow::Result<bool> {
+    fn send(
+        &mut self,
+        frame: &Frame,
+        station: &mut Station,
+        wait: &mut impl FnMut(&mut Station, u64) -> bool,
+    ) -> anyhow::Result<bool> {
         // Everything is in its place before the frame is due: then only the sending is left.
         let mut slot = self.lender.slot_of(frame)?;
         let truth_slot = match self.truth {
@@ -158,18 +192,21 @@ impl Sender<'_> {
             .lasts_ns
             .map(end_ns)
             .is_some_and(|end_ns| due_ns >= end_ns);
-        if is_over || !(is_live || wait(due_ns)) {
+        if is_over || !(is_live || wait(station, due_ns)) {
             return Ok(false);
         }
         self.sent.count += 1;
-        self.sent.last_sequence = self.schedule.sequence(frame);
-        let trace = Trace {
+        self.sent.last_sequence = self.ahead + self.schedule.sequence(frame);
+        let mut trace = Trace {
             sequence: self.sent.last_sequence,
             captured: self.sent.count,
             exposed_ns: due_ns,
             captured_ns: now_ns(),
+            settings: station.version,
             ..Trace::EMPTY
         };
+        trace.set_restarts(0, self.restarts);
+        station.heirloom.note(self.sent, frame.sequence);
         *slot.header_mut() = frame_header(frame, self.lender.source.kind(), trace);
         slot.send()?;
         if let Some(mut slot) = truth_slot {
@@ -184,16 +221,30 @@ impl Sender<'_> {
     }
 }
 
+/// Sleeps until a frame is due; `false` if a signal came.
+fn wait_until(station: &mut Station, due_ns: u64) -> bool {
+    while station.heirloom.is_held() && due_ns > now_ns() + BEAT_NS {
+        if !station.stop.sleep_until(now_ns() + BEAT_NS) {
+            return false;
+        }
+        station.heirloom.beat();
+    }
+    station.stop.sleep_until(due_ns)
+}
+
 /// The first frame of a source that has none yet; none if the chain's time is over or it is stopped before.
 fn wait_for_first(
     settings: &Settings,
     source: &mut dyn FrameSource,
-    station: &Station,
+    station: &mut Station,
 ) -> anyhow::Result<Option<Frame>> {
     let lasts_ns = settings.run.duration_ns();
     let deadline_ns = lasts_ns.map(|lasts_ns| now_ns().saturating_add(lasts_ns));
     loop {
-        let next = source.advance(&Until::new(deadline_ns, station.stop.as_fd()));
+        let beat_ns = station.heirloom.is_held().then(|| now_ns() + BEAT_NS);
+        let until_ns = deadline_ns.into_iter().chain(beat_ns).min();
+        let next = source.advance(&Until::new(until_ns, station.stop.as_fd()));
+        station.heirloom.beat();
         tell(source);
         match next.context("the source ended with a fault")? {
             Next::Frame(frame) => return Ok(Some(frame)),

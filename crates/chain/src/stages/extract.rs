@@ -2,9 +2,11 @@
 
 use lariat_wire::{CENTERLINES, Centerlines, FRAMES, Writer, now_ns};
 
+use super::estate::{self, Estate};
 use super::external::External;
+use super::heirloom::Progress;
 use super::masks::Masks;
-use super::status::{Sent, Word};
+use super::status::Word;
 use super::{Came, Inbox, Station, Supervision};
 use crate::pipeline::{FrameExtractor, FrameView};
 use crate::settings::{Settings, Stage};
@@ -12,18 +14,27 @@ use crate::settings::{Settings, Stage};
 /// Extracts until a signal comes.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Extract, supervision)?;
+    let changes = station.listen(settings, |before, now| {
+        let is_ours = before.extract != now.extract;
+        is_ours.then(|| FrameExtractor::prepared(now)).transpose()
+    })?;
     let mut extractor = FrameExtractor::prepared(settings)?;
+    if let Some(past) = estate::read(&station.heirloom) {
+        extractor.go_on_after(past.past, &past.last);
+    }
     let mut masks = Masks::open(settings, &station)?;
-    let Station {
-        domain,
-        rig,
-        delivery,
-        ..
-    } = &station;
     let mut frames = Inbox::open(&station, &FRAMES, |frame| frame.header().trace.captured)?;
-    let centerlines = Writer::<Centerlines>::create(domain, rig, &CENTERLINES, delivery)?;
+    let centerlines = Writer::<Centerlines>::create(
+        &station.domain,
+        &station.rig,
+        &CENTERLINES,
+        &station.delivery,
+    )?;
     let mut external = External::of(settings);
-    let mut sent = Sent::default();
+    let Progress {
+        restarts, mut sent, ..
+    } = station.heirloom.progress();
+    let mut estate = Estate::default();
     station.ready()?;
     loop {
         let deadline = external.as_ref().and_then(External::deadline);
@@ -32,6 +43,10 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             Came::Nothing if external.as_mut().is_some_and(External::wait_on) => continue,
             Came::Nothing | Came::End => break,
         };
+        if let Some(mut changed) = station.change(&changes) {
+            changed.go_on_from(&extractor);
+            extractor = changed;
+        }
         let header = frame.header();
         if external
             .as_mut()
@@ -56,15 +71,22 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         let mut slot = centerlines.slot()?;
         slot.trace = header.trace;
         slot.trace.extract_started_ns = started_ns;
+        slot.trace.settings = station.version;
+        slot.trace.set_restarts(1, restarts);
         let mask = mask.map(|mask| FrameView::new(mask.header(), mask));
         extractor.answer(FrameView::new(header, &frame), mask, &mut slot);
         // Read, the frame makes room for another.
-        let sequence = header.trace.sequence;
+        let trace = header.trace;
         drop(frame);
         sent.count += 1;
-        sent.last_sequence = sequence;
+        sent.last_sequence = trace.sequence;
         slot.trace.extracted = sent.count;
         slot.trace.extracted_ns = now_ns();
+        if station.heirloom.is_held() {
+            let bytes = estate.write(extractor.past(), &slot);
+            station.heirloom.hand_on(sent.count, bytes);
+        }
+        station.heirloom.note(sent, trace.captured);
         slot.send()?;
         if external.as_ref().is_some_and(External::has_all) {
             break;

@@ -2,7 +2,8 @@
 
 use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
 
-use super::status::{Sent, Word};
+use super::heirloom::Progress;
+use super::status::Word;
 use super::{Inbox, Station, Supervision};
 use crate::pipeline::CurveFitter;
 use crate::settings::{Settings, Stage};
@@ -11,26 +12,37 @@ use crate::settings::{Settings, Stage};
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Fit, supervision)?;
     let mut curves = CurveFitter::new(settings)?;
-    let Station {
-        domain,
-        rig,
-        delivery,
-        ..
-    } = &station;
+    let changes = station.listen(settings, |before, now| {
+        let is_ours = (&before.fit, &before.camera) != (&now.fit, &now.camera);
+        is_ours.then(|| CurveFitter::new(now)).transpose()
+    })?;
     let mut centerlines = Inbox::open(&station, &CENTERLINES, |seen| seen.trace.extracted)?;
-    let descriptors = Writer::<Descriptors>::create(domain, rig, &DESCRIPTORS, delivery)?;
+    let descriptors = Writer::<Descriptors>::create(
+        &station.domain,
+        &station.rig,
+        &DESCRIPTORS,
+        &station.delivery,
+    )?;
+    let Progress {
+        restarts, mut sent, ..
+    } = station.heirloom.progress();
     station.ready()?;
-    let mut sent = Sent::default();
     while let Some((message, started_ns)) = centerlines.receive(&station.stop)? {
+        if let Some(changed) = station.change(&changes) {
+            curves = changed;
+        }
         let mut slot = descriptors.slot()?;
         slot.trace = message.trace;
         slot.trace.fit_started_ns = started_ns;
+        slot.trace.settings = station.version;
+        slot.trace.set_restarts(2, restarts);
         curves.answer(&message, &mut slot);
         drop(message);
         sent.count += 1;
         sent.last_sequence = slot.trace.sequence;
         slot.trace.fitted = sent.count;
         slot.trace.fitted_ns = now_ns();
+        station.heirloom.note(sent, slot.trace.extracted);
         slot.send()?;
     }
     station.status.say(Word::Sent(sent));

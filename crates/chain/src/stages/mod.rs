@@ -4,10 +4,13 @@
 mod allocation;
 pub mod arrangement;
 pub mod capture;
+mod estate;
 mod external;
 pub mod extract;
 pub mod fit;
+pub mod heirloom;
 mod masks;
+pub mod orders;
 pub mod sink;
 mod slot_lender;
 pub mod status;
@@ -23,6 +26,8 @@ use lariat_wire::{
 use crate::settings::{Arrangement, Settings, Stage};
 use crate::stop::Stop;
 use arrangement::Rest;
+use heirloom::Heirloom;
+use orders::{Changes, Orders};
 use status::{Status, Word};
 
 /// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
@@ -37,6 +42,11 @@ pub struct Station {
     pub stop: Stop,
     /// Whom it tells how it is.
     pub status: Status,
+    /// What it leaves to its successor.
+    pub heirloom: Heirloom,
+    /// By which settings it goes.
+    pub version: u32,
+    orders: Orders,
     arrangement: Arrangement,
     /// Which stage it is, if it is one.
     stage: Option<Stage>,
@@ -49,12 +59,16 @@ pub struct Station {
     announcement: Option<Announcement>,
 }
 
-/// What ends a stage, and whom it tells how it is.
+/// What joins a stage to the chain that started it, and what ends it.
 pub struct Supervision {
     /// What ends it.
     pub stop: Stop,
     /// Whom it tells how it is.
     pub status: Status,
+    /// What it is told.
+    pub orders: Orders,
+    /// What it leaves to its successor.
+    pub heirloom: Heirloom,
 }
 
 impl Supervision {
@@ -63,6 +77,8 @@ impl Supervision {
         Ok(Self {
             stop: Stop::on_signals()?,
             status: Status::of_the_chain()?,
+            orders: Orders::of_the_chain()?,
+            heirloom: Heirloom::of_the_chain()?,
         })
     }
 }
@@ -87,7 +103,12 @@ impl Station {
         name: &'static str,
         supervision: Supervision,
     ) -> anyhow::Result<Self> {
-        let Supervision { stop, status } = supervision;
+        let Supervision {
+            stop,
+            status,
+            orders,
+            heirloom,
+        } = supervision;
         for (key, value) in settings.changed() {
             tracing::debug!("{name}: {key} = {value}");
         }
@@ -102,6 +123,9 @@ impl Station {
             delivery,
             stop,
             status,
+            heirloom,
+            version: settings.version,
+            orders,
             arrangement: settings.run.arrangement.clone(),
             stage: None,
             name,
@@ -131,6 +155,33 @@ impl Station {
             self.say_who_is_missing(channel);
         }
         Ok(())
+    }
+
+    /// Listens for settings that change: [`Orders::listen`]. Before it is [ready](Self::ready), so that the thread that does has no
+    /// part in the stage's place on the machine.
+    ///
+    /// # Errors
+    /// There is no thread to be had.
+    pub fn listen<T: Send + 'static>(
+        &mut self,
+        settings: &Settings,
+        make: impl FnMut(&Settings, &Settings) -> anyhow::Result<Option<T>> + Send + 'static,
+    ) -> anyhow::Result<Changes<T>> {
+        std::mem::take(&mut self.orders).listen(settings, make)
+    }
+
+    /// Settings that have changed since it was last asked hold from now on, and others see it. What the stage made of them is
+    /// returned, if they concern it.
+    pub fn change<T>(&mut self, changes: &Changes<T>) -> Option<T> {
+        let change = changes.take()?;
+        self.version = change.version;
+        let announced = self.announcement.as_mut();
+        if let Some(Err(cause)) = announced.map(|announced| announced.renew(&change.text)) {
+            tracing::warn!(
+                "others see the settings of before, as the entry could not be written: {cause}"
+            );
+        }
+        change.made
     }
 
     /// Has the stage rest when it must.

@@ -6,15 +6,21 @@ use std::ptr::NonNull;
 
 use anyhow::Context;
 use lariat_capture::{Frame, FrameSource, LentSlot, SlotKey};
-use lariat_wire::{Delivery, Domain, Rig, Slot, WireError, Writer};
+use lariat_wire::{Slot, WireError, Writer};
+
+use super::Station;
 
 /// The writer of a source's frames: with a slot to spare beside those that the source is lent.
 pub(super) fn writer(
-    domain: &Domain,
-    rig: &Rig,
-    delivery: &Delivery,
+    station: &Station,
     source: &dyn FrameSource,
 ) -> Result<Writer<[u8]>, WireError> {
+    let Station {
+        domain,
+        rig,
+        delivery,
+        ..
+    } = station;
     let (largest, wanted) = (source.largest_frame_bytes(), source.slots_wanted());
     Writer::frames_ahead(domain, rig, delivery, largest, wanted + 1)
 }

@@ -174,7 +174,7 @@ impl CenterlinePoints {
 
 message! {
     /// What a control loop reads: the shape of every rope in one frame.
-    pub struct Descriptors = "lariat.Descriptors.v6" {
+    pub struct Descriptors = "lariat.Descriptors.v7" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels; 0 while the camera gives none.

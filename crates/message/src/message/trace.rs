@@ -10,7 +10,7 @@ message! {
     /// `captured` was lost at the source, what `captured` advanced more than `extracted` between capture and extract, and
     /// so on. All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
     #[derive(Eq)]
-    pub struct Trace = "lariat.Trace.v1" {
+    pub struct Trace = "lariat.Trace.v2" {
         /// The source's own frame number, from 1.
         sequence: u64 = 0 => number,
         /// How many frames capture has sent, this one included.
@@ -31,5 +31,26 @@ message! {
         fit_started_ns: u64 = 0 => number,
         /// When fit had its result ready to send.
         fitted_ns: u64 = 0 => number,
+        /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each
+        /// change since.
+        settings: u32 = 0 => number,
+        /// How often capture, extract and fit had been started anew, a byte each from the lowest on, modulo 256:
+        /// [`restarts`](Self::restarts).
+        restarts: u32 = 0 => number,
+    }
+}
+
+impl Trace {
+    /// How often capture, extract and fit had been started anew when they sent this, modulo 256.
+    pub const fn restarts(&self) -> [u8; 3] {
+        let [capture, extract, fit, _] = self.restarts.to_le_bytes();
+        [capture, extract, fit]
+    }
+
+    /// Says how often a stage was started anew: capture is 0, extract 1, fit 2.
+    pub const fn set_restarts(&mut self, stage: usize, restarts: u64) {
+        let mut all = self.restarts.to_le_bytes();
+        all[stage] = restarts as u8;
+        self.restarts = u32::from_le_bytes(all);
     }
 }

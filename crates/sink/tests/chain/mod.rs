@@ -57,6 +57,7 @@ impl Chain {
             extracted_ns: exposed_ns + 310_000,
             fit_started_ns: exposed_ns + 325_000,
             fitted_ns: exposed_ns + 335_000,
+            ..Trace::EMPTY
         }
     }
 }

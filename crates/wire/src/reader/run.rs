@@ -1,7 +1,8 @@
 //! When the chain was started anew: ropes are then numbered anew, and a number means another rope.
 //!
 //! A new fit is a new writer. A new extract, under a fit that goes on, counts from 1 again: seen when the count goes back,
-//! or, where many messages passed by, when it went on by less than fit's own, which cannot send what it was not sent.
+//! or, where many messages passed by, when it went on by less than fit's own, which cannot send what it was not sent. But a stage
+//! that its chain started anew in its place says so (`Trace::restarts`), counts on, and its ropes keep their numbers: that is the same run.
 
 use crate::Trace;
 
@@ -21,7 +22,10 @@ impl Runs {
     /// Takes in the next message that was looked at.
     pub(super) fn follow(&mut self, writer: WriterId, trace: &Trace) {
         let last = self.last.replace((writer, *trace));
-        let goes_on = last.filter(|(before, last)| *before == writer && goes_on(last, trace));
+        let goes_on = last.filter(|(before, last)| {
+            let is_same = *before == writer || trace.restarts()[2] != last.restarts()[2];
+            is_same && goes_on(last, trace)
+        });
         let Some((_, last)) = goes_on else {
             self.run += 1;
             self.period_s = None;

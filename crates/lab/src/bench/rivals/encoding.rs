@@ -70,6 +70,7 @@ impl Numbers<'_> {
             extracted_ns: self.u64(),
             fit_started_ns: self.u64(),
             fitted_ns: self.u64(),
+            ..Trace::EMPTY
         }
     }
 }
@@ -239,6 +240,7 @@ mod tests {
             extracted_ns: 8,
             fit_started_ns: 9,
             fitted_ns: 10,
+            ..Trace::EMPTY
         }
     }
 

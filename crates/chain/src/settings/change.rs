@@ -1,0 +1,271 @@
+//! Settings that change while a chain runs: how a change is written, which stages it concerns, and how they come to know of it.
+
+use crate::settings::file;
+use crate::settings::keys::{self, KEYS};
+use crate::settings::kind::Takes;
+use crate::settings::meaning;
+use crate::settings::{FILE_NAME, Flags, Problems, Resolved, Settings, Stage};
+use anyhow::{Result, bail};
+use lariat_capture::Source;
+use lariat_extract::Mask;
+use std::path::Path;
+use toml::Value;
+
+/// What the first line of a versioned text begins with.
+const VERSION: &str = "# lariat settings ";
+
+/// The line by which a text says which version of the settings it is.
+pub fn version_line(version: u32) -> String {
+    match version {
+        0 => String::new(),
+        _ => format!("{VERSION}{version}\n"),
+    }
+}
+
+/// Which stages a change concerns, in the order of [`Stage`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Concerned {
+    /// They take it between two frames.
+    pub live: [bool; 4],
+    /// They are started anew.
+    pub anew: [bool; 4],
+}
+
+/// How a setting comes to hold.
+enum Way {
+    /// One stage takes it between two frames.
+    Live(Stage),
+    /// Stages are started anew.
+    Anew(&'static [Stage]),
+    /// The chain itself goes by it.
+    Chain,
+    /// It cannot change.
+    Fixed,
+}
+
+fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
+    let all = [before, now];
+    match (section, name) {
+        // A channel more, or less.
+        ("extract", "mask") if all.iter().any(|s| s.extract.mask == Mask::External) => {
+            Way::Anew(&[Stage::Extract])
+        }
+        ("extract", "points") if all.iter().any(|s| knows_truth(s)) => {
+            Way::Anew(&[Stage::Capture, Stage::Extract])
+        }
+        ("extract", _) => Way::Live(Stage::Extract),
+        ("fit" | "camera", _) => Way::Live(Stage::Fit),
+        ("capture", "source") if all.iter().any(|s| s.capture.is_external()) => Way::Fixed,
+        ("capture", _) if all.iter().all(|s| s.capture.is_external()) => Way::Chain,
+        ("capture" | "simulation", _) => Way::Anew(&[Stage::Capture]),
+        ("run", "restart" | "max_restarts" | "restart_window_s" | "hang_s") => Way::Chain,
+        (
+            "run",
+            "realtime" | "cpus" | "scheduling" | "priority" | "lock_memory" | "wake" | "spin_us",
+        ) => Way::Anew(&[Stage::Capture, Stage::Extract, Stage::Fit, Stage::Sink]),
+        _ => Way::Fixed,
+    }
+}
+
+/// Whether the source says where its ropes truly are, by as many points as extract.
+fn knows_truth(settings: &Settings) -> bool {
+    matches!(
+        settings.source(),
+        Source::Rendered(_) | Source::Simulated(_)
+    )
+}
+
+impl Settings {
+    /// Which stages these settings concern where those before held.
+    ///
+    /// # Errors
+    /// What cannot change while a chain runs.
+    pub fn concerned(&self, before: &Self) -> Result<Concerned> {
+        let mut concerned = Concerned::default();
+        let mut fixed = Vec::new();
+        for key in KEYS {
+            if (key.get)(self) == (key.get)(before) {
+                continue;
+            }
+            match way(key.section, key.name, [before, self]) {
+                Way::Live(stage) => concerned.live[stage as usize] = true,
+                Way::Anew(stages) => {
+                    for &stage in stages {
+                        concerned.anew[stage as usize] = true;
+                    }
+                }
+                Way::Chain => {}
+                Way::Fixed => fixed.push(format!("{}.{}", key.section, key.name)),
+            }
+        }
+        if !fixed.is_empty() {
+            bail!(
+                "{} cannot change while the chain runs: stop it, and start it with the new value",
+                fixed.join(", ")
+            );
+        }
+        for stage in 0..4 {
+            concerned.live[stage] &= !concerned.anew[stage];
+        }
+        Ok(concerned)
+    }
+
+    /// The settings that are not as they were: `section.name`, and the value as the file has it.
+    pub fn differences(&self, before: &Self) -> impl Iterator<Item = (String, String)> {
+        KEYS.iter().filter_map(move |key| {
+            let value = (key.get)(self);
+            let value_text = value
+                .as_ref()
+                .map_or_else(|| "not set".to_owned(), Value::to_string);
+            (value != (key.get)(before))
+                .then(|| (format!("{}.{}", key.section, key.name), value_text))
+        })
+    }
+
+    /// These with changes, which are flags of [`Flags::with_change`].
+    ///
+    /// # Errors
+    /// What makes no sense in them, or of all settings together.
+    pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
+        let mut problems = Problems::default();
+        let entries = file::entries(Path::new(FILE_NAME), &self.text(), &mut problems);
+        Resolved::of(entries, self.file.clone(), changes, problems)
+            .map(|resolved| resolved.settings)
+    }
+
+    /// The settings of a [`text`](Self::text).
+    ///
+    /// # Errors
+    /// All that is wrong with it, a sentence each.
+    pub fn of_text(text: &str) -> Result<Self> {
+        let mut problems = Problems::default();
+        let entries = file::entries(Path::new(FILE_NAME), text, &mut problems);
+        let mut settings = Resolved::of(entries, None, &Flags::default(), problems)?.settings;
+        settings.version = version_of(text);
+        Ok(settings)
+    }
+}
+
+/// Which version of the settings a text is: 0 if it does not say.
+pub fn version_of(text: &str) -> u32 {
+    let line = text.lines().next().unwrap_or_default();
+    let version = line.strip_prefix(VERSION).map(str::parse);
+    version.and_then(Result::ok).unwrap_or(0)
+}
+
+/// A change as it is written, `section.name=value`: which of [`KEYS`], and the value as the file would have it.
+///
+/// # Errors
+/// A sentence on what is wrong with it.
+pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
+    let Some((name, typed)) = text.split_once('=') else {
+        bail!("{text}: write SECTION.SETTING=VALUE, such as fit.order=6");
+    };
+    let (name, typed) = (name.trim(), typed.trim());
+    let known = name.split_once('.');
+    let Some(key) = known.and_then(|(section, name)| keys::position(section, name)) else {
+        let names: Vec<String> = KEYS
+            .iter()
+            .map(|key| format!("{}.{}", key.section, key.name))
+            .collect();
+        let like = meaning::nearest(name, names.iter().map(String::as_str));
+        let guess = like.map_or_else(
+            || "`lariat config show` lists them".to_owned(),
+            |like| format!("did you mean {like}?"),
+        );
+        bail!("there is no setting {name}: {guess}");
+    };
+    let takes = (KEYS[key].takes)();
+    let is_toml = typed.starts_with(['[', '{', '"']) || matches!(takes, Takes::Nothing);
+    let takes = if is_toml { Takes::Toml } else { takes };
+    let value = takes
+        .value(typed)
+        .map_err(|why| anyhow::anyhow!("{name}={typed}: {why}"))?;
+    Ok((key, value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn changed(changes: &[&str]) -> Settings {
+        let flags = changes
+            .iter()
+            .try_fold(Flags::default(), |flags, change| flags.with_change(change));
+        Settings::resolve(&flags.unwrap()).unwrap()
+    }
+
+    fn of(stages: &[Stage]) -> [bool; 4] {
+        let mut of = [false; 4];
+        stages.iter().for_each(|&stage| of[stage as usize] = true);
+        of
+    }
+
+    #[test]
+    fn a_change_concerns_the_stages_that_go_by_it() {
+        let before = changed(&["capture.source=[\"a.png\"]"]);
+        let concerned = |changes: &[&str]| {
+            let all = [&["capture.source=[\"a.png\"]"], changes].concat();
+            changed(&all).concerned(&before)
+        };
+        let live = |stages| Concerned {
+            live: of(stages),
+            ..Concerned::default()
+        };
+        let anew = |stages| Concerned {
+            anew: of(stages),
+            ..Concerned::default()
+        };
+        let here = concerned(&["fit.order=6", "extract.min_confidence=0.25"]).unwrap();
+        assert_eq!(here, live(&[Stage::Extract, Stage::Fit]));
+        assert_eq!(concerned(&[]).unwrap(), Concerned::default());
+        assert_eq!(
+            concerned(&["capture.fps=60"]).unwrap(),
+            anew(&[Stage::Capture])
+        );
+        assert_eq!(
+            concerned(&["extract.mask=external", "extract.ropes=2"]).unwrap(),
+            anew(&[Stage::Extract])
+        );
+        assert_eq!(
+            concerned(&["run.restart=always"]).unwrap(),
+            Concerned::default()
+        );
+        let refused = concerned(&["run.rig=other", "sink.live=false"]).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "run.rig, sink.live cannot change while the chain runs: stop it, and start it with the new value"
+        );
+    }
+
+    #[test]
+    fn a_change_is_read_as_a_flag_or_the_file_has_it() {
+        let settings = changed(&[
+            "fit.filter=true",
+            "run.cpus=[0, 0, 1, 1]",
+            "extract.keep_lost_s = 2s",
+            "capture.size=320x240",
+        ]);
+        assert!(settings.fit.filter);
+        assert_eq!(settings.extract.keep_lost.as_secs(), 2);
+        let refuse = |text| parse(text).unwrap_err().to_string();
+        assert_eq!(
+            refuse("fit.odrer=3"),
+            "there is no setting fit.odrer: did you mean fit.order?"
+        );
+        assert_eq!(
+            refuse("fit.order"),
+            "fit.order: write SECTION.SETTING=VALUE, such as fit.order=6"
+        );
+    }
+
+    #[test]
+    fn a_versioned_text_gives_the_same_settings() {
+        let mut settings = changed(&["fit.order=6", "run.rig=left", "extract.roi=[1, 2, 30, 40]"]);
+        for version in [0, 7] {
+            settings.version = version;
+            assert_eq!(Settings::of_text(&settings.text()).unwrap(), settings);
+        }
+        assert!(Settings::of_text("[fit]\norder = \"many\"\n").is_err());
+    }
+}

@@ -1,0 +1,97 @@
+//! What extract leaves to its successor: what it said last, as a recording has it, and what it knew beside.
+
+use lariat_record::Record;
+use lariat_wire::Centerlines;
+
+use super::heirloom::Heirloom;
+use crate::pipeline::Past;
+
+/// Bytes before the message.
+const HEAD: usize = 20;
+
+/// What was left.
+pub(super) struct Left {
+    pub(super) past: Past,
+    pub(super) last: Box<Centerlines>,
+}
+
+/// What the extract before left, if there was one and it is whole.
+pub(super) fn read(heirloom: &Heirloom) -> Option<Left> {
+    let bytes = heirloom.handed_on()?;
+    let (&moment, rest) = bytes.split_first_chunk()?;
+    let (&numbers, message) = rest.split_first_chunk::<12>()?;
+    let [width, height, tracks] = [0, 4, 8].map(|at| {
+        let number: [u8; 4] = std::array::from_fn(|i| numbers[at + i]);
+        u32::from_le_bytes(number)
+    });
+    let mut last = Box::new(Centerlines::EMPTY);
+    last.decode(message).ok()?;
+    let past = Past {
+        exposed_ns: u64::from_le_bytes(moment),
+        size: [width, height],
+        tracks,
+    };
+    Some(Left { past, last })
+}
+
+/// Where it is written.
+pub(super) struct Estate {
+    message: Vec<u8>,
+    bytes: Vec<u8>,
+}
+
+impl Default for Estate {
+    fn default() -> Self {
+        // As large as a message can be: nothing is allocated later.
+        let room = HEAD + 2 * size_of::<Centerlines>();
+        Self {
+            message: Vec::with_capacity(room),
+            bytes: Vec::with_capacity(room),
+        }
+    }
+}
+
+impl Estate {
+    pub(super) fn write(&mut self, past: Past, last: &Centerlines) -> &[u8] {
+        last.encode(&mut self.message);
+        self.bytes.clear();
+        self.bytes.extend(past.exposed_ns.to_le_bytes());
+        for number in [past.size[0], past.size[1], past.tracks] {
+            self.bytes.extend(number.to_le_bytes());
+        }
+        self.bytes.extend(&self.message);
+        &self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stages::status::Sent;
+
+    #[test]
+    fn what_was_left_comes_back() {
+        let mut last = Box::new(Centerlines::EMPTY);
+        (last.width, last.height, last.count) = (640, 480, 2);
+        last.curves[1].track = 7;
+        last.curves[1].count = 3;
+        last.curves[1].points[2] = [3.5, -1.0];
+        let past = Past {
+            exposed_ns: 1 << 40,
+            size: [640, 480],
+            tracks: 8,
+        };
+        let mut heirloom = Heirloom::make("test").unwrap();
+        assert!(read(&heirloom).is_none());
+        heirloom.hand_on(5, Estate::default().write(past, &last));
+        let sent = Sent {
+            count: 5,
+            last_sequence: 5,
+        };
+        heirloom.note(sent, 5);
+        let left = read(&heirloom).unwrap();
+        assert_eq!((left.past, left.last), (past, last));
+        heirloom.hand_on(5, b"what another release may leave");
+        assert!(read(&heirloom).is_none());
+    }
+}

@@ -1,0 +1,320 @@
+//! Stages that are started anew in their place, and settings that change, while the rest of a chain goes on.
+
+use std::fs;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use lariat_wire::{Domain, Reader, Rig, Trace};
+use rustix::process::Signal;
+
+use crate::rig::{Bench, Running, send, wait_until_gone};
+
+const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Looks again and again until something is there.
+fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(begin.elapsed() < PATIENCE, "{what} did not come");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// A control loop of the bench's rig.
+fn reader(bench: &Bench) -> Reader {
+    let domain = Domain::named(&bench.domain).unwrap();
+    Reader::open_in(domain, &Rig::default()).unwrap()
+}
+
+/// The number and the first point of the only rope in the next frame that shows one after so many were fitted.
+fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
+    wait_for("a rope", || {
+        let frame = reader.latest().unwrap();
+        assert!(
+            frame.run() <= 1,
+            "a stage that is started anew is no new run"
+        );
+        let message = frame.message()?;
+        let is_new = message.trace.fitted > fitted;
+        let curve = message.curves().first().filter(|_| is_new)?;
+        (curve.age_ns == 0).then(|| {
+            let first = message.centerlines[0].points()[0];
+            (curve.track, first, message.trace)
+        })
+    })
+}
+
+fn start(bench: &Bench, more: &[&str]) -> Running {
+    let always = ["--restart", "on-failure", "--out", "out"];
+    bench.start(&[&always, more].concat())
+}
+
+/// The process that a stage has in the bench's domain, if that is another than it was.
+fn another(bench: &Bench, stage: &str, before: i32) -> Option<i32> {
+    let folder = format!("/tmp/lariat-{}/lariat-roster", bench.domain);
+    let names = fs::read_dir(folder).ok()?.flatten();
+    let mut ids = names.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok()?;
+        let id = name.strip_prefix(&format!("default.{stage}."))?;
+        id.parse::<i32>().ok().filter(|id| *id != before)
+    });
+    ids.next()
+}
+
+#[test]
+fn a_stage_that_is_killed_is_started_anew_and_all_others_go_on() {
+    let bench = Bench::new();
+    let mut chain = start(&bench, &["--fps", "100"]);
+    chain.wait_for_frames();
+    let mut reader = reader(&bench);
+    let (track, mut before, mut trace) = rope_after(&mut reader, 0);
+    for (place, stage) in STAGES.into_iter().enumerate() {
+        chain.signal_stage(place, Signal::KILL);
+        let id = wait_for(stage, || another(&bench, stage, chain.ids[place]));
+        wait_until_gone(chain.ids[place]);
+        let restarts = u8::from(stage != "sink");
+        let (now_track, now, now_trace) = wait_for("the rope", || {
+            let (track, now, trace) = rope_after(&mut reader, trace.fitted);
+            let is_new = trace
+                .restarts()
+                .get(place)
+                .is_none_or(|&count| count == restarts);
+            is_new.then_some((track, now, trace))
+        });
+        assert_eq!(now_track, track, "{stage}: the rope keeps its number");
+        let moved = (now[0] - before[0]).hypot(now[1] - before[1]);
+        assert!(
+            moved < 100.0,
+            "{stage}: and begins where it began: {before:?} {now:?}"
+        );
+        assert!(now_trace.captured > trace.captured && now_trace.sequence > trace.sequence);
+        assert!(now_trace.extracted > trace.extracted && now_trace.fitted > trace.fitted);
+        (before, trace) = (now, now_trace);
+        assert_ne!(id, chain.ids[place]);
+    }
+    assert_eq!(trace.restarts(), [1, 1, 1]);
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    for stage in STAGES {
+        let sentence = format!("{stage} was killed by signal 9 (SIGKILL); it is started anew");
+        assert_eq!(
+            ended.stderr.matches(&sentence).count(),
+            1,
+            "{}",
+            ended.stderr
+        );
+    }
+    bench.assert_every_frame_is_accounted_for("out");
+    drop(reader);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_stage_that_stands_still_while_frames_wait_is_killed_and_started_anew() {
+    let bench = Bench::new();
+    fs::write(bench.path("lariat.toml"), "[run]\nhang_s = 1\n").unwrap();
+    let mut chain = start(&bench, &["--fps", "100"]);
+    chain.wait_for_frames();
+    for place in [0, 2] {
+        send(chain.ids[place], Signal::STOP);
+        wait_for("another", || {
+            another(&bench, STAGES[place], chain.ids[place])
+        });
+    }
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    for stage in ["capture", "fit"] {
+        let sentence = format!("{stage} has stood still for 1 s while work waits for it");
+        assert_eq!(
+            ended.stderr.matches(&sentence).count(),
+            1,
+            "{}",
+            ended.stderr
+        );
+    }
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_stage_that_falls_too_often_ends_the_chain() {
+    let bench = Bench::new();
+    fs::write(bench.path("lariat.toml"), "[run]\nmax_restarts = 1\n").unwrap();
+    let mut chain = start(&bench, &["--fps", "100"]);
+    chain.wait_for_frames();
+    chain.signal_stage(2, Signal::KILL);
+    let id = wait_for("fit", || another(&bench, "fit", chain.ids[2]));
+    send(id, Signal::KILL);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
+    let sentence = "1 parts were started anew within 60 s (max_restarts): no more";
+    assert_eq!(
+        ended.stderr.matches(sentence).count(),
+        1,
+        "{}",
+        ended.stderr
+    );
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn files_go_on_where_a_killed_capture_stopped() {
+    let bench = Bench::new();
+    let films = bench.run(&[
+        "run",
+        "--frames",
+        "60",
+        "--fps",
+        "100",
+        "--record",
+        "film.mcap",
+    ]);
+    assert!(films.status.success());
+    let mut chain = bench.start(&[
+        "film.mcap",
+        "--restart",
+        "on-failure",
+        "--lossless",
+        "--fps",
+        "20",
+        "--out",
+        "out",
+    ]);
+    chain.wait_for_frames();
+    chain.signal_stage(0, Signal::KILL);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    let frames = &bench.summary("out")["frames"];
+    // One may have been noted and not sent when it was killed: it is lost, and said to be.
+    assert_eq!(frames["published"], 60, "{frames}");
+    assert!(frames["received"].as_u64().unwrap() >= 58, "{frames}");
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made() {
+    let bench = Bench::new();
+    let mut chain = start(
+        &bench,
+        &["--lossless", "--record", "run.mcap", "--fps", "50"],
+    );
+    chain.wait_for_frames();
+    let set = |changes: &[&str]| bench.run(&[&["set"], changes].concat());
+    let said = set(&["fit.order=6", "extract.points=60"]);
+    let text = String::from_utf8_lossy(&said.stdout).into_owned();
+    assert!(said.status.success(), "{said:?}");
+    assert!(
+        text.starts_with("settings 1: extract.points = 60 fit.order = 6"),
+        "{text}"
+    );
+    let wait_for_version = |version| {
+        let mut reader = reader(&bench);
+        wait_for("the version", || {
+            let frame = reader.latest().unwrap();
+            let message = frame.message()?;
+            (message.trace.settings == version).then(|| {
+                let curve = message.curves()[0];
+                (curve.order, message.centerlines[0].points().len())
+            })
+        })
+    };
+    // A reader of a lossless chain is waited for: it is there for as long as it looks.
+    let (order, _) = wait_for_version(1);
+    assert_eq!(order, 6);
+    assert!(set(&["fit.order=4"]).status.success());
+    assert_eq!(wait_for_version(2).0, 4);
+    // What makes no sense leaves all as it is, and says why.
+    for (change, why) in [
+        ("fit.order=99", "order"),
+        ("fit.odrer=9", "did you mean fit.order?"),
+        (
+            "run.rig=other",
+            "run.rig cannot change while the chain runs",
+        ),
+        ("extract.network=none.weights", "none.weights"),
+    ] {
+        let refused = set(&[change]);
+        assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+        let text = String::from_utf8_lossy(&refused.stderr);
+        assert!(text.contains(why), "{change}: {text}");
+    }
+    let holds = String::from_utf8(set(&[]).stdout).unwrap();
+    assert!(holds.starts_with("# lariat settings 2\n"), "{holds}");
+    assert!(
+        holds.contains("order = 4\n") && holds.contains("points = 60\n"),
+        "{holds}"
+    );
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    // The recording has every version, and the same comes out by them.
+    let check = bench.run(&["replay", "run.mcap", "--check"]);
+    let text = String::from_utf8_lossy(&check.stdout);
+    assert!(check.status.success(), "{check:?}");
+    assert!(text.contains("are the same to the bit"), "{text}");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_settings_file_that_is_edited_holds_at_once_if_it_is_watched() {
+    let bench = Bench::new();
+    let file = bench.path("lariat.toml");
+    fs::write(&file, "[fit]\norder = 5\n").unwrap();
+    let mut chain = start(&bench, &["--watch", "--fps", "100"]);
+    chain.wait_for_frames();
+    let mut reader = reader(&bench);
+    let mut order_is = |order: u32| {
+        wait_for("the order", || {
+            let frame = reader.latest().unwrap();
+            let curve = frame.message()?.curves().first()?;
+            (curve.order == order).then_some(())
+        });
+    };
+    order_is(5);
+    fs::write(&file, "[fit]\norder = \"many\"\n").unwrap();
+    fs::write(&file, "[fit]\norder = 7\n[capture]\nseed = 90\n").unwrap();
+    order_is(7);
+    wait_for("capture", || another(&bench, "capture", chain.ids[0]));
+    drop(reader);
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("started anew: capture"),
+        "{}",
+        ended.stderr
+    );
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_stage_is_started_anew_when_that_is_asked_for() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "100", "--out", "out"]);
+    chain.wait_for_frames();
+    for (place, stage) in STAGES.into_iter().enumerate() {
+        let said = bench.run(&["restart", stage]);
+        assert!(said.status.success(), "{said:?}");
+        wait_for(stage, || another(&bench, stage, chain.ids[place]));
+    }
+    let unknown = bench.run(&["restart", "fitt"]);
+    assert_eq!(unknown.status.code(), Some(1));
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+    let nobody = bench.run(&["set", "fit.order=3"]);
+    assert_eq!(nobody.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&nobody.stderr);
+    assert!(text.contains("no chain runs on rig default"), "{text}");
+}
