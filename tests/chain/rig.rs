@@ -113,6 +113,7 @@ impl Bench {
             &lost["mask"],
             &lost["extract"],
             &lost["fit"],
+            &lost["sink"],
         ];
         assert_eq!(
             count(&frames["published"]),

@@ -6,8 +6,9 @@
 //! first cannot, a curve that lies on the rope but ends too early.
 
 use crate::polyline::{Point, Polyline, Polylines, between};
+use crate::saved::{RestoreError, Saved, Saving};
 use crate::summary::Distances;
-use crate::times::histogram;
+use crate::times::{self, histogram};
 use hdrhistogram::Histogram;
 use lariat_message::MAX_POINTS;
 
@@ -37,6 +38,27 @@ impl Heap {
         self.max_px = self.max_px.max(distance_px);
         self.histogram
             .saturating_record((distance_px * PER_PX).round() as u64);
+    }
+
+    /// Becomes another one of the same kind.
+    fn set_to(&mut self, other: &Self) {
+        (self.sum_px, self.max_px) = (other.sum_px, other.max_px);
+        self.histogram
+            .set_to(&other.histogram)
+            .expect("all heaps have the same bounds");
+    }
+
+    fn save(&self, to: &mut Saving) {
+        times::save(&self.histogram, to);
+        to.real(self.sum_px);
+        to.real(self.max_px);
+    }
+
+    fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
+        let mut heap = Self::new();
+        times::restore(&mut heap.histogram, from)?;
+        (heap.sum_px, heap.max_px) = (from.real()?, from.real()?);
+        Ok(heap)
     }
 
     /// Sum and number of the distances.
@@ -88,6 +110,41 @@ impl Comparison {
         }
     }
 
+    /// Takes over what came to another one since the last time.
+    fn follow(&mut self, other: &Self) {
+        if self.frames == other.frames {
+            return;
+        }
+        self.nearest.set_to(&other.nearest);
+        self.point_by_point.set_to(&other.point_by_point);
+        self.frames = other.frames;
+        self.frames_without_curve = other.frames_without_curve;
+        self.ropes_without_curve = other.ropes_without_curve;
+        self.curves_of_nothing = other.curves_of_nothing;
+    }
+
+    fn save(&self, to: &mut Saving) {
+        self.nearest.save(to);
+        self.point_by_point.save(to);
+        to.numbers([
+            self.frames,
+            self.frames_without_curve,
+            self.ropes_without_curve,
+            self.curves_of_nothing,
+        ]);
+    }
+
+    fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
+        Ok(Self {
+            nearest: Heap::restore(from)?,
+            point_by_point: Heap::restore(from)?,
+            frames: from.count()?,
+            frames_without_curve: from.count()?,
+            ropes_without_curve: from.count()?,
+            curves_of_nothing: from.count()?,
+        })
+    }
+
     /// Begins a frame.
     pub(crate) fn frame<'a>(&'a mut self, truth: &'a Polylines) -> Frame<'a> {
         Frame {
@@ -96,6 +153,61 @@ impl Comparison {
             curves: 0,
             matched: 0,
         }
+    }
+}
+
+/// Everything that is compared with the truth.
+#[derive(Debug, Clone)]
+pub(crate) struct Compared {
+    /// Centerlines against the truth.
+    pub(crate) centerline: Comparison,
+    /// Fitted curves against the truth.
+    pub(crate) curve: Comparison,
+    /// Fitted curves that this version does not know how to draw.
+    pub(crate) unknown_basis: u64,
+    /// Whether fitted curves come in another unit than the truth, pixels of the image.
+    pub(crate) elsewhere: bool,
+}
+
+impl Compared {
+    pub(crate) fn new() -> Self {
+        Self {
+            centerline: Comparison::new(),
+            curve: Comparison::new(),
+            unknown_basis: 0,
+            elsewhere: false,
+        }
+    }
+
+    /// What the live line shows: centerlines, or the curves where no centerlines come.
+    pub(crate) fn shown(&self) -> &Comparison {
+        match self.centerline.frames {
+            0 => &self.curve,
+            _ => &self.centerline,
+        }
+    }
+
+    /// Takes over what came to another one since the last time.
+    pub(crate) fn follow(&mut self, other: &Self) {
+        self.centerline.follow(&other.centerline);
+        self.curve.follow(&other.curve);
+        self.unknown_basis = other.unknown_basis;
+        self.elsewhere = other.elsewhere;
+    }
+
+    pub(crate) fn save(&self, to: &mut Saving) {
+        self.centerline.save(to);
+        self.curve.save(to);
+        to.numbers([self.unknown_basis, self.elsewhere.into()]);
+    }
+
+    pub(crate) fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
+        Ok(Self {
+            centerline: Comparison::restore(from)?,
+            curve: Comparison::restore(from)?,
+            unknown_basis: from.count()?,
+            elsewhere: from.flag()?,
+        })
     }
 }
 

@@ -4,6 +4,7 @@
 //! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
 //! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
 
+use crate::saved::{RestoreError, Saved, Saving};
 use crate::step::Step;
 use crate::times::{LONGEST_NS, Times};
 use lariat_message::Trace;
@@ -90,6 +91,27 @@ impl Latency {
     /// Messages with a stamp that lies before its predecessor on the way.
     pub(crate) fn backwards(&self) -> u64 {
         self.backwards
+    }
+
+    /// Nothing came just before what comes next.
+    pub(crate) fn resume(&mut self) {
+        self.previous = None;
+    }
+
+    pub(crate) fn save(&self, to: &mut Saving) {
+        self.rows.iter().for_each(|row| row.save(to));
+        to.numbers([self.saturated, self.backwards]);
+        to.optional(self.previous.map(<[u64; 2]>::from));
+    }
+
+    pub(crate) fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
+        let mut latency = Self::new();
+        for row in &mut latency.rows {
+            row.restore(from)?;
+        }
+        (latency.saturated, latency.backwards) = (from.count()?, from.count()?);
+        latency.previous = from.optional()?.map(<(u64, u64)>::from);
+        Ok(latency)
     }
 
     /// Records one message. Returns the whole way in nanoseconds, if it is known.

@@ -19,6 +19,7 @@
 //! println!("{}", sink.report());
 //! ```
 
+mod counts;
 mod drawn;
 mod error;
 mod figure;
@@ -29,11 +30,14 @@ mod losses;
 mod machine;
 mod options;
 mod polyline;
+mod receipt;
 mod report;
+mod saved;
 mod sink;
 mod step;
 mod summary;
 mod table;
+mod tally;
 mod timeline;
 mod times;
 mod truth;
@@ -43,8 +47,11 @@ pub use figure::Figure;
 pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
 pub use options::{FinalCounts, Options};
+pub use receipt::Receipt;
 pub use report::Report;
+pub use saved::RestoreError;
 pub use sink::Sink;
 pub use step::Step;
 pub use summary::{Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary};
+pub use tally::Tally;
 pub use times::Times;

@@ -38,14 +38,15 @@ pub(crate) struct Live {
 }
 
 impl Live {
-    pub(crate) fn new() -> Self {
+    /// `error`: what came before the first interval.
+    pub(crate) fn new(error: &Comparison) -> Self {
         Self {
             since_ns: None,
             frames: 0,
             curves: 0,
             // Two digits are more than the eye takes in, and a tenth of the memory to clear.
             total: Times::new(LONGEST_NS, 2),
-            errors_before: (0.0, 0),
+            errors_before: error.nearest.sum(),
             figures: None,
             line: String::with_capacity(256),
         }
@@ -135,7 +136,7 @@ mod tests {
 
     #[test]
     fn the_line_shows_the_last_whole_second() {
-        let (mut live, mut ledger) = (Live::new(), Ledger::new(true));
+        let (mut live, mut ledger) = (Live::new(&Comparison::new()), Ledger::new(true));
         let error = Comparison::new();
         assert_eq!(
             live.line(7, &ledger, &error),
@@ -158,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_chain_that_has_stalled_shows_no_frames() {
-        let (mut live, mut ledger) = (Live::new(), Ledger::new(true));
+        let (mut live, mut ledger) = (Live::new(&Comparison::new()), Ledger::new(true));
         let error = Comparison::new();
         receive(&mut live, &mut ledger, 1, 10);
         live.line(1_000_000_000, &ledger, &error);

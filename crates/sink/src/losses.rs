@@ -9,11 +9,15 @@
 //! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
 //! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
 //!
-//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit`, always. By hand, without a chain to say it to, frames
+//! A sink that was started anew, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
+//! one: what that had received and not written down, and what came while there was none.
+//!
+//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
 //! skipped for want of a mask are in `lost.capture`. What was under way when the chain stopped is known too: each stage says at its end what it
 //! sent, the chain tells sink on its standard input, and the difference to the last message is lost on its link. A stage that did not live to say
 //! leaves its share on the link before it, with the sum still exact.
 
+use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
 use crate::{FinalCounts, Lost};
 use lariat_message::Trace;
 
@@ -26,10 +30,9 @@ pub struct Restarts {
     pub extract: u64,
     /// Fit.
     pub fit: u64,
+    /// The sink itself.
+    pub sink: u64,
 }
-
-/// What no stage counts to: a thousand frames a second for eight thousand years.
-const LARGEST_COUNT: u64 = 1 << 48;
 
 /// The source's number and the counters of capture, extract and fit, in the order of the way.
 type Counters = [u64; 4];
@@ -41,6 +44,8 @@ pub enum Arrival {
     First,
     /// A later one.
     Next,
+    /// The first one since the sink goes on where another stopped.
+    Resumed,
     /// Seen before, older than one seen before, or of counters or of a clock that cannot be: not counted.
     Stale,
 }
@@ -55,6 +60,10 @@ pub struct Ledger {
     /// Sums of the steps Δs, Δc, Δe, Δf.
     steps: Counters,
     received: u64,
+    /// What fit sent and no sink has counted, as there was none.
+    with_sink: u64,
+    /// Nothing has come since the sink goes on where another stopped.
+    resumed: bool,
     stale: u64,
     /// Frames that extract says it skipped for want of a mask.
     masks_late: u64,
@@ -71,6 +80,8 @@ impl Ledger {
             last: None,
             steps: [0; 4],
             received: 0,
+            with_sink: 0,
+            resumed: false,
             stale: 0,
             masks_late: 0,
             restarts: Restarts::default(),
@@ -94,16 +105,25 @@ impl Ledger {
         let (before, arrival) = match self.last {
             // A fit begun anew also counts from 1, but its clock does not go back.
             Some((last, fitted_ns)) if now[3] <= last[3] && trace.fitted_ns <= fitted_ns => {
-                self.stale += 1;
+                // A reader that comes late is given the newest of before: the last sink has counted it.
+                let is_given_anew = self.resumed && now == last;
+                self.stale += u64::from(!is_given_anew);
                 return Arrival::Stale;
             }
             Some((last, _)) => (last, Arrival::Next),
             None if self.from_start => ([0; 4], Arrival::First),
             None => (now.map(|count| count.saturating_sub(1)), Arrival::First),
         };
+        let arrival = if self.resumed {
+            Arrival::Resumed
+        } else {
+            arrival
+        };
+        let lost_before = self.lost().fit;
         self.received += 1;
         self.first.get_or_insert(now);
         self.advance(before, now.map(Some), 1);
+        self.lose_with_sink(lost_before);
         self.last = Some((now, trace.fitted_ns));
         arrival
     }
@@ -126,8 +146,23 @@ impl Ledger {
             sent.extracted,
             sent.fitted,
         ];
+        let lost_before = self.lost().fit;
         let reached = self.advance(before, now, 0);
+        self.lose_with_sink(lost_before);
         self.last = Some((reached, fitted_ns));
+    }
+
+    /// Goes on where another stopped.
+    pub(crate) fn resume(&mut self) {
+        self.resumed = true;
+        self.restarts.sink += 1;
+    }
+
+    /// What of fit's messages is missing now and was not before is lost with the last sink, if this one has just gone on.
+    fn lose_with_sink(&mut self, before: u64) {
+        if std::mem::take(&mut self.resumed) {
+            self.with_sink += self.lost().fit - before;
+        }
     }
 
     /// Counts what was lost before the first message, now that it is known where the counters stood when the chain began.
@@ -199,8 +234,51 @@ impl Ledger {
             capture: captured - extracted - mask,
             mask,
             extract: extracted - fitted,
-            fit: fitted - self.received,
+            fit: fitted - self.received - self.with_sink,
+            sink: self.with_sink,
         }
+    }
+
+    pub(crate) fn save(&self, to: &mut Saving) {
+        to.optional(self.first);
+        to.optional(self.last.map(|([s, c, e, f], at_ns)| [s, c, e, f, at_ns]));
+        to.numbers(self.steps);
+        to.numbers([self.received, self.with_sink, self.stale, self.masks_late]);
+        to.number(self.resumed.into());
+        let Restarts {
+            capture,
+            extract,
+            fit,
+            sink,
+        } = self.restarts;
+        to.numbers([capture, extract, fit, sink]);
+    }
+
+    pub(crate) fn restore(from: &mut Saved, from_start: bool) -> Result<Self, RestoreError> {
+        let first = from.optional()?;
+        let last = from.optional()?;
+        let steps = from.numbers()?;
+        let [received, with_sink, stale, masks_late] =
+            [from.count()?, from.count()?, from.count()?, from.number()?];
+        let is_sound = steps.is_sorted_by(|a, b| a >= b) && received + with_sink <= steps[3];
+        sound((), |()| is_sound)?;
+        Ok(Self {
+            from_start,
+            first,
+            last: last.map(|[s, c, e, f, at_ns]| ([s, c, e, f], at_ns)),
+            steps,
+            received,
+            with_sink,
+            resumed: from.flag()?,
+            stale,
+            masks_late,
+            restarts: Restarts {
+                capture: from.count()?,
+                extract: from.count()?,
+                fit: from.count()?,
+                sink: from.count()?,
+            },
+        })
     }
 
     /// Which stages began anew.

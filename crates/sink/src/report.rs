@@ -1,6 +1,6 @@
 //! What remains of a run: the table, the stable summary, the histograms.
 
-use crate::error::Comparison;
+use crate::error::Compared;
 use crate::latency::{Latency, Row};
 use crate::timeline::Timeline;
 use crate::{FinalCounts, Restarts, Summary, hgrm, table};
@@ -13,8 +13,7 @@ pub struct Report {
     pub(crate) summary: Summary,
     pub(crate) latency: Latency,
     pub(crate) timeline: Timeline,
-    pub(crate) centerline: Comparison,
-    pub(crate) curve: Comparison,
+    pub(crate) compared: Compared,
     pub(crate) facts: Facts,
 }
 
@@ -24,13 +23,10 @@ pub(crate) struct Facts {
     pub(crate) period_ns: Option<u64>,
     pub(crate) from_start: bool,
     /// When the first and the last message came.
-    pub(crate) span_ns: Option<(u64, u64)>,
+    pub(crate) span_ns: Option<[u64; 2]>,
     pub(crate) restarts: Restarts,
     pub(crate) stale: u64,
     pub(crate) blank: u64,
-    pub(crate) unknown_basis: u64,
-    /// Whether the fitted curves came in another unit than the truth.
-    pub(crate) elsewhere: bool,
     /// What the stages said at the end, if it has come.
     pub(crate) finished: Option<FinalCounts>,
 }
@@ -46,19 +42,18 @@ impl Report {
         self.facts.restarts
     }
 
-    /// The files of a report, names and contents: an `.hgrm` for each row, `report.txt`, `summary.json`. The summary comes last:
-    /// where it is, the others are.
+    /// The files of a report, names and contents: `report.txt`, an `.hgrm` for each row, `summary.json`. The table comes first and
+    /// the summary last: where there is any of them there is that, and where this is, the others are.
     ///
     /// # Errors
     /// None but those of writing to memory.
     pub fn files(&self) -> io::Result<Vec<(String, Vec<u8>)>> {
-        let mut files = Vec::new();
+        let mut files = vec![("report.txt".to_owned(), self.to_string().into_bytes())];
         for row in Row::all() {
             let mut text = Vec::new();
             hgrm::write(self.latency.row(row), &mut text)?;
             files.push((format!("{}.hgrm", row.name()), text));
         }
-        files.push(("report.txt".to_owned(), self.to_string().into_bytes()));
         let mut json = serde_json::to_vec_pretty(&self.summary)?;
         json.push(b'\n');
         files.push(("summary.json".to_owned(), json));

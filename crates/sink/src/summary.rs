@@ -6,8 +6,10 @@ use serde::Serialize;
 /// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The version of these keys: 1.
+    /// The version of these keys: 2. With 2 came `finished` and `frames.lost.sink`.
     pub schema: u32,
+    /// Whether the run has ended. A summary that was written while it went on, as every 10 s, says how it stood then.
+    pub finished: bool,
     /// How many frames, and where they went.
     pub frames: Frames,
     /// Where the time went, in microseconds.
@@ -20,7 +22,7 @@ pub struct Summary {
     pub machine: Machine,
 }
 
-/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit`, always.
+/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit` + `lost.sink`, always.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Frames {
     /// What capture sent, as far as known.
@@ -45,14 +47,17 @@ pub struct Lost {
     pub mask: u64,
     /// Sent by extract, never by fit.
     pub extract: u64,
-    /// Sent by fit, never received here.
+    /// Sent by fit, never received here, though there was a sink.
     pub fit: u64,
+    /// Sent by fit while the sink was dead, until another one went on where it had stopped; with what it had received and could
+    /// not write down any more.
+    pub sink: u64,
 }
 
 impl Lost {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.source + self.capture + self.mask + self.extract + self.fit
+        self.source + self.capture + self.mask + self.extract + self.fit + self.sink
     }
 }
 

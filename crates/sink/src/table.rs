@@ -24,7 +24,7 @@ pub(crate) fn write(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn heading(report: &Report, f: &mut Formatter<'_>) -> Result {
     let frames = &report.summary.frames;
     write!(f, "{} received", plural(frames.received, "frame"))?;
-    if let Some((first, last)) = report.facts.span_ns.filter(|(first, last)| last > first) {
+    if let Some([first, last]) = report.facts.span_ns.filter(|[first, last]| last > first) {
         let seconds = (last - first) as f64 / 1e9;
         let rate = (frames.received.saturating_sub(1)) as f64 / seconds;
         write!(
@@ -178,7 +178,12 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
         write!(f, " {count:>8}")?;
     }
     write!(f, "\n{:<20}", "  lost after it")?;
-    for count in [lost.source, after_capture, lost.extract, lost.fit] {
+    for count in [
+        lost.source,
+        after_capture,
+        lost.extract,
+        lost.fit + lost.sink,
+    ] {
         write!(f, " {count:>8}")?;
     }
     if lost.mask > 0 {
@@ -186,6 +191,13 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
             f,
             "\n{:<20} {:>8} {:>8}",
             "    mask too late", "", lost.mask
+        )?;
+    }
+    if lost.sink > 0 {
+        write!(
+            f,
+            "\n{:<20} {:>8} {:>8} {:>8} {:>8}",
+            "    with a sink", "", "", "", lost.sink
         )?;
     }
     writeln!(f, "\n")
@@ -206,7 +218,7 @@ fn deadline(report: &Report, f: &mut Formatter<'_>) -> Result {
 }
 
 fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
-    if report.centerline.frames == 0 && report.curve.frames == 0 {
+    if report.compared.centerline.frames == 0 && report.compared.curve.frames == 0 {
         return Ok(());
     }
     write!(f, "{:<20}", "error, px")?;
@@ -215,8 +227,8 @@ fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
     }
     writeln!(f)?;
     for (comparison, label) in [
-        (&report.centerline, "  centerline"),
-        (&report.curve, "  curve"),
+        (&report.compared.centerline, "  centerline"),
+        (&report.compared.curve, "  curve"),
     ] {
         if comparison.frames > 0 {
             distances(comparison.nearest.distances(), label, f)?;
@@ -227,7 +239,7 @@ fn errors(report: &Report, f: &mut Formatter<'_>) -> Result {
                 f,
             )?;
             writeln!(f)?;
-        } else if label == "  curve" && report.facts.elsewhere {
+        } else if label == "  curve" && report.compared.elsewhere {
             distances(Distances::default(), label, f)?;
             writeln!(f, "   not in the image's pixels, as the truth is")?;
         }
@@ -265,6 +277,11 @@ fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     let facts = &report.facts;
     let mut notes = Vec::new();
+    if facts.finished.is_none() {
+        notes.push(
+            "The run had not ended when this was written: it is how it stood then.".to_owned(),
+        );
+    }
     if !facts.from_start {
         let from_elsewhere = (facts.finished).is_some_and(|sent| sent.before_first.is_some());
         let why = if from_elsewhere {
@@ -282,6 +299,10 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
         if times > 0 {
             notes.push(format!("{stage} began anew {}: what it lost while it was away is counted as far as the others' counters show it.", plural(times, "time")));
         }
+    }
+    if facts.restarts.sink > 0 {
+        let times = plural(facts.restarts.sink, "time");
+        notes.push(format!("sink began anew {times}, and went on counting: what came while it was away is lost with it, and the last second before is not timed."));
     }
     for (stage, count) in facts.finished.iter().flat_map(|sent| {
         [
@@ -318,12 +339,12 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
             plural(report.latency.saturated(), "time")
         ));
     }
-    notes.extend(error_notes(&report.centerline, "centerline"));
-    notes.extend(error_notes(&report.curve, "curve"));
-    if facts.unknown_basis > 0 {
+    notes.extend(error_notes(&report.compared.centerline, "centerline"));
+    notes.extend(error_notes(&report.compared.curve, "curve"));
+    if report.compared.unknown_basis > 0 {
         notes.push(format!(
             "{} of a kind that this version does not know: not held against the truth.",
-            plural(facts.unknown_basis, "curve")
+            plural(report.compared.unknown_basis, "curve")
         ));
     }
     if !notes.is_empty() {

@@ -3,6 +3,7 @@
 
 use std::io::{self, Write};
 
+use crate::saved::{RestoreError, Saved, Saving, sound};
 use lariat_message::Trace;
 
 /// How many frames are kept.
@@ -47,10 +48,68 @@ impl Timeline {
         }
     }
 
+    /// The oldest first.
+    fn passages(&self) -> impl Iterator<Item = &Passage> + Clone {
+        let (newer, older) = self.passages.split_at(self.oldest);
+        older.iter().chain(newer)
+    }
+
+    pub(crate) fn save(&self, to: &mut Saving) {
+        to.number(self.passages.len() as u64);
+        for Passage { trace, received_ns } in self.passages() {
+            to.numbers([
+                trace.sequence,
+                trace.captured,
+                trace.extracted,
+                trace.fitted,
+                trace.exposed_ns,
+                trace.captured_ns,
+                trace.extract_started_ns,
+                trace.extracted_ns,
+                trace.fit_started_ns,
+                trace.fitted_ns,
+                *received_ns,
+            ]);
+        }
+    }
+
+    pub(crate) fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
+        let mut timeline = Self::new();
+        let count = sound(from.number()?, |&count| count <= KEPT as u64)?;
+        for _ in 0..count {
+            let [
+                sequence,
+                captured,
+                extracted,
+                fitted,
+                exposed_ns,
+                captured_ns,
+                extract_started_ns,
+                extracted_ns,
+                fit_started_ns,
+                fitted_ns,
+                received_ns,
+            ] = from.numbers()?;
+            let trace = Trace {
+                sequence,
+                captured,
+                extracted,
+                fitted,
+                exposed_ns,
+                captured_ns,
+                extract_started_ns,
+                extracted_ns,
+                fit_started_ns,
+                fitted_ns,
+            };
+            timeline.add(&trace, received_ns);
+        }
+        Ok(timeline)
+    }
+
     /// Writes the events as JSON; times are microseconds since the oldest frame's exposure.
     pub(crate) fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let (newer, older) = self.passages.split_at(self.oldest);
-        let passages = older.iter().chain(newer);
+        let passages = self.passages();
         let start_ns = passages.clone().map(Passage::begin_ns).min().unwrap_or(0);
         write!(out, "{{\"displayTimeUnit\":\"ns\",\"traceEvents\":[")?;
         for (row, stage) in STAGES.iter().enumerate() {

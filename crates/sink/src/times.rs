@@ -1,6 +1,7 @@
 //! A heap of durations: percentiles from an HDR histogram, mean and longest exact.
 
 use crate::hgrm;
+use crate::saved::{RestoreError, Saved, Saving, sound};
 use crate::summary::Spread;
 use hdrhistogram::Histogram;
 use std::io::{self, Write};
@@ -17,6 +18,37 @@ const DIGITS: u8 = 3;
 pub(crate) fn histogram(largest: u64, digits: u8) -> Histogram<u64> {
     Histogram::new_with_bounds(1, largest, digits)
         .expect("the bounds are constants: 1, more than 2, at most 5 digits")
+}
+
+/// What no histogram holds: more than all stages together count to.
+const LARGEST_HEAP: u64 = 1 << 62;
+
+/// Writes the buckets of a histogram that are not empty.
+pub(crate) fn save(histogram: &Histogram<u64>, to: &mut Saving) {
+    to.number(histogram.iter_recorded().count() as u64);
+    let mut before = 0;
+    for bucket in histogram.iter_recorded() {
+        let value = bucket.value_iterated_to();
+        to.numbers([value - before, bucket.count_at_value()]);
+        before = value;
+    }
+}
+
+/// Reads them into an empty histogram of the same kind.
+pub(crate) fn restore(
+    histogram: &mut Histogram<u64>,
+    from: &mut Saved,
+) -> Result<(), RestoreError> {
+    let buckets = from.number()?;
+    let (mut value, mut total) = (0u64, 0u64);
+    // As long as there are bytes to read: each bucket takes two at least.
+    for _ in 0..buckets {
+        let [step, count] = from.numbers()?;
+        value = value.checked_add(step).ok_or(RestoreError::Damaged)?;
+        total = sound(total.saturating_add(count), |&total| total <= LARGEST_HEAP)?;
+        histogram.saturating_record_n(value, count);
+    }
+    Ok(())
 }
 
 /// Durations in nanoseconds: told apart to three significant digits, up to 100 s.
@@ -90,6 +122,22 @@ impl Times {
     /// What `out` says.
     pub fn write_hgrm(&self, out: &mut impl Write) -> io::Result<()> {
         hgrm::write(self, out)
+    }
+
+    pub(crate) fn save(&self, to: &mut Saving) {
+        save(&self.histogram, to);
+        let (high, low) = ((self.sum_ns >> 64) as u64, self.sum_ns as u64);
+        to.numbers([high, low, self.longest_ns]);
+    }
+
+    /// Reads what was saved of times of the same kind; there are none yet.
+    pub(crate) fn restore(&mut self, from: &mut Saved) -> Result<(), RestoreError> {
+        restore(&mut self.histogram, from)?;
+        let [high, low, longest_ns] = from.numbers()?;
+        let most = u128::from(self.count()) * u128::from(longest_ns);
+        self.sum_ns = sound(u128::from(high) << 64 | u128::from(low), |&sum| sum <= most)?;
+        self.longest_ns = longest_ns;
+        Ok(())
     }
 
     pub(crate) fn clear(&mut self) {

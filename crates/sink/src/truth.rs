@@ -5,7 +5,7 @@
 //! know it, tells the frames of a source that began anew from those before.
 
 use crate::drawn::points_along;
-use crate::error::{Comparison, Frame};
+use crate::error::{Compared, Frame};
 use crate::polyline::{Point, Polylines};
 use lariat_message::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
 
@@ -109,20 +109,12 @@ impl Default for Drawn {
     }
 }
 
-/// Everything that is compared with the truth.
+/// Everything that waits to be compared with the truth.
 #[derive(Debug)]
 pub(crate) struct Truth {
     known: Ring<Known>,
     centerlines: Ring<Polylines>,
     drawn: Ring<Drawn>,
-    /// Centerlines against the truth.
-    pub(crate) centerline: Comparison,
-    /// Fitted curves against the truth.
-    pub(crate) curve: Comparison,
-    /// Fitted curves that this version does not know how to draw.
-    pub(crate) unknown_basis: u64,
-    /// Whether fitted curves come in another unit than the truth, pixels of the image.
-    pub(crate) elsewhere: bool,
 }
 
 impl Truth {
@@ -131,15 +123,11 @@ impl Truth {
             known: Ring::new(KNOWN),
             centerlines: Ring::new(MEASURED),
             drawn: Ring::new(MEASURED),
-            centerline: Comparison::new(),
-            curve: Comparison::new(),
-            unknown_basis: 0,
-            elsewhere: false,
         }
     }
 
     /// The true centerlines of a frame.
-    pub(crate) fn truth(&mut self, message: &Centerlines) {
+    pub(crate) fn truth(&mut self, message: &Centerlines, compared: &mut Compared) {
         let key = Key::of(&message.trace);
         if self.known.get(key).is_some() {
             return;
@@ -149,17 +137,17 @@ impl Truth {
         let centerlines = self.centerlines.take(key);
         known.centerlines_done = centerlines.is_some();
         if let Some(centerlines) = centerlines {
-            compare_centerlines(self.centerline.frame(&known.ropes), centerlines);
+            compare_centerlines(compared.centerline.frame(&known.ropes), centerlines);
         }
         let drawn = self.drawn.take(key);
         known.descriptors_done = drawn.is_some();
         if let Some(drawn) = drawn {
-            compare_drawn(self.curve.frame(&known.ropes), drawn);
+            compare_drawn(compared.curve.frame(&known.ropes), drawn);
         }
     }
 
     /// The measured centerlines of a frame.
-    pub(crate) fn centerlines(&mut self, message: &Centerlines) {
+    pub(crate) fn centerlines(&mut self, message: &Centerlines, compared: &mut Compared) {
         let key = Key::of(&message.trace);
         match self.known.get(key) {
             Some(known) if known.centerlines_done => {}
@@ -168,7 +156,7 @@ impl Truth {
                 centerlines.set(message);
                 if let Some(known) = known {
                     known.centerlines_done = true;
-                    compare_centerlines(self.centerline.frame(&known.ropes), centerlines);
+                    compare_centerlines(compared.centerline.frame(&known.ropes), centerlines);
                     self.centerlines.take(key);
                 }
             }
@@ -176,9 +164,9 @@ impl Truth {
     }
 
     /// The fitted curves of a frame. Such as are not in pixels of the image cannot be compared.
-    pub(crate) fn descriptors(&mut self, message: &Descriptors) {
+    pub(crate) fn descriptors(&mut self, message: &Descriptors, compared: &mut Compared) {
         if message.unit() != Some(Unit::Pixel) {
-            self.elsewhere = true;
+            compared.elsewhere = true;
             return;
         }
         let key = Key::of(&message.trace);
@@ -186,10 +174,10 @@ impl Truth {
             Some(known) if known.descriptors_done => {}
             known => {
                 let drawn = self.drawn.insert(key);
-                self.unknown_basis += drawn.set(message);
+                compared.unknown_basis += drawn.set(message);
                 if let Some(known) = known {
                     known.descriptors_done = true;
-                    compare_drawn(self.curve.frame(&known.ropes), drawn);
+                    compare_drawn(compared.curve.frame(&known.ropes), drawn);
                     self.drawn.take(key);
                 }
             }

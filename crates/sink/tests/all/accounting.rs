@@ -25,9 +25,10 @@ fn is_whole(frames: &Frames) -> bool {
         mask,
         extract,
         fit,
-        ..
+        sink,
+        source: _,
     } = frames.lost;
-    frames.published == frames.received + capture + mask + extract + fit
+    frames.published == frames.received + capture + mask + extract + fit + sink
 }
 
 fn any_stage() -> impl Strategy<Value = Stage> {
@@ -94,6 +95,7 @@ proptest! {
             mask: 0,
             extract: sent[1] - sent[2],
             fit: sent[2] - received,
+            sink: 0,
         });
     }
 

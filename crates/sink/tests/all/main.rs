@@ -6,4 +6,5 @@ mod chain;
 mod accounting;
 mod allocation;
 mod report;
+mod saved;
 mod truth;
