@@ -14,6 +14,7 @@ mod piped;
 mod restarts;
 mod rig;
 mod simulated;
+mod sink;
 mod sources;
 mod top;
 mod topic;

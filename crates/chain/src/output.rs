@@ -157,6 +157,16 @@ impl Output {
         print(text)
     }
 
+    /// What is there from now on is this command's own, and a newer one takes its place.
+    pub fn replace_from_now_on(&mut self) {
+        self.existing = Existing::Replace;
+    }
+
+    /// Whether it is a regular file, which can be written whole again and again.
+    pub fn is_file(&self) -> bool {
+        matches!(self.place, Place::File(_))
+    }
+
     /// Whether it goes to standard output.
     pub fn is_stdout(&self) -> bool {
         matches!(self.place, Place::Stdout)

@@ -1,4 +1,7 @@
 //! What a run writes: the report, the timeline and the recording. Whether they can be written is asked before the first frame.
+//!
+//! The report and the timeline are written at the end, and while the run goes on each time that the sink says so: each file is
+//! there whole, as it was last.
 
 use crate::exit::wrong_use;
 use anyhow::{Context, Result};
@@ -8,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::output::{Existing, Output, OutputFolder};
 use crate::settings::Settings;
 
-/// The files that are written at the end.
+/// The report's folder, and the timeline.
 pub struct RunFiles {
     folder: Option<OutputFolder>,
     trace: Option<Output>,
@@ -20,10 +23,21 @@ impl RunFiles {
     /// # Errors
     /// One of them cannot be written, is there already, or is one that is read.
     pub fn open(settings: &Settings) -> Result<Self> {
-        let folder = |path: &PathBuf| {
-            OutputFolder::new(path, existing(settings), ["report.txt", "summary.json"])
-        };
-        let trace = |path: &PathBuf| output(settings, path);
+        Self::open_over(settings, existing(settings))
+    }
+
+    /// Those of a run whose last sink is gone: what that one has written is the run's own.
+    ///
+    /// # Errors
+    /// As of [`open`](Self::open).
+    pub fn reopen(settings: &Settings) -> Result<Self> {
+        Self::open_over(settings, Existing::Replace)
+    }
+
+    fn open_over(settings: &Settings, existing: Existing) -> Result<Self> {
+        let folder =
+            |path: &PathBuf| OutputFolder::new(path, existing, ["report.txt", "summary.json"]);
+        let trace = |path: &PathBuf| Output::new(path, existing, settings.inputs());
         let files = Self {
             folder: settings.run.out.as_ref().map(folder).transpose()?,
             trace: settings.run.trace.as_ref().map(trace).transpose()?,
@@ -54,6 +68,27 @@ impl RunFiles {
         self.record_takes_stdout || self.trace.as_ref().is_some_and(Output::is_stdout)
     }
 
+    /// Whether any of them can be written before the end.
+    pub fn can_be_renewed(&self) -> bool {
+        self.folder.is_some() || self.trace.as_ref().is_some_and(Output::is_file)
+    }
+
+    /// Writes those that can be written again, as they are now.
+    ///
+    /// # Errors
+    /// As of [`write`](Self::write).
+    pub fn renew(&mut self, report: &Report) -> Result<()> {
+        if let Some(folder) = &mut self.folder {
+            write_report(folder, report)?;
+            folder.replace_from_now_on();
+        }
+        if let Some(output) = self.trace.as_mut().filter(|output| output.is_file()) {
+            write_timeline(output, report)?;
+            output.replace_from_now_on();
+        }
+        Ok(())
+    }
+
     /// Writes them.
     ///
     /// # Errors
@@ -62,12 +97,10 @@ impl RunFiles {
         if let Some(folder) = &self.folder {
             write_report(folder, report)?;
         }
-        if let Some(output) = &self.trace {
-            let mut json = Vec::new();
-            report.write_timeline(&mut json)?;
-            output.write(&json)?;
+        match &self.trace {
+            Some(output) => write_timeline(output, report),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -80,6 +113,12 @@ pub fn write_report(folder: &OutputFolder, report: &Report) -> Result<()> {
     files
         .iter()
         .try_for_each(|(name, bytes)| folder.write(name, bytes))
+}
+
+fn write_timeline(output: &Output, report: &Report) -> Result<()> {
+    let mut json = Vec::new();
+    report.write_timeline(&mut json)?;
+    output.write(&json)
 }
 
 /// Whether a recording can be begun in this file. Of one that keeps the last seconds the names are made when it writes.

@@ -54,6 +54,11 @@ impl OutputFolder {
         Output::new(&self.path.join(name), self.existing, [])?.write(bytes)
     }
 
+    /// What is there from now on is this command's own, and newer ones take its place.
+    pub fn replace_from_now_on(&mut self) {
+        self.existing = Existing::Replace;
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path

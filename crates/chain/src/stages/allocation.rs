@@ -5,6 +5,7 @@
 //! the slot is lent and freed when it is sent. Those are told apart by their size, and counted too.
 
 use std::cell::Cell;
+use std::os::fd::AsRawFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -74,6 +75,13 @@ fn no_stage_allocates_per_frame_once_warm() {
     let mut settings = Settings::default();
     settings.sink.live = false;
     settings.capture.fps = Fps::PerSecond(100.0);
+    // Sink also keeps a report up to date, by a thread of its own, and what a successor would go on with.
+    let heirloom = tempfile::tempfile().expect("a file");
+    let number = heirloom.as_raw_fd().to_string();
+    // SAFETY: as above.
+    unsafe { std::env::set_var(sink::heirloom::HEIRLOOM_FD, number) };
+    let report = tempfile::tempdir().expect("a folder");
+    settings.run.out = Some(report.path().join("report"));
     let mut frames = 0;
     std::thread::scope(|scope| {
         for (index, (_, run)) in STAGES.iter().enumerate() {

@@ -1,4 +1,10 @@
 //! Sink as a process: reads what the chain made, counts it, and says how it went.
+//!
+//! It may be killed: of what it knows its files have what was 10 s before, whole ([`keeper`]), and a chain that keeps a file
+//! for it (`heirloom`) can start another, which goes on where it stopped.
+
+pub(crate) mod heirloom;
+mod keeper;
 
 use std::fmt;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -6,7 +12,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use lariat_sink::{FinalCounts, Machine, Report, Sink};
+use lariat_sink::{FinalCounts, Machine, Receipt, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
 use super::status::{LastWord, Word};
@@ -14,6 +20,8 @@ use super::{Station, Supervision};
 use crate::layout;
 use crate::run_files::RunFiles;
 use crate::settings::{Settings, Stage};
+use heirloom::{Heirloom, Turns};
+use keeper::Keeper;
 
 /// How often the live line is renewed in place on a terminal.
 const ON_TERMINAL: Duration = Duration::from_millis(100);
@@ -24,16 +32,30 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
-    let files = RunFiles::open(settings)?;
+    let mut heirloom = Heirloom::of_the_chain()?;
+    let is_successor = heirloom.as_ref().is_some_and(Heirloom::is_inherited);
+    let files = match is_successor {
+        false => RunFiles::open(settings)?,
+        true => RunFiles::reopen(settings)?,
+    };
     let mut station = Station::open(settings, Stage::Sink, supervision)?;
     let supervised = station.status.is_supervised();
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();
-    let mut sink = Sink::new(settings.sink_options(from_start));
+    let options = settings.sink_options(from_start);
+    let tally = heirloom.as_mut().map(|heirloom| heirloom.tally(options));
+    let mut sink = match tally.transpose()? {
+        Some(tally) => Sink::of(tally),
+        None => Sink::new(options),
+    };
+    let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
+    let (counts, tally) = heirloom
+        .map(|heirloom| (heirloom.counts, heirloom.tally))
+        .unzip();
+    let mut checkpoints = Checkpoints::new(&sink, files, counts, tally, machine.clone())?;
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
-    let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
     // A chain ends its sink itself, when all before it has ended.
     let run = Some(&settings.run).filter(|_| !supervised);
     let end = run.and_then(|run| Some(Instant::now() + run.duration?));
@@ -44,10 +66,14 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         let last_look = station.stop.asked()
             || (line.unread && !supervised)
             || end.is_some_and(|end| Instant::now() >= end);
-        let came = channels.drain(&mut sink, most - frames)?;
+        let came = channels.drain(&mut sink, most - frames, |receipt| {
+            checkpoints.take(receipt)
+        })?;
         if came > 0 {
             line.has_news();
+            checkpoints.save_counts(&sink);
         }
+        checkpoints.hand_over_if_due(&sink);
         frames += came;
         if last_look || frames >= most {
             break;
@@ -58,7 +84,10 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             station.status.say(Word::Unread);
         }
         rest.if_due(now_ns());
-        let due = [line.due(), end].into_iter().flatten().min();
+        let due = [line.due(), checkpoints.due(), end]
+            .into_iter()
+            .flatten()
+            .min();
         rest.while_waiting(|| channels.sleep(due, &station))?;
     }
     if line.wanted && line.in_place {
@@ -66,6 +95,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     }
     // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
     station.status.say(Word::Ending);
+    let files = checkpoints.end()?;
     let counts = match supervised.then(LastWord::of_the_chain) {
         None => FinalCounts::default(),
         Some(LastWord::Counts(counts)) => counts,
@@ -77,6 +107,76 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let said = line.end(&report);
     files.write(&report)?;
     said
+}
+
+/// What is kept of what the sink knows, in case that it is killed.
+struct Checkpoints {
+    files: Option<RunFiles>,
+    keeper: Option<Keeper>,
+    /// Where a successor finds what was counted.
+    counts: Option<Turns>,
+}
+
+impl Checkpoints {
+    /// # Errors
+    /// There is no thread to be had.
+    fn new(
+        sink: &Sink,
+        files: RunFiles,
+        counts: Option<Turns>,
+        tally: Option<Turns>,
+        machine: Machine,
+    ) -> anyhow::Result<Self> {
+        let mut checkpoints = Self {
+            files: None,
+            keeper: None,
+            counts,
+        };
+        if tally.is_some() || files.can_be_renewed() {
+            checkpoints.keeper = Some(Keeper::start(sink, files, tally, machine)?);
+        } else {
+            checkpoints.files = Some(files);
+        }
+        checkpoints.save_counts(sink);
+        Ok(checkpoints)
+    }
+
+    fn take(&mut self, receipt: Receipt) {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.take(receipt);
+        }
+    }
+
+    /// Writes what was counted. Messages of which it is not written are lost with the sink.
+    fn save_counts(&mut self, sink: &Sink) {
+        if let Some(counts) = &mut self.counts
+            && let Err(cause) = counts.write(|into| sink.tally().save_counts(into))
+        {
+            self.counts = None;
+            tracing::warn!("what sink counts would not survive it, as it cannot be kept: {cause}");
+        }
+    }
+
+    fn hand_over_if_due(&mut self, sink: &Sink) {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.hand_over_if_due(sink);
+        }
+    }
+
+    fn due(&self) -> Option<Instant> {
+        self.keeper.as_ref().and_then(Keeper::due)
+    }
+
+    /// Keeps no more. Returns the files, for the last word.
+    ///
+    /// # Errors
+    /// The report's thread panicked.
+    fn end(self) -> anyhow::Result<RunFiles> {
+        match (self.keeper, self.files) {
+            (Some(keeper), _) => keeper.end(),
+            (None, files) => Ok(files.expect("files that no thread has are here")),
+        }
+    }
 }
 
 /// The three channels that a sink reads.
@@ -113,13 +213,19 @@ impl Channels {
         })
     }
 
-    /// Takes in all that waits, of descriptors at most so many; returns how many of them there were.
-    fn drain(&self, sink: &mut Sink, most: u64) -> anyhow::Result<u64> {
+    /// Takes in all that waits, of descriptors at most so many, and hands on what was counted of each; returns how many of them
+    /// there were.
+    fn drain(
+        &self,
+        sink: &mut Sink,
+        most: u64,
+        mut counted: impl FnMut(Receipt),
+    ) -> anyhow::Result<u64> {
         let mut came = 0;
         while came < most
             && let Some(message) = self.descriptors.next()?
         {
-            sink.descriptors(&message, now_ns());
+            counted(sink.descriptors(&message, now_ns()));
             came += 1;
         }
         while let Some(message) = self.centerlines.next()? {

@@ -1,0 +1,234 @@
+//! Keeps what the sink knows: the files of the run every 10 s, and every second what its successor would go on with.
+//!
+//! A thread beside the sink, which has a tally of its own and is told the same (a receipt a message, handed over once a second), so
+//! that the sink neither waits for it nor makes a copy of its histograms: at 1000 frames/s eight messages wait for it, 8 ms. Where
+//! no messages come, both are at rest.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use lariat_sink::{Machine, Receipt, Sink, Tally};
+
+use super::heirloom::Turns;
+use crate::run_files::RunFiles;
+
+/// How often the thread is told what came.
+const ROUND: Duration = Duration::from_secs(1);
+/// How often files are written.
+const FILES: Duration = Duration::from_secs(10);
+/// How soon the sink tries again where the thread has its tally in hand.
+const AGAIN: Duration = Duration::from_millis(10);
+/// Receipts that may wait for the thread: those of 16 s at 1000 frames/s, should a disk hold it up. After that it is given the
+/// sink's own tally, as a copy.
+const MOST_RECEIPTS: usize = 1 << 14;
+
+/// The thread's tally, and what has come since.
+struct Kept {
+    tally: Tally,
+    receipts: Vec<Receipt>,
+    has_news: bool,
+    ended: bool,
+}
+
+struct Shared {
+    kept: Mutex<Kept>,
+    bell: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Kept> {
+        // It is whole after a panic, too: of a tally that is only counted on, nothing is ever half done.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The sink's end.
+pub(super) struct Keeper {
+    shared: Arc<Shared>,
+    thread: JoinHandle<RunFiles>,
+    receipts: Vec<Receipt>,
+    /// More came than there was room for.
+    overflowed: bool,
+    /// When the thread is to be told, if there is something to be told.
+    due: Option<Instant>,
+}
+
+impl Keeper {
+    /// Begins to keep what the sink knows.
+    ///
+    /// # Errors
+    /// There is no thread to be had.
+    pub(super) fn start(
+        sink: &Sink,
+        files: RunFiles,
+        heirloom: Option<Turns>,
+        machine: Machine,
+    ) -> anyhow::Result<Self> {
+        let shared = Arc::new(Shared {
+            kept: Mutex::new(Kept {
+                tally: sink.tally().clone(),
+                receipts: Vec::with_capacity(MOST_RECEIPTS),
+                has_news: false,
+                ended: false,
+            }),
+            bell: Condvar::new(),
+        });
+        let work = Work {
+            shared: shared.clone(),
+            files_due: files.can_be_renewed().then(|| Instant::now() + FILES),
+            files,
+            heirloom,
+            machine,
+            failed: false,
+        };
+        let thread = std::thread::Builder::new()
+            .name("keeper".to_owned())
+            .spawn(move || work.run());
+        Ok(Self {
+            shared,
+            thread: thread.context("sink has no thread to write its report by")?,
+            receipts: Vec::with_capacity(MOST_RECEIPTS),
+            overflowed: false,
+            due: None,
+        })
+    }
+
+    /// A message came.
+    pub(super) fn take(&mut self, receipt: Receipt) {
+        if self.receipts.len() < MOST_RECEIPTS {
+            self.receipts.push(receipt);
+        } else {
+            self.overflowed = true;
+        }
+    }
+
+    /// When it wants to be called, if anything came.
+    pub(super) fn due(&self) -> Option<Instant> {
+        self.due
+    }
+
+    /// Hands over what came, if it is time. Never waits for the thread.
+    pub(super) fn hand_over_if_due(&mut self, sink: &Sink) {
+        if self.receipts.is_empty() {
+            return;
+        }
+        let now = Instant::now();
+        if now < *self.due.get_or_insert(now + ROUND) {
+            return;
+        }
+        let Ok(mut kept) = self.shared.kept.try_lock() else {
+            self.due = Some(now + AGAIN);
+            return;
+        };
+        if self.overflowed || kept.receipts.len() + self.receipts.len() > MOST_RECEIPTS {
+            kept.tally = sink.tally().clone();
+            kept.receipts.clear();
+            self.overflowed = false;
+        } else {
+            kept.receipts.extend_from_slice(&self.receipts);
+            kept.tally.take_comparisons(sink.tally());
+        }
+        kept.has_news = true;
+        drop(kept);
+        self.shared.bell.notify_one();
+        self.receipts.clear();
+        self.due = None;
+    }
+
+    /// Ends the thread, and gives back the files, for the last word.
+    ///
+    /// # Errors
+    /// The thread panicked.
+    pub(super) fn end(self) -> anyhow::Result<RunFiles> {
+        self.shared.lock().ended = true;
+        self.shared.bell.notify_one();
+        let files = self.thread.join();
+        files.map_err(|_| anyhow::anyhow!("the thread that writes the report has a fault, as said above: the report is not written"))
+    }
+}
+
+/// The thread's end.
+struct Work {
+    shared: Arc<Shared>,
+    files: RunFiles,
+    /// When they are to be written, if they may be before the end.
+    files_due: Option<Instant>,
+    heirloom: Option<Turns>,
+    machine: Machine,
+    /// A failure was said.
+    failed: bool,
+}
+
+impl Work {
+    fn run(mut self) -> RunFiles {
+        let shared = self.shared.clone();
+        // Something has come that the files do not have yet.
+        let mut files_lack = false;
+        loop {
+            let mut kept = shared.lock();
+            let is_due = loop {
+                let left = self
+                    .files_due
+                    .filter(|_| files_lack)
+                    .map(|due| due.saturating_duration_since(Instant::now()));
+                let is_due = left == Some(Duration::ZERO);
+                if kept.ended {
+                    return self.files;
+                }
+                if kept.has_news || is_due {
+                    break is_due;
+                }
+                kept = match left {
+                    None => shared
+                        .bell
+                        .wait(kept)
+                        .unwrap_or_else(PoisonError::into_inner),
+                    Some(left) => {
+                        let woken = shared.bell.wait_timeout(kept, left);
+                        woken.unwrap_or_else(PoisonError::into_inner).0
+                    }
+                };
+            };
+            files_lack |= std::mem::take(&mut kept.has_news);
+            let Kept {
+                tally, receipts, ..
+            } = &mut *kept;
+            for receipt in receipts.drain(..) {
+                tally.count(&receipt);
+            }
+            self.leave(tally);
+            if is_due {
+                let report = tally.report_on(self.machine.clone());
+                drop(kept);
+                self.renew(&report);
+                self.files_due = Some(Instant::now() + FILES);
+                files_lack = false;
+            }
+        }
+    }
+
+    /// Writes what a successor would go on with. Into memory: it is done in no time.
+    fn leave(&mut self, tally: &Tally) {
+        if let Some(turns) = &mut self.heirloom
+            && let Err(cause) = turns.write(|into| tally.save(into))
+        {
+            self.heirloom = None;
+            tracing::warn!(
+                "what sink has timed would not survive it, as it cannot be kept: {cause}"
+            );
+        }
+    }
+
+    /// Writes the files. That they cannot be does not stop a robot's chain, and may be over by the next time.
+    fn renew(&mut self, report: &lariat_sink::Report) {
+        match self.files.renew(report) {
+            Ok(()) => self.failed = false,
+            Err(cause) if !std::mem::replace(&mut self.failed, true) => {
+                tracing::warn!("the report is not up to date: {cause:#}");
+            }
+            Err(_) => {}
+        }
+    }
+}
