@@ -139,8 +139,8 @@ impl Making<'_> {
                 ..FrameHeader::default()
             };
             if self.anew == Some(number) {
-                stages.restart_extract().unwrap();
-                stages.restart_fit().unwrap();
+                stages.restart_extract(&settings).unwrap();
+                stages.restart_fit(&settings).unwrap();
                 (extracted, fitted) = (0, 0);
             }
             let mask = self.mask.map(|mask| mask(&bytes));

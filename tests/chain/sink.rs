@@ -15,7 +15,7 @@ use rustix::process::Signal;
 use crate::rig::{Bench, send, wait_until_gone};
 
 /// Where the tallies begin in what a sink leaves: before it stand the counts.
-const TALLIES: u64 = 8 << 10;
+const TALLIES: u64 = 12 << 10;
 
 /// A sink as the chain starts it, this process being the chain.
 struct Sink {
@@ -91,6 +91,7 @@ fn send_frames(writer: &Writer<Descriptors>, numbers: impl IntoIterator<Item = u
             extracted_ns: now - 2000,
             fit_started_ns: now - 1000,
             fitted_ns: now,
+            ..Trace::EMPTY
         };
         (slot.width, slot.height, slot.count) = (640, 480, 0);
         slot.send().expect("sent");

@@ -52,6 +52,8 @@ pub use report::Report;
 pub use saved::RestoreError;
 pub use sink::Sink;
 pub use step::Step;
-pub use summary::{Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary};
+pub use summary::{
+    AtRestart, Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary,
+};
 pub use tally::Tally;
 pub use times::Times;

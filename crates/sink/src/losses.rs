@@ -6,8 +6,10 @@
 //! that was published is received or lost on exactly one link. How many of Δc − Δe extract skipped for want of a mask, it
 //! says at its end.
 //!
-//! A stage that was started anew counts from 1 again: then its counter itself is the difference. As no stage sends more
-//! than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where a restart breaks that, the frame that proves a send is believed.
+//! A stage that its chain started anew in its place counts on, and says so in the trace: what was lost from the last message before to the
+//! first one after, on whichever link, was lost at that restart (`at_restart`). One of a chain that was started anew whole counts from 1
+//! again: then its counter itself is the difference. As no stage sends more than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where such a
+//! start breaks that, the frame that proves a send is believed.
 //!
 //! A sink that was started anew, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
 //! one: what that had received and not written down, and what came while there was none.
@@ -18,7 +20,7 @@
 //! leaves its share on the link before it, with the sum still exact.
 
 use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
-use crate::{FinalCounts, Lost};
+use crate::{AtRestart, FinalCounts, Lost};
 use lariat_message::Trace;
 
 /// How often each stage was seen to begin anew.
@@ -67,6 +69,10 @@ pub struct Ledger {
     stale: u64,
     /// Frames that extract says it skipped for want of a mask.
     masks_late: u64,
+    /// What the last message's trace said of restarts.
+    said: [u8; 3],
+    /// Of the losses after capture, extract and fit, those at a restart.
+    at_restart: [u64; 3],
     restarts: Restarts,
 }
 
@@ -84,6 +90,8 @@ impl Ledger {
             resumed: false,
             stale: 0,
             masks_late: 0,
+            said: [0; 3],
+            at_restart: [0; 3],
             restarts: Restarts::default(),
         }
     }
@@ -119,11 +127,12 @@ impl Ledger {
         } else {
             arrival
         };
-        let lost_before = self.lost().fit;
+        let lost_before = self.lost();
         self.received += 1;
         self.first.get_or_insert(now);
         self.advance(before, now.map(Some), 1);
-        self.lose_with_sink(lost_before);
+        self.lose_with_sink(lost_before.fit);
+        self.note_restarts(trace, arrival, &lost_before);
         self.last = Some((now, trace.fitted_ns));
         arrival
     }
@@ -150,6 +159,39 @@ impl Ledger {
         let reached = self.advance(before, now, 0);
         self.lose_with_sink(lost_before);
         self.last = Some((reached, fitted_ns));
+    }
+
+    /// Counts what the trace says of restarts since the last message, and what was lost meanwhile.
+    fn note_restarts(&mut self, trace: &Trace, arrival: Arrival, before: &Lost) {
+        let said = trace.restarts();
+        let last = std::mem::replace(&mut self.said, said);
+        if said == last || arrival == Arrival::First && !self.from_start {
+            return;
+        }
+        let times = [0, 1, 2].map(|stage| u64::from(said[stage].wrapping_sub(last[stage])));
+        self.restarts.capture += times[0];
+        self.restarts.extract += times[1];
+        self.restarts.fit += times[2];
+        let now = self.lost();
+        let lost = [
+            now.capture + now.mask - before.capture - before.mask,
+            now.extract - before.extract,
+            now.fit - before.fit,
+        ];
+        for (sum, lost) in self.at_restart.iter_mut().zip(lost) {
+            *sum += lost;
+        }
+    }
+
+    /// Of what was lost after capture, extract and fit, what was lost from the last message before a stage was started anew to
+    /// the first one after.
+    pub fn at_restart(&self) -> AtRestart {
+        let [capture, extract, fit] = self.at_restart;
+        AtRestart {
+            capture,
+            extract,
+            fit,
+        }
     }
 
     /// Goes on where another stopped.
@@ -252,6 +294,8 @@ impl Ledger {
             sink,
         } = self.restarts;
         to.numbers([capture, extract, fit, sink]);
+        to.numbers(self.at_restart);
+        to.numbers(self.said.map(u64::from));
     }
 
     pub(crate) fn restore(from: &mut Saved, from_start: bool) -> Result<Self, RestoreError> {
@@ -278,6 +322,8 @@ impl Ledger {
                 fit: from.count()?,
                 sink: from.count()?,
             },
+            at_restart: from.numbers()?,
+            said: from.numbers()?.map(|count| count as u8),
         })
     }
 

@@ -15,6 +15,11 @@ pub struct Receipt {
 }
 
 impl Receipt {
+    /// How many messages fit had sent with it.
+    pub fn fitted(&self) -> u64 {
+        self.trace.fitted
+    }
+
     pub(crate) fn of(message: &Descriptors, received_ns: u64) -> Self {
         let curves = message.curves().iter();
         Self {

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The version of these keys: 2. With 2 came `finished` and `frames.lost.sink`.
+    /// The version of these keys: 2. With 2 came `finished`, `frames.lost.sink` and `frames.at_restart`.
     pub schema: u32,
     /// Whether the run has ended. A summary that was written while it went on, as every 10 s, says how it stood then.
     pub finished: bool,
@@ -33,6 +33,19 @@ pub struct Frames {
     pub with_curve: u64,
     /// What was lost on each link.
     pub lost: Lost,
+    /// Of these, what was lost while a stage was started anew.
+    pub at_restart: AtRestart,
+}
+
+/// Of the frames lost after a stage, those lost while it or another was started anew in its place.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct AtRestart {
+    /// Sent by capture, never by extract.
+    pub capture: u64,
+    /// Sent by extract, never by fit.
+    pub extract: u64,
+    /// Sent by fit, never received here.
+    pub fit: u64,
 }
 
 /// Frames lost, by the link they were lost on.

@@ -193,6 +193,14 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
             "    mask too late", "", lost.mask
         )?;
     }
+    let at_restart = frames.at_restart;
+    if at_restart != crate::AtRestart::default() {
+        write!(
+            f,
+            "\n{:<20} {:>8} {:>8} {:>8} {:>8}",
+            "    at a restart", "", at_restart.capture, at_restart.extract, at_restart.fit
+        )?;
+    }
     if lost.sink > 0 {
         write!(
             f,
@@ -297,7 +305,7 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
         ("fit", facts.restarts.fit),
     ] {
         if times > 0 {
-            notes.push(format!("{stage} began anew {}: what it lost while it was away is counted as far as the others' counters show it.", plural(times, "time")));
+            notes.push(format!("{stage} began anew {}: what was lost meanwhile is counted as far as the counters show it.", plural(times, "time")));
         }
     }
     if facts.restarts.sink > 0 {

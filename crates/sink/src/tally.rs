@@ -87,6 +87,7 @@ impl Tally {
             received: ledger.received_count(),
             with_curve: self.counts.with_curve,
             lost: ledger.lost(),
+            at_restart: ledger.at_restart(),
         }
     }
 

@@ -101,6 +101,7 @@ impl Timeline {
                 extracted_ns,
                 fit_started_ns,
                 fitted_ns,
+                ..Trace::EMPTY
             };
             timeline.add(&trace, received_ns);
         }

@@ -17,6 +17,7 @@ const TRACE: Trace = Trace {
     extracted_ns: 5_000_350_000,
     fit_started_ns: 5_000_380_000,
     fitted_ns: 5_000_390_000,
+    ..Trace::EMPTY
 };
 
 fn shape() -> Box<Descriptors> {

@@ -15,7 +15,7 @@ use anyhow::Context;
 use lariat_sink::{FinalCounts, Machine, Receipt, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
-use super::status::{LastWord, Word};
+use super::status::{LastWord, Sent, Word};
 use super::{Station, Supervision};
 use crate::layout;
 use crate::run_files::RunFiles;
@@ -39,6 +39,8 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         true => RunFiles::reopen(settings)?,
     };
     let mut station = Station::open(settings, Stage::Sink, supervision)?;
+    // What changes for sink starts it anew.
+    let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     let supervised = station.status.is_supervised();
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();
@@ -60,17 +62,20 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let run = Some(&settings.run).filter(|_| !supervised);
     let end = run.and_then(|run| Some(Instant::now() + run.duration?));
     let most = run.and_then(|run| run.frames).unwrap_or(u64::MAX);
-    let mut frames = 0;
+    let (mut frames, mut taken) = (0, 0);
     loop {
         // That nobody reads it any more is the wish that it end: the chain ends in order.
         let last_look = station.stop.asked()
             || (line.unread && !supervised)
             || end.is_some_and(|end| Instant::now() >= end);
+        station.change(&changes);
         let came = channels.drain(&mut sink, most - frames, |receipt| {
-            checkpoints.take(receipt)
+            taken = receipt.fitted();
+            checkpoints.take(receipt);
         })?;
         if came > 0 {
             line.has_news();
+            station.heirloom.note(Sent::default(), taken);
             checkpoints.save_counts(&sink);
         }
         checkpoints.hand_over_if_due(&sink);

@@ -44,6 +44,8 @@ fn trace(of: &mut Numbers) -> Trace {
         extracted_ns: of.next(),
         fit_started_ns: of.next(),
         fitted_ns: of.next(),
+        settings: of.next() as u32,
+        restarts: of.next() as u32,
     }
 }
 

@@ -150,6 +150,7 @@ pub(crate) fn trace(sequence: u64) -> Trace {
         extracted_ns: begin_ns + 3_000,
         fit_started_ns: begin_ns + 4_000,
         fitted_ns: begin_ns + 5_000,
+        ..Trace::EMPTY
     }
 }
 

@@ -5,7 +5,7 @@ use crate::chain;
 
 use chain::{Chain, Stage, descriptors, received_ns};
 use lariat_message::Trace;
-use lariat_sink::{FinalCounts, Frames, Lost, Options, Sink};
+use lariat_sink::{AtRestart, FinalCounts, Frames, Lost, Options, Sink};
 use proptest::prelude::*;
 
 fn sink(from_start: bool) -> Sink {
@@ -222,7 +222,8 @@ fn an_extract_that_began_anew_is_said_and_its_frames_are_counted() {
             lost: Lost {
                 capture: 30,
                 ..Lost::default()
-            }
+            },
+            at_restart: AtRestart::default(),
         }
     );
     assert_eq!(report.restarts().extract, 1);
@@ -435,4 +436,39 @@ fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
     (0..3).for_each(|_| frame(&mut sink));
     assert_eq!(sink.frames().received, 6);
     assert_eq!(sink.frames().lost, Lost::default());
+}
+
+/// Extract is started anew in its place: it counts on, and says so. What was on its way then is lost at the restart, on its links.
+#[test]
+fn what_was_lost_while_a_stage_was_started_anew_is_told_apart() {
+    let mut chain = Chain::default();
+    let mut sink = sink(true);
+    let mut restarts = 0;
+    for frame in 1..=100 {
+        let lost = match frame {
+            20 => Some(Stage::Extract),
+            50..58 => Some(Stage::Extract),
+            58 => Some(Stage::Fit),
+            _ => None,
+        };
+        let trace = chain.frame(lost);
+        restarts += u64::from(frame == 58);
+        if let Some(mut trace) = trace {
+            trace.set_restarts(1, restarts);
+            receive(&mut sink, trace);
+        }
+    }
+    let frames = sink.frames();
+    assert_eq!((frames.published, frames.received), (100, 90));
+    assert_eq!((frames.lost.capture, frames.lost.extract), (9, 1));
+    let at_restart = AtRestart {
+        capture: 8,
+        extract: 1,
+        fit: 0,
+    };
+    assert_eq!(frames.at_restart, at_restart);
+    let report = sink.report();
+    assert_eq!(report.restarts().extract, 1);
+    assert!(report.to_string().contains("at a restart"), "{report}");
+    assert!(is_whole(&frames));
 }

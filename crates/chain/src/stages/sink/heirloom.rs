@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! from      what                    written
-//! 0         counts   } in turns     with each round of messages
-//! 4 KiB     counts   }
-//! 8 KiB     tally    } in turns     once a second
+//! 0         progress                as of every stage
+//! 4 KiB     counts   } in turns     with each round of messages
+//! 8 KiB     counts   }
+//! 12 KiB    tally    } in turns     once a second
 //! +16 MiB   tally    }
 //!
 //! each:  number 8 bytes, length 8 bytes (both little-endian), and as many bytes as lariat_sink makes, with their check
@@ -20,16 +21,15 @@ use std::os::unix::fs::FileExt;
 use anyhow::Context;
 use lariat_sink::{Options, RestoreError, Tally};
 
-/// The variable that holds the number of the file's descriptor.
-pub(crate) const HEIRLOOM_FD: &str = "LARIAT_HEIRLOOM_FD";
+use crate::stages::heirloom::HEIRLOOM_FD;
 
 /// Number and length.
 const HEAD: usize = 16;
 /// Where the counts stand, and how long they may be.
-const COUNTS: [u64; 2] = [0, 4 << 10];
+const COUNTS: [u64; 2] = [4 << 10, 8 << 10];
 const MOST_COUNTS: u64 = 4 << 10;
 /// Where the tallies stand. Every bucket of every histogram in use would take some 2 MB.
-const TALLIES: [u64; 2] = [8 << 10, (8 << 10) + MOST_TALLY];
+const TALLIES: [u64; 2] = [12 << 10, (12 << 10) + MOST_TALLY];
 const MOST_TALLY: u64 = 16 << 20;
 
 /// The two places of one kind.
@@ -141,7 +141,7 @@ impl Heirloom {
     /// It cannot be read.
     pub(super) fn new(file: File) -> io::Result<Self> {
         Ok(Self {
-            is_inherited: file.metadata()?.len() > 0,
+            is_inherited: file.metadata()?.len() > COUNTS[0],
             counts: Turns::new(file.try_clone()?, COUNTS, MOST_COUNTS, MOST_COUNTS as usize),
             tally: Turns::new(file, TALLIES, MOST_TALLY, 0),
         })
