@@ -3,6 +3,7 @@
 use crate::descriptor_json::{Descriptor, Quality};
 use anyhow::{Context, Result};
 use clap::Args;
+use lariat_chain::bounded::LONGEST_TEXT;
 use lariat_chain::exit::wrong_use;
 use lariat_chain::settings::{Family, Flags, Settings};
 use lariat_fit::{Fitter, Line, MAX_POINTS, Weights};
@@ -70,9 +71,21 @@ pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
-        let read = input.read_until(b'\n', &mut line);
-        if read.with_context(|| format!("cannot read {name}"))? == 0 {
+        let read = input
+            .by_ref()
+            .take(LONGEST_TEXT + 1)
+            .read_until(b'\n', &mut line);
+        let read = read.with_context(|| format!("cannot read {name}"))?;
+        if read == 0 {
             break;
+        }
+        if read as u64 > LONGEST_TEXT {
+            output.flush().context("cannot write the output")?;
+            anyhow::bail!(
+                "{name}, line {number}: it is longer than {} MB, and what comes behind it is not read: give each centerline a \
+                 line of its own",
+                LONGEST_TEXT >> 20
+            );
         }
         if line.trim_ascii().is_empty() {
             continue;

@@ -210,3 +210,22 @@ fn a_missing_file_is_said() {
     let complaint = String::from_utf8(output.stderr).unwrap();
     assert!(complaint.contains("cannot open none.jsonl"), "{complaint}");
 }
+
+#[test]
+fn a_line_without_an_end_is_refused_after_what_came_before_it() {
+    let folder = TempDir::new().unwrap();
+    let endless = fit(&folder, &["/dev/zero"]).output().unwrap();
+    assert_eq!(endless.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&endless.stderr).into_owned();
+    assert!(
+        said.contains("/dev/zero, line 1: it is longer than 4 MB"),
+        "{said}"
+    );
+
+    let mut input = line(&rope(120)).into_bytes();
+    input.extend(vec![b' '; (4 << 20) + 1]);
+    let output = fit(&folder, &[]).write_stdin(input).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(answers(&output.stdout).len(), 1);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("line 2: it is longer"));
+}

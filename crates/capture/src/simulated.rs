@@ -109,7 +109,9 @@ impl Simulated {
 
     /// Takes in what was sent.
     fn hear(&mut self) {
-        while let Some(command) = (self.commands)() {
+        while let Some(mut command) = (self.commands)() {
+            // One that claims to be of the future is of now: those behind it would wait for its moment.
+            command.sent_ns = command.sent_ns.min(now_ns());
             if self.waiting.len() == MOST_COMMANDS {
                 self.waiting.pop_front();
             }

@@ -127,6 +127,10 @@ impl Rod {
             self.mobility[node] = 0.0;
         }
         self.constrain(step_s);
+        // Wound up beyond what its stiffness can be solved for, it stays where it was.
+        if !self.at.as_flattened().iter().all(|c| c.is_finite()) {
+            self.at.copy_from_slice(&self.before);
+        }
         for ((velocity, at), before) in self.velocity.iter_mut().zip(&self.at).zip(&self.before) {
             *velocity = minus(*at, *before).map(|d| d / step_s);
         }

@@ -281,3 +281,18 @@ fn what_cannot_be_simulated_is_refused_with_a_sentence() {
         .contains("100 to 427 px")
     );
 }
+
+#[test]
+fn a_rope_that_is_wound_up_without_end_stays_within_the_numbers() {
+    for turns in [[1.0, -1.0], [-1.0, 0.0]] {
+        let mut simulation = Simulation::new(&of_seed(1)).unwrap();
+        for step in 0..(25.0 / STEP_S) as u64 {
+            if step % 100 == 0 {
+                simulation.command(&turns.map(|turn| [0.0, 0.0, 1e9 * turn]));
+            }
+            simulation.step();
+            let nodes = simulation.nodes().as_flattened();
+            assert!(nodes.iter().all(|c| c.is_finite()), "{turns:?}: {step}");
+        }
+    }
+}

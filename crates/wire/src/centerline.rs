@@ -1,6 +1,9 @@
 //! A rope's centerline as a control law asks for it: the points that its curve was fitted to.
 
-use crate::{CenterlinePoints, Nearest};
+use std::hint::black_box;
+
+use crate::fields::{Hidden, is_hidden};
+use crate::{CenterlinePoints, MAX_POINTS, Nearest};
 
 /// The points of a rope at equal steps of arc length, joined by straight lines, in the message's unit. They are where the rope
 /// was seen, unfiltered, whether the curve lies on them or not.
@@ -20,32 +23,45 @@ use crate::{CenterlinePoints, Nearest};
 /// assert_eq!((nearest.rho, nearest.point, nearest.distance), (0.75, [50.0, 25.0], 10.0));
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Centerline<'a>(&'a CenterlinePoints);
+pub struct Centerline<'a> {
+    /// One at least.
+    points: &'a [[f32; 2]],
+    widths: &'a [f32],
+    hidden: &'a Hidden,
+    closed: bool,
+}
 
 impl<'a> Centerline<'a> {
     /// The line through these points; `None` if there are none.
     pub fn of(points: &'a CenterlinePoints) -> Option<Self> {
-        (!points.points().is_empty()).then_some(Self(points))
+        // Read once: a message may lie in shared memory, where its writer may have lost its wits.
+        let count = (*black_box(&points.count) as usize).min(MAX_POINTS);
+        (count > 0).then(|| Self {
+            points: &points.points[..count],
+            widths: &points.widths[..count],
+            hidden: &points.hidden,
+            closed: *black_box(&points.closed) != 0,
+        })
     }
 
     /// The points, `[x, y]`: one at least.
     pub fn points(&self) -> &'a [[f32; 2]] {
-        self.0.points()
+        self.points
     }
 
     /// The rope's width at each point.
     pub fn widths(&self) -> &'a [f32] {
-        self.0.widths()
+        self.widths
     }
 
     /// Whether point `i` is covered by something, and so not seen but bridged.
     pub fn is_hidden(&self, i: usize) -> bool {
-        self.0.is_hidden(i)
+        is_hidden(self.hidden, i)
     }
 
     /// Whether the last point is followed by the first.
     pub fn is_closed(&self) -> bool {
-        self.0.closed != 0
+        self.closed
     }
 
     /// Where along the rope point `i` is.
@@ -94,17 +110,17 @@ impl<'a> Centerline<'a> {
 
     /// How many straight lines there are.
     fn steps(&self) -> usize {
-        let count = self.points().len();
+        let count = self.points.len();
         if self.is_closed() { count } else { count - 1 }
     }
 
     /// The ends of line `i`.
     fn step(&self, i: usize) -> [[f64; 2]; 2] {
-        [self.at(i), self.at((i + 1) % self.points().len())]
+        [self.at(i), self.at((i + 1) % self.points.len())]
     }
 
     fn at(&self, i: usize) -> [f64; 2] {
-        self.points()[i].map(f64::from)
+        self.points[i].map(f64::from)
     }
 }
 

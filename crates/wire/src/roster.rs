@@ -6,7 +6,7 @@
 //! Recorders, `top` and `doctor` read it; no stage depends on it.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 
@@ -17,6 +17,8 @@ use iceoryx2::config::Config;
 /// What a file begins with, so that other files are left alone.
 const HEAD: &str = "lariat ";
 pub(crate) const FOLDER: &str = "lariat-roster";
+/// No entry is longer: settings are some kilobytes.
+const LONGEST_ENTRY: u64 = 1 << 20;
 /// Written to under this ending, and put in place whole.
 const UNFINISHED: &str = "new";
 
@@ -147,7 +149,7 @@ fn read(path: &Path) -> Option<Member> {
             return None;
         }
     }
-    let text = io::read_to_string(file).ok()?;
+    let text = io::read_to_string(file.take(LONGEST_ENTRY)).ok()?;
     let (head, rest) = text.split_once('\n')?;
     let (folder, settings) = rest.split_once('\n')?;
     Some(Member {
@@ -194,6 +196,32 @@ mod tests {
         drop(fit);
         assert_eq!(read_folder(&folder).len(), 1);
         drop(extract);
+        fs::remove_dir(&folder).expect("nothing is left in it");
+    }
+
+    #[test]
+    fn an_entry_that_makes_no_sense_is_no_member() {
+        let folder = folder("sense");
+        fs::create_dir_all(&folder).unwrap();
+        let whole = "lariat 0.1.0\n/home\n[fit]\norder = 8\n";
+        let path = folder.join("default.fit.123");
+        let entry = File::create(&path).unwrap();
+        entry.lock().unwrap();
+        for length in 0..=whole.len() {
+            fs::write(&path, &whole[..length]).unwrap();
+            // From the second line's end on it says all but its settings.
+            let says_enough = length >= "lariat 0.1.0\n/home\n".len();
+            assert_eq!(read_folder(&folder).len(), usize::from(says_enough));
+        }
+        for bytes in [&b"\xff\xfe\n\n"[..], b"other 0.1.0\n/\n", b"\n\n\n"] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(read_folder(&folder), []);
+        }
+        // As large as it says, and all of it holes.
+        entry.set_len(1 << 40).unwrap();
+        assert_eq!(read_folder(&folder), []);
+        drop(entry);
+        assert_eq!(read_folder(&folder), []);
         fs::remove_dir(&folder).expect("nothing is left in it");
     }
 

@@ -155,10 +155,11 @@ impl CenterlinePoints {
 
     /// Takes over what others mean; what they do not mean stays as it was.
     fn copy_meant(&mut self, from: &Self) {
-        let (points, widths) = (from.points(), from.widths());
-        (self.count, self.closed, self.hidden) = (from.count, from.closed, from.hidden);
-        self.points[..points.len()].copy_from_slice(points);
-        self.widths[..widths.len()].copy_from_slice(widths);
+        let points = from.points();
+        let count = points.len();
+        (self.count, self.closed, self.hidden) = (count as u32, from.closed, from.hidden);
+        self.points[..count].copy_from_slice(points);
+        self.widths[..count].copy_from_slice(&from.widths[..count]);
     }
 
     /// Whether point `i` is covered by something, and so not seen.
@@ -202,9 +203,12 @@ impl Descriptors {
     pub fn copy_meant(&mut self, from: &Self) {
         self.trace = from.trace;
         (self.width, self.height) = (from.width, from.height);
-        (self.count, self.unit) = (from.count, from.unit);
-        self.curves[..from.curves().len()].copy_from_slice(from.curves());
-        for (to, from) in self.centerlines.iter_mut().zip(from.centerlines()) {
+        // What they mean is asked once: they may lie in shared memory, where it may be another a moment later.
+        let curves = from.curves();
+        let count = curves.len();
+        (self.count, self.unit) = (count as u32, from.unit);
+        self.curves[..count].copy_from_slice(curves);
+        for (to, from) in self.centerlines[..count].iter_mut().zip(&from.centerlines) {
             to.copy_meant(from);
         }
     }

@@ -1,0 +1,78 @@
+//! What the simulated robot receives.
+
+use std::cell::RefCell;
+
+use lariat_simulation::{Options, Simulation};
+use lariat_wire::fields::Message as _;
+use lariat_wire::{COMMANDS, Command, CommandReader, Delivery, MAX_GRIPPERS, Writer, now_ns};
+
+use crate::edit::edit_all;
+use crate::input::Input;
+use crate::rig::Place;
+
+/// Steps after a command: enough for it to be felt.
+const STEPS: usize = 20;
+
+/// A writer of a rig, a reader, and a rope at rest.
+struct Bench {
+    writer: Writer<Command>,
+    reader: CommandReader,
+    at_rest: Simulation,
+    /// Dropped last.
+    _place: Place,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let place = Place::new();
+        let (domain, rig) = (place.domain(), &place.rig);
+        let writer = Writer::<Command>::create(&domain, rig, &COMMANDS, &Delivery::NewestWins);
+        let at_rest = Simulation::new(&Options::default());
+        Self {
+            writer: writer.expect("the rig's only writer"),
+            reader: CommandReader::open(domain, rig).expect("a reader"),
+            at_rest: at_rest.expect("options that make sense"),
+            _place: place,
+        }
+    }
+}
+
+thread_local! {
+    static BENCH: RefCell<Bench> = RefCell::new(Bench::new());
+}
+
+/// A command, obeyed by the simulated robot as far as it can be.
+///
+/// # Panics
+/// Something does not hold.
+pub fn command(bytes: &[u8]) {
+    let mut message = Command {
+        count: 1,
+        sent_ns: now_ns(),
+        grippers: 2,
+        velocities: [[20.0, 0.0, 0.3], [-20.0, 5.0, -0.3]],
+        ..Command::EMPTY
+    };
+    edit_all(&mut message, &mut Input(bytes));
+    BENCH.with_borrow(|bench| {
+        let mut simulation = bench.at_rest.clone();
+        let mut slot = bench.writer.slot().expect("a slot");
+        *slot = message;
+        slot.send().expect("sent");
+        let command = bench
+            .reader
+            .next()
+            .expect("readable")
+            .expect("it has just come");
+        assert!(command.velocities().len() <= MAX_GRIPPERS);
+        assert!(!command.fields().is_empty());
+        simulation.command(command.velocities());
+        for _ in 0..STEPS {
+            simulation.step();
+        }
+        let nodes = simulation.nodes().iter().flatten();
+        assert!(nodes.into_iter().all(|coordinate| coordinate.is_finite()));
+        let velocities = simulation.velocities().iter().flatten();
+        assert!(velocities.into_iter().all(|velocity| velocity.is_finite()));
+    });
+}

@@ -1,0 +1,35 @@
+//! A fuzzer's bytes, from the first to the last; behind that, zeros.
+
+/// What is left of them.
+pub(crate) struct Input<'a>(pub(crate) &'a [u8]);
+
+impl<'a> Input<'a> {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(crate) fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        let mut bytes = [0; N];
+        let (taken, rest) = self.0.split_at(N.min(self.0.len()));
+        bytes[..taken.len()].copy_from_slice(taken);
+        self.0 = rest;
+        bytes
+    }
+
+    pub(crate) fn byte(&mut self) -> u8 {
+        let [byte] = self.bytes();
+        byte
+    }
+
+    /// An index below `count`; small ones, which are most often meant, come more often than others.
+    pub(crate) fn index(&mut self, count: usize) -> usize {
+        let [choice, byte] = self.bytes();
+        let most = if choice < 160 { count.min(3) } else { count };
+        usize::from(byte) % most.max(1)
+    }
+
+    /// All that is left.
+    pub(crate) fn rest(&mut self) -> &'a [u8] {
+        std::mem::take(&mut self.0)
+    }
+}
