@@ -1,6 +1,6 @@
 //! Sink as a process: reads what the chain made, counts it, and says how it went.
 //!
-//! It may be killed: of what it knows its files have what was 10 s before, whole ([`keeper`]), and a chain that keeps a file
+//! It may be killed: of what it knows its files have what was 10 s before, whole (`keeper`), and a chain that keeps a file
 //! for it (`heirloom`) can start another, which goes on where it stopped.
 
 pub(crate) mod heirloom;
