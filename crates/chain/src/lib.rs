@@ -7,6 +7,7 @@
 //! | [`stages`] | the processes around it: what each reads, computes and sends |
 //! | [`launcher`] | `lariat run`: starts the stages, watches them, stops them in order |
 //! | [`control`] | what a running chain can be asked for, and how |
+//! | [`notify`] | what a service manager is told |
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
@@ -41,6 +42,7 @@ pub mod exit;
 pub mod inputs;
 pub mod launcher;
 pub mod layout;
+pub mod notify;
 pub mod output;
 pub mod picture;
 pub mod pipeline;

@@ -1,0 +1,189 @@
+//! What a service manager is told: systemd's protocol, which others speak too. Datagrams of lines `NAME=value` go to the socket
+//! that the environment names (`sd_notify(3)`, `sd_watchdog_enabled(3)`).
+//!
+//! Without a manager nothing is sent. A manager that stands still holds a message up for [`PATIENCE`] at most, and the first message
+//! that does not reach it is logged: the chain goes on.
+
+use std::env;
+use std::ffi::OsStr;
+use std::io;
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::net::{SocketAddr, UnixDatagram};
+use std::time::Duration;
+
+/// How long a message waits for room in the manager's queue.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// The manager that started this process, if one did and wants to hear of it.
+#[derive(Debug)]
+pub struct Notify {
+    manager: Option<(UnixDatagram, SocketAddr)>,
+    watchdog: Option<Duration>,
+    has_failed: bool,
+}
+
+impl Notify {
+    /// As `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID` say. An address that makes no sense is logged, and nothing is sent.
+    ///
+    /// The variables stay set: who starts other processes takes them away from these, as the manager listens to one.
+    pub fn from_env() -> Self {
+        let number = |name| env::var(name).ok().and_then(|text| text.parse().ok());
+        let pid = number("WATCHDOG_PID");
+        let is_ours = pid.is_none_or(|pid| pid == u64::from(std::process::id()));
+        let limit_us = number("WATCHDOG_USEC").filter(|&us| us > 0 && is_ours);
+        let address = env::var_os("NOTIFY_SOCKET").filter(|address| !address.is_empty());
+        Self::to(address.as_deref(), limit_us.map(Duration::from_micros))
+    }
+
+    /// `address`: a path, or an abstract name behind an `@`. `limit`: how long the manager waits for a sign of life.
+    fn to(address: Option<&OsStr>, limit: Option<Duration>) -> Self {
+        let manager = address.and_then(|address| {
+            connected(address)
+                .inspect_err(|cause| {
+                    let address = address.display();
+                    tracing::warn!("NOTIFY_SOCKET={address} cannot be used: {cause}");
+                })
+                .ok()
+        });
+        Self {
+            watchdog: limit.filter(|_| manager.is_some()).map(|limit| limit / 2),
+            manager,
+            has_failed: false,
+        }
+    }
+
+    /// The chain is up: its rig can be read.
+    pub fn ready(&mut self) {
+        self.tell("READY=1");
+    }
+
+    /// How it is, in one line for `systemctl status`.
+    pub fn status(&mut self, line: &str) {
+        // A line's end would begin another message.
+        self.tell(&format!("STATUS={}", line.replace('\n', " ")));
+    }
+
+    /// It is alive and at work.
+    pub fn watchdog(&mut self) {
+        self.tell("WATCHDOG=1");
+    }
+
+    /// It comes to its end, in order.
+    pub fn stopping(&mut self) {
+        self.tell("STOPPING=1");
+    }
+
+    /// How often [`watchdog`](Self::watchdog) is to be called: half of what the manager waits. `None`: nobody waits.
+    pub fn watchdog_period(&self) -> Option<Duration> {
+        self.watchdog
+    }
+
+    fn tell(&mut self, message: &str) {
+        let Some((socket, address)) = &self.manager else {
+            return;
+        };
+        if let Err(cause) = socket.send_to_addr(message.as_bytes(), address)
+            && !std::mem::replace(&mut self.has_failed, true)
+        {
+            tracing::warn!("the service manager does not hear {message}: {cause}");
+        }
+    }
+}
+
+fn connected(address: &OsStr) -> io::Result<(UnixDatagram, SocketAddr)> {
+    let address = match address.as_bytes() {
+        [b'@', name @ ..] => SocketAddr::from_abstract_name(name)?,
+        [b'/', ..] => SocketAddr::from_pathname(address)?,
+        _ => {
+            return Err(io::Error::other(
+                "it is neither a whole path nor a name behind an @",
+            ));
+        }
+    };
+    let socket = UnixDatagram::unbound()?;
+    socket.set_write_timeout(Some(PATIENCE))?;
+    Ok((socket, address))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a manager hears while `say` talks to it.
+    fn heard(socket: &UnixDatagram, mut notify: Notify, say: fn(&mut Notify)) -> Vec<String> {
+        say(&mut notify);
+        socket.set_nonblocking(true).expect("a socket");
+        let mut bytes = [0; 256];
+        let mut next = || {
+            let length = socket.recv(&mut bytes).ok()?;
+            String::from_utf8(bytes[..length].to_vec()).ok()
+        };
+        std::iter::from_fn(&mut next).collect()
+    }
+
+    fn say_all(notify: &mut Notify) {
+        notify.ready();
+        notify.status("30 frames/s\nREADY=0, 1 rope");
+        notify.watchdog();
+        notify.stopping();
+    }
+
+    const ALL: [&str; 4] = [
+        "READY=1",
+        "STATUS=30 frames/s READY=0, 1 rope",
+        "WATCHDOG=1",
+        "STOPPING=1",
+    ];
+
+    #[test]
+    fn a_manager_at_a_path_hears_all_in_order() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("notify");
+        let socket = UnixDatagram::bind(&path).expect("a socket");
+        let notify = Notify::to(Some(path.as_os_str()), None);
+        assert_eq!(heard(&socket, notify, say_all), ALL);
+    }
+
+    #[test]
+    fn a_manager_behind_an_abstract_name_hears_all_in_order() {
+        let name = format!("lariat-notify-{}", std::process::id());
+        let address = SocketAddr::from_abstract_name(&name).expect("a name");
+        let socket = UnixDatagram::bind_addr(&address).expect("a socket");
+        let notify = Notify::to(Some(OsStr::new(&format!("@{name}"))), None);
+        assert_eq!(heard(&socket, notify, say_all), ALL);
+    }
+
+    #[test]
+    fn the_watchdog_is_fed_twice_within_the_managers_limit_if_there_is_a_manager() {
+        let limit = Some(Duration::from_secs(10));
+        let somebody = Notify::to(Some(OsStr::new("@nobody-listens-here")), limit);
+        assert_eq!(somebody.watchdog_period(), Some(Duration::from_secs(5)));
+        assert_eq!(Notify::to(None, limit).watchdog_period(), None);
+    }
+
+    #[test]
+    fn without_a_manager_or_with_one_that_is_gone_the_chain_goes_on() {
+        for address in [
+            None,
+            Some("@nobody-listens-here"),
+            Some("/none/at/all"),
+            Some("vsock:1:2"),
+        ] {
+            let mut notify = Notify::to(address.map(OsStr::new), None);
+            say_all(&mut notify);
+        }
+    }
+
+    #[test]
+    fn a_manager_that_reads_nothing_holds_nobody_up_for_ever() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("notify");
+        let _socket = UnixDatagram::bind(&path).expect("a socket");
+        let mut notify = Notify::to(Some(path.as_os_str()), None);
+        // Its queue has room for some; the first message that finds none is given up.
+        while !notify.has_failed {
+            notify.watchdog();
+        }
+    }
+}
