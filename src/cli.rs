@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::error::ErrorKind;
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
 use lariat_capture::names_a_camera;
 use tracing::Level;
 
@@ -19,6 +20,7 @@ use crate::doctor::{self, DoctorArgs};
 use crate::export::{self, ExportArgs};
 use crate::fit_lines::{self, FitArgs};
 use crate::info::{self, InfoArgs};
+use crate::man::{self, ManArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
@@ -27,15 +29,16 @@ use crate::snapshot::{self, SnapshotArgs};
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
+use crate::version;
 use lariat_chain::settings::{Flags, Settings, nearest};
 use lariat_chain::stages::Supervision;
-use lariat_chain::{exit, launcher, layout, stages};
+use lariat_chain::{exit, launcher, layout, output, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
 /// Without a command: shows the whole chain live on a rendered rope, for 10 seconds. `lariat SOURCE` is `lariat run SOURCE`.
 #[derive(Parser)]
-#[command(name = "lariat", version, after_help = exit::CODES)]
+#[command(name = "lariat", version, long_version = version::long(), after_help = exit::CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -62,6 +65,11 @@ const SET_EXAMPLES: &str = "Examples:
 const RUN_EXAMPLES: &str = "Examples:
   lariat run rope.png --loop --duration 10s    one picture, again and again
   lariat run /dev/video0 --record run.mcap     a camera, recorded";
+
+const COMPLETIONS_EXAMPLES: &str = "Examples:
+  lariat completions bash > ~/.local/share/bash-completion/completions/lariat
+  lariat completions zsh > ~/.zfunc/_lariat
+  lariat completions fish > ~/.config/fish/completions/lariat.fish";
 
 #[derive(Subcommand)]
 enum Command {
@@ -110,6 +118,15 @@ enum Command {
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
     Doctor(DoctorArgs),
+    /// What a shell completes after `lariat`, as a script for it
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// The manual pages, for packages
+    #[command(hide = true)]
+    Man(ManArgs),
     #[cfg(feature = "lab")]
     #[command(flatten)]
     Lab(lariat_lab::Command),
@@ -165,6 +182,13 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
+        Some(Command::Completions { shell }) => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "lariat", &mut script);
+            output::print(&String::from_utf8_lossy(&script))?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Some(Command::Man(args)) => man::run(&args, Cli::command()),
         #[cfg(feature = "lab")]
         Some(Command::Lab(command)) => command.run(),
     }

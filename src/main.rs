@@ -12,6 +12,7 @@ mod doctor;
 mod export;
 mod fit_lines;
 mod info;
+mod man;
 mod message_json;
 mod pick;
 mod record;
@@ -22,6 +23,7 @@ mod snapshot;
 mod top;
 mod topic;
 mod trace;
+mod version;
 
 use lariat_chain::{exit, output};
 use std::process::ExitCode;

@@ -1,5 +1,6 @@
 //! Which registers work runs in.
 
+use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use pulp::NullaryFnOnce;
@@ -102,6 +103,21 @@ impl Arch {
             #[cfg(target_arch = "x86_64")]
             Self::V4(v4) => pulp::Simd::vectorize(v4, In(v4, work)),
         }
+    }
+}
+
+/// The name of its instructions.
+impl fmt::Display for Arch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::V4(_) => "AVX-512",
+            #[cfg(target_arch = "x86_64")]
+            Self::V3(_) => "AVX2",
+            Self::Plain if cfg!(target_arch = "x86_64") => "SSE2",
+            Self::Plain if cfg!(target_arch = "aarch64") => "NEON",
+            Self::Plain => "none",
+        })
     }
 }
 

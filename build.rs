@@ -1,0 +1,42 @@
+//! The commit that `lariat --version` names: git's, else what `cargo package` noted, else none.
+
+use std::path::Path;
+use std::process::Command;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    let commit = of_git().or_else(of_package);
+    println!(
+        "cargo::rustc-env=LARIAT_COMMIT={}",
+        commit.as_deref().unwrap_or("unknown")
+    );
+}
+
+/// The commit of this checkout. A folder without `.git` may lie in the checkout of something else.
+fn of_git() -> Option<String> {
+    if !Path::new(".git").exists() {
+        return None;
+    }
+    // What changes with each commit and checkout. What is not there would have cargo build anew each time.
+    for name in ["HEAD", "logs/HEAD"] {
+        let path = git(&["rev-parse", "--git-path", name])?;
+        if Path::new(&path).exists() {
+            println!("cargo::rerun-if-changed={path}");
+        }
+    }
+    git(&["rev-parse", "--short=12", "HEAD"])
+}
+
+fn git(words: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(words).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}
+
+/// The commit in the file that `cargo package` adds: `"sha1": "…"`.
+fn of_package() -> Option<String> {
+    let text = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
+    let (_, after) = text.split_once("\"sha1\"")?;
+    let commit = after.split('"').nth(1)?;
+    Some(commit.chars().take(12).collect())
+}

@@ -1,0 +1,57 @@
+//! `lariat man`: a manual page for each command, made of the command line itself, for packages.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Args, Command};
+use clap_mangen::Man;
+use lariat_chain::output::{Existing, OutputFolder, print};
+
+/// Write the manual pages of all commands
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// The folder
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Overwrite those that are there already
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs `lariat man`, of this command line.
+///
+/// # Errors
+/// The folder cannot be written to, or has such pages already.
+pub(crate) fn run(args: &ManArgs, command: Command) -> Result<ExitCode> {
+    // What it says more of its version is of this machine.
+    let mut command = command
+        .disable_help_subcommand(true)
+        .long_version(None::<&str>);
+    command.build();
+    let mut pages = Vec::new();
+    add(command, &mut pages)?;
+    let names = pages.iter().map(|(name, _)| name.as_str());
+    let folder = OutputFolder::new(&args.folder, Existing::forced(args.force), names)?;
+    for (name, page) in &pages {
+        folder.write(name, page)?;
+    }
+    print(&format!("wrote {} pages\n", pages.len()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The pages of a command and of all under it that its help shows.
+fn add(command: Command, pages: &mut Vec<(String, Vec<u8>)>) -> Result<()> {
+    let below = command
+        .get_subcommands()
+        .filter(|below| !below.is_hide_set());
+    for below in below.cloned() {
+        add(below, pages)?;
+    }
+    let source = concat!("lariat ", env!("CARGO_PKG_VERSION"));
+    let man = Man::new(command).source(source);
+    let mut page = Vec::new();
+    man.render(&mut page)?;
+    pages.push((man.get_filename(), page));
+    Ok(())
+}
