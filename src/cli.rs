@@ -25,6 +25,7 @@ use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
 use crate::set::{self, RestartArgs, SetArgs};
+use crate::service::{self, ServiceArgs};
 use crate::snapshot::{self, SnapshotArgs};
 use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
@@ -118,6 +119,8 @@ enum Command {
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
     Doctor(DoctorArgs),
+    /// A chain that systemd starts, watches and starts again
+    Service(ServiceArgs),
     /// What a shell completes after `lariat`, as a script for it
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
@@ -182,6 +185,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
+        Some(Command::Service(args)) => service::run(args),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "lariat", &mut script);
@@ -325,6 +329,7 @@ mod tests {
         include_str!("../docs/realtime.md"),
         include_str!("../docs/recordings.md"),
         include_str!("../docs/running.md"),
+        include_str!("../docs/service.md"),
         include_str!("../docs/servo.md"),
     ];
 

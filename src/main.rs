@@ -19,6 +19,7 @@ mod record;
 mod recording;
 mod replay;
 mod set;
+mod service;
 mod snapshot;
 mod top;
 mod topic;

@@ -102,7 +102,12 @@ fn bash_completes_commands_flags_and_values() {
 fn every_command_has_a_manual_page_that_troff_reads_without_a_word() {
     let bench = Bench::new();
     text(&bench.run(&["man", "pages"]));
-    let below = ["config-init", "topic-echo", "calibrate-plane"];
+    let below = [
+        "config-init",
+        "topic-echo",
+        "calibrate-plane",
+        "service-install",
+    ];
     let names = commands(&bench);
     assert!(names.len() > 18, "{names:?}");
     for name in names.iter().map(String::as_str).chain(below) {

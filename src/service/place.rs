@@ -1,0 +1,124 @@
+//! Where the unit and the settings lie: of the machine, of a user, of a package.
+
+use std::env;
+use std::fs;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use lariat_chain::exit::wrong_use;
+use lariat_wire::Rig;
+
+use super::unit;
+
+/// The users that logind takes for people (`SYS_UID_MAX` of Debian and Fedora, and one).
+const FIRST_PERSON: u32 = 1000;
+
+pub(super) struct Place {
+    /// Where `install` writes the unit.
+    pub(super) unit: PathBuf,
+    /// Where a package has put one.
+    pub(super) of_package: Option<PathBuf>,
+    /// The folder of the settings, a file for each rig.
+    settings: PathBuf,
+    /// What the unit starts.
+    pub(super) program: PathBuf,
+}
+
+impl Place {
+    pub(super) fn of_machine() -> Result<Self> {
+        Ok(Self {
+            unit: Path::new("/etc/systemd/system").join(unit::NAME),
+            of_package: Some(Path::new("/usr/lib/systemd/system").join(unit::NAME)),
+            settings: "/etc/lariat".into(),
+            program: own_program()?,
+        })
+    }
+
+    pub(super) fn of_user() -> Result<Self> {
+        let set = |name| env::var_os(name).filter(|value| !value.is_empty());
+        let config = set("XDG_CONFIG_HOME").map(PathBuf::from);
+        let config = config.or_else(|| Some(PathBuf::from(set("HOME")?).join(".config")));
+        let Some(config) = config else {
+            bail!("neither XDG_CONFIG_HOME nor HOME is set: there is no folder for a user's units");
+        };
+        Ok(Self {
+            unit: config.join("systemd/user").join(unit::NAME),
+            of_package: None,
+            settings: config.join("lariat"),
+            program: own_program()?,
+        })
+    }
+
+    pub(super) fn of_package(root: &Path) -> Self {
+        Self {
+            unit: root.join("usr/lib/systemd/system").join(unit::NAME),
+            of_package: None,
+            settings: root.join("etc/lariat"),
+            program: "/usr/bin/lariat".into(),
+        }
+    }
+
+    pub(super) fn settings(&self, rig: &Rig) -> PathBuf {
+        self.settings.join(format!("{rig}.toml"))
+    }
+
+    /// The other rigs that systemd starts by this unit.
+    pub(super) fn enabled(&self, but: &Rig) -> Vec<String> {
+        let folders = self.unit.parent().map(fs::read_dir);
+        let wants = folders.into_iter().flatten().flatten().flatten();
+        let wants =
+            wants.filter(|entry| entry.path().extension().is_some_and(|end| end == "wants"));
+        let links = wants.filter_map(|entry| fs::read_dir(entry.path()).ok());
+        let mut rigs: Vec<_> = links
+            .flatten()
+            .flatten()
+            .filter_map(|link| Some(unit::rig_of(link.file_name().to_str()?)?.to_owned()))
+            .filter(|rig| rig != but.as_str())
+            .collect();
+        rigs.sort();
+        rigs.dedup();
+        rigs
+    }
+}
+
+fn own_program() -> Result<PathBuf> {
+    env::current_exe().context("the path of this program is not known")
+}
+
+/// Asks whether there is such a user, who can start this program; says what that user's service has to mind.
+pub(super) fn require_user_can_run(user: &str, program: &Path) -> Result<String> {
+    let output = Command::new("id").args(["-u", "--", user]).output();
+    let output = output.context("`id` cannot be started")?;
+    let uid = String::from_utf8_lossy(&output.stdout)
+        .trim()
+        .parse::<u32>();
+    let (true, Ok(uid)) = (output.status.success(), uid) else {
+        wrong_use!(
+            "there is no user {user}: make it (sudo useradd --system {user}), or name the one of your control loop (--as USER)"
+        );
+    };
+    let closed = program.ancestors().find(|path| {
+        fs::metadata(path).is_ok_and(|found| {
+            let mode = found.permissions().mode();
+            let needed = if found.uid() == uid { 0o100 } else { 0o001 };
+            uid != 0 && mode & needed == 0
+        })
+    });
+    if let Some(closed) = closed {
+        wrong_use!(
+            "{user} cannot start {}, as {} is closed to others: sudo install {0} /usr/local/bin, and install the service with \
+             /usr/local/bin/lariat",
+            program.display(),
+            closed.display()
+        );
+    }
+    // logind's RemoveIPC= takes the shared memory of people, not of the system's users.
+    Ok(match uid < FIRST_PERSON {
+        true => String::new(),
+        false => format!(
+            "once, so that the chain's memory stays when {user} logs out: sudo loginctl enable-linger {user}\n"
+        ),
+    })
+}
