@@ -119,6 +119,10 @@ impl Child {
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
         let mut command = Command::new(itself);
         command.arg(part.name()).args(arguments);
+        // The service manager hears of the chain from the chain.
+        for name in ["NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"] {
+            command.env_remove(name);
+        }
         // Inherited by the child alone; nothing else starts a process here meanwhile.
         let inherited = [
             (STATUS_FD, Some(its_end.as_fd())),
@@ -157,6 +161,7 @@ impl Child {
         part: Part,
         run: Run,
         settings: &Arc<Settings>,
+        heirloom: &Heirloom,
     ) -> anyhow::Result<Self> {
         let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
@@ -170,8 +175,8 @@ impl Child {
             stop,
             status: Status::on(its_end),
             orders: Orders::on(its_orders),
-            // A thread has no successor.
-            heirloom: Heirloom::default(),
+            // It has no successor, but the chain sees how far it is.
+            heirloom: heirloom.share(),
         };
         let outcome = std::thread::Builder::new()
             .name(part.name().to_owned())

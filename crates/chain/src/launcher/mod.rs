@@ -24,6 +24,7 @@
 //! already), so that `kill -9` of the chain takes them along. A second Ctrl-C ends at once.
 
 mod child;
+mod herald;
 mod restarts;
 mod watch;
 
@@ -44,10 +45,12 @@ use crate::run_files::RunFiles;
 use crate::settings::{Flags, Restart, Settings, Stage};
 use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
+use crate::stages::estate;
 use crate::stages::heirloom::{Heirloom, Progress};
 use crate::stages::status::{LastWord, Sent};
 use crate::stop::Stop;
 use child::{Child, Ending, Run};
+use herald::{Herald, Signs};
 use restarts::{Restarts, Verdict};
 use watch::Watch;
 
@@ -192,6 +195,7 @@ struct Chain {
     began: Option<Instant>,
     control: Option<Control>,
     file: Option<Watch>,
+    herald: Herald,
     /// The first that ended when it should not have, for good.
     fallen: Option<Part>,
     /// Nothing is started anew any more.
@@ -223,6 +227,7 @@ impl Chain {
             began: None,
             control: None,
             file: None,
+            herald: Herald::new(),
             fallen: None,
             is_stopping: false,
             recording_lost: false,
@@ -249,7 +254,7 @@ impl Chain {
         let heirloom = &self.heirlooms[part as usize];
         let restarts = heirloom.progress().restarts;
         let child = match part.fused() {
-            Some(run) if settings.run.fuse => Child::start_here(part, run, settings)?,
+            Some(run) if settings.run.fuse => Child::start_here(part, run, settings, heirloom)?,
             _ => {
                 let reads = part == Part::Capture && settings.capture.is_piped();
                 let is_changed = restarts > 0 || settings.version > 0;
@@ -290,6 +295,7 @@ impl Chain {
     fn begin(&mut self) {
         self.began = Some(Instant::now());
         self.listen_to_others();
+        self.herald.ready();
         if self.settings.run.watch {
             match Watch::of(self.settings.file.as_deref()) {
                 Ok(watch) => self.file = Some(watch),
@@ -371,13 +377,15 @@ impl Chain {
         // As after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
         while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
-            let look = Instant::now() + LOOK_EVERY;
+            let period = self.herald.period().map(|period| period / 2);
+            let look = Instant::now() + period.map_or(LOOK_EVERY, |period| period.min(LOOK_EVERY));
             let due = self.due.into_iter().flatten().min();
             self.listen(Some(due.map_or(look, |due| due.min(look))), Some(stop))?;
             self.start_anew()?;
             self.strike_the_hanging();
             self.answer_others();
             self.read_the_file();
+            self.say_how_it_is();
         }
         Ok(())
     }
@@ -546,6 +554,25 @@ impl Chain {
         }
     }
 
+    /// Tells the service manager, if there is one.
+    fn say_how_it_is(&mut self) {
+        let [capture, extract, fit] =
+            [Part::Capture, Part::Extract, Part::Fit].map(|part| part as usize);
+        let mut signs = Signs {
+            fitted: self.heirlooms[fit].read().sent.count,
+            beats: self.heirlooms[capture].read().beats,
+        };
+        if self.children[capture].is_none() {
+            // Frames of another program come when they come.
+            signs.beats = self.began.map_or(0, |began| began.elapsed().as_secs());
+        }
+        let extract = &mut self.heirlooms[extract];
+        self.herald.tell(signs, Instant::now(), || {
+            extract.look();
+            estate::ropes_seen(extract)
+        });
+    }
+
     /// Does what others ask for.
     fn answer_others(&mut self) {
         while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
@@ -677,6 +704,7 @@ impl Chain {
     /// worked off. `never`: the chain never came up, and there is nothing to report.
     fn stop_in_order(&mut self, never: bool) {
         self.is_stopping = true;
+        self.herald.stopping();
         self.due = Default::default();
         self.control = None;
         for part in Part::ALL {
@@ -748,8 +776,7 @@ impl Chain {
             let child = self.child(part)?;
             // One that was killed had noted what it was about to send.
             let noted = || self.heirlooms[part as usize].read().sent;
-            let is_noted = !(self.settings.run.fuse && part.fused().is_some());
-            child.sent().or_else(|| is_noted.then(noted))
+            Some(child.sent().unwrap_or_else(noted))
         };
         let extract = self.child(Part::Extract);
         let taken = extract.and_then(Child::taken);

@@ -187,6 +187,7 @@ pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Restart;
 
     fn changed(changes: &[&str]) -> Settings {
         let flags = changes
@@ -236,6 +237,18 @@ mod tests {
             refused.to_string(),
             "run.rig, sink.live cannot change while the chain runs: stop it, and start it with the new value"
         );
+    }
+
+    #[test]
+    fn who_is_unattended_is_started_anew_unless_something_else_is_said() {
+        let run = |changes: &[&str]| {
+            let settings = changed(changes);
+            (settings.run.restart, settings.sink.live)
+        };
+        assert_eq!(run(&[]), (Restart::Never, true));
+        assert_eq!(run(&["run.daemon=true"]), (Restart::OnFailure, false));
+        let all = ["run.daemon=true", "run.restart=never", "sink.live=true"];
+        assert_eq!(run(&all), (Restart::Never, true));
     }
 
     #[test]

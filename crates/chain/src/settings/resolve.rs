@@ -2,7 +2,7 @@
 
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
-use crate::settings::{Family, Flags, Order, Problems, Settings, curve, file, range};
+use crate::settings::{Family, Flags, Order, Problems, Restart, Settings, curve, file, range};
 use anyhow::Result;
 use file::Entry;
 use lariat_fit::Fitter;
@@ -51,6 +51,7 @@ impl Resolved {
         for (flag, key, value) in flags.given() {
             resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);
         }
+        resolved.settle_daemon();
         resolved.settle_fit(&mut problems);
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {
@@ -67,6 +68,24 @@ impl Resolved {
         match (KEYS[key].set)(&mut self.settings, &value) {
             Ok(()) => self.origins[key] = origin,
             Err(why) => problems.add(&origin, format!("{}: {why}", origin.quote(key, &value))),
+        }
+    }
+
+    /// What is meant where nobody looks on, if nothing else is said.
+    fn settle_daemon(&mut self) {
+        if !self.settings.run.daemon {
+            return;
+        }
+        let is_said = |section, name| {
+            let key = keys::position(section, name);
+            key.is_some_and(|key| self.origins[key] != Origin::Default)
+        };
+        let (restart, live) = (is_said("run", "restart"), is_said("sink", "live"));
+        if !restart {
+            self.settings.run.restart = Restart::OnFailure;
+        }
+        if !live {
+            self.settings.sink.live = false;
         }
     }
 

@@ -42,6 +42,8 @@ pub struct Run {
     pub record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub fuse: bool,
+    /// Whether nobody looks on: nothing is shown, and a stage that fell is started anew if nothing else is said.
+    pub daemon: bool,
     /// When a stage is started anew.
     pub restart: Restart,
     /// How often at most within the window before the chain gives up.
@@ -79,6 +81,7 @@ impl Default for Run {
             record: None,
             deadline: None,
             fuse: false,
+            daemon: false,
             restart: Restart::Never,
             max_restarts: 10,
             restart_window: Duration::from_secs(60),

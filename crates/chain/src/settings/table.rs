@@ -75,6 +75,9 @@ pub(super) const KEYS: &[Key] = keys! {
     run.fuse: SWITCH,
         "Run capture, extract and fit in one process (`lariat run`): waits are a fifth shorter, but a crash of one ends all.",
         "--fuse", "", "Run", "Capture, extract and fit in one process";
+    run.daemon: SWITCH,
+        "Nobody looks on: no line of figures is shown, and `restart` is \"on-failure\" if nothing else is said.",
+        "--daemon", "", "Run", "Unattended: no live line, --restart on-failure";
     run.restart: Named("ways", &run::RESTARTS),
         "When a stage is started anew in its place, while the others and all readers go on: \"never\" (its chain ends with it),\n\
          \"on-failure\" (it died, hangs, or was told to end by another than its chain), or \"always\" (also when its source has ended).",

@@ -1,7 +1,7 @@
 //! What extract leaves to its successor: what it said last, as a recording has it, and what it knew beside.
 
 use lariat_record::Record;
-use lariat_wire::Centerlines;
+use lariat_wire::{Centerlines, Status};
 
 use super::heirloom::Heirloom;
 use crate::pipeline::Past;
@@ -32,6 +32,15 @@ pub(super) fn read(heirloom: &Heirloom) -> Option<Left> {
         tracks,
     };
     Some(Left { past, last })
+}
+
+/// How many ropes the last message has that are seen.
+pub(crate) fn ropes_seen(heirloom: &Heirloom) -> usize {
+    let left = read(heirloom);
+    let last = left.as_ref().map(|left| left.last.curves());
+    let seen = last.unwrap_or_default().iter();
+    seen.filter(|curve| curve.status() != Some(Status::Lost))
+        .count()
 }
 
 /// Where it is written.

@@ -81,7 +81,6 @@ impl Heirloom {
     /// # Errors
     /// No memory.
     pub fn make(stage: &str) -> Result<Self> {
-        // Inherited by the stage alone: it is unset again where nothing else starts a process.
         let file: OwnedFd = memfd_create(format!("lariat-{stage}"), MemfdFlags::CLOEXEC)
             .context("there is no memory for what a stage leaves to its successor")?;
         Ok(Self {
@@ -109,6 +108,14 @@ impl Heirloom {
         };
         heirloom.progress = heirloom.read();
         Ok(heirloom)
+    }
+
+    /// The same, for a stage that is a thread of this process.
+    pub fn share(&self) -> Self {
+        Self {
+            file: self.file.as_ref().and_then(|file| file.try_clone().ok()),
+            progress: self.progress,
+        }
     }
 
     /// The file, for the process that inherits it.
@@ -143,9 +150,15 @@ impl Heirloom {
         self.write_head();
     }
 
+    /// Reads how far the stage is, for [`handed_on`](Self::handed_on).
+    pub fn look(&mut self) -> Progress {
+        self.progress = self.read();
+        self.progress
+    }
+
     /// The stage is started anew.
     pub fn begin_anew(&mut self) {
-        self.progress = self.read();
+        self.look();
         self.progress.restarts += 1;
         self.write_head();
     }
@@ -198,8 +211,8 @@ mod tests {
     /// What another process sees.
     fn successor(of: &Heirloom) -> Heirloom {
         let mut next = Heirloom {
-            file: of.file().map(|file| file.try_clone().unwrap()),
             progress: Progress::default(),
+            ..of.share()
         };
         next.begin_anew();
         next

@@ -4,7 +4,7 @@
 mod allocation;
 pub mod arrangement;
 pub mod capture;
-mod estate;
+pub(crate) mod estate;
 mod external;
 pub mod extract;
 pub mod fit;
