@@ -302,6 +302,10 @@ typedef struct lariat_trace {
   uint64_t fit_started_ns;
   // When fit had its result ready to send.
   uint64_t fitted_ns;
+  // By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
+  uint32_t settings;
+  // How often capture, extract and fit had been started anew, a byte each from the lowest on, modulo 256: `restarts`.
+  uint32_t restarts;
 } lariat_trace;
 
 // What the chain says of one frame.
