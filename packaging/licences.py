@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""What licences the crates have that lariat is made of.
+
+    packaging/licences.py             complains of those that are not on the list below (part of .ci/run)
+    packaging/licences.py --notices   prints the texts that go with a binary, whose licences ask for that
+"""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+# A binary made with these may be given to anybody, under any terms, with their notices beside it.
+ALLOWED = {
+    "0BSD",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "ISC",
+    "MIT",
+    "Unicode-3.0",
+    "Unlicense",
+    "Zlib",
+}
+# Of these, files that are changed are to be published: no more than that.
+ALLOWED_UNCHANGED = {"MPL-2.0"}
+
+TEXTS = re.compile(r"^(licen[cs]e|copying|notice|unlicense)", re.IGNORECASE)
+
+
+def crates(words):
+    """What `cargo metadata` says of all packages, for the machines that lariat runs on."""
+    command = ["cargo", "metadata", "--locked", "--format-version=1"]
+    for target in ["x86_64-unknown-linux-gnu", "aarch64-unknown-linux-gnu"]:
+        command += ["--filter-platform", target]
+    return json.loads(subprocess.check_output(command + words))
+
+
+def is_allowed(expression):
+    """Whether an SPDX expression can be met by licences of the list: AND binds more tightly than OR."""
+    words = re.findall(r"\(|\)|[^\s()/]+|/", expression)
+    position = 0
+
+    def peek():
+        return words[position] if position < len(words) else None
+
+    def take():
+        nonlocal position
+        position += 1
+        return words[position - 1]
+
+    def either():
+        value = both()
+        while peek() in ("OR", "/"):  # `/` is how old manifests write it
+            take()
+            value = both() or value
+        return value
+
+    def both():
+        value = one()
+        while peek() == "AND":
+            take()
+            value = one() and value
+        return value
+
+    def one():
+        word = take()
+        if word == "(":
+            value = either()
+            take()
+            return value
+        if peek() == "WITH":
+            take()
+            word += " WITH " + take()
+        return word in ALLOWED | ALLOWED_UNCHANGED
+
+    return either()
+
+
+def check():
+    packages = crates([])["packages"]
+    wrong = []
+    for package in packages:
+        name, licence = f"{package['name']} {package['version']}", package["license"]
+        if licence is None:
+            wrong.append(f"{name} names no licence: look at {package['manifest_path']}")
+        elif not is_allowed(licence):
+            wrong.append(f"{name} has {licence}, which is not on the list in packaging/licences.py")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(f"{len(packages)} crates, all of licences on the list")
+
+
+def notices(words):
+    """The texts in the packages of what is linked into the binary, equal ones once."""
+    metadata = crates(words)
+    packages = {package["id"]: package for package in metadata["packages"]}
+    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
+    linked, waiting = set(), [p["id"] for p in packages.values() if p["name"] == "lariat"]
+    while waiting:
+        node = waiting.pop()
+        if node not in linked:
+            linked.add(node)
+            for dependency in nodes[node]["deps"]:
+                if any(kind["kind"] is None for kind in dependency["dep_kinds"]):
+                    waiting.append(dependency["pkg"])
+    owners = {}
+    for package in sorted((packages[node] for node in linked), key=lambda p: p["name"]):
+        if package["source"] is None:
+            continue
+        name = f"{package['name']} {package['version']} ({package['license']})"
+        folder = Path(package["manifest_path"]).parent
+        texts = [path for path in sorted(folder.iterdir()) if TEXTS.match(path.name) and path.is_file()]
+        for path in texts:
+            owners.setdefault(path.read_text(errors="replace").strip(), []).append(name)
+        if not texts:
+            owners.setdefault("(Its package has no text of its own.)", []).append(name)
+    print("lariat is made with these crates, each under its licence.")
+    for text, names in sorted(owners.items(), key=lambda owner: owner[1]):
+        print(f"\n{'=' * 80}\n{chr(10).join(dict.fromkeys(names))}\n{'-' * 80}\n{text}")
+
+
+if __name__ == "__main__":
+    match sys.argv[1:]:
+        case []:
+            check()
+        case ["--notices", *words]:
+            notices(words)
+        case _:
+            sys.exit(__doc__)
