@@ -320,6 +320,7 @@ mod tests {
         include_str!("../docs/curves.md"),
         include_str!("../docs/domains.md"),
         include_str!("../docs/figures.md"),
+        include_str!("../docs/install.md"),
         include_str!("../docs/masks.md"),
         include_str!("../docs/messages.md"),
         include_str!("../docs/millimetres.md"),

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Makes what is given to others, in target/packaging: a Debian package and a wheel. Needs a Rust toolchain, python3 with venv,
+# dpkg and strip; cargo-deb and maturin are fetched if they are not there. How they are installed: docs/install.md.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=$PWD/target/packaging
+tools=$PWD/target/packaging-tools
+rm -rf "$out"
+mkdir -p "$out" "$tools"
+export PATH=$tools/bin:$PATH
+command -v cargo-deb >/dev/null || cargo install --locked --root "$tools" cargo-deb
+if ! command -v maturin >/dev/null; then
+    python3 -m venv "$tools/python"
+    "$tools/python/bin/pip" install --quiet 'maturin>=1.9,<2'
+    export PATH=$PATH:$tools/python/bin
+fi
+
+# The product: `bench`, `compare`, `paper` and `servo` measure it, for those who have its sources.
+cargo build --release --locked --package lariat --no-default-features
+root=$out/root
+share=$root/usr/share
+lariat=$root/usr/bin/lariat
+mkdir -p "${lariat%/*}" "$share"/{man/man1,bash-completion/completions,zsh/vendor-completions,fish/vendor_completions.d,doc/lariat}
+strip -o "$lariat" target/release/lariat
+"$lariat" man "$share/man/man1" --force
+"$lariat" completions bash >"$share/bash-completion/completions/lariat"
+"$lariat" completions zsh >"$share/zsh/vendor-completions/_lariat"
+"$lariat" completions fish >"$share/fish/vendor_completions.d/lariat.fish"
+"$lariat" service install --root "$root"
+packaging/licences.py --notices --no-default-features >"$share/doc/lariat/notices"
+cp CHANGELOG.md "$share/doc/lariat/NEWS"
+gzip -9n "$share"/doc/lariat/*
+cargo deb --locked --no-build --no-strip --output "$out"
+
+# The module, and the command beside it: maturin puts the files of this folder where pip has its scripts. Only here, as who
+# builds the module from its sources need not build the command.
+scripts=python/lariat._native.data/scripts
+trap 'rm -rf python/lariat._native.data' EXIT
+mkdir -p "$scripts"
+cp "$lariat" "$scripts/"
+# It runs where glibc is as new as the command needs; maturin sees to it that the module asks for no more.
+glibc=$(objdump -T "$lariat" | grep -o 'GLIBC_2\.[0-9]*' | sort --version-sort | tail -n 1)
+maturin build --release --locked --strip --compatibility "manylinux_2_${glibc#*.}" --manifest-path python/Cargo.toml --out "$out"
+
+ls -l "$out"/*.deb "$out"/*.whl
