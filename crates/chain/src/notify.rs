@@ -1,7 +1,7 @@
 //! What a service manager is told: systemd's protocol, which others speak too. Datagrams of lines `NAME=value` go to the socket
 //! that the environment names (`sd_notify(3)`, `sd_watchdog_enabled(3)`).
 //!
-//! Without a manager nothing is sent. A manager that stands still holds a message up for [`PATIENCE`] at most, and the first message
+//! Without a manager nothing is sent. A manager that stands still holds a message up for a second at most, and the first message
 //! that does not reach it is logged: the chain goes on.
 
 use std::env;
