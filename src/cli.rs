@@ -332,6 +332,7 @@ mod tests {
         include_str!("../docs/running.md"),
         include_str!("../docs/service.md"),
         include_str!("../docs/servo.md"),
+        include_str!("../docs/unattended.md"),
     ];
 
     /// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on in a block of code.

@@ -1,6 +1,7 @@
 //! Stages that are started anew in their place, and settings that change, while the rest of a chain goes on.
 
 use std::fs;
+use std::os::unix::net::UnixDatagram;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -293,6 +294,46 @@ fn a_settings_file_that_is_edited_holds_at_once_if_it_is_watched() {
         ended.stderr
     );
     bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_service_manager_hears_that_the_chain_is_up_at_work_and_at_its_end() {
+    let bench = Bench::new();
+    let path = bench.path("manager");
+    let manager = UnixDatagram::bind(&path).unwrap();
+    manager.set_read_timeout(Some(PATIENCE)).unwrap();
+    let mut command = bench.command(&["run", "--daemon", "--fps", "50"]);
+    command
+        .env("NOTIFY_SOCKET", &path)
+        .env("WATCHDOG_USEC", "2000000");
+    let chain = bench.start_command(command);
+    let next = || {
+        let mut bytes = [0; 256];
+        let length = manager.recv(&mut bytes).expect("the chain says nothing");
+        String::from_utf8_lossy(&bytes[..length]).into_owned()
+    };
+    let wait_for_word = |word: &str| {
+        let mut heard = Vec::new();
+        while !heard
+            .last()
+            .is_some_and(|last: &String| last.starts_with(word))
+        {
+            heard.push(next());
+        }
+        heard
+    };
+    assert_eq!(next(), "READY=1");
+    wait_for_word("WATCHDOG=1");
+    let heard = wait_for_word("STATUS=");
+    let status = heard.last().unwrap();
+    assert!(status.contains(" frames/s, 1 rope"), "{status}");
+    chain.signal_chain(Signal::TERM);
+    wait_for_word("STOPPING=1");
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    // Nobody looks on.
+    assert!(!ended.stdout.contains("received, "), "{}", ended.stdout);
     bench.assert_nothing_is_left();
 }
 

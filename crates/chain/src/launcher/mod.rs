@@ -42,7 +42,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use crate::control::{Asked, Control};
 use crate::pipeline::{CurveFitter, FrameExtractor};
 use crate::run_files::RunFiles;
-use crate::settings::{Flags, Restart, Settings, Stage};
+use crate::settings::{Flags, Settings, Stage};
 use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
 use crate::stages::estate;
@@ -444,34 +444,33 @@ impl Chain {
             }
             return;
         }
-        if std::mem::take(&mut self.renewed[at]) {
+        if ending.is_none() && self.settings.run.starts_anew() {
+            // Told to end by another: it waits for the word that it would be given at the end.
+            if let Some(child) = &mut self.children[at] {
+                child.tell(&LastWord::Never.to_string());
+            }
+            return;
+        }
+        if ending.is_some() && std::mem::take(&mut self.renewed[at]) {
             self.due[at] = Some(Instant::now());
             return;
         }
-        if self.settings.run.restart == Restart::Never || self.settings.run.fuse || ending.is_some()
-        {
-            let verdict = self
-                .restarts
-                .judge(&self.settings.run, ending, is_done, Instant::now());
-            let how = ending.map_or_else(String::new, |ending| ending.to_string());
-            match verdict {
-                Verdict::Anew(due) => {
-                    eprintln!("lariat: {} {how}; it is started anew", part.name());
-                    self.due[at] = Some(due);
-                }
-                Verdict::End if is_wished => {}
-                Verdict::End => self.give_up(part, ending),
-                Verdict::TooMany(count) => {
-                    let window_s = self.settings.run.restart_window.as_secs_f64();
-                    eprintln!(
-                        "lariat: {count} parts were started anew within {window_s} s (max_restarts): no more"
-                    );
-                    self.give_up(part, ending);
-                }
+        let (run, now) = (&self.settings.run, Instant::now());
+        match self.restarts.judge(run, ending, is_done, now) {
+            Verdict::Anew(due) => {
+                self.due[at] = Some(due);
+                let how = ending.map_or_else(String::new, |ending| ending.to_string());
+                eprintln!("lariat: {} {how}; it is started anew", part.name());
             }
-        } else if let Some(child) = &mut self.children[at] {
-            // Told to end by another: it waits for the word that it would be given at the end, and is started anew.
-            child.tell(&LastWord::Never.to_string());
+            Verdict::End if is_wished => {}
+            Verdict::End => self.give_up(part, ending),
+            Verdict::TooMany(count) => {
+                let window_s = run.restart_window.as_secs_f64();
+                eprintln!(
+                    "lariat: {count} parts were started anew within {window_s} s (max_restarts): no more"
+                );
+                self.give_up(part, ending);
+            }
         }
     }
 
@@ -513,7 +512,7 @@ impl Chain {
     /// Kills the stages that stand still while work waits for them, if they are started anew then.
     fn strike_the_hanging(&mut self) {
         let run = &self.settings.run;
-        if run.restart == Restart::Never || run.fuse || run.lossless {
+        if !run.starts_anew() || run.lossless {
             return;
         }
         let now = Instant::now();

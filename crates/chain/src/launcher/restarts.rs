@@ -41,8 +41,7 @@ impl Restarts {
             Restart::OnFailure => !(is_done && ending == Some(Ending::Well)),
             Restart::Always => true,
         };
-        // Two threads of one process cannot be told apart by the kernel.
-        if !is_wanted || run.fuse {
+        if !is_wanted || !run.starts_anew() {
             return Verdict::End;
         }
         self.recent

@@ -59,6 +59,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// Whether any stage is started anew. Threads of one process are not.
+    pub fn starts_anew(&self) -> bool {
+        self.restart != Restart::Never && !self.fuse
+    }
+
     /// How long to run, in nanoseconds.
     pub fn duration_ns(&self) -> Option<u64> {
         self.duration.map(nanoseconds)

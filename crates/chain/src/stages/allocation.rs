@@ -5,13 +5,13 @@
 //! the slot is lent and freed when it is sent. Those are told apart by their size, and counted too.
 
 use std::cell::Cell;
-use std::os::fd::AsRawFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer};
 use rustix::process::{Signal, getpid, kill_process};
 
+use super::heirloom::Heirloom;
 use super::{Supervision, capture, extract, fit, sink};
 use crate::settings::{Fps, Settings};
 
@@ -75,11 +75,7 @@ fn no_stage_allocates_per_frame_once_warm() {
     let mut settings = Settings::default();
     settings.sink.live = false;
     settings.capture.fps = Fps::PerSecond(100.0);
-    // Sink also keeps a report up to date, by a thread of its own, and what a successor would go on with.
-    let heirloom = tempfile::tempfile().expect("a file");
-    let number = heirloom.as_raw_fd().to_string();
-    // SAFETY: as above.
-    unsafe { std::env::set_var(sink::heirloom::HEIRLOOM_FD, number) };
+    // Sink also keeps a report up to date, by a thread of its own, and each stage leaves to a successor what it knows.
     let report = tempfile::tempdir().expect("a folder");
     settings.run.out = Some(report.path().join("report"));
     let mut frames = 0;
@@ -88,11 +84,11 @@ fn no_stage_allocates_per_frame_once_warm() {
             let settings = &settings;
             scope.spawn(move || {
                 STAGE.set(Some(index));
-                run(
-                    settings,
-                    Supervision::of_this_process().expect("a supervision"),
-                )
-                .expect("the stage runs");
+                let supervision = Supervision {
+                    heirloom: Heirloom::make("stage").expect("memory"),
+                    ..Supervision::of_this_process().expect("a supervision")
+                };
+                run(settings, supervision).expect("the stage runs");
             });
         }
         let domain = Domain::open().expect("a domain");

@@ -7,6 +7,7 @@ pub(crate) mod heirloom;
 mod keeper;
 
 use std::fmt;
+use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -32,7 +33,8 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
-    let mut heirloom = Heirloom::of_the_chain()?;
+    let file = supervision.heirloom.file().map(File::try_clone);
+    let mut heirloom = file.and_then(Result::ok).map(Heirloom::new).transpose()?;
     let is_successor = heirloom.as_ref().is_some_and(Heirloom::is_inherited);
     let files = match is_successor {
         false => RunFiles::open(settings)?,

@@ -3,10 +3,14 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use lariat_capture::{LentSlot, SourceError};
-use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver, Rig};
+use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver};
 
 use super::*;
 use crate::settings::{Arrangement, Capture};
+use crate::stages::heirloom::Heirloom;
+use crate::stages::orders::Orders;
+use crate::stages::status::Status;
+use crate::stop::{Stop, Stopper};
 
 const SIDE: u32 = 16;
 const BYTES: usize = (SIDE * SIDE) as usize;
@@ -129,28 +133,67 @@ impl FrameSource for Live {
     }
 }
 
-/// What a test has of the chain: the end of the frames' channel, and a sender of a source's frames.
-fn with_sender<T>(
+/// What a test has of the chain: a sender of a source's frames, and the end of their channel.
+struct Bench<'w> {
+    sender: Sender<'w>,
+    station: Station,
+    changes: Changes<()>,
+    stopper: Stopper,
+    reader: Receiver<[u8]>,
+}
+
+impl Bench<'_> {
+    fn send_all(&mut self, most: u64) {
+        let sent = (self.sender).send_all(&mut self.station, &self.changes, most);
+        sent.expect("sent");
+    }
+}
+
+fn with_sender(
     rig: &str,
     source: Box<dyn FrameSource>,
     lasts_ns: Option<u64>,
-    test: impl FnOnce(&mut Sender, &Receiver<[u8]>) -> T,
-) -> T {
-    let domain = Domain::named(&format!("f{}", std::process::id())).expect("a domain");
-    let rig: Rig = rig.parse().expect("a plain name");
-    let delivery = Delivery::NewestWins;
-    let frames = slot_lender::writer(&domain, &rig, &delivery, source.as_ref()).expect("a writer");
-    let reader = Receiver::create(&domain, &rig, &FRAMES, None).expect("a reader");
-    let mut sender = Sender {
+    test: impl FnOnce(Bench),
+) {
+    let domain = || Domain::named(&format!("f{}", std::process::id())).expect("a domain");
+    let (stop, stopper) = Stop::by_another().expect("a stop");
+    let station = Station {
+        domain: domain(),
+        rig: rig.parse().expect("a plain name"),
+        delivery: Delivery::NewestWins,
+        stop,
+        status: Status::of_the_chain().expect("none"),
+        heirloom: Heirloom::default(),
+        version: 0,
+        orders: Orders::default(),
+        arrangement: Arrangement::default(),
+        stage: None,
+        name: "capture",
+        settings: String::new(),
+        reads: Default::default(),
+        announcement: None,
+    };
+    let frames = slot_lender::writer(&station, source.as_ref()).expect("a writer");
+    let reader = Receiver::create(&domain(), &station.rig, &FRAMES, None).expect("a reader");
+    let changes = Orders::default().listen(&Settings::default(), |_, _| Ok(None));
+    let sender = Sender {
         lender: SlotLender::new(source, &frames).expect("slots"),
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.
         schedule: schedule(Fps::PerSecond(1e-7), false),
         sent: Sent::default(),
+        ahead: 0,
+        restarts: 0,
         lasts_ns,
         end_ns: None,
     };
-    test(&mut sender, &reader)
+    test(Bench {
+        sender,
+        station,
+        changes: changes.expect("no thread is needed"),
+        stopper,
+        reader,
+    });
 }
 
 fn schedule(fps: Fps, lossless: bool) -> Schedule {
@@ -161,34 +204,24 @@ fn schedule(fps: Fps, lossless: bool) -> Schedule {
     Schedule::new(&settings, lossless).expect("a pace")
 }
 
-fn rest() -> Rest {
-    Rest::new(&Arrangement::default())
-}
-
 #[test]
 fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_anew() {
     for wanted in [1, 3] {
         let rig = format!("filled{wanted}");
-        with_sender(
-            &rig,
-            Box::new(Filled::new(wanted)),
-            None,
-            |sender, reader| {
-                sender.schedule = schedule(Fps::Max, false);
-                let (stop, _stopper) = Stop::by_another().expect("a stop");
-                // More than there are slots in the channel's whole shared memory.
-                for sequence in 1..=60 {
-                    sender.send_all(&stop, &mut rest(), sequence).expect("sent");
-                    let frame = reader.next().expect("readable").expect("a frame");
-                    let header = frame.header();
-                    assert_eq!(header.trace.sequence, sequence);
-                    assert_eq!(header.trace.captured, sequence);
-                    assert_eq!((header.width, header.stride), (SIDE, SIDE));
-                    assert_eq!(frame.len(), BYTES + 100);
-                    assert!(frame.iter().all(|&byte| u64::from(byte) == sequence));
-                }
-            },
-        );
+        with_sender(&rig, Box::new(Filled::new(wanted)), None, |mut bench| {
+            bench.sender.schedule = schedule(Fps::Max, false);
+            // More than there are slots in the channel's whole shared memory.
+            for sequence in 1..=60 {
+                bench.send_all(sequence);
+                let frame = bench.reader.next().expect("readable").expect("a frame");
+                let header = frame.header();
+                assert_eq!(header.trace.sequence, sequence);
+                assert_eq!(header.trace.captured, sequence);
+                assert_eq!((header.width, header.stride), (SIDE, SIDE));
+                assert_eq!(frame.len(), BYTES + 100);
+                assert!(frame.iter().all(|&byte| u64::from(byte) == sequence));
+            }
+        });
     }
 }
 
@@ -199,11 +232,16 @@ fn a_live_frame_is_sent_when_it_comes_and_keeps_its_own_time() {
         exposed_ns: exposed_ns.clone(),
         shown: 0,
     };
-    with_sender("live", Box::new(source), None, |sender, reader| {
-        let (stop, _stopper) = Stop::by_another().expect("a stop");
-        sender.send_all(&stop, &mut rest(), 3).expect("sent");
+    with_sender("live", Box::new(source), None, |mut bench| {
+        bench.send_all(3);
         for exposed_ns in exposed_ns {
-            let trace = reader.next().unwrap().expect("a frame").header().trace;
+            let trace = bench
+                .reader
+                .next()
+                .unwrap()
+                .expect("a frame")
+                .header()
+                .trace;
             assert_eq!(trace.exposed_ns, exposed_ns);
             assert!(trace.captured_ns >= exposed_ns);
         }
@@ -216,11 +254,17 @@ fn a_source_without_frames_is_waited_for_until_the_stage_is_stopped() {
         exposed_ns: Vec::new(),
         shown: 0,
     };
-    with_sender("silent", Box::new(source), None, |sender, _| {
-        let (stop, mut stopper) = Stop::by_another().expect("a stop");
+    with_sender("silent", Box::new(source), None, |mut bench| {
+        let Bench {
+            sender,
+            station,
+            changes,
+            stopper,
+            ..
+        } = &mut bench;
         std::thread::scope(|scope| {
             scope.spawn(|| stopper.stop());
-            sender.send_all(&stop, &mut rest(), 1).expect("it ends");
+            sender.send_all(station, changes, 1).expect("it ends");
         });
         assert_eq!(sender.sent, Sent::default());
     });
@@ -232,10 +276,9 @@ fn a_source_without_frames_is_not_waited_for_longer_than_the_chain_lasts() {
         exposed_ns: vec![now_ns()],
         shown: 0,
     };
-    with_sender("short", Box::new(source), Some(5_000_000), |sender, _| {
-        let (stop, _stopper) = Stop::by_another().expect("a stop");
-        sender.send_all(&stop, &mut rest(), 9).expect("it ends");
-        assert_eq!(sender.sent.count, 1);
+    with_sender("short", Box::new(source), Some(5_000_000), |mut bench| {
+        bench.send_all(9);
+        assert_eq!(bench.sender.sent.count, 1);
     });
 }
 
@@ -267,13 +310,12 @@ impl FrameSource for Slow {
 fn moments_that_a_slow_source_lets_pass_are_frames_lost_at_the_source() {
     for lossless in [false, true] {
         let rig = format!("slow{}", u8::from(lossless));
-        with_sender(&rig, Box::new(Slow(0)), None, |sender, reader| {
-            sender.schedule = schedule(Fps::PerSecond(1000.0), lossless);
-            let (stop, _stopper) = Stop::by_another().expect("a stop");
+        with_sender(&rig, Box::new(Slow(0)), None, |mut bench| {
+            bench.sender.schedule = schedule(Fps::PerSecond(1000.0), lossless);
             let mut sequences = [0; 2];
             for (sent, sequence) in (1..).zip(&mut sequences) {
-                sender.send_all(&stop, &mut rest(), sent).expect("sent");
-                let frame = reader.next().expect("readable").expect("a frame");
+                bench.send_all(sent);
+                let frame = bench.reader.next().expect("readable").expect("a frame");
                 *sequence = frame.header().trace.sequence;
             }
             assert_eq!(sequences[0], 1);
@@ -282,7 +324,7 @@ fn moments_that_a_slow_source_lets_pass_are_frames_lost_at_the_source() {
             } else {
                 assert!(sequences[1] >= 200, "{}", sequences[1]);
             }
-            assert_eq!(sender.sent.last_sequence, sequences[1]);
+            assert_eq!(bench.sender.sent.last_sequence, sequences[1]);
         });
     }
 }

@@ -21,8 +21,6 @@ use std::os::unix::fs::FileExt;
 use anyhow::Context;
 use lariat_sink::{Options, RestoreError, Tally};
 
-use crate::stages::heirloom::HEIRLOOM_FD;
-
 /// Number and length.
 const HEAD: usize = 16;
 /// Where the counts stand, and how long they may be.
@@ -120,21 +118,6 @@ pub(super) struct Heirloom {
 }
 
 impl Heirloom {
-    /// The one that the chain gave this process, if it did.
-    pub(super) fn of_the_chain() -> anyhow::Result<Option<Self>> {
-        let Ok(number) = std::env::var(HEIRLOOM_FD) else {
-            return Ok(None);
-        };
-        let file = File::options()
-            .read(true)
-            .write(true)
-            .open(format!("/proc/self/fd/{number}"));
-        let heirloom = file.and_then(Self::new);
-        let heirloom =
-            heirloom.with_context(|| format!("{HEIRLOOM_FD} names no file: unset it"))?;
-        Ok(Some(heirloom))
-    }
-
     /// One that is in a file.
     ///
     /// # Errors
