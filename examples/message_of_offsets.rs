@@ -5,7 +5,7 @@
 //! ```
 //!
 //! An integer is its own offset in the message, in bytes; a floating-point number is its offset and a half. So `unit`, at
-//! offset 92, is 92, and the first rope's `rms`, at offset 128, is 128.5. The table is in docs/messages.md.
+//! offset 100, is 100, and the first rope's `rms`, at offset 136, is 136.5. The table is in docs/messages.md.
 //! It is no rope, and a reader that checks what it reads says so: read the message itself. It is sent ten times a second until
 //! standard input ends, and "sent" is printed after the first.
 

@@ -151,7 +151,7 @@ fn stage_of<'a>(pid: u32, rig: &str, usual: &str, members: &'a [Member]) -> Opti
     }
 }
 
-/// `u8 with lariat.FrameHeader.v2` is `lariat.FrameHeader` of version 1.
+/// `u8 with lariat.FrameHeader.v1` is `lariat.FrameHeader` of version 1.
 fn name_and_version(types: &str) -> (&str, Option<u32>) {
     let name = types.rsplit(' ').next().unwrap_or(types);
     match name.rsplit_once(".v") {
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn a_type_is_told_as_name_and_version() {
-        let frames = "u8 with lariat.FrameHeader.v2";
+        let frames = "u8 with lariat.FrameHeader.v1";
         assert_eq!(name_and_version(frames), ("lariat.FrameHeader", Some(1)));
         let shapes = name_and_version("lariat.Descriptors.v12");
         assert_eq!(shapes, ("lariat.Descriptors", Some(12)));

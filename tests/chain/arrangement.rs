@@ -104,7 +104,13 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
         assert!(cores.iter().all(|stage| *stage == own), "{cores:?}");
     } else {
         for (priority, threads) in (7..).zip(&found) {
-            assert_eq!(threads[..], [(1, priority)]);
+            // The one that listens to the chain stays a common one.
+            let (stage, listens) = threads.split_first().expect("a thread");
+            assert_eq!(*stage, (1, priority));
+            assert!(
+                listens.iter().all(|thread| *thread == (0, 0)),
+                "{listens:?}"
+            );
         }
         assert!(cores.iter().all(|stage| *stage == cores[0]), "{cores:?}");
         // The kernel ends what runs on and on.
@@ -133,8 +139,10 @@ fn threads_that_decode_pictures_stay_common_ones() {
     let threads = scheduling(chain.ids[0]);
     chain.signal_chain(Signal::INT);
     chain.end();
-    assert_eq!(threads.len(), 2, "{threads:?}");
-    assert!(threads.contains(&(0, 0)), "{threads:?}");
+    // The stage's own, the one that decodes, and the one that listens to the chain.
+    assert_eq!(threads.len(), 3, "{threads:?}");
+    let common = threads.iter().filter(|thread| **thread == (0, 0));
+    assert!(common.count() >= 2, "{threads:?}");
 }
 
 /// The binary where any user may run it, and the command that runs it as one without rights.

@@ -18,6 +18,8 @@ use crate::until::{Until, Woken};
 const LOOK_NS: u64 = 4_000_000;
 /// So far behind the clock it stays before the moment comes: a command that was sent meanwhile is there by then.
 const BEHIND_NS: u64 = 3_000_000;
+/// How far ahead the moment of a command may be: one that claims more is of now.
+const FARTHEST_NS: u64 = 1_000_000_000;
 /// The most commands that are kept; older ones make room.
 const MOST_COMMANDS: usize = 64;
 
@@ -110,8 +112,11 @@ impl Simulated {
     /// Takes in what was sent.
     fn hear(&mut self) {
         while let Some(mut command) = (self.commands)() {
-            // One that claims to be of the future is of now: those behind it would wait for its moment.
-            command.sent_ns = command.sent_ns.min(now_ns());
+            let now_ns = now_ns();
+            if command.sent_ns > now_ns.saturating_add(FARTHEST_NS) {
+                // Those behind it would wait for its moment.
+                command.sent_ns = now_ns;
+            }
             if self.waiting.len() == MOST_COMMANDS {
                 self.waiting.pop_front();
             }

@@ -55,9 +55,6 @@ struct Given {
     value: Value,
 }
 
-/// What a change is called where flags are.
-const CHANGE: &str = "lariat set";
-
 /// What was typed behind a flag, and the value that it is.
 #[derive(Clone)]
 struct Typed(String, Value);
@@ -113,7 +110,8 @@ impl Flags {
         let (key, value) = change::parse(text)?;
         let mut flags = self.clone();
         flags.given.push(Given {
-            flag: CHANGE,
+            // By what it is called there: it may have no flag.
+            flag: KEYS[key].name,
             key,
             typed: Vec::new(),
             value,
