@@ -34,8 +34,8 @@ impl Library {
         }
     }
 
-    /// The next frame's number, and the shapes in it.
-    fn next(&mut self) -> (u64, Vec<Shape>) {
+    /// The next frame's number, and the shapes in it, where the chain exposed it at that time.
+    fn next(&mut self, exposed_ns: u64) -> (u64, Vec<Shape>) {
         let frame = self.source.next().unwrap().expect("without end");
         self.source.write(&mut self.pixels);
         let (width, height, stride) = (frame.width, frame.height, frame.stride);
@@ -47,7 +47,7 @@ impl Library {
             stride as usize,
             PixelFormat::Rgb8,
         );
-        let scene = self.extractor.extract(&image.unwrap());
+        let scene = self.extractor.at(exposed_ns).extract(&image.unwrap());
         let mut curves = Vec::new();
         for curve in scene.curves {
             let points: Vec<_> = curve
@@ -107,8 +107,8 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
     let chain = bench.start(&[&arguments, options].concat());
     let mut library = Library::new();
     for count in 1..=FRAMES {
-        let (sequence, curves) = library.next();
         let message = wait_for_next(&reader, Instant::now() + Duration::from_secs(60));
+        let (sequence, curves) = library.next(message.trace.exposed_ns);
         assert_eq!(message.trace.sequence, sequence);
         assert_eq!(
             [

@@ -90,7 +90,9 @@ fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {
             frame.stride as usize,
             PixelFormat::Rgb8,
         );
-        let scene = extractor.extract(&view.unwrap());
+        let scene = extractor
+            .at(header.trace.exposed_ns)
+            .extract(&view.unwrap());
         truth_seen.decode(&recording.of("truth")[i].cdr).unwrap();
         assert!(source.truth(&mut truth));
         assert_eq!(truth_seen.curves()[0].points(), truth.curves()[0].points());

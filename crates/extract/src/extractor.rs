@@ -231,11 +231,12 @@ impl Extractor {
     /// # }
     /// ```
     pub fn follow(&mut self, image: &Image) -> Option<Scene<'_>> {
-        if !self.follower.is_ready() || self.size != (image.width(), image.height()) {
+        let next_ns = self.due_ns();
+        if !self.follower.is_ready(next_ns) || self.size != (image.width(), image.height()) {
             return None;
         }
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        let found = self.find_again(&unpacker.unpack(image));
+        let found = self.find_again(&unpacker.unpack(image), next_ns);
         self.unpacker = unpacker;
         if !found {
             return None;
@@ -251,8 +252,8 @@ impl Extractor {
     /// extracted whole.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         self.turn_to(image);
-        if self.follower.is_ready() {
-            let found = self.find_again(image);
+        if self.follower.is_ready(self.now_ns) {
+            let found = self.find_again(image, self.now_ns);
             if found {
                 self.go_on(image);
             }
@@ -267,9 +268,9 @@ impl Extractor {
     }
 
     /// Moves the curves of the last image to where they lie in this one, if that is all it takes.
-    fn find_again(&mut self, image: &Image) -> bool {
+    fn find_again(&mut self, image: &Image, now_ns: u64) -> bool {
         let curves = &mut self.curves[..self.count];
-        (self.follower).follow(image, &self.masker, curves, &mut self.crossings)
+        (self.follower).follow(image, &self.masker, curves, &mut self.crossings, now_ns)
     }
 
     /// Lets the tracks go on with the curves, which were found again.
@@ -334,8 +335,14 @@ impl Extractor {
     }
 
     fn turn_the_clock(&mut self) {
+        self.now_ns = self.due_ns();
+        self.next_ns = None;
+    }
+
+    /// When the next image is or was taken, as far as is known.
+    fn due_ns(&self) -> u64 {
         let next_ns = self.now_ns.saturating_add(FRAME_NS);
-        self.now_ns = self.next_ns.take().unwrap_or(next_ns);
+        self.next_ns.unwrap_or(next_ns)
     }
 
     /// An image of another size is a new scene.
@@ -419,9 +426,17 @@ impl Extractor {
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
         if self.options.method == Method::Skeleton {
-            let is_plain = seen > 0 && seen == self.count && !self.occluder.any();
+            let is_seen = seen > 0 && seen == self.count;
+            let is_plain = is_seen && !self.occluder.any();
             let curves = &self.curves[..self.count];
-            (self.follower).anchor(image, &self.masker, curves, &self.crossings, is_plain);
+            (self.follower).anchor(
+                image,
+                &self.masker,
+                curves,
+                &self.crossings,
+                [is_seen, is_plain],
+                self.now_ns,
+            );
         }
         after(Step::Points);
     }

@@ -6,17 +6,20 @@
 mod chords;
 mod contours;
 mod crossings;
+mod known;
 mod lay;
 
 use crate::image::Image;
 use crate::mask::Masker;
-use crate::scene::{Crossing, Curve};
+use crate::scene::{Crossing, Curve, Status};
 use crate::vec2::Vec2;
 use chords::ChordFollower;
-use contours::ContourFollower;
+use contours::{ContourFollower, Trust};
+use known::Known;
 
-/// Frames that ropes are followed before they are extracted again: a second at a camera's usual rate.
-const MOST_FRAMES: u32 = 30;
+/// How long ropes are followed before they are extracted again, at first and at most, in nanoseconds: twice as long each time
+/// that a whole look shows nothing that was not known.
+const LOOK_NS: (u64, u64) = (1_000_000_000, 4_000_000_000);
 /// Frames after which ropes that are plain to see are followed.
 const SETTLED: u32 = 3;
 /// And those of a mask that was given.
@@ -27,8 +30,17 @@ const TOLD: u32 = 1;
 pub(crate) struct Follower {
     chords: ChordFollower,
     contours: ContourFollower,
+    known: Known,
+    /// The numbers of the ropes that were last seen, how many crossings they made, and in how many images in a row these were seen
+    /// whole.
+    tracks: Vec<u32>,
+    crossings: usize,
+    whole_frames: u32,
     /// Frames in a row in which all ropes were seen, and nothing else.
     plain_frames: u32,
+    /// When the ropes were last extracted, and for how long they are followed from there, in nanoseconds.
+    anchored_ns: u64,
+    wait_ns: u64,
     /// Whether there was ever an image to follow ropes into: who gives a mask for each needs nothing learnt.
     is_wanted: bool,
 }
@@ -37,12 +49,17 @@ impl Follower {
     /// Makes room for so many ropes of so many points each, in images of this size.
     pub(crate) fn reserve(&mut self, ropes: usize, points: usize, size: [usize; 2]) {
         self.contours.reserve(ropes, points, size);
+        self.known.reserve(ropes, points);
+        // Those that are out of sight are known, too.
+        self.tracks.reserve(4 * ropes);
     }
 
-    /// Notes that ropes are to be followed; says whether there are some that can be.
-    pub(crate) fn is_ready(&mut self) -> bool {
+    /// Notes that ropes are to be followed; says whether there are some that can be, into an image of this moment.
+    pub(crate) fn is_ready(&mut self, now_ns: u64) -> bool {
         self.is_wanted = true;
-        self.chords.is_ready() || self.contours.is_ready()
+        let is_due =
+            !(self.anchored_ns..self.anchored_ns.saturating_add(self.wait_ns)).contains(&now_ns);
+        !is_due && (self.chords.is_ready() || self.contours.is_ready())
     }
 
     /// The next image is extracted whole.
@@ -55,7 +72,10 @@ impl Follower {
     /// The next image is another scene's.
     pub(crate) fn forget(&mut self) {
         self.drop();
-        self.contours.forget();
+        self.known.forget();
+        self.tracks.clear();
+        self.whole_frames = 0;
+        (self.crossings, self.anchored_ns, self.wait_ns) = (0, 0, 0);
         self.is_wanted = false;
     }
 
@@ -67,27 +87,34 @@ impl Follower {
         masker: &Masker,
         curves: &mut [Curve],
         crossings: &mut [Crossing],
+        now_ns: u64,
     ) -> bool {
-        if self.chords.is_ready() {
-            return (self.chords).follow(image, &masker.background, curves, crossings);
+        let found = match self.chords.is_ready() {
+            true => (self.chords).follow(image, &masker.background, curves, crossings),
+            false => self.contours.follow(image, curves, crossings),
+        };
+        if found {
+            self.known.note(curves, now_ns);
         }
-        self.contours.follow(image, curves, crossings)
+        found
     }
 
-    /// Lets ropes just extracted be followed from here on. `is_plain`: there are some, all of them were seen, and nothing lies
-    /// over them.
+    /// Lets ropes just extracted be followed from here on. `is_seen`: there are some, and none is out of sight; `is_plain`:
+    /// nothing lies over them, besides.
     pub(crate) fn anchor(
         &mut self,
         image: &Image,
         masker: &Masker,
         curves: &[Curve],
         crossings: &[Crossing],
-        is_plain: bool,
+        [is_seen, is_plain]: [bool; 2],
+        now_ns: u64,
     ) {
         self.chords.drop();
         self.contours.drop();
+        // What the network finds may be other things, too.
+        self.know(curves, crossings, is_plain && !masker.is_sought, now_ns);
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
-        let seen_frames = self.contours.know(curves);
         let is_table = masker.notice.is_none() && !masker.is_smoothed;
         let is_within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
         if let Some(cut) = masker.cut.filter(|_| is_table)
@@ -96,18 +123,63 @@ impl Follower {
             if self.plain_frames >= SETTLED {
                 (self.chords).anchor(image, &masker.background, cut, curves, crossings);
             }
-            // Of several ropes that touch each other edges do not tell which is whose.
-            if self.chords.is_ready() || curves.len() > 1 {
+            if self.chords.is_ready() {
+                self.known.note(curves, now_ns);
                 return;
             }
         }
         // A mask that was given is taken at its word.
         let is_told = masker.is_given && !masker.is_sought;
         let least = if is_told { TOLD } else { SETTLED };
-        if is_plain && seen_frames >= least && (self.is_wanted || !is_told) {
-            self.contours.anchor(image, curves, crossings);
+        let is_whole = self.whole_frames >= least;
+        let is_known = self.whole_frames > 0 && self.known.are(curves, now_ns);
+        if is_seen && (is_whole || is_known) && (self.is_wanted || !is_told) {
+            let is_table = masker.cut.is_some();
+            let how = Trust {
+                is_known,
+                is_table,
+                is_simple: masker.is_sought,
+            };
+            self.contours.anchor(image, curves, crossings, how);
+            if self.contours.is_ready() {
+                self.known.note(curves, now_ns);
+            }
         }
     }
+}
+
+impl Follower {
+    /// Notes what an image shows: in how many images in a row these ropes and no others were seen whole, and how long they are
+    /// followed from here.
+    fn know(&mut self, curves: &[Curve], crossings: &[Crossing], is_plain: bool, now_ns: u64) {
+        let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
+        let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
+        let is_open = |curve: &Curve| match is_plain {
+            // One that is shorter than it was is whole as far as it goes.
+            true => !curve.hidden.contains(&true),
+            false => is_whole(curve),
+        };
+        self.whole_frames = match (same, curves.iter().all(is_open)) {
+            (true, true) => self.whole_frames + 1,
+            (false, true) => 1,
+            (_, false) => 0,
+        };
+        let was_due = now_ns >= self.anchored_ns.saturating_add(self.wait_ns);
+        let is_open = !curves.iter().any(|curve| curve.hidden.contains(&true));
+        self.wait_ns = match same && is_open && self.crossings == crossings.len() {
+            true if was_due => (2 * self.wait_ns).min(LOOK_NS.1),
+            true => self.wait_ns,
+            false => LOOK_NS.0,
+        };
+        self.tracks.clear();
+        self.tracks.extend(curves.iter().map(|curve| curve.track));
+        (self.crossings, self.anchored_ns) = (crossings.len(), now_ns);
+    }
+}
+
+/// Whether all of a rope is seen.
+fn is_whole(curve: &Curve) -> bool {
+    matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true)
 }
 
 /// Along which a rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.

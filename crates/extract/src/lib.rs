@@ -93,7 +93,8 @@
 //! where the difference falls to half, less what that said too much when it was learnt. Every 64th row of the rest of the
 //! image is looked at, other rows in each frame. Anything unexpected leaves the image to a whole extraction: chords that are
 //! missing, too wide or of another contrast, a tip that jumped or came against something, a crossing that is gone, something
-//! new elsewhere, a change of size or format. So does every 30th frame, and so do ropes that this cannot tell:
+//! new elsewhere, a change of size or format. So does a second without a whole look, two and four
+//! where each look shows what was known (of frames whose times are not said, 30 are a second), and so do ropes that this cannot tell:
 //! thinner than 3 px or wider than 36, those with points more than two widths apart, any that is
 //! partly hidden, and a rope that, followed into the very image it was extracted from, does not stay where it is.
 //! `Scene::followed` says which of the two a scene comes from. Sixteen chords are worked on side by side (`narrow`): only
@@ -106,9 +107,11 @@
 //! own colour is learnt at each of its points from the image that it was extracted from, and how it varies (`looks`); what is far
 //! from it is ground. Both edges are read at each point, in a row or column of sixteen pixels each, where the difference from the rope's colour passes
 //! half of what it comes to beyond (`edge`). Where one edge has no contrast the other one and the width tell; what is unlike those
-//! around is dropped (`motion`); points under a hand or in a crossing move as their neighbors do, for at most twelve frames in which something is
-//! hidden. A sixteenth of the rows is kept, and what is in them that was not is something new, or a camera that moves: then only
-//! colors that were not nearby are (`novelty`). Strands that touch, a crossing at a tip, a rope that grows or shrinks by more than 2.5 %, parts
+//! around is dropped (`motion`); points under a hand or in a crossing move as their neighbors do, for at most twelve frames in which something is hidden.
+//! An edge that another strand lies against is not read, and a tip there is carried along at the rope's length, until it comes
+//! off (`beside`). Ropes whose order is unsure are followed where they were followed for a second
+//! before, and the whole look still shows them where they were (`known`). A sixteenth of the rows is kept, and what is in them that was not is something new, or a camera that moves: then only
+//! colors that were not nearby are (`novelty`). Strands that come to cross, a rope that grows or shrinks by more than 2.5 %, parts
 //! unread for too long, and all that ends the following by chords, are left to a whole extraction.
 //!
 //! **Knots** (`knot`, `knot/`). A rope's crossings with itself, in their order, are a signed Gauss code; together with the

@@ -36,6 +36,13 @@ pub(crate) struct Contrast {
 }
 
 impl Contrast {
+    /// Makes the buffers for lines of so many samples.
+    pub(crate) fn reserve(&mut self, samples: usize) {
+        self.seen.reserve(samples);
+        self.shown.reserve(samples + LANES + 2 * MOST);
+        self.medians.reserve(samples + LANES);
+    }
+
     /// Samples to either side whose contrast counts at a place, and from one of these to the next.
     pub(crate) fn reach(how: Measure) -> (usize, usize) {
         let reach = ((AROUND_HALVES * how.half_px / how.step_px) as usize).max(AROUND);

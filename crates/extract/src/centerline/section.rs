@@ -135,6 +135,8 @@ impl Measure {
 impl Sections {
     /// Makes room for lines of so many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
+        self.contrast.reserve(samples);
+        self.widths.reserve(samples);
         self.found.reserve(samples);
         self.looks.reserve(samples);
         self.sought.reserve(2 * samples);

@@ -8,8 +8,7 @@
 //! own: those points move as their neighbors do.
 //!
 //! A few rows of the rest of the image, others in each frame, show whether something is new. Whatever is not as expected
-//! (chords that are missing, a tip that jumped, other crossings, something elsewhere) is left to a whole extraction, and
-//! so is every [`MOST_FRAMES`]th frame.
+//! (chords that are missing, a tip that jumped, other crossings, something elsewhere) is left to a whole extraction.
 
 mod chord;
 mod learn;
@@ -19,7 +18,6 @@ mod rope;
 mod station;
 mod sweep;
 
-use super::MOST_FRAMES;
 use super::crossings::{carry, note};
 use crate::image::{Image, PixelFormat};
 use crate::mask::background::Background;
@@ -35,7 +33,6 @@ pub(super) struct ChordFollower {
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
     count: usize,
-    frames: u32,
     /// The image they were extracted from.
     size: [usize; 2],
     format: Option<PixelFormat>,
@@ -46,7 +43,7 @@ pub(super) struct ChordFollower {
 impl ChordFollower {
     /// Whether there are ropes that may be followed into the next image.
     pub(super) fn is_ready(&self) -> bool {
-        self.count > 0 && self.frames < MOST_FRAMES
+        self.count > 0
     }
 
     /// Forgets the ropes: the next image is extracted whole.
@@ -64,7 +61,6 @@ impl ChordFollower {
         crossings: &[Crossing],
     ) {
         self.count = 0;
-        self.frames = 0;
         (self.size, self.format, self.cut) =
             ([image.width(), image.height()], Some(image.format()), cut);
         if self.ropes.len() < curves.len() {
@@ -96,7 +92,6 @@ impl ChordFollower {
             self.count = 0;
             return false;
         }
-        self.frames += 1;
         let reader = Reader { image, background };
         let ropes = &mut self.ropes[..self.count];
         note(ropes, crossings);

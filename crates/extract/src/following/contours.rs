@@ -9,8 +9,9 @@
 //! The edges of a point are read each by itself (measurement lines as in Blake and Isard, "Active Contours", 1998). Where
 //! one has no contrast the other one and the width tell; a reading that is unlike those around is dropped; and points
 //! without any, under a hand or in a crossing, move as their neighbors do. Whatever else is not as expected is left to a
-//! whole extraction, as is every [`MOST_FRAMES`]th frame.
+//! whole extraction.
 
+mod beside;
 mod edge;
 mod ends;
 mod learn;
@@ -21,12 +22,23 @@ mod read;
 mod rope;
 mod station;
 
-use super::MOST_FRAMES;
 use super::crossings::{carry, note};
 use crate::image::{Image, PixelFormat};
 use crate::scene::{Crossing, Curve};
+use beside::note_neighbors;
 use novelty::Novelty;
 use rope::Rope;
+
+/// What is known of ropes beside where they are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trust {
+    /// They are where they were, and so need not look likely by themselves.
+    pub(super) is_known: bool,
+    /// They lie on a plain table, where nothing keeps an edge from being read.
+    pub(super) is_table: bool,
+    /// They are not sure enough to be followed where they touch.
+    pub(super) is_simple: bool,
+}
 
 /// What is known of the ropes that can be followed.
 #[derive(Debug, Default)]
@@ -35,10 +47,6 @@ pub(super) struct ContourFollower {
     ropes: Vec<Rope>,
     /// How many of them are followed; 0: none can be.
     count: usize,
-    frames: u32,
-    /// The numbers of those that were last seen whole, and in how many images they were.
-    tracks: Vec<u32>,
-    seen: u32,
     /// The image they were extracted from.
     size: [usize; 2],
     format: Option<PixelFormat>,
@@ -50,14 +58,12 @@ impl ContourFollower {
         let most = ropes.max(self.ropes.len());
         self.ropes.resize_with(most, Rope::default);
         self.ropes.iter_mut().for_each(|rope| rope.reserve(points));
-        // Those that are out of sight are known, too.
-        self.tracks.reserve(4 * ropes);
         self.novelty.reserve(width, height);
     }
 
     /// Whether there are ropes that may be followed into the next image.
     pub(super) fn is_ready(&self) -> bool {
-        self.count > 0 && self.frames < MOST_FRAMES
+        self.count > 0
     }
 
     /// Forgets the ropes: the next image is extracted whole.
@@ -65,44 +71,33 @@ impl ContourFollower {
         self.count = 0;
     }
 
-    /// Forgets that there ever were any.
-    pub(super) fn forget(&mut self) {
-        self.tracks.clear();
-        self.seen = 0;
-    }
-
-    /// Notes the ropes that an image shows; returns in how many images these and no others were seen whole.
-    pub(super) fn know(&mut self, curves: &[Curve]) -> u32 {
-        let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
-        let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
-        self.seen = match (same, curves.iter().all(learn::is_whole)) {
-            (true, true) => self.seen + 1,
-            (false, true) => 1,
-            (_, false) => 0,
-        };
-        self.tracks.clear();
-        self.tracks.extend(curves.iter().map(|curve| curve.track));
-        self.seen
-    }
-
     /// Learns the ropes that were just extracted from `image`, all of them seen at least in part.
-    pub(super) fn anchor(&mut self, image: &Image, curves: &[Curve], crossings: &[Crossing]) {
+    pub(super) fn anchor(
+        &mut self,
+        image: &Image,
+        curves: &[Curve],
+        crossings: &[Crossing],
+        trust: Trust,
+    ) {
         self.count = 0;
-        self.frames = 0;
         (self.size, self.format) = ([image.width(), image.height()], Some(image.format()));
         if self.ropes.len() < curves.len() {
             self.ropes.resize_with(curves.len(), Rope::default);
         }
         let ropes = &mut self.ropes[..curves.len()];
-        if !(ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve)) {
+        ropes
+            .iter_mut()
+            .for_each(|rope| rope.is_on_table = trust.is_table);
+        if !(ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve, trust.is_known)) {
             return;
         }
         note(ropes, crossings);
-        if station::touch(ropes) {
+        note_neighbors(ropes);
+        let is_simple = |rope: &Rope| !rope.may_slide() && !(trust.is_simple && rope.touches());
+        if !ropes.iter().all(is_simple) {
             return;
         }
-        let is_learnt = |rope: &mut Rope| rope.has_its_ends() && rope.learn(image);
-        if ropes.iter_mut().all(is_learnt) {
+        if ropes.iter_mut().all(|rope| rope.learn(image)) {
             self.count = curves.len();
             self.novelty.keep(image, &self.ropes[..self.count]);
         }
@@ -122,14 +117,14 @@ impl ContourFollower {
             self.count = 0;
             return false;
         }
-        self.frames += 1;
         let ropes = &mut self.ropes[..self.count];
         note(ropes, crossings);
+        note_neighbors(ropes);
         ropes.iter().for_each(|rope| rope.fetch(image));
         let found = !self.novelty.is_in(image, ropes)
             && ropes
                 .iter_mut()
-                .all(|rope| rope.has_its_ends() && rope.follow(image))
+                .all(|rope| !rope.may_slide() && rope.follow(image))
             && !station::come_together(ropes);
         if !found {
             self.count = 0;

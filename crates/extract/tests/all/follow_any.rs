@@ -190,6 +190,36 @@ fn what_else_happens_is_left_to_a_whole_extraction() {
 }
 
 #[test]
+fn a_rope_whose_tip_lies_against_another_is_followed_with_it() {
+    let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
+    table.noise = 2.0;
+    let mut extractor = with_mask(Mask::Auto);
+    let mut followed = 0;
+    for frame in 0..60 {
+        table.seed = frame as u64;
+        let rope = wave_at(frame);
+        let [x, y] = rope.points[rope.points.len() / 2];
+        let other = Rope::along(8.0, [30.0, 60.0, 130.0], move |t| {
+            [x + 8.0 * t, y + 8.5 + 110.0 * t]
+        });
+        let ropes = [rope, other];
+        let scene = see(&mut extractor, &table.draw(&ropes), &table);
+        assert_eq!(scene.curves.len(), 2, "{frame}");
+        followed += usize::from(scene.followed);
+        for rope in &ropes {
+            let errors = scene.curves.iter().map(|curve| error(curve, rope));
+            let nearest = errors.min_by(|a, b| a.mean_px.total_cmp(&b.mean_px));
+            let nearest = nearest.expect("there are two");
+            assert!(
+                nearest.mean_px < 0.6 && nearest.ends_px < 3.0,
+                "{frame}: {nearest:?}"
+            );
+        }
+    }
+    assert!(followed >= 30, "{followed} of 60 frames followed");
+}
+
+#[test]
 fn a_rope_under_something_is_followed_by_the_rest_and_marked_there() {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;

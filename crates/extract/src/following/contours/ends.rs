@@ -26,6 +26,11 @@ const ACROSS: [f32; 3] = [-0.2, 0.0, 0.2];
 pub(super) struct End {
     /// Whether the rope leaves the image there.
     pub(super) is_border: bool,
+    /// Whether another strand lies at a tip or something covers it, so that it does not show; whether neither is any longer; and
+    /// whether it was so when the rope was extracted.
+    pub(super) is_against: bool,
+    pub(super) has_left: bool,
+    pub(super) was_against: bool,
     /// How far beyond a tip's true place its edge reads; nothing where it does not.
     pub(super) beyond_px: Option<f32>,
     /// How far beside the way that the rope runs on to it a tip lies.
@@ -44,7 +49,13 @@ impl Rope {
             let known = &self.ends[end];
             if known.is_border {
                 *found = Some(self.to_border(image, end)?);
+            } else if known.was_against {
+                // It has come off: where it ends is seen again.
+                if known.has_left {
+                    return None;
+                }
             } else if let Some(beyond_px) = known.beyond_px
+                && !known.is_against
                 && let Some(tip_px) = self.tip(image, end)
             {
                 let far_px = tip_px - beyond_px;
@@ -118,6 +129,18 @@ impl Rope {
     /// The `i`-th station of the next frame from an end.
     fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 { i } else { self.next.len() - 1 - i }
+    }
+
+    /// The number of the station at an end, and the way that the rope runs out there.
+    pub(super) fn tip_and_way(&self, end: usize) -> (usize, Vec2) {
+        let n = self.stations.len();
+        let (tip, back) = if end == 0 {
+            (0, 2.min(n - 1))
+        } else {
+            (n - 1, n.saturating_sub(3))
+        };
+        let way = vec2::sub(self.stations[tip].at, self.stations[back].at);
+        (tip, vec2::unit_or(way, [1.0, 0.0]))
     }
 
     fn out(&self, end: usize) -> Vec2 {

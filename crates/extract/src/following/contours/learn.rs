@@ -42,19 +42,20 @@ const OFF: (f32, f32) = (0.2, 0.02);
 
 impl Rope {
     /// Takes the rope as it was extracted; false when it cannot be followed.
-    pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
+    pub(super) fn anchor(&mut self, curve: &Curve, is_known: bool) -> bool {
         let n = curve.points.len();
         let pieces = n.max(2) - usize::from(!curve.closed);
         let spacing_px = curve.length_px / pieces as f32;
         let fits = n >= LEAST_POINTS
             && WIDTHS_PX.contains(&curve.width_px)
             && spacing_px <= APART_WIDTHS * curve.width_px;
-        let is_sure = curve.confidence >= LEAST_CONFIDENCE;
-        if !is_whole(curve) || !is_sure || !fits {
+        let is_sure = is_known || curve.confidence >= LEAST_CONFIDENCE;
+        if curve.status == Status::Lost || !is_sure || !fits {
             return false;
         }
         (self.width_px, self.closed) = (curve.width_px, curve.closed);
         self.hidden_frames = 0;
+        self.is_part = curve.status == Status::Partial && !curve.hidden.contains(&true);
         self.ends = curve.border.map(|is_border| End {
             is_border,
             ..End::default()
@@ -141,7 +142,7 @@ impl Rope {
 
     /// Reads how far from the rope's color the ground is, on either side.
     fn learn_ground(&mut self, image: &Image) {
-        for station in &mut self.stations {
+        for (station, &shown) in self.stations.iter_mut().zip(&self.shown) {
             station.is_clear = false;
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let levels = BEYOND_PX.map(|px| {
@@ -151,8 +152,12 @@ impl Rope {
                         .distance(color::between(image, at), &station.color)
                 });
                 let level = levels[0].min(levels[1]);
-                station.is_clear |= level >= self.looks.strange;
+                station.is_clear |= shown[side] && level >= self.looks.strange;
                 station.cuts[side] = 0.5 * level;
+            }
+            // Beyond an edge that does not show is another rope.
+            if let [true, false] | [false, true] = shown {
+                station.cuts = [station.cuts[usize::from(shown[1])]; 2];
             }
         }
     }
@@ -241,7 +246,8 @@ impl Rope {
         self.next.clone_from(&self.stations);
         let most_px = BEYOND_TIP * self.width_px + 1.0;
         for end in 0..2 {
-            if !self.closed && !self.ends[end].is_border {
+            self.ends[end].was_against = self.ends[end].is_against;
+            if !self.closed && !self.ends[end].is_border && !self.ends[end].is_against {
                 let beyond_px = self.tip(image, end);
                 self.ends[end].beyond_px = beyond_px.filter(|px| px.abs() <= most_px);
             }
@@ -269,11 +275,6 @@ impl Rope {
             .filter(move |&k| closed || (n..2 * n).contains(&k))
             .map(move |k| k % n)
     }
-}
-
-/// Whether all of a rope is seen.
-pub(super) fn is_whole(curve: &Curve) -> bool {
-    matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true)
 }
 
 /// Whether the rope's own color shows at a point.

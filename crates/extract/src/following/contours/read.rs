@@ -28,6 +28,8 @@ pub(super) struct ReadAll<'a, 'b> {
     pub(super) looks: &'a Looks,
     pub(super) stations: &'a [Station],
     pub(super) wanted: &'a [bool],
+    /// Which of the edges show.
+    pub(super) shown: &'a [[bool; 2]],
     pub(super) readings: &'a mut [Reading],
 }
 
@@ -36,11 +38,12 @@ impl WithSimd for ReadAll<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let all = self.stations.iter().zip(self.wanted).zip(self.readings);
-        for ((station, &wanted), reading) in all {
+        let places = self.stations.iter().zip(self.shown);
+        let all = places.zip(self.wanted).zip(self.readings);
+        for (((station, &shown), &wanted), reading) in all {
             *reading = Reading::default();
             if wanted {
-                *reading = both(self.image, self.looks, station);
+                *reading = both(self.image, self.looks, station, shown);
             }
         }
     }
@@ -48,10 +51,10 @@ impl WithSimd for ReadAll<'_, '_> {
 
 /// Both edges at a point.
 #[inline(always)]
-fn both(image: &Image, looks: &Looks, station: &Station) -> Reading {
+fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Reading {
     let mut reading = Reading::default();
     let (mut body, mut other) = (0, 0);
-    for side in 0..2 {
+    for side in (0..2).filter(|&side| shown[side]) {
         let Some(window) = Window::of(image, looks, station, side) else {
             continue;
         };

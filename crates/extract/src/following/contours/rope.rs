@@ -22,7 +22,11 @@ const LEAST_READ: f32 = 0.6;
 pub(super) const LEAST_SEEN: f32 = 0.35;
 /// Widths of rope that go unread at most, between parts that are read, and before an end.
 const MOST_BRIDGED: f32 = 10.0;
-const MOST_AT_END: f32 = 2.5;
+const MOST_AT_END: f32 = 4.0;
+/// And before an end that another strand lies against, or that something covers.
+const MOST_AGAINST: f32 = 6.0;
+/// And on a plain table, where no other strand lies there.
+const MOST_BLIND: f32 = 2.5;
 /// Frames that a rope is followed with something lying over it.
 const MOST_HIDDEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
@@ -49,6 +53,8 @@ pub(super) struct Rope {
     pub(super) next: Vec<Station>,
     pub(super) readings: Vec<Reading>,
     wanted: Vec<bool>,
+    /// Which of the edges at each station show: no other strand lies there.
+    pub(super) shown: Vec<[bool; 2]>,
     pub(super) closed: bool,
     pub(super) ends: [End; 2],
     pub(super) width_px: f32,
@@ -60,6 +66,10 @@ pub(super) struct Rope {
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) offs: Vec<[f32; 3]>,
     pub(super) hidden_frames: u32,
+    /// Whether it was seen in part without a part of it that is marked as hidden.
+    pub(super) is_part: bool,
+    /// Whether it lies on a plain table.
+    pub(super) is_on_table: bool,
     /// Whether the image at hand is the one that it was extracted from.
     pub(super) is_learning: bool,
     /// How much farther in an edge reads per step of the direction that it faces: the light comes from one side.
@@ -78,6 +88,7 @@ impl Rope {
         self.next.reserve(points);
         self.readings.reserve(points);
         self.wanted.reserve(points);
+        self.shown.reserve(points);
         self.colors.reserve(points);
         self.offs.reserve(3 * points);
         self.differences.reserve(3 * points);
@@ -96,12 +107,6 @@ impl Rope {
             }));
             self.smoother.smooth(&mut self.line, SMOOTH);
         }
-    }
-
-    /// Whether no other strand lies at its ends: it would not be told where they are.
-    pub(super) fn has_its_ends(&self) -> bool {
-        let tips = [self.stations.first(), self.stations.last()];
-        self.closed || tips.into_iter().flatten().all(|tip| !tip.is_crossed)
     }
 
     /// The station at normalized arc length `rho`.
@@ -161,6 +166,7 @@ impl Rope {
             looks: &self.looks,
             stations: &self.next,
             wanted: &self.wanted,
+            shown: &self.shown,
             readings: &mut self.readings,
         });
     }
@@ -176,8 +182,9 @@ impl Rope {
             .readings
             .iter()
             .zip(&self.motion.moves)
-            .zip(&self.wanted);
-        for (station, ((reading, by), &wanted)) in self.next.iter_mut().zip(said) {
+            .zip(&self.wanted)
+            .zip(&self.shown);
+        for (station, (((reading, by), &wanted), shown)) in self.next.iter_mut().zip(said) {
             let pair = reading.off_px[0].zip(reading.off_px[1]);
             station.edges = match by.weight {
                 0.0 => 0,
@@ -190,7 +197,8 @@ impl Rope {
                 station.is_hidden
             };
             read += usize::from(station.edges > 0);
-            asked += usize::from(wanted && station.is_clear && !station.is_hidden);
+            let is_asked = wanted && *shown != [false; 2] && station.is_clear;
+            asked += usize::from(is_asked && !station.is_hidden);
             if let (2, Some((a, b))) = (station.edges, pair) {
                 station.width_px += b - a;
                 station.edges_px[0] += a - by.px;
@@ -204,16 +212,34 @@ impl Rope {
                 }
             }
         }
+        self.keep_ends_covered();
         let n = self.next.len();
         let enough =
             read as f32 >= LEAST_READ * asked as f32 && read as f32 >= LEAST_SEEN * n as f32;
         (enough && self.holds_together()).then(|| self.settle())
     }
 
+    /// Leaves what is said to cover the rope before its ends as it was: there only the tip tells whether the rope is covered or ends.
+    fn keep_ends_covered(&mut self) {
+        let is_read = |station: &Station| station.edges > 0;
+        let n = self.next.len();
+        let first = self.next.iter().position(is_read).unwrap_or(n);
+        let last = self.next.iter().rposition(is_read).unwrap_or(0);
+        if !self.closed {
+            for i in (0..first).chain(last + 1..n) {
+                self.next[i].is_hidden = self.stations[i].is_hidden;
+            }
+        }
+    }
+
     /// Whether no part of the rope that is too long for its neighbors to tell goes unread.
     fn holds_together(&self) -> bool {
         let most = |widths: f32| (widths * self.width_px / self.spacing_px()) as usize + 1;
-        let (inner, outer) = (most(MOST_BRIDGED), most(MOST_AT_END));
+        let inner = most(MOST_BRIDGED);
+        let outer = |end: usize| match self.ends[end].is_against {
+            true => most(MOST_AGAINST),
+            false => most(MOST_AT_END),
+        };
         let read = |station: &Station| station.edges > 0;
         let (Some(first), Some(last)) = (
             self.next.iter().position(read),
@@ -225,9 +251,25 @@ impl Rope {
         let (before, after) = (first, self.next.len() - 1 - last);
         let ends = match self.closed {
             true => before + after <= inner,
-            false => before <= outer && after <= outer,
+            false => before <= outer(0) && after <= outer(1),
         };
         ends && runs.all(|run| run <= inner)
+            && (!self.is_on_table || self.is_seen(most(MOST_BLIND)))
+    }
+
+    /// Whether no more stations than so many in a row go unread that nothing is known to cover.
+    fn is_seen(&self, most: usize) -> bool {
+        let places = self.next.iter().zip(&self.shown).zip(&self.wanted);
+        let mut run = 0;
+        places.into_iter().all(|((station, shown), &wanted)| {
+            let is_blind = station.edges == 0 && wanted && *shown != [false; 2];
+            run = if is_blind && !station.is_hidden {
+                run + 1
+            } else {
+                0
+            };
+            run <= most
+        })
     }
 
     /// Moves the stations, smoothed along the rope; returns how far, in the mean.
@@ -347,8 +389,8 @@ impl Rope {
         let is_whole = !curve.hidden.contains(&true);
         curve.status = match (curve.status, is_whole) {
             (Status::Doubtful, _) => Status::Doubtful,
-            (_, true) => Status::Ok,
-            (_, false) => Status::Partial,
+            (_, true) if !self.is_part => Status::Ok,
+            _ => Status::Partial,
         };
     }
 }

@@ -6,11 +6,8 @@ use crate::vec2::{self, Vec2};
 
 /// How near the middles of two strands come, in their mean width, before they begin to cross.
 const TOGETHER: f32 = 0.8;
-/// Nearer than so many of their mean width, and so many pixels more, they touch: their edges are then not their own. Strands
-/// that cross are farther apart where they cross no longer.
-const TOUCHING: (f32, f32) = (1.05, 1.5);
 /// Widths along a rope between two of its points that may come together.
-const APART_WIDTHS: f32 = 2.5;
+pub(super) const APART_WIDTHS: f32 = 2.5;
 
 /// A point of the curve.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,30 +48,14 @@ pub(super) fn set_normals(stations: &mut [Station], closed: bool) {
 
 /// Whether strands have come to lie on each other where they did not cross: their edges are then no longer their own.
 pub(super) fn come_together(ropes: &[Rope]) -> bool {
-    let doubtful = |station: &Station| station.edges < 2 && !station.is_crossed;
-    any_near(ropes, |rope| &rope.next, doubtful, (TOGETHER, 0.0))
-}
-
-/// Whether strands touch where they do not cross.
-pub(super) fn touch(ropes: &[Rope]) -> bool {
-    let single = |station: &Station| !station.is_crossed;
-    any_near(ropes, |rope| &rope.stations, single, TOUCHING)
-}
-
-/// Whether some of these points of a strand are so near to another one, in mean widths and in pixels more.
-fn any_near(
-    ropes: &[Rope],
-    stations: impl Fn(&Rope) -> &[Station],
-    these: impl Fn(&Station) -> bool,
-    (widths, more_px): (f32, f32),
-) -> bool {
     ropes.iter().enumerate().any(|(r, rope)| {
         let apart = (APART_WIDTHS * rope.width_px / rope.spacing_px()) as usize + 1;
-        let mut places = (stations(rope).iter().enumerate()).filter(|(_, here)| these(here));
+        let is_doubtful = |station: &Station| station.edges < 2 && !station.is_crossed;
+        let mut places = (rope.next.iter().enumerate()).filter(|(_, here)| is_doubtful(here));
         places.any(|(i, here)| {
             ropes.iter().enumerate().any(|(o, other)| {
-                let reach_px = 0.5 * widths * (rope.width_px + other.width_px) + more_px;
-                let (all, n) = (stations(other), stations(other).len());
+                let reach_px = 0.5 * TOGETHER * (rope.width_px + other.width_px);
+                let (all, n) = (&other.next, other.next.len());
                 (0..n).step_by(2).any(|j| {
                     let off = vec2::sub(all[j].at, here.at);
                     if vec2::dot(off, off) >= reach_px * reach_px || all[j].is_crossed {

@@ -1,0 +1,85 @@
+//! Which of a rope's edges another strand lies so near to that they are not told from that one's.
+
+use super::ends::End;
+use super::rope::Rope;
+use super::station::APART_WIDTHS;
+use crate::following::axis;
+use crate::vec2::{self, Vec2};
+
+/// Pixels of ground that it takes between an edge and another strand to read the edge.
+const GAP_PX: f32 = 2.0;
+/// Pixels beyond a tip in which another strand keeps it from being read, and how many more it must be away to have left it.
+const BEYOND_PX: [f32; 3] = [0.0, 3.0, 6.0];
+const OFF_PX: f32 = 3.0;
+
+/// Notes which edges of the ropes show, and at which ends another strand lies.
+pub(super) fn note_neighbors(ropes: &mut [Rope]) {
+    for r in 0..ropes.len() {
+        let mut shown = std::mem::take(&mut ropes[r].shown);
+        shown.clear();
+        for (i, station) in ropes[r].stations.iter().enumerate() {
+            let axis = axis(station.normal);
+            shown.push(station.edges_px.map(|edge_px| {
+                let mut edge = station.at;
+                edge[axis] += edge_px / station.normal[axis];
+                !is_near(ropes, (r, i), edge, GAP_PX)
+            }));
+        }
+        ropes[r].shown = shown;
+        for end in 0..2 {
+            let rope = &ropes[r];
+            let (tip, out) = rope.tip_and_way(end);
+            let station = &rope.stations[tip];
+            let is_by = |gap_px: f32| {
+                let beyond = |px: &f32| vec2::along(station.at, out, *px);
+                (BEYOND_PX.iter()).any(|px| is_near(ropes, (r, tip), beyond(px), gap_px))
+            };
+            let is_veiled = station.is_crossed || station.is_hidden;
+            let is_against = is_veiled || is_by(GAP_PX);
+            let has_left = !is_against && !is_by(GAP_PX + OFF_PX);
+            let end = &mut ropes[r].ends[end];
+            (end.is_against, end.has_left) = (is_against, has_left);
+        }
+    }
+}
+
+impl Rope {
+    /// Whether nothing says how far along itself the rope lies: one end is out of the image, and the other does not show.
+    pub(super) fn may_slide(&self) -> bool {
+        let [a, b] = &self.ends;
+        !self.closed && (a.is_border && b.is_against || b.is_border && a.is_against)
+    }
+
+    /// Whether another strand lies along the rope or at one of its ends.
+    pub(super) fn touches(&self) -> bool {
+        let mut places = self.stations.iter().zip(&self.shown);
+        let is_by = |end: &End| !end.is_border && end.is_against;
+        !self.closed && self.ends.iter().any(is_by)
+            || places.any(|(station, shown)| !station.is_crossed && shown.contains(&false))
+    }
+}
+
+/// Whether a strand lies within so many pixels of a place beside a rope's station; those parts of the rope itself do not count
+/// that are near along it.
+fn is_near(ropes: &[Rope], (r, i): (usize, usize), place: Vec2, gap_px: f32) -> bool {
+    ropes.iter().enumerate().any(|(o, other)| {
+        let (n, spacing_px) = (other.stations.len(), other.spacing_px());
+        let apart = (APART_WIDTHS * other.width_px / spacing_px) as usize + 1;
+        let reach_px = 0.5 * other.width_px + gap_px + 0.25 * spacing_px;
+        let mut j = 0;
+        while let Some(station) = other.stations.get(j) {
+            let off_px = vec2::distance(station.at, place);
+            let mut between = i.abs_diff(j);
+            if other.closed {
+                between = between.min(n.abs_diff(between));
+            }
+            if off_px < reach_px && (o != r || between > apart) {
+                return true;
+            }
+            // Those that are passed over cannot be near.
+            let passed = (0.9 * (off_px - reach_px) / spacing_px).max(1.0);
+            j = j.saturating_add(passed as usize);
+        }
+        false
+    })
+}
