@@ -93,7 +93,7 @@ impl ContourFollower {
         }
         note(ropes, crossings);
         note_neighbors(ropes);
-        let is_simple = |rope: &Rope| !rope.may_slide() && !(trust.is_simple && rope.touches());
+        let is_simple = |rope: &Rope| !(rope.may_slide() || trust.is_simple && rope.touches());
         if !ropes.iter().all(is_simple) {
             return;
         }
