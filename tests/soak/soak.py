@@ -1,0 +1,442 @@
+#!/usr/bin/env python3
+"""A chain that is left alone for an hour while all goes wrong that can, every few seconds something else.
+
+    tests/soak/soak.py [--seconds 3600] [--seed 1] [--binary target/release/lariat] [--json FILE]
+
+A rendered rope at 120 frames/s, with a recorder that keeps the last seconds in memory and writes them when told, the settings
+file watched, and eight readers: three of `traces` and `control_loop` in Rust, three of `lariat topic`; `--c` and `--python` name
+programs in other languages (examples/c/follow.c and examples/python/control_loop.py, built and installed by whoever runs this), else
+their place is taken by `control_loop`, and that is said. Every `--every` seconds a fault, drawn by seed:
+
+  kill      a part (a stage or the recorder) is killed with SIGKILL
+  stop      a stage is stopped for 3 s
+  hang      a stage is stopped until the chain kills it (hang_s = 5)
+  set       `lariat set` of something; now and then of something that makes no sense
+  restart   `lariat restart` of a stage
+  edit      the settings file is edited; now and then so that it makes no sense
+  reader    a reader is killed
+  flush     the recorder is told to write what it holds
+  disk      the same, onto a disk that is full
+  shm       /dev/shm is full for 3 s, and a stage is killed meanwhile
+  clock     the clock of the day goes an hour ahead for 3 s (only with --clock: it is the whole machine's)
+
+/dev/shm and the disk are small ones of the script's own, in a mount namespace; where it may not have one, `disk` and `shm` are
+left out, and that is said. Before the first fault is a minute without (a tenth of the time, if that is less), and after the last.
+
+What must hold at the end, a row each of the table; the exit code is 1 if one does not."""
+
+import argparse
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from rig import STAGES, Chain, Traces, at, command, kept, shared, wipe
+
+FAULTS = {"kill": 5, "stop": 2, "hang": 1, "set": 3, "restart": 3, "edit": 2, "reader": 3, "flush": 1, "disk": 1, "shm": 1}
+# Of changes that leave the curve on the rope, so that errors can be compared with those of a run without.
+CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.max_order=12", "fit.max_order=16", "fit.tolerance=0.05",
+           "fit.tolerance=0.06", "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
+REFUSED = ["fit.order=99", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]
+SETTINGS = """\
+[run]
+max_restarts = 1000
+restart_window_s = 4
+hang_s = 5
+[record]
+ring_s = 5
+ring_mb = 48
+[capture]
+source = "rendered"
+fps = {fps}
+seed = 1
+"""
+# How long after a fault the chain may still be at it.
+CALM_AFTER_S = 2.0
+MB = 1 << 20
+
+
+def in_namespace(args):
+    """Starts this script again where /dev/shm is its own, if it may."""
+    if "LARIAT_SOAK_OWN" in os.environ:
+        return os.environ["LARIAT_SOAK_OWN"] == "1"
+    for unshare in (["unshare", "--mount"], ["unshare", "--mount", "--map-root-user"]):
+        try:
+            works = subprocess.run([*unshare, "mount", "-t", "tmpfs", "none", "/dev/shm"], capture_output=True).returncode == 0
+        except OSError:
+            works = False
+        if works:
+            os.environ["LARIAT_SOAK_OWN"] = "1"
+            mounts = f"mount -t tmpfs -o size={args.shm_mb}m none /dev/shm && exec \"$@\""
+            os.execvp("unshare", [*unshare, "sh", "-c", mounts, "sh", sys.executable, *sys.argv])
+    return False
+
+
+class Readers:
+    """Eight of them; one that ended is started again."""
+
+    def __init__(self, chain, traces, args):
+        loop = str(Path(args.control_loop).resolve())
+        topic = [chain.binary, "topic"]
+        self.commands = {
+            "traces": [traces],
+            "control_loop": [loop],
+            "control_loop 2": [loop],
+            "echo": [*topic, "echo", "centerlines"],
+            "hz": [*topic, "hz", "frames"],
+            "delay": [*topic, "delay"],
+            "C": [args.c] if args.c else [loop],
+        }
+        self.commands["Python"] = args.python.split() if args.python else [loop]
+        self.chain, self.children, self.ended = chain, {}, {}
+        for name in self.commands:
+            self.start(name)
+
+    def start(self, name):
+        log = open(self.chain.folder / f"{name.replace(' ', '-')}.err", "a")
+        self.children[name] = subprocess.Popen(self.commands[name], env=self.chain.environment, cwd=self.chain.folder,
+                                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
+
+    def look(self, killed=None):
+        """Starts those again that ended; one that was not killed should not have."""
+        for name, child in list(self.children.items()):
+            if child.poll() is None:
+                continue
+            if name != killed:
+                self.ended.setdefault(name, []).append(child.returncode)
+            self.start(name)
+
+    def end(self):
+        for child in self.children.values():
+            child.kill()
+            child.wait()
+
+
+class Soak:
+    def __init__(self, args, owns):
+        self.args, self.owns = args, owns
+        self.random = random.Random(args.seed)
+        self.scratch = Path(tempfile.mkdtemp(prefix="soak-"))
+        self.disk = self.scratch / "disk"
+        self.disk.mkdir()
+        if owns:
+            subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={args.disk_mb}m", "none", self.disk], check=True)
+        self.traces = str(Path(args.traces).resolve())
+        # Windows of the monotonic clock in which something was amiss.
+        self.amiss, self.made, self.problems = [], {}, []
+        self.killed = dict.fromkeys((*STAGES, "recorder"), 0)
+        self.renewed, self.samples = 0, []
+
+    def chain(self, name, *words):
+        folder = self.scratch / name
+        folder.mkdir()
+        Path(folder, "lariat.toml").write_text(SETTINGS.format(fps=self.args.fps))
+        return Chain(Path(self.args.binary).resolve(), self.args.domain, folder, ["--out", "out", *words])
+
+    def command(self, *words):
+        """A command of lariat, where the settings file, which may make no sense, is not its own."""
+        return command(self.main.binary, self.args.domain, self.scratch, *words)
+
+    def run(self):
+        wipe(self.args.domain)
+        truth = self.without_faults()
+        self.main = self.chain("soak", "--restart", "on-failure", "--watch", "--record", str(self.disk / "ring.mcap"))
+        self.watcher = Traces(self.traces, self.main.environment)
+        self.readers = Readers(self.main, self.traces, self.args)
+        begin = time.monotonic()
+        quiet = min(60, self.args.seconds / 10)
+        threading.Thread(target=self.sample, daemon=True).start()
+        kinds = {kind: weight for kind, weight in FAULTS.items() if self.owns or kind not in ("disk", "shm")}
+        if self.args.clock:
+            kinds["clock"] = 1
+        time.sleep(quiet)
+        self.first_fault = time.monotonic()
+        due = self.first_fault
+        while due < begin + self.args.seconds - quiet and self.main.child.poll() is None:
+            time.sleep(max(0, due - time.monotonic()))
+            kind = self.random.choices(list(kinds), kinds.values())[0]
+            since = time.monotonic()
+            killed = getattr(self, f"do_{kind}")()
+            self.amiss.append((since, time.monotonic(), kind))
+            self.made[kind] = self.made.get(kind, 0) + 1
+            if self.args.verbose:
+                print(f"{since - begin:7.1f} s  {kind} {killed or ''}", flush=True)
+            self.readers.look(killed if kind == "reader" else None)
+            due = max(due + self.args.every, time.monotonic() + 1)
+        self.last_fault = time.monotonic()
+        time.sleep(quiet)
+        self.has_ended = True
+        return self.verdict(truth, begin)
+
+    has_ended = False
+
+    def without_faults(self):
+        """What a run without faults says of the same ropes."""
+        chain = self.chain("without", "--duration", f"{min(60, self.args.seconds / 10)}s")
+        chain.child.wait(120)
+        wipe(self.args.domain)
+        return json.loads(Path(chain.folder, "out", "summary.json").read_text())
+
+    # The faults.
+
+    def part(self, parts=STAGES):
+        """One that lives, and its process."""
+        there = self.main.parts()
+        name = self.random.choice([part for part in parts if part in there] or list(there))
+        return name, there[name]
+
+    def strike(self, parts=(*STAGES, "recorder")):
+        name, pid = self.part(parts)
+        os.kill(pid, signal.SIGKILL)
+        self.killed[name] += 1
+        return name
+
+    def do_kill(self):
+        return self.strike()
+
+    def do_stop(self):
+        name, pid = self.part()
+        os.kill(pid, signal.SIGSTOP)
+        time.sleep(3)
+        os.kill(pid, signal.SIGCONT)
+        return name
+
+    def do_hang(self):
+        name, pid = self.part()
+        os.kill(pid, signal.SIGSTOP)
+        until = time.monotonic() + 15
+        while time.monotonic() < until and self.main.parts().get(name) == pid:
+            time.sleep(0.05)
+        if self.main.parts().get(name) == pid:
+            self.problems.append(f"{name} hung for 15 s, and was not started anew")
+            os.kill(pid, signal.SIGCONT)
+            return name
+        self.killed[name] += 1
+        return name
+
+    def do_set(self):
+        if self.random.random() < 0.2:
+            change = self.random.choice(REFUSED)
+            if self.command("set", change).returncode != 1:
+                self.problems.append(f"{change} was not refused")
+            return change
+        change = self.random.choice(CHANGES)
+        self.must(self.command("set", change))
+        return change
+
+    def do_restart(self):
+        name = self.random.choice(STAGES)
+        self.must(self.command("restart", name))
+        return name
+
+    def must(self, done):
+        if done.returncode != 0:
+            self.problems.append(f"{' '.join(map(str, done.args[1:]))}: exit code {done.returncode}: {done.stderr.strip()}")
+        self.renewed += done.stdout.count("started anew")
+
+    def do_edit(self):
+        file = Path(self.main.folder, "lariat.toml")
+        if self.random.random() < 0.3:
+            file.write_text(SETTINGS.format(fps=self.args.fps) + "[fit]\norder = \"many\"\n")
+            return "nonsense"
+        fps = self.random.choice([self.args.fps, self.args.fps, 0.9 * self.args.fps])
+        order = self.random.choice([12, 16, 31])
+        file.write_text(SETTINGS.format(fps=fps) + f"[fit]\nmax_order = {order}\n")
+        return f"fps {fps:g}, max_order {order}"
+
+    def do_reader(self):
+        name = self.random.choice(list(self.readers.children))
+        self.readers.children[name].kill()
+        self.readers.children[name].wait()
+        return name
+
+    def do_flush(self):
+        self.must(self.command("record", "--flush"))
+        time.sleep(2)
+        files = sorted(self.disk.glob("*.mcap"))
+        for file in files:
+            done = self.command("info", str(file))
+            if done.returncode != 0:
+                self.problems.append(f"{file.name} cannot be read: {done.stderr.strip()}")
+            file.unlink()
+        return f"{len(files)} files"
+
+    def do_disk(self):
+        ballast = self.disk / "ballast"
+        fill(self.disk, ballast)
+        self.command("record", "--flush")
+        time.sleep(3)
+        ballast.unlink(missing_ok=True)
+        for file in self.disk.glob("*.mcap"):
+            file.unlink()
+
+    def do_shm(self):
+        ballast = Path("/dev/shm/lariat-soak-ballast")
+        fill("/dev/shm", ballast)
+        name = self.strike()
+        time.sleep(3)
+        ballast.unlink(missing_ok=True)
+        return name
+
+    def do_clock(self):
+        day, clock = time.time(), time.monotonic()
+        time.clock_settime(time.CLOCK_REALTIME, day + 3600)
+        time.sleep(3)
+        time.clock_settime(time.CLOCK_REALTIME, day + time.monotonic() - clock)
+
+    # What is looked at.
+
+    def sample(self):
+        """Memory, descriptors and files, once a second."""
+        while not self.has_ended and self.main.child.poll() is None:
+            try:
+                parts = dict(self.main.parts(), chain=self.main.child.pid)
+                files = shared(self.args.domain)
+                self.samples.append({
+                    "at": time.monotonic(),
+                    "rss": {part: resident(pid) for part, pid in parts.items()},
+                    "open": {part: len(os.listdir(f"/proc/{pid}/fd")) for part, pid in parts.items()},
+                    "shared": len(files),
+                    "shared_mb": sum(files.values()) / MB,
+                    "kept": len(kept(self.args.domain)),
+                })
+            except OSError:
+                pass
+            time.sleep(1)
+
+    def is_calm(self, moment):
+        return not any(since - 0.1 <= moment <= until + CALM_AFTER_S for since, until, _ in self.amiss)
+
+    def verdict(self, truth, begin):
+        lasted = time.monotonic() - begin
+        lines = self.watcher.lines
+        self.watcher.end()
+        self.readers.look()
+        self.readers.end()
+        code = self.main.end()
+        left = [*shared(self.args.domain), *kept(self.args.domain)]
+        rows = []
+
+        def row(name, holds, said):
+            rows.append({"what": name, "holds": bool(holds), "said": said})
+
+        row("exit code", code == 0, str(code))
+        summary = json.loads(Path(self.main.folder, "out", "summary.json").read_text())
+        frames = summary["frames"]
+        lost = {link: count for link, count in frames["lost"].items() if link != "source"}
+        row("sent = received + lost", summary["finished"] and frames["published"] == frames["received"] + sum(lost.values()),
+            f"{frames['published']} = {frames['received']} + {sum(lost.values())} "
+            f"({', '.join(f'{link} {count}' for link, count in lost.items() if count)}); "
+            f"{sum(frames['at_restart'].values())} at restarts")
+        said = {part: self.main.count(rf"{part} was killed by signal (9|7) .*it is started anew") for part in self.killed}
+        # Without shared memory a stage falls by itself, too, and is started again and again until there is some.
+        fell = self.main.count("failed with exit code .*it is started anew")
+        row("every restart said", all(said[part] >= count for part, count in self.killed.items()),
+            ", ".join(f"{part} {said[part]} of {count}" for part, count in self.killed.items()) + f"; {fell} fell by themselves")
+        # Of a count that goes on the other way around, a stage would have begun anew by itself.
+        row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
+        for kind in ("centerline", "curve"):
+            usual, now = (of["error_px"][kind] for of in (truth, summary))
+            row(f"{kind} on the rope", now["mean"] <= 1.25 * usual["mean"] + 0.01 and now["max"] <= 2 * usual["max"] + 0.1,
+                f"px mean {now['mean']:.3f} p95 {now['p95']:.3f} max {now['max']:.3f}; without faults "
+                f"{usual['mean']:.3f} {usual['p95']:.3f} {usual['max']:.3f}")
+        ropes = sum(line.ropes != 1 for line in lines)
+        row("one rope", ropes <= len(lines) / 1000, f"{ropes} of {len(lines)} frames with another number of ropes")
+        calm = [sample for sample in self.samples if self.is_calm(sample["at"])]
+        third = len(calm) // 3
+        for name, of, slack in (
+            ("memory", lambda sample: sample["rss"], 2),
+            ("open descriptors", lambda sample: sample["open"], 2),
+            ("files", lambda sample: {"/dev/shm": sample["shared"], "MB": sample["shared_mb"], "folder": sample["kept"]}, 3),
+        ):
+            if third == 0:
+                continue
+            grown, of_each = [], []
+            for part in of(calm[0]):
+                first, last = (middle(of(sample).get(part) for sample in some) for some in (calm[:third], calm[-third:]))
+                grown += [part] * (last > 1.1 * first + slack)
+                of_each.append(f"{part} {first:.4g} → {last:.4g}")
+            row(f"{name} flat", not grown, ", ".join(of_each))
+        before = [line for line in lines if line.in_hand_ns < self.first_fault * 1e9]
+        outside = [line for line in lines if line.in_hand_ns > self.first_fault * 1e9 and self.is_calm(line.exposed_ns / 1e9)]
+        waits = [sorted((line.fitted_ns - line.exposed_ns) / 1e3 for line in part) for part in (before, outside)]
+        if all(waits):
+            (p50, p99), (now50, now99) = ((at(part, 0.5), at(part, 0.99)) for part in waits)
+            row("latency outside of faults", now99 <= 1.5 * p99 + 1000,
+                f"µs p50 {p50:.0f}, p99 {p99:.0f} before the first; p50 {now50:.0f}, p99 {now99:.0f} between them")
+        row("readers go on", not self.readers.ended, str(self.readers.ended or "none ended by itself"))
+        row("commands do what they say", not self.problems, "; ".join(self.problems) or "all did")
+        row("nothing left", not left, " ".join(left[:5]) or "nothing")
+        print(f"seed {self.args.seed}: {lasted:.0f} s, {sum(self.made.values())} faults: "
+              + ", ".join(f"{count} {kind}" for kind, count in sorted(self.made.items())))
+        for name, is_out in (("disk and shm (no mount namespace)", not self.owns), ("clock (--clock)", not self.args.clock),
+                             ("a reader in C (--c)", not self.args.c), ("a reader in Python (--python)", not self.args.python)):
+            if is_out:
+                print(f"left out: {name}")
+        for entry in rows:
+            print(f"{'ok  ' if entry['holds'] else 'FAIL'} {entry['what']:30} {entry['said']}")
+        print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+        if self.args.json:
+            told = {"seed": self.args.seed, "seconds": lasted, "faults": self.made, "rows": rows, "summary": summary}
+            Path(self.args.json).write_text(json.dumps(told, indent=1) + "\n")
+        Path(self.scratch, "said").write_text(self.main.text() + "\n")
+        broken = not all(entry["holds"] for entry in rows)
+        if self.owns:
+            subprocess.run(["umount", self.disk])
+        if broken or self.args.keep:
+            print(f"what the chain and the readers said: {self.scratch}")
+        else:
+            shutil.rmtree(self.scratch)
+        wipe(self.args.domain)
+        return 1 if broken else 0
+
+
+def fill(folder, ballast):
+    """Takes all room that is left but a few kilobytes."""
+    room = os.statvfs(folder)
+    with open(ballast, "wb") as file:
+        os.posix_fallocate(file.fileno(), 0, max(room.f_bavail * room.f_frsize - 16384, 4096))
+
+
+def middle(values):
+    """The median of those that are there."""
+    return at(sorted(value for value in values if value is not None), 0.5)
+
+
+def resident(pid):
+    """The memory of its own that a process has, in MB: what it shares is counted by itself."""
+    fields = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines() if ":" in line)
+    return int(fields["RssAnon"].split()[0]) / 1024
+
+
+def main():
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--binary", default="target/release/lariat")
+    words.add_argument("--traces", default="target/release/examples/traces")
+    words.add_argument("--control-loop", default="target/release/examples/control_loop")
+    words.add_argument("--c", help="a reader in C")
+    words.add_argument("--python", help="a reader in Python, as a command")
+    words.add_argument("--seconds", type=float, default=3600)
+    words.add_argument("--every", type=float, default=5)
+    words.add_argument("--seed", type=int, default=1)
+    words.add_argument("--fps", type=int, default=120)
+    words.add_argument("--shm-mb", type=int, default=256)
+    words.add_argument("--disk-mb", type=int, default=160)
+    words.add_argument("--clock", action="store_true", help="move the machine's clock, too")
+    words.add_argument("--domain", default="soak")
+    words.add_argument("--json", help="write what the table says into this file, too")
+    words.add_argument("--keep", action="store_true", help="keep what the chain and the readers said")
+    words.add_argument("--verbose", action="store_true", help="say each fault")
+    args = words.parse_args()
+    return Soak(args, in_namespace(args)).run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
