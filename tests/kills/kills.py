@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Kills processes of lariat at system calls drawn by seed, and looks what that breaks.
 
-    tests/kills/kills.py [--binary target/release/lariat] [--reader …] [--kills 200] [--seed 1] [--domain kills] KIND...
+    tests/kills/kills.py [--binary target/release/lariat] [--reader …] [--kills 200] [--seed 1] [--domain kills]
+                         [--restart on-failure] KIND...
 
 KIND is what is killed: `reader` (alone in its domain), `beside` (a reader beside a chain that runs), `stages` (a chain: each of its
 processes at its own call of this number, the recorder's among them), `launcher` (the chain's first process alone). After each
@@ -51,15 +52,18 @@ class Rounds:
         self.random = random.Random(args.seed)
         self.kills = args.kills
         self.seconds = args.seconds
-        self.scratch = tempfile.mkdtemp(prefix="lariat-kills-")
+        self.scratch = tempfile.mkdtemp(prefix="kills-")
         self.environment = dict(os.environ, LARIAT_DOMAIN=args.domain)
+        self.restart = ["--restart", args.restart]
+        # A process that is killed at a call is killed there each time that it is started anew.
+        Path(self.scratch, "lariat.toml").write_text("[run]\nmax_restarts = 3\n")
 
     def reader(self):
         return [self.reads]
 
     def chain(self):
         return [self.binary, "run", "--quiet", "--source", "rendered", "--size", "320x240", "--fps", "200", "--frames", "4",
-                "--record", f"{self.scratch}/kills.mcap"]
+                "--record", f"{self.scratch}/kills.mcap", *self.restart]
 
     def files(self):
         return shared(self.domain) | kept(self.domain)
@@ -94,7 +98,8 @@ class Rounds:
     def kill(self, command, follow, calls):
         call = self.random.choice(sorted(calls))
         when = self.random.randint(1, calls[call])
-        Path(self.scratch, "kills.mcap").unlink(missing_ok=True)
+        for recording in Path(self.scratch).glob("kills*.mcap"):
+            recording.unlink()
         self.run(["strace", *follow, "-qq", "-o", "/dev/null", "-e", f"inject={call}:signal=KILL:when={when}", *command], 15)
         # A chain's processes outlive their launcher by moments.
         until = time.monotonic() + 5
@@ -115,7 +120,7 @@ class Rounds:
         killed = 0
 
         def start():
-            child = subprocess.Popen([self.binary, "run", "--quiet", "--source", "rendered", "--fps", "100"],
+            child = subprocess.Popen([self.binary, "run", "--quiet", "--source", "rendered", "--fps", "100", *self.restart],
                                      env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                      cwd=self.scratch)
             time.sleep(1.5)
@@ -200,6 +205,7 @@ def main():
     words.add_argument("--reader", default="target/release/examples/join_and_leave")
     words.add_argument("--kills", type=int, default=200)
     words.add_argument("--seconds", type=float, default=240, help="no new kill after so long, for each KIND")
+    words.add_argument("--restart", default="never", help="of chains: on-failure starts anew what is killed")
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--domain", default="kills")
     args = words.parse_args()

@@ -139,7 +139,8 @@ def main():
         target = TARGET_MS[kind]
         within = sum(took <= target for took in back)
         row = " ".join(f"{value:7.1f}" for value in (back[0], at(back, 0.5), at(back, 0.9), back[-1])) if back else "none came back"
-        print(f"{kind:10} {len(times):5} {row}     {target:5} {within:7} {run:7.1f} {waited:7.1f} {os.getloadavg()[0]:24.1f}\n{histogram(back)}", flush=True)
+        print(f"{kind:10} {len(times):5} {row}     {target:5} {within:7} {run:7.1f} {waited:7.1f} {os.getloadavg()[0]:24.1f}")
+        print(histogram(back), flush=True)
     shutil.rmtree(rounds.scratch)
     return 1 if broken else 0
 

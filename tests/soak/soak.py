@@ -3,10 +3,10 @@
 
     tests/soak/soak.py [--seconds 3600] [--seed 1] [--binary target/release/lariat] [--json FILE]
 
-A rendered rope at 120 frames/s, with a recorder that keeps the last seconds in memory and writes them when told, the settings
-file watched, and eight readers: three of `traces` and `control_loop` in Rust, three of `lariat topic`; `--c` and `--python` name
-programs in other languages (examples/c/follow.c and examples/python/control_loop.py, built and installed by whoever runs this), else
-their place is taken by `control_loop`, and that is said. Every `--every` seconds a fault, drawn by seed:
+A rendered rope at 120 frames/s, whose true centerline is known, with a recorder that keeps the last seconds in memory and writes
+them when told, the settings file watched, and eight readers: `traces` and two of `control_loop` in Rust, three of `lariat topic`;
+`--c` and `--python` name programs in other languages (examples/c/follow.c and examples/python/control_loop.py, built and installed
+by whoever runs this), else their place is taken by `control_loop`, and that is said. Every `--every` seconds a fault, drawn by seed:
 
   kill      a part (a stage or the recorder) is killed with SIGKILL
   stop      a stage is stopped for 3 s
@@ -23,7 +23,9 @@ their place is taken by `control_loop`, and that is said. Every `--every` second
 /dev/shm and the disk are small ones of the script's own, in a mount namespace; where it may not have one, `disk` and `shm` are
 left out, and that is said. Before the first fault is a minute without (a tenth of the time, if that is less), and after the last.
 
-What must hold at the end, a row each of the table; the exit code is 1 if one does not."""
+A run without faults shows as many frames of the same rope afterwards, as fast as they go: how far its curves are from the rope is
+what is compared with. What must hold at the end is a row each of the table, memory and files by the medians of the first and the
+last third of the moments between faults; the exit code is 1 if one does not."""
 
 import argparse
 import json
@@ -41,9 +43,9 @@ from pathlib import Path
 from rig import STAGES, Chain, Traces, at, command, kept, shared, wipe
 
 FAULTS = {"kill": 5, "stop": 2, "hang": 1, "set": 3, "restart": 3, "edit": 2, "reader": 3, "flush": 1, "disk": 1, "shm": 1}
-# Of changes that leave the curve on the rope, so that errors can be compared with those of a run without.
-CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.max_order=12", "fit.max_order=16", "fit.tolerance=0.05",
-           "fit.tolerance=0.06", "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
+# All leave the curve as near to the rope as it is, so that errors can be compared with those of a run without.
+CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.tolerance=0.05", "fit.tolerance=0.06",
+           "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
 REFUSED = ["fit.order=99", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]
 SETTINGS = """\
 [run]
@@ -57,6 +59,11 @@ ring_mb = 48
 source = "rendered"
 fps = {fps}
 seed = 1
+[simulation]
+stiffness = {stiffness}
+[fit]
+# An order that is chosen depends on when a rope was seen.
+order = 10
 """
 # How long after a fault the chain may still be at it.
 CALM_AFTER_S = 2.0
@@ -137,8 +144,11 @@ class Soak:
     def chain(self, name, *words):
         folder = self.scratch / name
         folder.mkdir()
-        Path(folder, "lariat.toml").write_text(SETTINGS.format(fps=self.args.fps))
+        Path(folder, "lariat.toml").write_text(self.settings())
         return Chain(Path(self.args.binary).resolve(), self.args.domain, folder, ["--out", "out", *words])
+
+    def settings(self, stiffness=0.1):
+        return SETTINGS.format(fps=self.args.fps, stiffness=stiffness)
 
     def command(self, *words):
         """A command of lariat, where the settings file, which may make no sense, is not its own."""
@@ -146,7 +156,6 @@ class Soak:
 
     def run(self):
         wipe(self.args.domain)
-        truth = self.without_faults()
         self.main = self.chain("soak", "--restart", "on-failure", "--watch", "--record", str(self.disk / "ring.mcap"))
         self.watcher = Traces(self.traces, self.main.environment)
         self.readers = Readers(self.main, self.traces, self.args)
@@ -156,6 +165,8 @@ class Soak:
         kinds = {kind: weight for kind, weight in FAULTS.items() if self.owns or kind not in ("disk", "shm")}
         if self.args.clock:
             kinds["clock"] = 1
+        if self.args.only:
+            kinds = dict.fromkeys(self.args.only.split(","), 1)
         time.sleep(quiet)
         self.first_fault = time.monotonic()
         due = self.first_fault
@@ -173,15 +184,14 @@ class Soak:
         self.last_fault = time.monotonic()
         time.sleep(quiet)
         self.has_ended = True
-        return self.verdict(truth, begin)
+        return self.verdict(begin)
 
     has_ended = False
 
-    def without_faults(self):
-        """What a run without faults says of the same ropes."""
-        chain = self.chain("without", "--duration", f"{min(60, self.args.seconds / 10)}s")
-        chain.child.wait(120)
-        wipe(self.args.domain)
+    def without_faults(self, frames):
+        """What a run without faults says of the same ropes: as many frames, as fast as they go."""
+        chain = self.chain("without", "--frames", str(frames), "--fps", "max", "--lossless")
+        chain.child.wait()
         return json.loads(Path(chain.folder, "out", "summary.json").read_text())
 
     # The faults.
@@ -244,12 +254,12 @@ class Soak:
     def do_edit(self):
         file = Path(self.main.folder, "lariat.toml")
         if self.random.random() < 0.3:
-            file.write_text(SETTINGS.format(fps=self.args.fps) + "[fit]\norder = \"many\"\n")
+            file.write_text(self.settings() + "solver = \"guess\"\n")
             return "nonsense"
-        fps = self.random.choice([self.args.fps, self.args.fps, 0.9 * self.args.fps])
-        order = self.random.choice([12, 16, 31])
-        file.write_text(SETTINGS.format(fps=fps) + f"[fit]\nmax_order = {order}\n")
-        return f"fps {fps:g}, max_order {order}"
+        # The first starts capture anew, and changes nothing of what a rendered rope looks like.
+        stiffness, solver = self.random.choice([0.1, 0.1, 0.2]), self.random.choice(["qr", "pinv", "cholesky"])
+        file.write_text(self.settings(stiffness) + f"solver = \"{solver}\"\n")
+        return f"stiffness {stiffness}, {solver}"
 
     def do_reader(self):
         name = self.random.choice(list(self.readers.children))
@@ -261,6 +271,8 @@ class Soak:
         self.must(self.command("record", "--flush"))
         time.sleep(2)
         files = sorted(self.disk.glob("*.mcap"))
+        if not files:
+            self.problems.append("the recorder wrote nothing when it was told to")
         for file in files:
             done = self.command("info", str(file))
             if done.returncode != 0:
@@ -314,7 +326,7 @@ class Soak:
     def is_calm(self, moment):
         return not any(since - 0.1 <= moment <= until + CALM_AFTER_S for since, until, _ in self.amiss)
 
-    def verdict(self, truth, begin):
+    def verdict(self, begin):
         lasted = time.monotonic() - begin
         lines = self.watcher.lines
         self.watcher.end()
@@ -340,20 +352,24 @@ class Soak:
         fell = self.main.count("failed with exit code .*it is started anew")
         row("every restart said", all(said[part] >= count for part, count in self.killed.items()),
             ", ".join(f"{part} {said[part]} of {count}" for part, count in self.killed.items()) + f"; {fell} fell by themselves")
+        truth = self.without_faults(frames["published"])
         # Of a count that goes on the other way around, a stage would have begun anew by itself.
         row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
         for kind in ("centerline", "curve"):
             usual, now = (of["error_px"][kind] for of in (truth, summary))
-            row(f"{kind} on the rope", now["mean"] <= 1.25 * usual["mean"] + 0.01 and now["max"] <= 2 * usual["max"] + 0.1,
+            is_near = all(now[key] <= 1.25 * usual[key] + 0.01 for key in ("mean", "p95", "max"))
+            row(f"{kind} on the rope", is_near,
                 f"px mean {now['mean']:.3f} p95 {now['p95']:.3f} max {now['max']:.3f}; without faults "
                 f"{usual['mean']:.3f} {usual['p95']:.3f} {usual['max']:.3f}")
         ropes = sum(line.ropes != 1 for line in lines)
         row("one rope", ropes <= len(lines) / 1000, f"{ropes} of {len(lines)} frames with another number of ropes")
         calm = [sample for sample in self.samples if self.is_calm(sample["at"])]
         third = len(calm) // 3
+        # What a part frees when its settings change it keeps for the next time; one that is started beside readers that are there
+        # knows more of them than the first did.
         for name, of, slack in (
-            ("memory", lambda sample: sample["rss"], 2),
-            ("open descriptors", lambda sample: sample["open"], 2),
+            ("memory", lambda sample: sample["rss"], 16),
+            ("open descriptors", lambda sample: sample["open"], 16),
             ("files", lambda sample: {"/dev/shm": sample["shared"], "MB": sample["shared_mb"], "folder": sample["kept"]}, 3),
         ):
             if third == 0:
@@ -384,7 +400,8 @@ class Soak:
             print(f"{'ok  ' if entry['holds'] else 'FAIL'} {entry['what']:30} {entry['said']}")
         print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
         if self.args.json:
-            told = {"seed": self.args.seed, "seconds": lasted, "faults": self.made, "rows": rows, "summary": summary}
+            told = {"seed": self.args.seed, "seconds": lasted, "faults": self.made, "rows": rows, "summary": summary,
+                    "samples": self.samples}
             Path(self.args.json).write_text(json.dumps(told, indent=1) + "\n")
         Path(self.scratch, "said").write_text(self.main.text() + "\n")
         broken = not all(entry["holds"] for entry in rows)
@@ -425,6 +442,7 @@ def main():
     words.add_argument("--python", help="a reader in Python, as a command")
     words.add_argument("--seconds", type=float, default=3600)
     words.add_argument("--every", type=float, default=5)
+    words.add_argument("--only", help="faults of these kinds alone: kill,stop")
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--fps", type=int, default=120)
     words.add_argument("--shm-mb", type=int, default=256)
