@@ -8,7 +8,8 @@ KIND is what is killed with SIGKILL, at moments drawn by seed: `capture` (of a r
 that stands in the first descriptor whose trace tells of the new process as when it was fitted; of sink, which makes none, to the
 moment its entry among the stages is there, which it writes when it is ready. Prints a row a KIND and its histogram: how many are
 within what is asked for, how long the new process had a core until then and how long it waited for one, which is what others on
-the machine cost, and the machine's load. The exit code is 1 if a stage did not come back."""
+the machine cost, and the machine's load. On a machine that others use, `chrt --fifo 5 tests/soak/restarts.py` is what it takes by
+itself. The exit code is 1 if a stage did not come back."""
 
 import argparse
 import os
