@@ -166,6 +166,33 @@ fn a_stage_that_falls_too_often_ends_the_chain() {
 }
 
 #[test]
+fn a_recorder_that_is_killed_is_started_anew_and_what_it_wrote_stays() {
+    let bench = Bench::new();
+    let mut chain = start(&bench, &["--fps", "100", "--record", "run.mcap"]);
+    chain.wait_for_frames();
+    let id = wait_for("the recorder", || another(&bench, "record", 0));
+    send(id, Signal::KILL);
+    wait_for("another", || another(&bench, "record", id));
+    chain.wait_for_frames();
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    let sentence = "recorder was killed by signal 9 (SIGKILL); it is started anew";
+    assert_eq!(
+        ended.stderr.matches(sentence).count(),
+        1,
+        "{}",
+        ended.stderr
+    );
+    for file in ["run.mcap", "run-2.mcap"] {
+        let info = bench.run(&["info", file, "--json"]);
+        assert!(info.status.success(), "{file}: {info:?}");
+    }
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn files_go_on_where_a_killed_capture_stopped() {
     let bench = Bench::new();
     let films = bench.run(&[
