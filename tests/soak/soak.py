@@ -6,7 +6,8 @@
 A rendered rope at 120 frames/s, whose true centerline is known, with a recorder that keeps the last seconds in memory and writes
 them when told, the settings file watched, and eight readers: `traces` and two of `control_loop` in Rust, three of `lariat topic`;
 `--c` and `--python` name programs in other languages (examples/c/follow.c and examples/python/control_loop.py, built and installed
-by whoever runs this, the library where it is found), else their place is taken by `control_loop`, and that is said. Every `--every` seconds a fault, drawn by seed:
+by whoever runs this, the library where it is found), else their place is taken by `control_loop`, and that is said. Every
+`--every` seconds a fault, drawn by seed:
 
   kill      a part (a stage or the recorder) is killed with SIGKILL
   stop      a stage is stopped for 3 s
