@@ -53,6 +53,11 @@ impl Notify {
         }
     }
 
+    /// Whether anybody listens.
+    pub fn is_heard(&self) -> bool {
+        self.manager.is_some()
+    }
+
     /// The chain is up: its rig can be read.
     pub fn ready(&mut self) {
         self.tell("READY=1");

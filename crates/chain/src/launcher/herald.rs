@@ -45,9 +45,10 @@ impl Herald {
         self.notify.stopping();
     }
 
-    /// How often it wants to be called.
-    pub(super) fn period(&self) -> Option<Duration> {
-        self.notify.watchdog_period()
+    /// How soon it wants to be called again, if anybody listens.
+    pub(super) fn wait(&self) -> Option<Duration> {
+        let wait = self.notify.watchdog_period().unwrap_or(EVERY) / 2;
+        self.notify.is_heard().then_some(wait)
     }
 
     /// Tells how the chain is, if it is time. It lives as long as there are new signs: frames come, or a camera is waited for.

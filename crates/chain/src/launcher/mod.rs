@@ -377,10 +377,11 @@ impl Chain {
         // As after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
         while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
-            let period = self.herald.period().map(|period| period / 2);
-            let look = Instant::now() + period.map_or(LOOK_EVERY, |period| period.min(LOOK_EVERY));
-            let due = self.due.into_iter().flatten().min();
-            self.listen(Some(due.map_or(look, |due| due.min(look))), Some(stop))?;
+            let look = self.settings.run.starts_anew().then_some(LOOK_EVERY);
+            let look = look.into_iter().chain(self.herald.wait()).min();
+            let look = look.map(|look| Instant::now() + look);
+            let due = self.due.into_iter().flatten().chain(look).min();
+            self.listen(due, Some(stop))?;
             self.start_anew()?;
             self.strike_the_hanging();
             self.answer_others();

@@ -155,10 +155,10 @@ impl CenterlinePoints {
 
     /// Takes over what others mean; what they do not mean stays as it was.
     fn copy_meant(&mut self, from: &Self) {
-        let points = from.points();
-        let count = points.len();
-        (self.count, self.closed, self.hidden) = (count as u32, from.closed, from.hidden);
-        self.points[..count].copy_from_slice(points);
+        (self.count, self.closed, self.hidden) = (from.count, from.closed, from.hidden);
+        // By the copy: what lies in shared memory may be another a moment later.
+        let count = self.points().len();
+        self.points[..count].copy_from_slice(&from.points[..count]);
         self.widths[..count].copy_from_slice(&from.widths[..count]);
     }
 
@@ -203,11 +203,10 @@ impl Descriptors {
     pub fn copy_meant(&mut self, from: &Self) {
         self.trace = from.trace;
         (self.width, self.height) = (from.width, from.height);
-        // What they mean is asked once: they may lie in shared memory, where it may be another a moment later.
-        let curves = from.curves();
-        let count = curves.len();
-        (self.count, self.unit) = (count as u32, from.unit);
-        self.curves[..count].copy_from_slice(curves);
+        (self.count, self.unit) = (from.count, from.unit);
+        // By the copy: what lies in shared memory may be another a moment later.
+        let count = self.curves().len();
+        self.curves[..count].copy_from_slice(&from.curves[..count]);
         for (to, from) in self.centerlines[..count].iter_mut().zip(&from.centerlines) {
             to.copy_meant(from);
         }
