@@ -93,8 +93,8 @@ impl ContourFollower {
         }
         note(ropes, crossings);
         note_neighbors(ropes);
-        let is_simple = |rope: &Rope| !(rope.may_slide() || trust.is_simple && rope.touches());
-        if !ropes.iter().all(is_simple) {
+        let is_unsure = |rope: &Rope| rope.may_slide() || trust.is_simple && rope.touches();
+        if ropes.iter().any(is_unsure) {
             return;
         }
         if ropes.iter_mut().all(|rope| rope.learn(image)) {

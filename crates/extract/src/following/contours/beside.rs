@@ -2,7 +2,7 @@
 
 use super::ends::End;
 use super::rope::Rope;
-use super::station::APART_WIDTHS;
+use super::station::{APART_WIDTHS, Station};
 use crate::following::axis;
 use crate::vec2::{self, Vec2};
 
@@ -11,6 +11,8 @@ const GAP_PX: f32 = 2.0;
 /// Pixels beyond a tip in which another strand keeps it from being read, and how many more it must be away to have left it.
 const BEYOND_PX: [f32; 3] = [0.0, 3.0, 6.0];
 const OFF_PX: f32 = 3.0;
+/// Stations in a row of which only the middle one is looked at where it is far off.
+const SOME: usize = 8;
 
 /// Notes which edges of the ropes show, and at which ends another strand lies.
 pub(super) fn note_neighbors(ropes: &mut [Rope]) {
@@ -19,9 +21,16 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
         shown.clear();
         for (i, station) in ropes[r].stations.iter().enumerate() {
             let axis = axis(station.normal);
-            shown.push(station.edges_px.map(|edge_px| {
+            let out_px = station.edges_px.map(|px| px / station.normal[axis]);
+            let farthest_px = out_px[0].abs().max(out_px[1].abs());
+            // Mostly there is none near either edge.
+            if !is_near(ropes, (r, i), station.at, farthest_px + GAP_PX) {
+                shown.push([true; 2]);
+                continue;
+            }
+            shown.push(out_px.map(|px| {
                 let mut edge = station.at;
-                edge[axis] += edge_px / station.normal[axis];
+                edge[axis] += px;
                 !is_near(ropes, (r, i), edge, GAP_PX)
             }));
         }
@@ -66,20 +75,22 @@ fn is_near(ropes: &[Rope], (r, i): (usize, usize), place: Vec2, gap_px: f32) -> 
         let (n, spacing_px) = (other.stations.len(), other.spacing_px());
         let apart = (APART_WIDTHS * other.width_px / spacing_px) as usize + 1;
         let reach_px = 0.5 * other.width_px + gap_px + 0.25 * spacing_px;
-        let mut j = 0;
-        while let Some(station) = other.stations.get(j) {
-            let off_px = vec2::distance(station.at, place);
-            let mut between = i.abs_diff(j);
-            if other.closed {
-                between = between.min(n.abs_diff(between));
-            }
-            if off_px < reach_px && (o != r || between > apart) {
-                return true;
-            }
-            // Those that are passed over cannot be near.
-            let passed = (0.9 * (off_px - reach_px) / spacing_px).max(1.0);
-            j = j.saturating_add(passed as usize);
-        }
-        false
+        let is_within = |station: &Station, px: f32| {
+            let off = vec2::sub(station.at, place);
+            vec2::dot(off, off) < px * px
+        };
+        let counts = |j: usize| {
+            let between = i.abs_diff(j);
+            let around = if other.closed { n - between.min(n) } else { n };
+            o != r || between.min(around) > apart
+        };
+        // A look at the middle of some, and only where that is near at each of them.
+        let some_px = reach_px + (SOME / 2 + 1) as f32 * spacing_px;
+        let mut all = other.stations.chunks(SOME).enumerate();
+        all.any(|(k, some)| {
+            is_within(&some[some.len() / 2], some_px)
+                && (some.iter().enumerate())
+                    .any(|(l, station)| is_within(station, reach_px) && counts(SOME * k + l))
+        })
     })
 }
