@@ -566,11 +566,9 @@ impl Chain {
             // Frames of another program come when they come.
             signs.beats = self.began.map_or(0, |began| began.elapsed().as_secs());
         }
-        let extract = &mut self.heirlooms[extract];
-        self.herald.tell(signs, Instant::now(), || {
-            extract.look();
-            estate::ropes_seen(extract)
-        });
+        let extract = &self.heirlooms[extract];
+        self.herald
+            .tell(signs, Instant::now(), || estate::ropes_seen(extract));
     }
 
     /// Does what others ask for.

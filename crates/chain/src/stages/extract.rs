@@ -82,12 +82,13 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         sent.last_sequence = trace.sequence;
         slot.trace.extracted = sent.count;
         slot.trace.extracted_ns = now_ns();
-        if station.heirloom.is_held() {
-            let bytes = estate.write(extractor.past(), &slot);
-            station.heirloom.hand_on(sent.count, bytes);
-        }
+        let is_held = station.heirloom.is_held();
+        let left = is_held.then(|| estate.write(extractor.past(), &slot));
         station.heirloom.note(sent, trace.captured);
         slot.send()?;
+        if let Some(left) = left {
+            station.heirloom.hand_on(sent.count, left);
+        }
         if external.as_ref().is_some_and(External::has_all) {
             break;
         }

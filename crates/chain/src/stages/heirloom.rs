@@ -2,8 +2,8 @@
 //!
 //! At its beginning stands a record of how far the stage is, written before each message it sends, so that no count is given twice
 //! and none is forgotten: a message that was counted and not sent is lost, which is what the ledger then says. Behind it is what
-//! the stage wants its successor to know, twice in turn, so that a kill in the middle of a write leaves the one before whole. A
-//! write is one system call, and takes less than a microsecond.
+//! the stage wants its successor to know, written after the message was sent, twice in turn, so that a kill in the middle of a write leaves
+//! the one before whole. A write is one system call into memory.
 
 use std::fs::File;
 use std::os::fd::OwnedFd;
@@ -32,9 +32,10 @@ pub struct Progress {
 
 const NUMBERS: usize = 5;
 const HEAD: usize = 8 * NUMBERS;
-/// Where what is handed on begins, and how much there may be of it.
+/// Where what is handed on begins, how much there may be of it, and the message's number and its length before it.
 const BODY: u64 = 64;
 const LARGEST: u64 = 1 << 20;
+const BODY_HEAD: u64 = 16;
 
 impl Progress {
     fn to_bytes(self) -> [u8; HEAD] {
@@ -150,15 +151,9 @@ impl Heirloom {
         self.write_head();
     }
 
-    /// Reads how far the stage is, for [`handed_on`](Self::handed_on).
-    pub fn look(&mut self) -> Progress {
-        self.progress = self.read();
-        self.progress
-    }
-
     /// The stage is started anew.
     pub fn begin_anew(&mut self) {
-        self.look();
+        self.progress = self.read();
         self.progress.restarts += 1;
         self.write_head();
     }
@@ -175,33 +170,40 @@ impl Heirloom {
         self.file.is_some()
     }
 
-    /// Hands something on with message number `count`, which is to be [noted](Self::note) afterwards.
+    /// Hands something on, as of message number `count`.
     pub fn hand_on(&self, count: u64, bytes: &[u8]) {
-        let (Some(file), Ok(length)) = (&self.file, u32::try_from(bytes.len())) else {
+        let (Some(file), true) = (&self.file, bytes.len() as u64 <= LARGEST - BODY_HEAD) else {
             return;
         };
-        let at = place(count);
-        let _ = file.write_all_at(bytes, at + 4);
-        let _ = file.write_all_at(&length.to_le_bytes(), at);
+        let at = BODY + LARGEST * (count % 2);
+        let mut head = [0; BODY_HEAD as usize];
+        head[..8].copy_from_slice(&count.to_le_bytes());
+        head[8..].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
+        // The head last: what it tells of is whole.
+        let _ = file.write_all_at(bytes, at + BODY_HEAD);
+        let _ = file.write_all_at(&head, at);
     }
 
-    /// What was handed on with the last message that was noted.
+    /// What was handed on last.
     pub fn handed_on(&self) -> Option<Vec<u8>> {
-        let (file, at) = (self.file.as_ref()?, place(self.progress.sent.count));
-        let mut length = [0; 4];
-        file.read_exact_at(&mut length, at).ok()?;
-        let length = u32::from_le_bytes(length);
-        if length == 0 || u64::from(length) > LARGEST - 4 {
+        let file = self.file.as_ref()?;
+        let newest = [0, 1].map(|turn| {
+            let at = BODY + LARGEST * turn;
+            let mut head = [0; BODY_HEAD as usize];
+            file.read_exact_at(&mut head, at).ok()?;
+            let [count, length] = head.as_chunks().0 else {
+                return None;
+            };
+            Some((u64::from_le_bytes(*count), u64::from_le_bytes(*length), at))
+        });
+        let (count, length, at) = newest.into_iter().flatten().max()?;
+        if count == 0 || length > LARGEST - BODY_HEAD {
             return None;
         }
         let mut bytes = vec![0; length as usize];
-        file.read_exact_at(&mut bytes, at + 4).ok()?;
+        file.read_exact_at(&mut bytes, at + BODY_HEAD).ok()?;
         Some(bytes)
     }
-}
-
-fn place(count: u64) -> u64 {
-    BODY + LARGEST * (count % 2)
 }
 
 #[cfg(test)]
@@ -227,12 +229,13 @@ mod tests {
                 count,
                 last_sequence: 10 * count,
             };
-            first.hand_on(count, format!("message {count}").as_bytes());
             first.note(sent, 2 * count);
+            first.hand_on(count, format!("message {count}").as_bytes());
         }
         first.beat();
-        // Killed before it noted what it was about to send.
-        first.hand_on(4, b"half a mess");
+        // Killed while it wrote what would have been the next.
+        let file = first.file().unwrap();
+        file.write_all_at(b"half a mess", BODY + BODY_HEAD).unwrap();
         let next = successor(&first);
         let sent = Sent {
             count: 3,
