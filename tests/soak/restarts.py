@@ -23,7 +23,7 @@ from pathlib import Path
 
 from rig import Chain, Traces, at, command, wipe
 
-# What issue 27 asks for.
+# Within what each is to be back.
 TARGET_MS = {"capture": 300, "files": 300, "folder": 300, "extract": 200, "fit": 100, "sink": 100}
 LIMIT_S = 20
 
