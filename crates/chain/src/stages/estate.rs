@@ -3,7 +3,7 @@
 use lariat_record::Record;
 use lariat_wire::{Centerlines, Status};
 
-use super::heirloom::Heirloom;
+use super::heirloom::{Heirloom, Turns};
 use crate::pipeline::Past;
 
 /// Bytes before the message.
@@ -17,7 +17,7 @@ pub(super) struct Left {
 
 /// What the extract before left, if there was one and it is whole.
 pub(super) fn read(heirloom: &Heirloom) -> Option<Left> {
-    let bytes = heirloom.handed_on()?;
+    let bytes = heirloom.left()?.newest_first().next()?;
     let (&moment, rest) = bytes.split_first_chunk()?;
     let (&numbers, message) = rest.split_first_chunk::<12>()?;
     let [width, height, tracks] = [0, 4, 8].map(|at| {
@@ -43,8 +43,9 @@ pub(crate) fn ropes_seen(heirloom: &Heirloom) -> usize {
         .count()
 }
 
-/// Where it is written.
+/// How it is written: the message is copied while it is here, and the rest is done when it was sent, out of its way.
 pub(super) struct Estate {
+    last: Box<Centerlines>,
     message: Vec<u8>,
     bytes: Vec<u8>,
 }
@@ -54,6 +55,7 @@ impl Default for Estate {
         // As large as a message can be: nothing is allocated later.
         let room = HEAD + 2 * size_of::<Centerlines>();
         Self {
+            last: Box::new(Centerlines::EMPTY),
             message: Vec::with_capacity(room),
             bytes: Vec::with_capacity(room),
         }
@@ -61,15 +63,21 @@ impl Default for Estate {
 }
 
 impl Estate {
-    pub(super) fn write(&mut self, past: Past, last: &Centerlines) -> &[u8] {
-        last.encode(&mut self.message);
+    pub(super) fn keep(&mut self, last: &Centerlines) {
+        self.last.copy_meant(last);
+    }
+
+    /// Leaves what was kept.
+    pub(super) fn leave(&mut self, past: Past, left: &Turns) {
+        self.last.encode(&mut self.message);
         self.bytes.clear();
         self.bytes.extend(past.exposed_ns.to_le_bytes());
         for number in [past.size[0], past.size[1], past.tracks] {
             self.bytes.extend(number.to_le_bytes());
         }
         self.bytes.extend(&self.message);
-        &self.bytes
+        // One that is too large for it leaves the one before.
+        let _ = left.write(&self.bytes);
     }
 }
 
@@ -92,7 +100,10 @@ mod tests {
         };
         let mut heirloom = Heirloom::make("test").unwrap();
         assert!(read(&heirloom).is_none());
-        heirloom.hand_on(5, Estate::default().write(past, &last));
+        let turns = heirloom.left().unwrap();
+        let mut estate = Estate::default();
+        estate.keep(&last);
+        estate.leave(past, &turns);
         let sent = Sent {
             count: 5,
             last_sequence: 5,
@@ -100,7 +111,7 @@ mod tests {
         heirloom.note(sent, 5);
         let left = read(&heirloom).unwrap();
         assert_eq!((left.past, left.last), (past, last));
-        heirloom.hand_on(5, b"what another release may leave");
+        turns.write(b"what another release may leave").unwrap();
         assert!(read(&heirloom).is_none());
     }
 }

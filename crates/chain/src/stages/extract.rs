@@ -82,12 +82,14 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         sent.last_sequence = trace.sequence;
         slot.trace.extracted = sent.count;
         slot.trace.extracted_ns = now_ns();
-        let is_held = station.heirloom.is_held();
-        let left = is_held.then(|| estate.write(extractor.past(), &slot));
+        let left = station.heirloom.left();
+        if left.is_some() {
+            estate.keep(&slot);
+        }
         station.heirloom.note(sent, trace.captured);
         slot.send()?;
         if let Some(left) = left {
-            station.heirloom.hand_on(sent.count, left);
+            estate.leave(extractor.past(), &left);
         }
         if external.as_ref().is_some_and(External::has_all) {
             break;

@@ -7,7 +7,6 @@ pub(crate) mod heirloom;
 mod keeper;
 
 use std::fmt;
-use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -16,12 +15,13 @@ use anyhow::Context;
 use lariat_sink::{FinalCounts, Machine, Receipt, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
+use super::heirloom::Heirloom;
 use super::status::{LastWord, Sent, Word};
 use super::{Station, Supervision};
 use crate::layout;
 use crate::run_files::RunFiles;
 use crate::settings::{Settings, Stage};
-use heirloom::{Heirloom, Turns};
+use heirloom::Left;
 use keeper::Keeper;
 
 /// How often the live line is renewed in place on a terminal.
@@ -33,9 +33,7 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
-    let file = supervision.heirloom.file().map(File::try_clone);
-    let mut heirloom = file.and_then(Result::ok).map(Heirloom::new).transpose()?;
-    let is_successor = heirloom.as_ref().is_some_and(Heirloom::is_inherited);
+    let is_successor = heirloom::is_inherited(&supervision.heirloom);
     let files = match is_successor {
         false => RunFiles::open(settings)?,
         true => RunFiles::reopen(settings)?,
@@ -47,16 +45,9 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();
     let options = settings.sink_options(from_start);
-    let tally = heirloom.as_mut().map(|heirloom| heirloom.tally(options));
-    let mut sink = match tally.transpose()? {
-        Some(tally) => Sink::of(tally),
-        None => Sink::new(options),
-    };
+    let mut sink = Sink::of(heirloom::tally(&station.heirloom, options));
     let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
-    let (counts, tally) = heirloom
-        .map(|heirloom| (heirloom.counts, heirloom.tally))
-        .unzip();
-    let mut checkpoints = Checkpoints::new(&sink, files, counts, tally, machine.clone())?;
+    let mut checkpoints = Checkpoints::new(&sink, files, &station.heirloom, machine.clone())?;
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
@@ -116,12 +107,15 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     said
 }
 
+/// How many bytes there may be of what was counted.
+const MOST_COUNTS: usize = 4 << 10;
+
 /// What is kept of what the sink knows, in case that it is killed.
 struct Checkpoints {
     files: Option<RunFiles>,
     keeper: Option<Keeper>,
     /// Where a successor finds what was counted.
-    counts: Option<Turns>,
+    counts: Option<Left>,
 }
 
 impl Checkpoints {
@@ -130,14 +124,15 @@ impl Checkpoints {
     fn new(
         sink: &Sink,
         files: RunFiles,
-        counts: Option<Turns>,
-        tally: Option<Turns>,
+        heirloom: &Heirloom,
         machine: Machine,
     ) -> anyhow::Result<Self> {
+        let counts = heirloom.left();
+        let tally = heirloom.tally().map(|turns| Left::new(turns, 0));
         let mut checkpoints = Self {
             files: None,
             keeper: None,
-            counts,
+            counts: counts.map(|turns| Left::new(turns, MOST_COUNTS)),
         };
         if tally.is_some() || files.can_be_renewed() {
             checkpoints.keeper = Some(Keeper::start(sink, files, tally, machine)?);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use lariat_sink::{Machine, Receipt, Sink, Tally};
 
-use super::heirloom::Turns;
+use super::heirloom::Left;
 use crate::run_files::RunFiles;
 
 /// How often the thread is told what came.
@@ -63,7 +63,7 @@ impl Keeper {
     pub(super) fn start(
         sink: &Sink,
         files: RunFiles,
-        heirloom: Option<Turns>,
+        heirloom: Option<Left>,
         machine: Machine,
     ) -> anyhow::Result<Self> {
         let shared = Arc::new(Shared {
@@ -155,7 +155,7 @@ struct Work {
     files: RunFiles,
     /// When they are to be written, if they may be before the end.
     files_due: Option<Instant>,
-    heirloom: Option<Turns>,
+    heirloom: Option<Left>,
     machine: Machine,
     /// A failure was said.
     failed: bool,
@@ -211,8 +211,8 @@ impl Work {
 
     /// Writes what a successor would go on with. Into memory: it is done in no time.
     fn leave(&mut self, tally: &Tally) {
-        if let Some(turns) = &mut self.heirloom
-            && let Err(cause) = turns.write(|into| tally.save(into))
+        if let Some(left) = &mut self.heirloom
+            && let Err(cause) = left.write(|into| tally.save(into))
         {
             self.heirloom = None;
             tracing::warn!(
