@@ -177,6 +177,28 @@ fn a_stage_that_falls_too_often_ends_the_chain() {
 }
 
 #[test]
+fn a_chain_that_is_told_to_end_before_a_stage_is_back_ends_in_order() {
+    let bench = Bench::new();
+    let mut chain = start(&bench, &["--fps", "100"]);
+    chain.wait_for_frames();
+    let mut fit = chain.ids[2];
+    // The next pause is of 0.8 s, and of 1.6 s the one after it.
+    for _ in 0..4 {
+        send(fit, Signal::KILL);
+        fit = wait_for("fit", || another(&bench, "fit", fit));
+    }
+    for id in [fit, chain.ids[3]] {
+        send(id, Signal::KILL);
+        wait_until_gone(id);
+    }
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn a_recorder_that_is_killed_is_started_anew_and_what_it_wrote_stays() {
     let bench = Bench::new();
     let mut chain = start(&bench, &["--fps", "100", "--record", "run.mcap"]);

@@ -9,8 +9,9 @@ use std::fmt::Write as _;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::Shutdown;
 use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -99,6 +100,8 @@ pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
 pub struct Control {
     listener: UnixListener,
     path: PathBuf,
+    /// Device and number of the socket: another chain may make one of the same name, when this one's was removed.
+    file: [u64; 2],
 }
 
 impl Control {
@@ -121,12 +124,17 @@ impl Control {
         let listener = UnixListener::bind(&path)
             .with_context(|| format!("no socket can be made at {}", path.display()))?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener, path })
+        let file = file_at(&path).context("the socket is gone")?;
+        Ok(Self {
+            listener,
+            path,
+            file,
+        })
     }
 
     /// Whether its socket is where it was made.
     pub fn is_there(&self) -> bool {
-        self.path.exists()
+        file_at(&self.path) == Some(self.file)
     }
 
     /// The next that asks, if one waits.
@@ -144,9 +152,15 @@ impl AsFd for Control {
 
 impl Drop for Control {
     fn drop(&mut self) {
-        // Gone with all of its domain, perhaps.
-        let _ = std::fs::remove_file(&self.path);
+        if self.is_there() {
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
+}
+
+fn file_at(path: &Path) -> Option<[u64; 2]> {
+    let file = std::fs::symlink_metadata(path).ok()?;
+    Some([file.dev(), file.ino()])
 }
 
 /// One that asks.

@@ -23,9 +23,13 @@
 //! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
 //! already), so that `kill -9` of the chain takes them along. A second Ctrl-C ends at once.
 
+mod changes;
 mod child;
+mod hanging;
 mod herald;
+mod part;
 mod restarts;
+mod stopping;
 mod watch;
 
 use std::ffi::OsString;
@@ -35,105 +39,25 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lariat_sink::FinalCounts;
-use lariat_wire::Domain;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::control::{Asked, Control};
-use crate::pipeline::{CurveFitter, FrameExtractor};
+use crate::control::Control;
 use crate::run_files::RunFiles;
-use crate::settings::{Flags, Settings, Stage};
-use crate::stages;
+use crate::settings::{Flags, Settings};
 use crate::stages::arrangement::{self, Lacks};
 use crate::stages::estate;
 use crate::stages::heirloom::{Heirloom, Progress};
-use crate::stages::status::{LastWord, Sent};
+use crate::stages::status::LastWord;
 use crate::stop::Stop;
-use child::{Child, Ending, Run};
+use child::{Child, Ending};
+use hanging::Watched;
 use herald::{Herald, Signs};
+pub use part::Part;
 use restarts::{Restarts, Verdict};
 use watch::Watch;
 
-/// What the chain starts, in the order of the data. Beside the stages, if there is a recording, the recorder: it starts before
-/// those that send and ends after them, so that all is in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// Sends frames.
-    Capture,
-    /// Finds centerlines in them.
-    Extract,
-    /// Makes descriptors of those.
-    Fit,
-    /// Counts and times what arrives.
-    Sink,
-    /// Writes what the others say to a file.
-    Recorder,
-}
-
-impl Part {
-    const ALL: [Self; 5] = {
-        use Part::{Capture, Extract, Fit, Recorder, Sink};
-        [Capture, Extract, Fit, Sink, Recorder]
-    };
-    /// From the end to the beginning, so that every message finds its reader there. Readers of a channel are woken in the order
-    /// in which they came: the sink is not to wait for the recorder.
-    const START_ORDER: [Self; Self::ALL.len()] = {
-        use Part::{Capture, Extract, Fit, Recorder, Sink};
-        [Sink, Recorder, Fit, Extract, Capture]
-    };
-
-    /// As the command line names it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Capture => Stage::Capture.name(),
-            Self::Extract => Stage::Extract.name(),
-            Self::Fit => Stage::Fit.name(),
-            Self::Sink => Stage::Sink.name(),
-            Self::Recorder => "recorder",
-        }
-    }
-
-    /// The stage before it, if it is a stage.
-    fn before(self) -> Option<Self> {
-        match self {
-            Self::Capture | Self::Recorder => None,
-            Self::Extract => Some(Self::Capture),
-            Self::Fit => Some(Self::Extract),
-            Self::Sink => Some(Self::Fit),
-        }
-    }
-
-    /// What it does as a thread of the chain's own process, if it can be one: all can but those that report on the others.
-    fn fused(self) -> Option<Run> {
-        match self {
-            Self::Capture => Some(stages::capture::run),
-            Self::Extract => Some(stages::extract::run),
-            Self::Fit => Some(stages::fit::run),
-            Self::Sink | Self::Recorder => None,
-        }
-    }
-
-    /// Whether it is told at its end what the others sent.
-    pub fn is_told_the_last_word(self) -> bool {
-        match self {
-            Self::Capture | Self::Extract | Self::Fit => false,
-            Self::Sink | Self::Recorder => true,
-        }
-    }
-}
-
 /// How long a stage may take to get ready.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long a stage may do nothing once it was told to end: what waits for it is worked off first.
-const STOP_PATIENCE: Duration = Duration::from_secs(3);
-/// A lossless one waits so long itself for a reader that stands still.
-const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
-/// How long it may take in all.
-const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
-const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
-/// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
-const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 /// How often the chain looks whether a stage stands still.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
@@ -169,14 +93,6 @@ pub fn run(flags: &Flags, words: &[OsString], settings: Settings) -> anyhow::Res
     chain.watch(&stop)?;
     chain.stop_in_order(false);
     Ok(chain.verdict())
-}
-
-/// What is known of a stage that is watched.
-#[derive(Clone, Copy)]
-struct Watched {
-    progress: Progress,
-    /// Since when.
-    since: Instant,
 }
 
 struct Chain {
@@ -306,20 +222,6 @@ impl Chain {
         }
     }
 
-    /// Makes the socket, also where it was removed: all that was in the domain died at once, and what was left is removed by the
-    /// next that joins.
-    fn listen_to_others(&mut self) {
-        if self.control.as_ref().is_some_and(Control::is_there) {
-            return;
-        }
-        match Control::open(&self.settings.run.rig) {
-            Ok(control) => self.control = Some(control),
-            Err(cause) => {
-                tracing::warn!("the chain cannot be told anything while it runs: {cause:#}")
-            }
-        }
-    }
-
     fn stages(&self) -> impl Iterator<Item = &Child> {
         self.children.iter().flatten()
     }
@@ -382,7 +284,7 @@ impl Chain {
             let look = look.map(|look| Instant::now() + look);
             let due = self.due.into_iter().flatten().chain(look).min();
             self.listen(due, Some(stop))?;
-            self.start_anew()?;
+            self.start_those_due()?;
             self.strike_the_hanging();
             self.answer_others();
             self.read_the_file();
@@ -497,61 +399,20 @@ impl Chain {
     }
 
     /// Starts the parts that are due.
-    fn start_anew(&mut self) -> anyhow::Result<()> {
+    fn start_those_due(&mut self) -> anyhow::Result<()> {
         for part in Part::ALL {
-            let at = part as usize;
-            if self.due[at].is_some_and(|due| due <= Instant::now()) {
-                self.due[at] = None;
-                self.heirlooms[at].begin_anew();
-                self.start(part)?;
+            if self.due[part as usize].is_some_and(|due| due <= Instant::now()) {
+                self.start_anew(part)?;
                 self.listen_to_others();
             }
         }
         Ok(())
     }
 
-    /// Kills the stages that stand still while work waits for them, if they are started anew then.
-    fn strike_the_hanging(&mut self) {
-        let run = &self.settings.run;
-        if !run.starts_anew() || run.lossless {
-            return;
-        }
-        let now = Instant::now();
-        let progress = Part::ALL.map(|part| self.heirlooms[part as usize].read());
-        for part in [Part::Capture, Part::Extract, Part::Fit, Part::Sink] {
-            let at = part as usize;
-            let Some(child) = &self.children[at] else {
-                continue;
-            };
-            let works = match part.before() {
-                _ if !child.is_ready() => true,
-                Some(before) if self.child(before).is_some() => {
-                    progress[before as usize].sent.count > progress[at].taken
-                }
-                // Nobody knows what a writer of the user's sent.
-                Some(_) => false,
-                None => true,
-            };
-            let patience = match child.is_ready() {
-                true => run.hang,
-                false => START_TIMEOUT,
-            };
-            let watched = &mut self.watched[at];
-            if !works || progress[at] != watched.progress {
-                *watched = Watched {
-                    progress: progress[at],
-                    since: now,
-                };
-            } else if child.ending().is_none() && now - watched.since > patience {
-                eprintln!(
-                    "lariat: {} has stood still for {} s while work waits for it, and is killed",
-                    part.name(),
-                    patience.as_secs_f64()
-                );
-                watched.since = now;
-                child.strike();
-            }
-        }
+    fn start_anew(&mut self, part: Part) -> anyhow::Result<()> {
+        self.due[part as usize] = None;
+        self.heirlooms[part as usize].begin_anew();
+        self.start(part)
     }
 
     /// Tells the service manager, if there is one.
@@ -569,247 +430,6 @@ impl Chain {
         let extract = &self.heirlooms[extract];
         self.herald
             .tell(signs, Instant::now(), || estate::ropes_seen(extract));
-    }
-
-    /// Does what others ask for.
-    fn answer_others(&mut self) {
-        while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
-            let answer = match client.asked() {
-                Ok(Asked::Settings) => Ok(self.settings.text()),
-                Ok(Asked::Set(changes)) => self.set(&changes),
-                Ok(Asked::Restart(name)) => self.renew_by_name(&name),
-                Err(cause) => Err(cause),
-            };
-            client.answer(answer);
-        }
-    }
-
-    /// Has settings hold from now on that are written as `section.name=value`.
-    fn set(&mut self, changes: &[String]) -> anyhow::Result<String> {
-        let (mut flags, mut alone) = (self.flags.clone(), Flags::default());
-        for change in changes {
-            (flags, alone) = (flags.with_change(change)?, alone.with_change(change)?);
-        }
-        let answer = self.change(self.settings.changed_by(&alone)?)?;
-        self.flags = flags;
-        Ok(answer)
-    }
-
-    /// Takes the settings file as it is now, if it has changed.
-    fn read_the_file(&mut self) {
-        if !self.file.as_mut().is_some_and(Watch::has_changed) {
-            return;
-        }
-        match Settings::resolve(&self.flags).and_then(|settings| self.change(settings)) {
-            Ok(answer) => eprintln!("lariat: {}", answer.trim_end()),
-            Err(cause) => tracing::warn!("the settings stay as they are: {cause:#}"),
-        }
-    }
-
-    /// Has other settings hold from now on: what changed, and when it holds, as lines.
-    ///
-    /// # Errors
-    /// A sentence why they cannot; nothing has changed then.
-    fn change(&mut self, mut settings: Settings) -> anyhow::Result<String> {
-        let differences: Vec<_> = settings.differences(&self.settings).collect();
-        if differences.is_empty() {
-            return Ok("nothing has changed\n".to_owned());
-        }
-        let concerned = settings.concerned(&self.settings)?;
-        let parts = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
-        let named = |of: [bool; 4]| {
-            let names: Vec<_> = parts
-                .iter()
-                .filter(|part| of[**part as usize])
-                .map(|part| part.name())
-                .collect();
-            names.join(", ")
-        };
-        if concerned.anew.contains(&true) && settings.run.fuse {
-            anyhow::bail!(
-                "{} would have to be started anew, which a fused chain cannot do: stop it, and start it with the new value",
-                named(concerned.anew)
-            );
-        }
-        // What a stage could not make is said to who asks.
-        if concerned.live[Part::Extract as usize] {
-            FrameExtractor::new(&settings.extract)?;
-        }
-        if concerned.live[Part::Fit as usize] {
-            CurveFitter::new(&settings)?;
-        }
-        settings.version = self.settings.version + 1;
-        let mut answer = format!("settings {}:", settings.version);
-        for (name, value) in differences {
-            answer += &format!(" {name} = {value}");
-        }
-        if concerned.live.contains(&true) {
-            answer += &format!("; {} between two frames", named(concerned.live));
-        }
-        if concerned.anew.contains(&true) {
-            answer += &format!("; started anew: {}", named(concerned.anew));
-        }
-        answer.push('\n');
-        let text = settings.text();
-        self.settings = Arc::new(settings);
-        for child in self.children.iter_mut().flatten() {
-            if child.ending().is_none() && !child.order(&text) {
-                tracing::warn!(
-                    "{} does not listen, and keeps the settings it has",
-                    child.part.name()
-                );
-            }
-        }
-        for part in parts
-            .into_iter()
-            .filter(|part| concerned.anew[*part as usize])
-        {
-            self.renew(part);
-        }
-        Ok(answer)
-    }
-
-    fn renew_by_name(&mut self, name: &str) -> anyhow::Result<String> {
-        let part = Part::ALL.into_iter().find(|part| part.name() == name);
-        let Some(part) = part.filter(|part| self.child(*part).is_some()) else {
-            anyhow::bail!("this chain has no {name}: name capture, extract, fit or sink");
-        };
-        if self.settings.run.fuse && part.fused().is_some() {
-            anyhow::bail!("{name} is no process of its own, as the chain is fused");
-        }
-        self.renew(part);
-        Ok(format!("{name} is started anew\n"))
-    }
-
-    /// Has a part end, to be started anew.
-    fn renew(&mut self, part: Part) {
-        let Some(child) = self.children[part as usize].as_mut() else {
-            return;
-        };
-        if child.ending().is_some() {
-            // It is about to be.
-            return;
-        }
-        self.renewed[part as usize] = true;
-        match part.is_told_the_last_word() {
-            // It would report at its end.
-            true => child.strike(),
-            false => child.tell_to_stop(),
-        }
-    }
-
-    /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
-    /// worked off. `never`: the chain never came up, and there is nothing to report.
-    fn stop_in_order(&mut self, never: bool) {
-        self.is_stopping = true;
-        self.herald.stopping();
-        self.due = Default::default();
-        self.control = None;
-        for part in Part::ALL {
-            let word = match part.is_told_the_last_word() {
-                true if never => LastWord::Never.to_string(),
-                true => LastWord::Counts(self.counts()).to_string(),
-                false => String::new(),
-            };
-            if let Some(child) = &mut self.children[part as usize] {
-                child.tell(&word);
-                child.tell_to_stop();
-            }
-            self.await_end(part);
-        }
-    }
-
-    /// Waits for the end of a part that was told to end; one that does nothing for it, or takes too long, is killed.
-    fn await_end(&mut self, part: Part) {
-        let (patience, most) = match part {
-            Part::Recorder => (RECORDER_STOP_TIMEOUT, RECORDER_STOP_TIMEOUT),
-            _ if self.settings.run.lossless => (LOSSLESS_PATIENCE, STOP_TIMEOUT),
-            Part::Capture | Part::Extract | Part::Fit | Part::Sink => (STOP_PATIENCE, STOP_TIMEOUT),
-        };
-        let begin = Instant::now();
-        if self.ends_within(part, patience, most) {
-            return;
-        }
-        eprintln!(
-            "lariat: {} did not end within {} s of being told to, and was killed",
-            part.name(),
-            begin.elapsed().as_secs()
-        );
-        self.fallen.get_or_insert(part);
-        if let Some(child) = &mut self.children[part as usize] {
-            child.kill();
-        }
-        if !self.ends_within(part, KILL_TIMEOUT, KILL_TIMEOUT) {
-            eprintln!("lariat: {} could not be killed", part.name());
-        }
-    }
-
-    /// Whether a part ends, or is not there, within `most`, and without doing nothing for so long as `patience`.
-    fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
-        let begin = Instant::now();
-        let (mut ticks, mut busy) = (None, begin);
-        loop {
-            let Some(child) = self.child(part).filter(|child| child.ending().is_none()) else {
-                return true;
-            };
-            let now = Instant::now();
-            let used = child.ticks();
-            if used != ticks {
-                (ticks, busy) = (used, now);
-            }
-            let end = (begin + most).min(busy + patience);
-            if now >= end {
-                return false;
-            }
-            let look = now + patience / 8;
-            if self.listen(Some(look.min(end)), None).is_err() {
-                return false;
-            }
-        }
-    }
-
-    /// What each stage said it sent in all. Of frames from elsewhere, extract knows what capture would.
-    fn counts(&self) -> FinalCounts {
-        let sent = |part| -> Option<Sent> {
-            let child = self.child(part)?;
-            // One that was killed had noted what it was about to send.
-            let noted = || self.heirlooms[part as usize].read().sent;
-            Some(child.sent().unwrap_or_else(noted))
-        };
-        let extract = self.child(Part::Extract);
-        let taken = extract.and_then(Child::taken);
-        let of_source = taken.map(|taken| taken.last).or(sent(Part::Capture));
-        FinalCounts {
-            before_first: taken.map(|taken| taken.before_first),
-            last_sequence: of_source.map(|sent| sent.last_sequence),
-            captured: of_source.map(|sent| sent.count),
-            extracted: sent(Part::Extract).map(|sent| sent.count),
-            fitted: sent(Part::Fit).map(|sent| sent.count),
-            masks_late: extract.and_then(Child::masks_late),
-        }
-    }
-
-    /// How it went. Sweeps up after a stage that was killed.
-    fn verdict(&self) -> ExitCode {
-        if self.fallen.is_none() && !self.recording_lost {
-            return ExitCode::SUCCESS;
-        }
-        if let Ok(domain) = Domain::open() {
-            domain.sweep();
-        }
-        let fallen = self.fallen.and_then(|part| self.child(part));
-        if let Some(fallen) = fallen
-            && let Some(ending) = fallen.ending()
-            // What fails in its turn at the end has stopped nothing, and what did not end has been said.
-            && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
-            && !fallen.was_given_up()
-        {
-            eprintln!(
-                "lariat: {} {ending}; the chain was stopped",
-                fallen.part.name()
-            );
-        }
-        ExitCode::FAILURE
     }
 }
 

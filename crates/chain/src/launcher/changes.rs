@@ -1,0 +1,152 @@
+//! What others ask of a chain that runs, and settings that change.
+
+use std::sync::Arc;
+
+use super::watch::Watch;
+use super::{Chain, Part};
+use crate::control::{Asked, Control};
+use crate::pipeline::{CurveFitter, FrameExtractor};
+use crate::settings::{Flags, Settings};
+
+impl Chain {
+    /// Makes the socket, also where it was removed: all that was in the domain died at once, and what was left is removed by the
+    /// next that joins.
+    pub(super) fn listen_to_others(&mut self) {
+        if self.control.as_ref().is_some_and(Control::is_there) {
+            return;
+        }
+        match Control::open(&self.settings.run.rig) {
+            Ok(control) => self.control = Some(control),
+            Err(cause) => {
+                tracing::warn!("the chain cannot be told anything while it runs: {cause:#}")
+            }
+        }
+    }
+
+    /// Does what others ask for.
+    pub(super) fn answer_others(&mut self) {
+        while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
+            let answer = match client.asked() {
+                Ok(Asked::Settings) => Ok(self.settings.text()),
+                Ok(Asked::Set(changes)) => self.set(&changes),
+                Ok(Asked::Restart(name)) => self.renew_by_name(&name),
+                Err(cause) => Err(cause),
+            };
+            client.answer(answer);
+        }
+    }
+
+    /// Has settings hold from now on that are written as `section.name=value`.
+    pub(super) fn set(&mut self, changes: &[String]) -> anyhow::Result<String> {
+        let (mut flags, mut alone) = (self.flags.clone(), Flags::default());
+        for change in changes {
+            (flags, alone) = (flags.with_change(change)?, alone.with_change(change)?);
+        }
+        let answer = self.change(self.settings.changed_by(&alone)?)?;
+        self.flags = flags;
+        Ok(answer)
+    }
+
+    /// Takes the settings file as it is now, if it has changed.
+    pub(super) fn read_the_file(&mut self) {
+        if !self.file.as_mut().is_some_and(Watch::has_changed) {
+            return;
+        }
+        match Settings::resolve(&self.flags).and_then(|settings| self.change(settings)) {
+            Ok(answer) => eprintln!("lariat: {}", answer.trim_end()),
+            Err(cause) => tracing::warn!("the settings stay as they are: {cause:#}"),
+        }
+    }
+
+    /// Has other settings hold from now on: what changed, and when it holds, as lines.
+    ///
+    /// # Errors
+    /// A sentence why they cannot; nothing has changed then.
+    pub(super) fn change(&mut self, mut settings: Settings) -> anyhow::Result<String> {
+        let differences: Vec<_> = settings.differences(&self.settings).collect();
+        if differences.is_empty() {
+            return Ok("nothing has changed\n".to_owned());
+        }
+        let concerned = settings.concerned(&self.settings)?;
+        let parts = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
+        let named = |of: [bool; 4]| {
+            let names: Vec<_> = parts
+                .iter()
+                .filter(|part| of[**part as usize])
+                .map(|part| part.name())
+                .collect();
+            names.join(", ")
+        };
+        if concerned.anew.contains(&true) && settings.run.fuse {
+            anyhow::bail!(
+                "{} would have to be started anew, which a fused chain cannot do: stop it, and start it with the new value",
+                named(concerned.anew)
+            );
+        }
+        // What a stage could not make is said to who asks.
+        if concerned.live[Part::Extract as usize] {
+            FrameExtractor::new(&settings.extract)?;
+        }
+        if concerned.live[Part::Fit as usize] {
+            CurveFitter::new(&settings)?;
+        }
+        settings.version = self.settings.version + 1;
+        let mut answer = format!("settings {}:", settings.version);
+        for (name, value) in differences {
+            answer += &format!(" {name} = {value}");
+        }
+        if concerned.live.contains(&true) {
+            answer += &format!("; {} between two frames", named(concerned.live));
+        }
+        if concerned.anew.contains(&true) {
+            answer += &format!("; started anew: {}", named(concerned.anew));
+        }
+        answer.push('\n');
+        let text = settings.text();
+        self.settings = Arc::new(settings);
+        for child in self.children.iter_mut().flatten() {
+            if child.ending().is_none() && !child.order(&text) {
+                tracing::warn!(
+                    "{} does not listen, and keeps the settings it has",
+                    child.part.name()
+                );
+            }
+        }
+        for part in parts
+            .into_iter()
+            .filter(|part| concerned.anew[*part as usize])
+        {
+            self.renew(part);
+        }
+        Ok(answer)
+    }
+
+    pub(super) fn renew_by_name(&mut self, name: &str) -> anyhow::Result<String> {
+        let part = Part::ALL.into_iter().find(|part| part.name() == name);
+        let Some(part) = part.filter(|part| self.child(*part).is_some()) else {
+            anyhow::bail!("this chain has no {name}: name capture, extract, fit or sink");
+        };
+        if self.settings.run.fuse && part.fused().is_some() {
+            anyhow::bail!("{name} is no process of its own, as the chain is fused");
+        }
+        self.renew(part);
+        Ok(format!("{name} is started anew\n"))
+    }
+
+    /// Has a part end, to be started anew.
+    pub(super) fn renew(&mut self, part: Part) {
+        let Some(child) = self.children[part as usize].as_mut() else {
+            return;
+        };
+        if child.ending().is_some() {
+            // It is about to be.
+            return;
+        }
+        self.renewed[part as usize] = true;
+        match part.is_told_the_last_word() {
+            // It would report at its end.
+            true => child.strike(),
+            false => child.tell_to_stop(),
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Stages that stand still while work waits for them.
+
+use std::time::Instant;
+
+use super::{Chain, Part, START_TIMEOUT};
+use crate::stages::heirloom::Progress;
+
+/// What is known of a stage that is watched.
+#[derive(Clone, Copy)]
+pub(super) struct Watched {
+    pub(super) progress: Progress,
+    /// Since when.
+    pub(super) since: Instant,
+}
+
+impl Chain {
+    /// Kills the stages that stand still while work waits for them, if they are started anew then.
+    pub(super) fn strike_the_hanging(&mut self) {
+        let run = &self.settings.run;
+        if !run.starts_anew() || run.lossless {
+            return;
+        }
+        let now = Instant::now();
+        let progress = Part::ALL.map(|part| self.heirlooms[part as usize].read());
+        for part in [Part::Capture, Part::Extract, Part::Fit, Part::Sink] {
+            let at = part as usize;
+            let Some(child) = &self.children[at] else {
+                continue;
+            };
+            let works = match part.before() {
+                _ if !child.is_ready() => true,
+                Some(before) if self.child(before).is_some() => {
+                    progress[before as usize].sent.count > progress[at].taken
+                }
+                // Nobody knows what a writer of the user's sent.
+                Some(_) => false,
+                None => true,
+            };
+            let patience = match child.is_ready() {
+                true => run.hang,
+                false => START_TIMEOUT,
+            };
+            let watched = &mut self.watched[at];
+            if !works || progress[at] != watched.progress {
+                *watched = Watched {
+                    progress: progress[at],
+                    since: now,
+                };
+            } else if child.ending().is_none() && now - watched.since > patience {
+                eprintln!(
+                    "lariat: {} has stood still for {} s while work waits for it, and is killed",
+                    part.name(),
+                    patience.as_secs_f64()
+                );
+                watched.since = now;
+                child.strike();
+            }
+        }
+    }
+}

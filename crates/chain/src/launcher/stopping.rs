@@ -1,0 +1,161 @@
+//! How a chain ends.
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use lariat_sink::FinalCounts;
+use lariat_wire::Domain;
+
+use super::child::{Child, Ending};
+use super::{Chain, Part, START_TIMEOUT};
+use crate::stages::status::{LastWord, Sent};
+
+/// How long a stage may do nothing once it was told to end: what waits for it is worked off first.
+const STOP_PATIENCE: Duration = Duration::from_secs(3);
+/// A lossless one waits so long itself for a reader that stands still.
+const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
+/// How long it may take in all.
+const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
+const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
+/// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
+const KILL_TIMEOUT: Duration = Duration::from_secs(2);
+
+impl Chain {
+    /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
+    /// worked off. `never`: the chain never came up, and there is nothing to report.
+    pub(super) fn stop_in_order(&mut self, never: bool) {
+        self.herald.stopping();
+        self.control = None;
+        if !never {
+            self.start_those_that_report();
+        }
+        self.is_stopping = true;
+        for part in Part::ALL {
+            let word = match part.is_told_the_last_word() {
+                true if never => LastWord::Never.to_string(),
+                true => LastWord::Counts(self.counts()).to_string(),
+                false => String::new(),
+            };
+            if let Some(child) = &mut self.children[part as usize] {
+                child.tell(&word);
+                child.tell_to_stop();
+            }
+            self.await_end(part);
+        }
+    }
+
+    /// Those that fell and are to report are still started anew; who else fell has ended.
+    fn start_those_that_report(&mut self) {
+        for part in Part::ALL {
+            if self.due[part as usize].is_none() || !part.is_told_the_last_word() {
+                continue;
+            }
+            let end = Instant::now() + START_TIMEOUT;
+            let is_on_its_way = |chain: &Self| {
+                let child = chain.child(part);
+                child.is_some_and(|child| !child.is_ready() && child.ending().is_none())
+            };
+            let mut started = self.start_anew(part);
+            while started.is_ok() && is_on_its_way(self) && Instant::now() < end {
+                started = self.listen(Some(end), None);
+            }
+            if let Err(cause) = started {
+                tracing::warn!("{} is not started anew: {cause:#}", part.name());
+            }
+        }
+    }
+
+    /// Waits for the end of a part that was told to end; one that does nothing for it, or takes too long, is killed.
+    pub(super) fn await_end(&mut self, part: Part) {
+        let (patience, most) = match part {
+            Part::Recorder => (RECORDER_STOP_TIMEOUT, RECORDER_STOP_TIMEOUT),
+            _ if self.settings.run.lossless => (LOSSLESS_PATIENCE, STOP_TIMEOUT),
+            Part::Capture | Part::Extract | Part::Fit | Part::Sink => (STOP_PATIENCE, STOP_TIMEOUT),
+        };
+        let begin = Instant::now();
+        if self.ends_within(part, patience, most) {
+            return;
+        }
+        eprintln!(
+            "lariat: {} did not end within {} s of being told to, and was killed",
+            part.name(),
+            begin.elapsed().as_secs()
+        );
+        self.fallen.get_or_insert(part);
+        if let Some(child) = &mut self.children[part as usize] {
+            child.kill();
+        }
+        if !self.ends_within(part, KILL_TIMEOUT, KILL_TIMEOUT) {
+            eprintln!("lariat: {} could not be killed", part.name());
+        }
+    }
+
+    /// Whether a part ends, or is not there, within `most`, and without doing nothing for so long as `patience`.
+    pub(super) fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
+        let begin = Instant::now();
+        let (mut ticks, mut busy) = (None, begin);
+        loop {
+            let Some(child) = self.child(part).filter(|child| child.ending().is_none()) else {
+                return true;
+            };
+            let now = Instant::now();
+            let used = child.ticks();
+            if used != ticks {
+                (ticks, busy) = (used, now);
+            }
+            let end = (begin + most).min(busy + patience);
+            if now >= end {
+                return false;
+            }
+            let look = now + patience / 8;
+            if self.listen(Some(look.min(end)), None).is_err() {
+                return false;
+            }
+        }
+    }
+
+    /// What each stage said it sent in all. Of frames from elsewhere, extract knows what capture would.
+    pub(super) fn counts(&self) -> FinalCounts {
+        let sent = |part| -> Option<Sent> {
+            let child = self.child(part)?;
+            // One that was killed had noted what it was about to send.
+            let noted = || self.heirlooms[part as usize].read().sent;
+            Some(child.sent().unwrap_or_else(noted))
+        };
+        let extract = self.child(Part::Extract);
+        let taken = extract.and_then(Child::taken);
+        let of_source = taken.map(|taken| taken.last).or(sent(Part::Capture));
+        FinalCounts {
+            before_first: taken.map(|taken| taken.before_first),
+            last_sequence: of_source.map(|sent| sent.last_sequence),
+            captured: of_source.map(|sent| sent.count),
+            extracted: sent(Part::Extract).map(|sent| sent.count),
+            fitted: sent(Part::Fit).map(|sent| sent.count),
+            masks_late: extract.and_then(Child::masks_late),
+        }
+    }
+
+    /// How it went. Sweeps up after a stage that was killed.
+    pub(super) fn verdict(&self) -> ExitCode {
+        if self.fallen.is_none() && !self.recording_lost {
+            return ExitCode::SUCCESS;
+        }
+        if let Ok(domain) = Domain::open() {
+            domain.sweep();
+        }
+        let fallen = self.fallen.and_then(|part| self.child(part));
+        if let Some(fallen) = fallen
+            && let Some(ending) = fallen.ending()
+            // What fails in its turn at the end has stopped nothing, and what did not end has been said.
+            && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
+            && !fallen.was_given_up()
+        {
+            eprintln!(
+                "lariat: {} {ending}; the chain was stopped",
+                fallen.part.name()
+            );
+        }
+        ExitCode::FAILURE
+    }
+}
