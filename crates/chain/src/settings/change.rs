@@ -129,11 +129,11 @@ impl Settings {
     pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
         let mut problems = Problems::default();
         let entries = file::entries(Path::new(FILE_NAME), &self.text(), &mut problems);
-        Resolved::of(entries, self.file.clone(), changes, problems)
-            .map(|resolved| resolved.settings)
+        let resolved = Resolved::of(entries, self.file.clone(), changes, problems)?;
+        Ok(resolved.with_a_fitter()?.settings)
     }
 
-    /// The settings of a [`text`](Self::text).
+    /// The settings of a [`text`](Self::text): whether there is a fitter for them was seen by who wrote it.
     ///
     /// # Errors
     /// All that is wrong with it, a sentence each.

@@ -22,6 +22,11 @@ impl Resolved {
     /// # Errors
     /// What is wrong with each of them.
     pub fn new(flags: &Flags) -> Result<Self> {
+        Self::read(flags)?.with_a_fitter()
+    }
+
+    /// As [`new`](Self::new), but for whether curves can be fitted so: who makes the fitter is told.
+    pub(super) fn read(flags: &Flags) -> Result<Self> {
         let mut problems = Problems::default();
         let path = file::path(flags.config.as_deref());
         let entries = match &path {
@@ -31,7 +36,7 @@ impl Resolved {
         Self::of(entries, path, flags, problems)
     }
 
-    /// Of a file's entries, and flags.
+    /// Of a file's entries, and flags; as [`read`](Self::read).
     pub(super) fn of(
         entries: Vec<Entry>,
         file: Option<PathBuf>,
@@ -55,7 +60,6 @@ impl Resolved {
         resolved.settle_fit(&mut problems);
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {
-            resolved.check_fit(&mut problems);
             resolved.check_arrangement(&mut problems);
             resolved.check_camera(&mut problems);
             resolved.check_source(&mut problems);
@@ -118,15 +122,16 @@ impl Resolved {
         }
     }
 
-    /// Whether there are fitters, of open and of closed curves, for these settings and number of points.
-    fn check_fit(&self, problems: &mut Problems) {
+    /// Sees to it that there are fitters, of open and of closed curves, for these settings and number of points. It costs
+    /// what making them does, 10 ms.
+    pub(super) fn with_a_fitter(self) -> Result<Self> {
         let fit = &self.settings.fit;
         let error = [false, true].into_iter().find_map(|closed| {
             let options = fit.options(self.settings.extract.points, closed);
             Fitter::new(options).err().map(|error| error.to_string())
         });
         let Some(error) = error.or(fit.unfilterable().map(str::to_owned)) else {
-            return;
+            return Ok(self);
         };
         // Blamed on what the user has said last, of all that together make it impossible.
         let said = keys::of_section("fit")
@@ -134,7 +139,10 @@ impl Resolved {
             .map(|key| &self.origins[key])
             .max()
             .unwrap_or(&Origin::Default);
+        let mut problems = Problems::default();
         problems.add(said, error);
+        problems.into_result()?;
+        Ok(self)
     }
 
     /// Whether the calibration that is named is one.

@@ -1,5 +1,7 @@
 //! Fit as a process: centerlines in, descriptors out.
 
+use std::panic::resume_unwind;
+
 use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
 
 use super::heirloom::Progress;
@@ -11,7 +13,9 @@ use crate::settings::{Settings, Stage};
 /// Fits until a signal comes.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Fit, supervision)?;
-    let mut curves = CurveFitter::new(settings)?;
+    // Its tables take 8 ms, in which the channels are opened.
+    let made = settings.clone();
+    let curves = std::thread::spawn(move || CurveFitter::new(&made));
     let changes = station.listen(settings, |before, now| {
         let is_ours = (&before.fit, &before.camera) != (&now.fit, &now.camera);
         is_ours.then(|| CurveFitter::new(now)).transpose()
@@ -26,6 +30,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let Progress {
         restarts, mut sent, ..
     } = station.heirloom.progress();
+    let mut curves = curves.join().unwrap_or_else(|cause| resume_unwind(cause))?;
     station.ready()?;
     while let Some((message, started_ns)) = centerlines.receive(&station.stop)? {
         if let Some(changed) = station.change(&changes) {
