@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """How long a chain is without descriptors when a stage is killed, and is started anew in its place.
 
+    cargo build --release -p lariat -p lariat-wire --bins --example traces
     tests/soak/restarts.py [--binary target/release/lariat] [--kills 100] [--seed 1] [KIND...]
 
 KIND is what is killed with SIGKILL, at moments drawn by seed: `capture` (of a rendered rope), `files` (capture of a recording),
@@ -129,6 +130,9 @@ def main():
     unknown = set(args.kinds) - set(TARGET_MS)
     if unknown:
         words.error(f"no such kind: {', '.join(unknown)}")
+    for program in args.binary, args.traces:
+        if not Path(program).is_file():
+            words.error(f"{program} is not there: it is built as said above")
     rounds = Rounds(args)
     broken = False
     print("killed     kills     min     p50     p90     max ms   asked  within    core  waits for one, ms (p50)   load")
