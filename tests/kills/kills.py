@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Kills processes of lariat at system calls drawn by seed, and looks what that breaks.
 
+    cargo build --release -p lariat -p lariat-wire --bins --example join_and_leave
     tests/kills/kills.py [--binary target/release/lariat] [--reader …] [--kills 200] [--seed 1] [--domain kills]
                          [--restart on-failure] KIND...
 
@@ -209,6 +210,9 @@ def main():
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--domain", default="kills")
     args = words.parse_args()
+    for program in args.binary, args.reader:
+        if not Path(program).is_file():
+            words.error(f"{program} is not there: it is built as said above")
     rounds = Rounds(args)
     broken = sum([rounds.look(kind) for kind in args.kinds])
     shutil.rmtree(rounds.scratch)
