@@ -62,7 +62,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
         server => server?,
     };
     eprintln!("lariat: the page is at {}", server.url());
-    tracing::debug!("for another site's page: {}", server.url_with_token());
+    tracing::debug!(
+        "for pages of other sites, as Foxglove: {}",
+        server.url_with_token()
+    );
     server.run(stop.as_fd())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -113,6 +113,19 @@ impl<'d> Gatherer<'d> {
         self.rig.as_ref().filter(|_| self.look.reader.is_some())
     }
 
+    /// What was lost since the rig is looked at.
+    pub(crate) fn losses(&self, now_ns: u64) -> lariat_record::Losses {
+        let lost = self.look.ledger.as_ref().map(Ledger::lost);
+        let lost = lost.unwrap_or_default();
+        lariat_record::Losses {
+            at_ns: now_ns,
+            source: lost.source,
+            capture: lost.capture,
+            extract: lost.extract,
+            ..Default::default()
+        }
+    }
+
     /// How long the frames of after this moment took from exposure to fit, µs.
     pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
         self.look.recent.fitted_us(since_ns)

@@ -8,6 +8,7 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use lariat_record::Losses;
 use lariat_wire::{
     CENTERLINES, Centerlines, Channel, Descriptors, Domain, FRAMES, Message, Payload, Receiver,
     Rig, Trace, WireError, now_ns,
@@ -46,6 +47,8 @@ impl fmt::Debug for Hub {
 struct State {
     watchers: Vec<Wants>,
     next_id: u64,
+    /// The one that is read.
+    rig: Option<Rig>,
     newest: Option<Arc<Moment>>,
     /// Its number goes up with each.
     status: Option<(u64, Arc<str>)>,
@@ -155,14 +158,16 @@ impl Hub {
             if let Some(newest) = newest {
                 pace.saw(&newest.trace);
             }
-            let is_wanted = self.is_moment_wanted();
+            let is_wanted = self.is_moment_wanted(gatherer.linked());
             let lossless = gatherer.must_keep_up();
             match gatherer.linked() {
                 // Not only when one is wanted: the chain would wait for it.
                 Some(rig) if is_wanted || lossless => {
                     if let Err(error) = reading.open(&domain, rig, lossless) {
                         reporter.note(&error);
-                    } else if let Some(moment) = reading.moment(newest, is_wanted)? {
+                    } else if let Some(moment) =
+                        reading.moment(newest, gatherer.losses(now), is_wanted)?
+                    {
                         self.show(moment);
                     }
                 }
@@ -194,8 +199,13 @@ impl Hub {
         !state.watchers.is_empty() && !state.is_over
     }
 
-    fn is_moment_wanted(&self) -> bool {
-        self.state().watchers.iter().any(|watcher| watcher.moment)
+    /// Whether a client waits for a moment of the rig that is read.
+    fn is_moment_wanted(&self, rig: Option<&Rig>) -> bool {
+        let mut state = self.state();
+        if rig.is_some() && state.rig.as_ref() != rig {
+            state.rig = rig.cloned();
+        }
+        state.watchers.iter().any(|watcher| watcher.moment)
     }
 
     fn show(&self, moment: Moment) {
@@ -230,6 +240,11 @@ impl Watcher {
         if let Some(wants) = state.watchers.iter_mut().find(|wants| wants.id == self.id) {
             wants.moment = true;
         }
+    }
+
+    /// The rig, once it is known which.
+    pub(crate) fn rig(&self) -> Option<Rig> {
+        self.hub.state().rig.clone()
     }
 
     /// The newest moment after this number.
@@ -308,6 +323,7 @@ impl Reading {
     fn moment(
         &mut self,
         newest: Option<&Descriptors>,
+        losses: Losses,
         is_wanted: bool,
     ) -> Result<Option<Moment>, WireError> {
         let (Some(newest), Some(frames), Some(lines)) =
@@ -332,14 +348,14 @@ impl Reading {
             if !is_blank {
                 return Ok(None);
             }
-            return Ok(Some(self.made(None, None, newest, key)));
+            return Ok(Some(self.made(None, None, newest, losses)));
         };
         let seen = seen.map(|seen| {
             let mut copy = Box::new(Centerlines::EMPTY);
             copy.copy_meant(&seen);
             copy
         });
-        Ok(Some(self.made(Some(image), seen, newest, key)))
+        Ok(Some(self.made(Some(image), seen, newest, losses)))
     }
 
     fn made(
@@ -347,13 +363,13 @@ impl Reading {
         image: Option<Image>,
         seen: Option<Box<Centerlines>>,
         newest: &Descriptors,
-        key: (u64, u64),
+        losses: Losses,
     ) -> Moment {
         self.number += 1;
-        self.shown = Some(key);
+        self.shown = Some(key(&newest.trace));
         let mut copy = Box::new(Descriptors::EMPTY);
         copy.copy_meant(newest);
-        Moment::new(self.number, image, seen, copy)
+        Moment::new(self.number, image, seen, copy, losses)
     }
 }
 

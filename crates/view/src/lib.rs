@@ -19,6 +19,7 @@
 //!
 //! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
 
+mod foxglove;
 mod gather;
 mod guard;
 mod http;

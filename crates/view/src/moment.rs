@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use lariat_record::Losses;
 use lariat_sink::points_along;
 use lariat_wire::{
     Basis, Centerlines, Curve, Descriptor, Descriptors, FitQuality, FrameHeader, Status, Trace,
@@ -30,6 +31,8 @@ pub(crate) struct Moment {
     pub(crate) image: Option<Image>,
     pub(crate) centerlines: Option<Box<Centerlines>>,
     pub(crate) descriptors: Box<Descriptors>,
+    /// What was lost until then, since the rig is looked at.
+    pub(crate) losses: Losses,
     said: OnceLock<String>,
     rgb: OnceLock<Option<Rgb>>,
     /// By how many times smaller they are.
@@ -42,12 +45,14 @@ impl Moment {
         image: Option<Image>,
         centerlines: Option<Box<Centerlines>>,
         descriptors: Box<Descriptors>,
+        losses: Losses,
     ) -> Self {
         Self {
             number,
             image,
             centerlines,
             descriptors,
+            losses,
             said: OnceLock::new(),
             rgb: OnceLock::new(),
             jpegs: Mutex::default(),

@@ -16,7 +16,7 @@ use crate::guard::{Admitted, Guard, token};
 use crate::http::{Refusal, Request, answer, switch};
 use crate::hub::Hub;
 use crate::session::Session;
-use crate::{live, page};
+use crate::{foxglove, live, page};
 
 /// Connections at a time. A browser has some for the page's files and one that stays.
 const MOST_CLIENTS: usize = 32;
@@ -218,7 +218,8 @@ fn open<S: Read + Write + AsFd>(
     rest: Vec<u8>,
     shared: &Shared,
 ) {
-    let known = |name: &&String| name.as_str() == live::PROTOCOL;
+    let is_foxglove = |name: &str| foxglove::PROTOCOLS.contains(&name);
+    let known = |name: &&String| name.as_str() == live::PROTOCOL || is_foxglove(name);
     let Some(protocol) = request.protocols.iter().find(known) else {
         let refusal = Refusal(400, "This WebSocket speaks nothing that is known here.");
         return write_all(&mut stream, &refusal.answer());
@@ -228,7 +229,11 @@ fn open<S: Read + Write + AsFd>(
         return write_all(&mut stream, &refusal.answer());
     };
     write_all(&mut stream, &switch(key, protocol));
-    live::run(Session::new(stream, rest), &watcher);
+    let session = Session::new(stream, rest);
+    match is_foxglove(protocol) {
+        true => foxglove::run(session, &watcher),
+        false => live::run(session, &watcher),
+    }
 }
 
 /// What the client asks for, and what it has sent beyond.
