@@ -3,12 +3,13 @@
 use std::net::{IpAddr, Ipv4Addr};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_chain::stop::Stop;
-use lariat_view::{Options, Server};
+use lariat_view::{Options, Server, Shown};
 use lariat_wire::Rig;
 use rustix::process::{
     Pid, Signal, getppid, kill_process, set_parent_process_death_signal, setpriority_process,
@@ -22,6 +23,12 @@ const NICENESS: i32 = 10;
 /// What is asked of `lariat view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
+    /// A recording to be shown in the place of a chain
+    #[arg(value_name = "FILE.mcap", conflicts_with = "rig")]
+    file: Option<PathBuf>,
+    /// The topic whose images are the frames, where there are several cameras
+    #[arg(long, value_name = "TOPIC", requires = "file")]
+    topic: Option<String>,
     /// Camera chain that is shown (default: `default`, or the first there is)
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
@@ -53,7 +60,13 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
     // As nice as it can be; less so is no reason to show nothing.
     let _ = setpriority_process(None, NICENESS);
     let options = Options {
-        rig: args.rig.clone(),
+        shown: match &args.file {
+            Some(file) => Shown::Recording {
+                path: file.clone(),
+                topic: args.topic.clone(),
+            },
+            None => Shown::Rig(args.rig.clone()),
+        },
         listen: args.listen,
         port: args.port.unwrap_or(PORT),
     };

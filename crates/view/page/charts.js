@@ -63,11 +63,11 @@ export function histogram(svg, of, p99) {
   svg.replaceChildren(...parts);
 }
 
-/** Median and 99th percentile of each of the last seconds, the newest at the right. */
-export function strip(svg, seconds, length = 60) {
+/** Median and 99th percentile of each of the last seconds, or of parts of a recording: so many, the newest at the right. */
+export function strip(svg, seconds, name, length) {
   const { width, height, line } = room(svg);
   const most = Math.max(1, ...seconds.flatMap((second) => (second ? [second[1]] : [])));
-  const x = (place) => ((length - seconds.length + place) / (length - 1)) * width;
+  const x = (place) => ((length - seconds.length + place) / Math.max(1, length - 1)) * width;
   const y = (us) => height - 1.5 - (us / most) * (height - line - 4);
   const path = (which) => {
     let pen = "M";
@@ -85,7 +85,7 @@ export function strip(svg, seconds, length = 60) {
     make("path", { class: "axis", d: `M0 ${height - 0.5}H${width}` }),
     make("path", { class: "p99", d: path(1) }),
     make("path", { class: "p50", d: path(0) }),
-    make("text", { x: 0, y: line - 3 }, "the last minute"),
+    make("text", { x: 0, y: line - 3 }, name),
     make("text", { x: width, y: line - 3, "text-anchor": "end" }, time(most)),
   );
 }

@@ -1,4 +1,4 @@
-// The WebSocket to the server: moments and status come in, and after each moment the next is asked for.
+// The WebSocket to the server, opened again whenever it has gone.
 
 const PROTOCOL = "lariat.view.v1";
 /** How long after a connection has gone a new one is tried, in ms: at first, and at most. */
@@ -7,12 +7,11 @@ const AGAIN = [300, 3000];
 /**
  * Keeps a connection open.
  *
- * @param {{moment: Function, status: Function, answer: Function, state: Function}} hears
+ * @param hears what is called with each moment, with what the server says by its type, and with whether there is a connection (`state`)
  */
 export function connect(hears) {
   let socket = null;
   let again = AGAIN[0];
-  let wanted = null;
 
   function open() {
     const address = new URL("live", document.baseURI);
@@ -22,16 +21,11 @@ export function connect(hears) {
     socket.onopen = () => {
       again = AGAIN[0];
       hears.state(true);
-      if (wanted) say(wanted);
     };
     socket.onmessage = ({ data }) => {
-      if (typeof data === "string") {
-        const said = JSON.parse(data);
-        (said.type === "status" ? hears.status : hears.answer)(said);
-      } else {
-        wanted = null;
-        hears.moment(moment(data));
-      }
+      if (typeof data !== "string") return hears.moment(moment(data));
+      const said = JSON.parse(data);
+      return hears[said.type]?.(said);
     };
     socket.onclose = () => {
       hears.state(false);
@@ -40,17 +34,11 @@ export function connect(hears) {
     };
   }
 
-  function say(what) {
-    if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(what));
-  }
-
   open();
   return {
-    say,
-    /** Asks for the next moment, to be shown so many pixels wide. */
-    next(width) {
-      wanted = { type: "next", width: Math.round(width) };
-      say(wanted);
+    /** Says something, if there is a connection. */
+    say(what) {
+      if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(what));
     },
   };
 }

@@ -1,18 +1,16 @@
-// Brings the parts together: the link, the stage, the history, the panel, keys and buttons.
+// Brings the parts together: the link, the stage, the time line, the panel, keys and buttons.
 
-import { History } from "./history.js";
+import { Film } from "./film.js";
 import { connect } from "./link.js";
+import { Live } from "./live.js";
 import { LAYERS } from "./overlay.js";
 import { showFacts, showRopes, showState, showStatus } from "./panel.js";
 import { Stage } from "./stage.js";
 import { element } from "./words.js";
 
 const by = (id) => document.getElementById(id);
-const history = new History();
 let status = null;
 let isConnected = false;
-/** Set while paused: which moment of the history is shown, from 0. */
-let place = null;
 let shown = null;
 
 const stage = new Stage(by("stage"), {
@@ -20,28 +18,29 @@ const stage = new Stage(by("stage"), {
     by("cursor").textContent = pixel ? pixel.map((c) => c.toFixed(0)).join(", ") : "";
   },
 });
+const width = () => Math.round(stage.width);
 
 const link = connect({
-  async moment(moment) {
-    history.add(moment);
-    if (place == null) await show(moment);
-    else updateTime();
-    // Not before it is on the screen, and not at all while nobody looks.
-    requestAnimationFrame(() => place == null && link.next(stage.width));
-  },
+  moment: (moment) => line.moment(moment),
+  missing: () => line.missing(),
   status(said) {
+    if (said.film && !status?.film) {
+      line = new Film(link, width, show, said.film);
+      line.connected();
+    }
     status = said;
     showStatus(said);
     if (shown) showFacts(shown.said, said.fps);
-    updateState();
+    update();
   },
-  answer() {},
   state(connected) {
     isConnected = connected;
-    updateState();
-    if (connected && place == null) link.next(stage.width);
+    if (connected) line.connected();
+    update();
   },
 });
+/** A rig's, until the server says that it shows a recording. */
+let line = new Live(link, width, show);
 
 async function show(moment) {
   const bitmap = moment.jpeg ? await createImageBitmap(moment.jpeg).catch(() => null) : null;
@@ -49,52 +48,40 @@ async function show(moment) {
   stage.show(moment, bitmap);
   showRopes(moment.said);
   showFacts(moment.said, status?.fps);
-  updateTime();
   document.documentElement.dataset.frame = moment.said.number;
+  update();
 }
 
-function updateState() {
+/** What the state and the time line say. */
+function update() {
   if (!isConnected) showState("lost", "the server is gone; trying again");
-  else if (place != null) showState("paused", "paused");
+  else if (status?.film) showState("paused", line.isPaused ? "a recording" : "playing");
+  else if (line.isPaused) showState("paused", "paused");
   else if (!status || status.obstacle) showState("waiting", "waiting");
   else if (status.age_s > 2) showState("lost", `silent for ${status.age_s.toFixed(0)} s`);
   else showState("live", "live");
+  const last = Math.max(0, line.length - 1);
+  by("scrubber").max = last;
+  by("scrubber").value = line.place;
+  by("scrubber").style.setProperty("--part", `${last ? (100 * line.place) / last : 100}%`);
+  by("when").textContent = line.label;
+  document.documentElement.classList.toggle("is-paused", line.isPaused);
+  by("back").disabled = line.place <= 0;
+  by("forth").disabled = !line.isPaused || line.place >= last;
 }
 
-function updateTime() {
-  const last = Math.max(0, history.length - 1);
-  const scrubber = by("scrubber");
-  scrubber.max = last;
-  scrubber.value = place ?? last;
-  by("when").textContent = place == null ? "live" : place === last ? "newest" : `−${history.age(place).toFixed(2)} s`;
-  document.documentElement.classList.toggle("is-paused", place != null);
-  by("back").disabled = (place ?? last) <= 0;
-  by("forth").disabled = place == null || place >= last;
-}
-
-/** Shows a moment of the history, and stays there. */
-function goTo(wanted) {
-  if (!history.length) return;
-  place = Math.min(history.length - 1, Math.max(0, wanted));
-  show(history.at(place));
-  updateState();
-}
-
-function goOn() {
-  if (place == null) return;
-  place = null;
-  updateTime();
-  updateState();
-  link.next(stage.width);
-}
-
-const step = (by) => goTo((place ?? history.length - 1) + by);
-const pause = () => (place == null ? goTo(history.length - 1) : goOn());
+/** Does something with the time line, and says so. */
+const act = (does) => () => {
+  does();
+  update();
+};
+const step = (frames) => act(() => line.goTo(line.place + frames));
+const pause = act(() => (line.isPaused ? line.goOn() : line.pause()));
 
 /** The frame with what is drawn over it as PNG, and what was seen in it as JSON. */
 async function save() {
   if (!shown) return;
-  const name = `${status?.rig ?? "lariat"}-${shown.said.frame}`;
+  const name = `${status?.rig ?? status?.film?.name ?? "lariat"}-${shown.said.frame}`;
   const png = await stage.still().convertToBlob({ type: "image/png" });
   const json = new Blob([`${JSON.stringify(shown.said, null, 2)}\n`], { type: "application/json" });
   for (const [blob, ending] of [[png, "png"], [json, "json"]]) {
@@ -142,17 +129,17 @@ function switchTheme() {
 by("theme").onclick = switchTheme;
 by("help").onclick = () => by("keys").showModal();
 by("pause").onclick = pause;
-by("back").onclick = () => step(-1);
-by("forth").onclick = () => step(1);
+by("back").onclick = step(-1);
+by("forth").onclick = step(1);
 by("save").onclick = save;
-by("scrubber").oninput = ({ target }) => goTo(target.valueAsNumber);
+by("scrubber").oninput = ({ target }) => act(() => line.goTo(target.valueAsNumber))();
 
 const KEYS = {
   " ": pause,
-  ArrowLeft: () => step(-1),
-  ArrowRight: () => place != null && step(1),
-  Home: () => goTo(0),
-  End: goOn,
+  ArrowLeft: step(-1),
+  ArrowRight: step(1),
+  Home: act(() => line.goTo(0)),
+  End: act(() => line.end()),
   "+": () => stage.zoomBy(1.25),
   "=": () => stage.zoomBy(1.25),
   "-": () => stage.zoomBy(0.8),
@@ -165,9 +152,9 @@ addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || by("keys").open) return;
   if (event.target.matches("input, textarea, select") && event.target !== by("scrubber")) return;
   const layer = toggles[Number(event.key) - 1];
-  const act = layer ? () => layer.click() : KEYS[event.key];
-  if (!act) return;
+  const does = layer ? () => layer.click() : KEYS[event.key];
+  if (!does) return;
   event.preventDefault();
-  act();
+  does();
 });
-updateTime();
+update();

@@ -9,7 +9,8 @@ const STAGES = ["capture", "extract", "fit", "sink"];
 
 /** What the server says four times a second. */
 export function showStatus(status) {
-  by("rig").textContent = status.rig ?? "";
+  by("rig").textContent = status.rig ?? status.film?.name ?? "";
+  by("processes").hidden = Boolean(status.film);
   by("obstacle").hidden = !status.obstacle;
   by("obstacle").textContent = status.obstacle ?? "";
   showNotices(status.notices ?? []);
@@ -25,9 +26,10 @@ function showNotices(notices) {
 function showLatency(status) {
   const whole = status.steps.find((step) => step.whole);
   for (const key of ["p50", "p99", "max"]) by(key).textContent = time(whole?.[key]);
-  by("window").textContent = `exposed → fitted, last ${status.window_s} s`;
+  by("window").textContent = status.film ? "exposed → fitted" : `exposed → fitted, last ${status.window_s} s`;
   histogram(by("histogram"), status.histogram, whole?.p99 ?? Infinity);
-  strip(by("strip"), status.strip);
+  if (status.film) strip(by("strip"), status.strip, "from the first frame on", status.strip.length);
+  else strip(by("strip"), status.strip, "the last minute", 60);
   const parts = status.steps.filter((step) => !step.whole);
   by("shares").replaceChildren(...parts.map((step) => {
     const share = element("i", { className: step.wait ? "wait" : "", title: `${step.name}: ${time(step.p50)}` });
@@ -79,13 +81,14 @@ function ropeItem(rope, unit) {
 
 /** The line at the top, of the moment that is shown and the rate. */
 export function showFacts(said, fps) {
-  const fact = (name, value) => element("div", {}, element("dt", { textContent: name }), element("dd", { textContent: value }));
+  const fact = (name, value, unit = "") => element("div", {},
+    element("dt", { textContent: name }), element("dd", {}, value, element("span", { textContent: unit })));
   const facts = [];
   if (said) {
     facts.push(fact("frame", said.frame.toLocaleString("en")));
-    if (said.width) facts.push(fact("px", `${said.width}×${said.height}`));
+    if (said.width) facts.push(fact("size", `${said.width} × ${said.height}`, " px"));
   }
-  if (fps != null) facts.push(fact("frames/s", digits(fps)));
+  if (fps != null) facts.push(fact("rate", digits(fps), " frames/s"));
   by("facts").replaceChildren(...facts);
 }
 

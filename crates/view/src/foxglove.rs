@@ -203,7 +203,7 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
         return;
     }
     while !watcher.is_over() {
-        match session.next(watcher.as_fd(), LOOK) {
+        match session.next(Some(watcher.as_fd()), LOOK) {
             Event::Text(text) => {
                 let answer = client.hear(&text);
                 if answer.is_some_and(|answer| !session.say(Message::text(answer.to_string()))) {

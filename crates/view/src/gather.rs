@@ -113,6 +113,14 @@ impl<'d> Gatherer<'d> {
         self.rig.as_ref().filter(|_| self.look.reader.is_some())
     }
 
+    /// The settings of the rig's extract, as it said of itself when it was last looked at.
+    pub(crate) fn extract_settings(&self) -> Option<&str> {
+        let rig = self.rig.as_ref()?.as_str();
+        let extract =
+            (self.members.iter()).find(|member| member.rig == rig && member.stage == "extract");
+        extract.map(|member| member.settings.as_str())
+    }
+
     /// What was lost since the rig is looked at.
     pub(crate) fn losses(&self, now_ns: u64) -> lariat_record::Losses {
         let lost = self.look.ledger.as_ref().map(Ledger::lost);

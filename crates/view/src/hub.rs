@@ -17,6 +17,7 @@ use rustix::event::{EventfdFlags, eventfd};
 
 use crate::gather::Gatherer;
 use crate::moment::{Image, Moment};
+use crate::notices::Notices;
 use crate::pace::Pace;
 use crate::status::Reporter;
 
@@ -150,6 +151,7 @@ impl Hub {
         gatherer.longer();
         let mut reporter = Reporter::default();
         let mut reading = Reading::default();
+        let mut notices = Notices::default();
         let (mut pace, mut status_due) = (Pace::default(), Instant::now());
         while self.is_looked_at() {
             let now = now_ns();
@@ -168,7 +170,9 @@ impl Hub {
                     } else if let Some(moment) =
                         reading.moment(newest, gatherer.losses(now), is_wanted)?
                     {
-                        self.show(moment);
+                        let moment = Arc::new(moment);
+                        self.show(moment.clone());
+                        notices.look(&moment, gatherer.extract_settings());
                     }
                 }
                 Some(_) => {}
@@ -176,7 +180,7 @@ impl Hub {
             }
             if Instant::now() >= status_due {
                 status_due = Instant::now() + STATUS;
-                self.tell(reporter.report(&gatherer, now));
+                self.tell(reporter.report(&gatherer, notices.said(), now));
             }
             match lossless {
                 true => gatherer.keep_up(Instant::now() + KEEPING_UP, None),
@@ -208,9 +212,9 @@ impl Hub {
         state.watchers.iter().any(|watcher| watcher.moment)
     }
 
-    fn show(&self, moment: Moment) {
+    fn show(&self, moment: Arc<Moment>) {
         let mut state = self.state();
-        state.newest = Some(Arc::new(moment));
+        state.newest = Some(moment);
         for watcher in state.watchers.iter_mut().filter(|watcher| watcher.moment) {
             watcher.moment = false;
             ring(&watcher.bell);

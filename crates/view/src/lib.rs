@@ -19,6 +19,7 @@
 //!
 //! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
 
+mod film;
 mod foxglove;
 mod gather;
 mod guard;
@@ -26,6 +27,7 @@ mod http;
 mod hub;
 mod live;
 mod moment;
+mod notices;
 mod pace;
 mod page;
 mod picture;
@@ -37,5 +39,5 @@ mod status;
 mod view;
 
 pub use gather::Gatherer;
-pub use server::{Options, Server, serve};
+pub use server::{Options, Server, Shown, serve};
 pub use view::{Losses, Rope, Shape, StageRow, StepRow, View};

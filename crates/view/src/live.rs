@@ -4,9 +4,11 @@
 //!
 //! | `type` | with | what |
 //! |---|---|---|
-//! | `next` | `width` | it has drawn what came last: send the next, which it shows so many pixels wide |
+//! | `next` | `width` | of a rig: it has drawn what came last; send the next, which it shows so many pixels wide |
+//! | `frame` | `place`, `width` | of a recording: send the frame of this place, from 0 |
 //!
-//! The server says, as JSON: `status`, four times a second ([`status`](crate::status)). And in binary a moment: the length of the JSON that
+//! The server says, as JSON: `status`, of a rig four times a second ([`status`](crate::status)); `missing`, with `place`: there is no such frame, or it is
+//! damaged. And in binary a moment: the length of the JSON that
 //! follows, 4 bytes, little endian; what is drawn over the picture ([`moment`](crate::moment)); the picture, a JPEG, none if the source has none.
 
 use std::io::{Read, Write};
@@ -14,8 +16,10 @@ use std::os::fd::AsFd;
 use std::time::Duration;
 
 use serde::Deserialize;
+use serde_json::json;
 use tungstenite::Message;
 
+use crate::film::Film;
 use crate::hub::Watcher;
 use crate::moment::Moment;
 use crate::picture::times_smaller;
@@ -30,26 +34,34 @@ const LOOK: Duration = Duration::from_secs(5);
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 enum Said {
-    Next { width: u32 },
+    Next {
+        width: u32,
+    },
+    Frame {
+        place: u64,
+        width: u32,
+    },
+    /// What a newer page may say.
+    #[serde(other)]
+    Other,
 }
 
 /// Shows the rig to one page, until either goes.
-pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Watcher) {
+pub(crate) fn show_rig<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Watcher) {
     let (mut shown, mut told) = (0, 0);
     let mut width = None;
     while !watcher.is_over() {
-        match session.next(watcher.as_fd(), LOOK) {
+        match session.next(Some(watcher.as_fd()), LOOK) {
             Event::Text(text) => match serde_json::from_str(&text) {
                 Ok(Said::Next { width: wanted }) => {
                     width = Some(wanted);
                     watcher.want();
                 }
-                // A newer page may say more.
-                Err(_) => {}
+                Ok(_) => {}
+                Err(_) => return,
             },
-            Event::Binary(_) => return,
             Event::Look => watcher.hear(),
-            Event::End => return,
+            Event::Binary(_) | Event::End => return,
         }
         if !session.is_clear() {
             continue;
@@ -65,6 +77,42 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
         {
             (shown, width) = (moment.number, None);
             if !session.say(message(&moment, wanted)) {
+                return;
+            }
+        }
+    }
+}
+
+/// Shows a recording to one page, until it goes.
+pub(crate) fn show_film<S: Read + Write + AsFd>(mut session: Session<S>, film: &Film) {
+    let Ok(mut reel) = film.reel() else {
+        return;
+    };
+    if !session.say(Message::text(&*film.status)) {
+        return;
+    }
+    let mut wanted = None;
+    loop {
+        match session.next(None, LOOK) {
+            Event::Text(text) => match serde_json::from_str(&text) {
+                // The last that is asked for is what is to be seen.
+                Ok(Said::Frame { place, width }) => wanted = Some((place, width)),
+                Ok(_) => {}
+                Err(_) => return,
+            },
+            Event::Look => {}
+            Event::Binary(_) | Event::End => return,
+        }
+        if session.is_clear()
+            && let Some((place, width)) = wanted.take()
+        {
+            let said = match reel.moment(place) {
+                Ok(Some(moment)) => message(&moment, width),
+                Ok(None) | Err(_) => {
+                    Message::text(json!({ "type": "missing", "place": place }).to_string())
+                }
+            };
+            if !session.say(said) {
                 return;
             }
         }

@@ -25,6 +25,8 @@ const FILES: &[File] = files! {
     "panel.js": SCRIPT,
     "charts.js": SCRIPT,
     "history.js": SCRIPT,
+    "live.js": SCRIPT,
+    "film.js": SCRIPT,
     "words.js": SCRIPT,
 };
 

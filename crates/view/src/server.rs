@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::os::fd::{AsFd, BorrowedFd};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::Builder;
@@ -12,6 +13,7 @@ use anyhow::{Context, Result};
 use lariat_wire::Rig;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use crate::film::Film;
 use crate::guard::{Admitted, Guard, token};
 use crate::http::{Refusal, Request, answer, switch};
 use crate::hub::Hub;
@@ -25,11 +27,25 @@ const ASKING: Duration = Duration::from_secs(5);
 /// Of a client's thread: it keeps pictures on the heap.
 const STACK: usize = 512 << 10;
 
+/// What a page shows.
+#[derive(Debug, Clone)]
+pub enum Shown {
+    /// A rig; `None`: `default`, or the first there is.
+    Rig(Option<Rig>),
+    /// A recording.
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// The topic whose images are its frames, where there are several cameras.
+        topic: Option<String>,
+    },
+}
+
 /// How a page is served.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Which rig it shows; `None`: `default`, or the first there is.
-    pub rig: Option<Rig>,
+    /// What it shows.
+    pub shown: Shown,
     /// Where it listens. Anything but this machine's own address asks for a token.
     pub listen: IpAddr,
     /// At which port; 0 for any that is free.
@@ -39,7 +55,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            rig: None,
+            shown: Shown::Rig(None),
             listen: Ipv4Addr::LOCALHOST.into(),
             port: 8765,
         }
@@ -58,6 +74,8 @@ pub struct Server {
 struct Shared {
     guard: Guard,
     hub: Arc<Hub>,
+    /// Shown in the place of the rig.
+    film: Option<Film>,
     clients: AtomicUsize,
 }
 
@@ -65,8 +83,12 @@ impl Server {
     /// Listens; nobody is answered before [`run`](Self::run).
     ///
     /// # Errors
-    /// The port is taken, or the address is none of this machine's.
+    /// The port is taken, the address is none of this machine's, or the recording cannot be shown.
     pub fn bind(options: &Options) -> Result<Self> {
+        let (rig, film) = match &options.shown {
+            Shown::Rig(rig) => (rig.clone(), None),
+            Shown::Recording { path, topic } => (None, Some(Film::open(path, topic.as_deref())?)),
+        };
         let asked = SocketAddr::new(options.listen, options.port);
         let listener = TcpListener::bind(asked).map_err(|cause| match cause.kind() {
             ErrorKind::AddrInUse => anyhow::anyhow!(
@@ -88,7 +110,8 @@ impl Server {
             listener,
             shared: Arc::new(Shared {
                 guard,
-                hub: Hub::new(options.rig.clone()),
+                hub: Hub::new(rig),
+                film,
                 clients: AtomicUsize::new(0),
             }),
         })
@@ -183,6 +206,7 @@ pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
             token: token.to_owned(),
         },
         hub: Hub::new(None),
+        film: None,
         clients: AtomicUsize::new(0),
     };
     attend(stream, &shared);
@@ -219,11 +243,19 @@ fn open<S: Read + Write + AsFd>(
     shared: &Shared,
 ) {
     let is_foxglove = |name: &str| foxglove::PROTOCOLS.contains(&name);
-    let known = |name: &&String| name.as_str() == live::PROTOCOL || is_foxglove(name);
-    let Some(protocol) = request.protocols.iter().find(known) else {
+    let is_known = |name: &&String| match name.as_str() {
+        live::PROTOCOL => true,
+        // It opens recordings itself.
+        name => shared.film.is_none() && is_foxglove(name),
+    };
+    let Some(protocol) = request.protocols.iter().find(is_known) else {
         let refusal = Refusal(400, "This WebSocket speaks nothing that is known here.");
         return write_all(&mut stream, &refusal.answer());
     };
+    if let Some(film) = &shared.film {
+        write_all(&mut stream, &switch(key, protocol));
+        return live::show_film(Session::new(stream, rest), film);
+    }
     let Ok(watcher) = shared.hub.join() else {
         let refusal = Refusal(503, "Too many connections: close some of the pages.");
         return write_all(&mut stream, &refusal.answer());
@@ -232,7 +264,7 @@ fn open<S: Read + Write + AsFd>(
     let session = Session::new(stream, rest);
     match is_foxglove(protocol) {
         true => foxglove::run(session, &watcher),
-        false => live::run(session, &watcher),
+        false => live::show_rig(session, &watcher),
     }
 }
 

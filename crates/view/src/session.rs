@@ -88,7 +88,7 @@ impl<S: Read + Write + AsFd> Session<S> {
     }
 
     /// Sleeps until the client says something, the bell rings, or the time is over.
-    pub(crate) fn next(&mut self, bell: BorrowedFd, longest: Duration) -> Event {
+    pub(crate) fn next(&mut self, bell: Option<BorrowedFd>, longest: Duration) -> Event {
         let until = Instant::now() + longest;
         loop {
             match self.socket.read() {
@@ -134,7 +134,7 @@ impl<S: Read + Write + AsFd> Session<S> {
     }
 
     /// Whether the bell rang; `None` if it is over.
-    fn sleep(&mut self, bell: BorrowedFd, longest: Duration) -> Option<bool> {
+    fn sleep(&mut self, bell: Option<BorrowedFd>, longest: Duration) -> Option<bool> {
         let is_stuck = self.stuck.is_some();
         let wanted = match is_stuck {
             true => PollFlags::IN | PollFlags::OUT,
@@ -144,16 +144,17 @@ impl<S: Read + Write + AsFd> Session<S> {
             let stream = self.socket.get_ref().as_fd();
             let mut both = [
                 PollFd::from_borrowed_fd(stream, wanted),
-                PollFd::from_borrowed_fd(bell, PollFlags::IN),
+                // Without a bell, once more the stream.
+                PollFd::from_borrowed_fd(bell.unwrap_or(stream), PollFlags::IN),
             ];
             let longest = Timespec::try_from(longest.min(PATIENCE)).ok()?;
             match poll(&mut both, Some(&longest)) {
                 Ok(_) | Err(rustix::io::Errno::INTR) => {}
                 Err(_) => return None,
             }
-            let [stream, bell] = both.map(|one| one.revents());
+            let [stream, rung] = both.map(|one| one.revents());
             (
-                bell.contains(PollFlags::IN),
+                bell.is_some() && rung.contains(PollFlags::IN),
                 stream.contains(PollFlags::OUT),
             )
         };

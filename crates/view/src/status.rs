@@ -3,10 +3,11 @@
 use std::collections::VecDeque;
 
 use lariat_sink::Step;
-use lariat_wire::WireError;
+use lariat_wire::{Trace, WireError};
 use serde::Serialize;
 
 use crate::gather::Gatherer;
+use crate::recent::Recent;
 use crate::view::{Losses, StageRow, StepRow, View};
 
 /// Bars of the histogram in an octave of latency, and the least latency in it, µs: from there to a second.
@@ -25,6 +26,8 @@ struct Status<'a> {
     kind: &'static str,
     version: &'static str,
     rig: Option<&'a str>,
+    /// Set, this is no rig but a recording.
+    film: Option<&'a Film>,
     /// Why there is nothing to be seen, if so.
     obstacle: Option<&'a str>,
     lossless: bool,
@@ -39,7 +42,7 @@ struct Status<'a> {
     histogram: Histogram,
     /// p50 and p99 of each of the last seconds, µs, the newest last; null where no frame came.
     strip: Vec<Option<[f64; 2]>>,
-    notices: &'a [String],
+    notices: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -76,6 +79,13 @@ struct Histogram {
     counts: Vec<u32>,
 }
 
+/// A recording that is shown.
+#[derive(Debug, Serialize)]
+pub(crate) struct Film {
+    pub(crate) name: String,
+    pub(crate) frames: u64,
+}
+
 /// Makes one status after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Reporter {
@@ -93,16 +103,38 @@ impl Reporter {
 
     /// What is to be told where there is no rig to be read at all.
     pub(crate) fn failed(error: &WireError) -> String {
-        Self::default().said(
-            &View::default(),
-            Some(&error.to_string()),
-            Histogram::of(&[]),
-            None,
-        )
+        let view = View {
+            obstacle: Some(error.to_string()),
+            ..View::default()
+        };
+        Self::default().said(&view, Histogram::of(&[]), None, None)
     }
 
-    /// The status at this moment.
-    pub(crate) fn report(&mut self, gatherer: &Gatherer, now_ns: u64) -> String {
+    /// How a recording went, by the traces of its frames.
+    pub(crate) fn of_film(film: &Film, traces: &[Trace]) -> String {
+        let mut recent = Recent::default();
+        traces.iter().for_each(|trace| recent.add(trace));
+        let mut reporter = Self::default();
+        // As many frames in each place of the strip.
+        let whole: Vec<f64> = recent.fitted_us(0);
+        let part = whole.len().div_ceil(STRIP).max(1);
+        reporter
+            .strip
+            .extend(whole.chunks(part).map(|part| middle_and_end(part.to_vec())));
+        let view = View {
+            steps: recent.since(0),
+            ..View::default()
+        };
+        reporter.said(&view, Histogram::of(&whole), None, Some(film))
+    }
+
+    /// The status at this moment. `notice`: what extraction is unsure of.
+    pub(crate) fn report(
+        &mut self,
+        gatherer: &Gatherer,
+        notice: Option<String>,
+        now_ns: u64,
+    ) -> String {
         let view = gatherer.view(now_ns);
         if now_ns >= self.strip_due_ns {
             self.strip_due_ns = now_ns + SECOND_NS;
@@ -113,32 +145,26 @@ impl Reporter {
             }
         }
         let recent = gatherer.fitted_us(now_ns.saturating_sub(view.window_s * SECOND_NS));
-        let obstacle = view.obstacle.clone();
-        self.said(
-            &view,
-            obstacle.as_deref(),
-            Histogram::of(&recent),
-            view.shape.as_ref().map(|shape| shape.age_s),
-        )
+        self.said(&view, Histogram::of(&recent), notice, None)
     }
 
     fn said(
         &self,
         view: &View,
-        obstacle: Option<&str>,
         histogram: Histogram,
-        age_s: Option<f64>,
+        notice: Option<String>,
+        film: Option<&Film>,
     ) -> String {
-        let notices: Vec<String> = self.trouble.iter().cloned().collect();
         let status = Status {
             kind: "status",
             version: env!("CARGO_PKG_VERSION"),
             rig: view.rig.as_deref(),
-            obstacle,
+            film,
+            obstacle: view.obstacle.as_deref(),
             lossless: view.is_lossless,
             shared_mb: view.shared_mb,
             fps: view.stages.iter().rev().find_map(|row| row.frames_per_s),
-            age_s,
+            age_s: view.shape.as_ref().map(|shape| shape.age_s),
             stages: view.stages.iter().map(Stage::of).collect(),
             window_s: view.window_s,
             steps: view.steps.iter().map(StepSaid::of).collect(),
@@ -146,7 +172,7 @@ impl Reporter {
             lost: Lost::of(view.lost),
             histogram,
             strip: self.strip.iter().copied().collect(),
-            notices: &notices,
+            notices: self.trouble.iter().cloned().chain(notice).collect(),
         };
         serde_json::to_string(&status).unwrap_or_else(|_| "{}".to_owned())
     }
