@@ -14,7 +14,7 @@ use lariat_record::{CompressedImageRecord, ImageRecord, Record};
 use lariat_wire::{Centerlines, Descriptors};
 use rig::{Bench, send};
 use rustix::process::Signal;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
@@ -51,6 +51,14 @@ impl Viewing {
     fn end(mut self) {
         send(self.process.id() as i32, Signal::TERM);
         assert!(self.process.wait().expect("waited for").success());
+    }
+}
+
+/// Also of a test that fails.
+impl Drop for Viewing {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
     }
 }
 
@@ -105,9 +113,36 @@ impl Page {
     fn moment(&mut self) -> (Value, Vec<u8>) {
         loop {
             if let Message::Binary(bytes) = self.0.read().expect("a message in time") {
-                let (length, rest) = bytes.split_first_chunk().expect("a length");
-                let (said, jpeg) = rest.split_at(u32::from_le_bytes(*length) as usize);
-                return (serde_json::from_slice(said).expect("JSON"), jpeg.to_vec());
+                let (said, jpeg, _) = parts(&bytes);
+                return (said, jpeg);
+            }
+        }
+    }
+
+    /// The mask that the next moment comes with.
+    fn mask(&mut self) -> Vec<u8> {
+        loop {
+            if let Message::Binary(bytes) = self.0.read().expect("a message in time") {
+                return parts(&bytes).2;
+            }
+        }
+    }
+
+    /// What is said to a wish, or why it is refused. What else comes is passed over.
+    fn wish(&mut self, wish: Value) -> Result<Value, String> {
+        self.0
+            .send(Message::text(asked(1, wish).to_string()))
+            .expect("sent");
+        loop {
+            let Message::Text(text) = self.0.read().expect("a message in time") else {
+                continue;
+            };
+            let mut said: Value = serde_json::from_str(&text).expect("JSON");
+            if said["type"] == "answer" && said["id"] == 1 {
+                return match said["refused"].as_str() {
+                    Some(why) => Err(why.to_owned()),
+                    None => Ok(said["said"].take()),
+                };
             }
         }
     }
@@ -123,6 +158,16 @@ impl Page {
             }
         }
     }
+}
+
+/// A moment's message: what was said of it, its picture, and the mask in it.
+fn parts(bytes: &[u8]) -> (Value, Vec<u8>, Vec<u8>) {
+    let (said, rest) = bytes.split_first_chunk().expect("a length");
+    let (jpeg, rest) = rest.split_first_chunk().expect("a length");
+    let (said, rest) = rest.split_at(u32::from_le_bytes(*said) as usize);
+    let (jpeg, mask) = rest.split_at(u32::from_le_bytes(*jpeg) as usize);
+    let said = serde_json::from_slice(said).expect("JSON");
+    (said, jpeg.to_vec(), mask.to_vec())
 }
 
 fn get(host: &str, path: &str, more: &str) -> String {
@@ -300,9 +345,9 @@ fn foxglove_gets_every_channel_as_a_recording_has_it() {
             assert_eq!(said["op"], "serverInfo");
         };
         let subscriptions: Vec<Value> = (channels.iter().zip(100..))
-            .map(|(channel, id)| serde_json::json!({"id": id, "channelId": channel["id"]}))
+            .map(|(channel, id)| json!({"id": id, "channelId": channel["id"]}))
             .collect();
-        let wish = serde_json::json!({"op": "subscribe", "subscriptions": subscriptions});
+        let wish = json!({"op": "subscribe", "subscriptions": subscriptions});
         client.send(Message::text(wish.to_string())).expect("sent");
         let mut seen = std::collections::BTreeMap::new();
         while seen.len() < channels.len() {
@@ -390,6 +435,86 @@ fn of_a_recording_any_frame_is_had_as_it_was_recorded() {
     viewing.end();
     let none = bench.run(&["view", "none.mcap"]);
     assert!(!none.status.success());
+}
+
+#[test]
+fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("lariat.toml"), "# mine\n[fit]\nfilter = true\n").expect("written");
+    let mut chain = bench.start(&["--rig", "cell"]);
+    chain.wait_for_frames();
+    let viewing = Viewing::start(&bench, &["--rig", "cell"]);
+    let own = viewing.url.trim_end_matches('/');
+    let mut page = Page::open(&viewing.url, Some(own), PROTOCOL).expect("it is let in");
+    page.ask();
+    let (said, _) = page.moment();
+    let on_rope = &said["ropes"][0]["points"][60];
+    let pick = json!({"wish": "pick", "number": said["number"], "at": [on_rope]});
+    page.0
+        .send(Message::text(asked(2, pick).to_string()))
+        .expect("sent");
+    let mask = image::load_from_memory(&page.mask())
+        .expect("a PNG")
+        .into_luma8();
+    let white = mask.pixels().filter(|pixel| pixel.0 == [255]).count();
+    assert!((1_000..40_000).contains(&white), "{white} pixels are rope");
+    let at = |i: usize| on_rope[i].as_f64().expect("a number").round() as u32;
+    assert_eq!(mask.get_pixel(at(0), at(1)).0, [255]);
+    // On the table there is none.
+    let table = page.wish(json!({"wish": "pick", "number": said["number"], "at": [[2, 2]]}));
+    assert!(table.is_err(), "{table:?}");
+    let old = page.wish(json!({"wish": "pick", "number": 0, "at": []}));
+    assert!(old.expect_err("no such frame").contains("too old"));
+
+    let changes = json!(["extract.ropes=2", "extract.mask=network"]);
+    let answer = page
+        .wish(json!({"wish": "set", "changes": changes}))
+        .expect("taken");
+    assert!(
+        answer
+            .as_str()
+            .is_some_and(|said| said.contains("extract.ropes")),
+        "{answer}"
+    );
+    let settings = page.wish(json!({"wish": "settings"})).expect("settings");
+    assert_eq!(
+        (&settings["extract"]["ropes"], &settings["fit"]["filter"]),
+        (&json!(2), &json!(true))
+    );
+    for wrong in [
+        "extract.ropes=99",
+        "extract.rpoes=1",
+        "extract.ropes=1\nrestart fit",
+    ] {
+        let refused = page.wish(json!({"wish": "set", "changes": [wrong]}));
+        assert!(refused.is_err(), "{wrong}: {refused:?}");
+    }
+    page.wish(json!({"wish": "keep", "changes": changes}))
+        .expect("kept");
+    let kept = std::fs::read_to_string(bench.path("lariat.toml")).expect("the file");
+    assert_eq!(
+        kept,
+        "# mine\n[fit]\nfilter = true\n\n[extract]\nropes = 2\nmask = \"network\"\n"
+    );
+
+    // One that does not say that it is our own page may look only.
+    let mut other = Page::of(&viewing);
+    other.ask();
+    other.moment();
+    for wish in ["set", "keep"] {
+        let refused = other.wish(json!({"wish": wish, "changes": ["extract.ropes=3"]}));
+        assert!(refused.expect_err("refused").contains("may not change"));
+    }
+    viewing.end();
+    chain.signal_chain(Signal::INT);
+    assert!(chain.end().status.success());
+}
+
+/// A wish as the page says it.
+fn asked(id: u64, mut wish: Value) -> Value {
+    wish["type"] = "ask".into();
+    wish["id"] = id.into();
+    wish
 }
 
 #[test]

@@ -19,6 +19,12 @@ export class History {
     }
   }
 
+  /** Has another of the same frame in its place. */
+  replace(place, moment) {
+    this.#bytes += moment.bytes - this.#moments[place].bytes;
+    this.#moments[place] = moment;
+  }
+
   clear() {
     this.#moments = [];
     this.#bytes = 0;

@@ -41,6 +41,12 @@ export class Live {
   }
 
   async moment(moment) {
+    if (moment.said.number === this.#history.at(this.place)?.said.number) {
+      // The one that is shown, with another mask.
+      this.#history.replace(this.place, moment);
+      await this.#show(moment);
+      return;
+    }
     if (this.isPaused) return;
     this.#history.add(moment);
     await this.#show(moment);

@@ -6,6 +6,8 @@ import { Live } from "./live.js";
 import { LAYERS } from "./overlay.js";
 import { showFacts, showRopes, showState, showStatus } from "./panel.js";
 import { Stage } from "./stage.js";
+import { tinted } from "./mask.js";
+import { Tuning } from "./tuning.js";
 import { element } from "./words.js";
 
 const by = (id) => document.getElementById(id);
@@ -16,6 +18,9 @@ let shown = null;
 const stage = new Stage(by("stage"), {
   hovers(pixel) {
     by("cursor").textContent = pixel ? pixel.map((c) => c.toFixed(0)).join(", ") : "";
+  },
+  clicks(pixel) {
+    if (pixel && shown) tuning.click(pixel, shown.said.number);
   },
 });
 const width = () => Math.round(stage.width);
@@ -28,6 +33,7 @@ const link = connect({
       line = new Film(link, width, show, said.film);
       line.connected();
     }
+    tuning.of(said);
     status = said;
     showStatus(said);
     if (shown) showFacts(shown.said, said.fps);
@@ -39,13 +45,15 @@ const link = connect({
     update();
   },
 });
+const tuning = new Tuning(by("tuning"), by("stage"), link);
 /** A rig's, until the server says that it shows a recording. */
 let line = new Live(link, width, show);
 
 async function show(moment) {
   const bitmap = moment.jpeg ? await createImageBitmap(moment.jpeg).catch(() => null) : null;
+  const mask = moment.mask ? await tinted(moment.mask).catch(() => null) : null;
   shown = moment;
-  stage.show(moment, bitmap);
+  stage.show(moment, bitmap, mask);
   showRopes(moment.said);
   showFacts(moment.said, status?.fps);
   document.documentElement.dataset.frame = moment.said.number;
@@ -126,6 +134,18 @@ function switchTheme() {
   turn(theme);
 }
 
+/* Figures or settings. */
+function turnTo(tab) {
+  for (const name of ["figures", "tuning"]) {
+    by(name).hidden = name !== tab;
+    by(`to-${name}`).setAttribute("aria-selected", name === tab);
+  }
+  if (tab === "tuning") tuning.look();
+  else if (status) showStatus(status);
+}
+by("to-figures").onclick = () => turnTo("figures");
+by("to-tuning").onclick = () => turnTo("tuning");
+
 by("theme").onclick = switchTheme;
 by("help").onclick = () => by("keys").showModal();
 by("pause").onclick = pause;
@@ -145,6 +165,12 @@ const KEYS = {
   "-": () => stage.zoomBy(0.8),
   0: () => stage.whole(),
   s: save,
+  f: () => turnTo("figures"),
+  e: () => turnTo("tuning"),
+  p: () => {
+    turnTo("tuning");
+    tuning.pick();
+  },
   t: switchTheme,
   "?": () => by("keys").showModal(),
 };

@@ -33,16 +33,10 @@ export class Stage {
     box.addEventListener("dblclick", () => this.whole());
   }
 
-  /** Shows a moment with its decoded picture, which is the stage's from now on. */
-  show(moment, bitmap) {
-    if (this.#bitmap !== bitmap) this.#bitmap?.close();
-    [this.#moment, this.#bitmap] = [moment, bitmap];
-    this.redraw();
-  }
-
-  /** A mask over the picture, or none. */
-  set mask(mask) {
-    this.#mask = mask;
+  /** Shows a moment with its decoded picture, which is the stage's from now on, and what is drawn of a mask. */
+  show(moment, bitmap, mask) {
+    this.#bitmap?.close();
+    [this.#moment, this.#bitmap, this.#mask] = [moment, bitmap, mask];
     this.redraw();
   }
 

@@ -25,6 +25,8 @@ use crate::status::Reporter;
 const STATUS: Duration = Duration::from_millis(250);
 /// The longest sleep of a lossless rig's reader, which each message wakes.
 const KEEPING_UP: Duration = Duration::from_millis(50);
+/// How often it is looked whether a channel is written.
+const LINK_NS: u64 = 100_000_000;
 /// How long after a failure to join the domain it is tried again.
 const AGAIN: Duration = Duration::from_secs(1);
 
@@ -299,6 +301,8 @@ impl Drop for Watcher {
 struct Reading {
     frames: Option<Ordered<[u8]>>,
     centerlines: Option<Ordered<Centerlines>>,
+    /// When it is looked again whether they are written.
+    due_ns: u64,
     /// The last moment's number, and its frame.
     number: u64,
     shown: Option<(u64, u64)>,
@@ -313,11 +317,21 @@ impl Reading {
         }
     }
 
+    /// Becomes a reader where there is a writer: one that came before it would make the channel, and a chain that asks for another
+    /// delivery be refused.
     fn open(&mut self, domain: &Domain, rig: &Rig, lossless: bool) -> Result<(), WireError> {
-        if self.frames.is_none() {
+        if (self.frames.is_some() && self.centerlines.is_some()) || now_ns() < self.due_ns {
+            return Ok(());
+        }
+        self.due_ns = now_ns() + LINK_NS;
+        let is_written = |name| {
+            let ends = domain.channel(rig, name).and_then(|state| state.ends);
+            ends.is_some_and(|ends| ends.writer.is_some())
+        };
+        if self.frames.is_none() && is_written(FRAMES.name()) {
             self.frames = Some(Ordered::open(domain, rig, &FRAMES, lossless)?);
         }
-        if self.centerlines.is_none() {
+        if self.centerlines.is_none() && is_written(CENTERLINES.name()) {
             self.centerlines = Some(Ordered::open(domain, rig, &CENTERLINES, lossless)?);
         }
         Ok(())
@@ -330,9 +344,7 @@ impl Reading {
         losses: Losses,
         is_wanted: bool,
     ) -> Result<Option<Moment>, WireError> {
-        let (Some(newest), Some(frames), Some(lines)) =
-            (newest, &mut self.frames, &mut self.centerlines)
-        else {
+        let (Some(newest), Some(frames)) = (newest, &mut self.frames) else {
             return Ok(None);
         };
         let key = key(&newest.trace);
@@ -340,7 +352,10 @@ impl Reading {
             return Ok(None);
         }
         let frame = frames.of(key)?;
-        let seen = lines.of(key)?;
+        let seen = match &mut self.centerlines {
+            Some(lines) => lines.of(key)?,
+            None => None,
+        };
         if !is_wanted {
             return Ok(None);
         }

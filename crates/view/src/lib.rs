@@ -36,6 +36,7 @@ mod recent;
 mod server;
 mod session;
 mod status;
+mod tuning;
 mod view;
 
 pub use gather::Gatherer;

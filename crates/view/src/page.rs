@@ -27,6 +27,8 @@ const FILES: &[File] = files! {
     "history.js": SCRIPT,
     "live.js": SCRIPT,
     "film.js": SCRIPT,
+    "mask.js": SCRIPT,
+    "tuning.js": SCRIPT,
     "words.js": SCRIPT,
 };
 

@@ -17,6 +17,7 @@ use crate::film::Film;
 use crate::guard::{Admitted, Guard, token};
 use crate::http::{Refusal, Request, answer, switch};
 use crate::hub::Hub;
+use crate::live::Page;
 use crate::session::Session;
 use crate::{foxglove, live, page};
 
@@ -238,7 +239,7 @@ fn open<S: Read + Write + AsFd>(
     mut stream: S,
     key: &str,
     request: &Request,
-    _admitted: &Admitted,
+    admitted: &Admitted,
     rest: Vec<u8>,
     shared: &Shared,
 ) {
@@ -254,7 +255,7 @@ fn open<S: Read + Write + AsFd>(
     };
     if let Some(film) = &shared.film {
         write_all(&mut stream, &switch(key, protocol));
-        return live::show_film(Session::new(stream, rest), film);
+        return Page::new(Session::new(stream, rest), admitted.may_write).show_film(film);
     }
     let Ok(watcher) = shared.hub.join() else {
         let refusal = Refusal(503, "Too many connections: close some of the pages.");
@@ -264,7 +265,7 @@ fn open<S: Read + Write + AsFd>(
     let session = Session::new(stream, rest);
     match is_foxglove(protocol) {
         true => foxglove::run(session, &watcher),
-        false => live::show_rig(session, &watcher),
+        false => Page::new(session, admitted.may_write).show_rig(&watcher),
     }
 }
 

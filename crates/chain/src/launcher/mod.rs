@@ -42,7 +42,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use crate::control::{Asked, Control};
 use crate::pipeline::{CurveFitter, FrameExtractor};
 use crate::run_files::RunFiles;
-use crate::settings::{Flags, Settings, Stage};
+use crate::settings::{FILE_NAME, Flags, Settings, Stage};
 use crate::stages;
 use crate::stages::arrangement::{self, Lacks};
 use crate::stages::estate;
@@ -576,12 +576,20 @@ impl Chain {
         while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
             let answer = match client.asked() {
                 Ok(Asked::Settings) => Ok(self.settings.text()),
+                Ok(Asked::File) => self.file_path(),
                 Ok(Asked::Set(changes)) => self.set(&changes),
                 Ok(Asked::Restart(name)) => self.renew_by_name(&name),
                 Err(cause) => Err(cause),
             };
             client.answer(answer);
         }
+    }
+
+    /// Where its settings file is, or would be.
+    fn file_path(&self) -> anyhow::Result<String> {
+        let file = self.settings.file.as_deref();
+        let path = std::path::absolute(file.unwrap_or(Path::new(FILE_NAME)))?;
+        Ok(format!("{}\n", path.display()))
     }
 
     /// Has settings hold from now on that are written as `section.name=value`.
