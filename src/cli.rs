@@ -31,6 +31,7 @@ use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use crate::version;
+use crate::view::{self, ViewArgs};
 use lariat_chain::settings::{Flags, Settings, nearest};
 use lariat_chain::stages::Supervision;
 use lariat_chain::{exit, launcher, layout, output, stages};
@@ -58,6 +59,16 @@ struct Verbosity {
     quiet: bool,
 }
 
+/// What is asked of `lariat run`: all that a chain can be, and a page beside it.
+#[derive(clap::Args)]
+struct RunArgs {
+    /// Show the chain in the browser too, as `lariat view` does; the page's address is printed
+    #[arg(long, help_heading = "Run")]
+    view: bool,
+    #[command(flatten)]
+    flags: Flags,
+}
+
 const SET_EXAMPLES: &str = "Examples:
   lariat set fit.order=6                       of the rig default
   lariat set --rig cell extract.ropes=2 capture.fps=60
@@ -76,7 +87,7 @@ const COMPLETIONS_EXAMPLES: &str = "Examples:
 enum Command {
     /// The whole chain: capture, extract, fit and sink, each in a process of its own
     #[command(after_help = RUN_EXAMPLES)]
-    Run(Flags),
+    Run(RunArgs),
     /// The first stage alone: sends a source's frames
     Capture(Flags),
     /// The second stage alone: frames in, centerlines out
@@ -113,6 +124,8 @@ enum Command {
     Snapshot(SnapshotArgs),
     /// A running chain, live on the terminal
     Top(TopArgs),
+    /// A running chain, live in the browser and in Foxglove
+    View(ViewArgs),
     /// What passes on the channels of a running chain
     Topic(TopicArgs),
     /// Writes, checks and shows lariat.toml
@@ -153,10 +166,14 @@ pub(crate) fn run() -> Result<ExitCode> {
             let words = [&SHOW.map(OsString::from)[..], &verbosity.words()].concat();
             launcher::run(&Flags::default(), &words, settings)
         }
-        Some(Command::Run(flags)) => {
+        Some(Command::Run(RunArgs { view, flags })) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
             let settings = Settings::resolve(&flags)?;
             settings.check_frames()?;
+            let _page = match view {
+                true => Some(view::Beside::start(&settings.run.rig)?),
+                false => None,
+            };
             launcher::run(&flags, &verbosity.words(), settings)
         }
         Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
@@ -182,6 +199,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
         Some(Command::Top(args)) => top::run(&args),
+        Some(Command::View(args)) => view::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
@@ -333,6 +351,7 @@ mod tests {
         include_str!("../docs/service.md"),
         include_str!("../docs/servo.md"),
         include_str!("../docs/unattended.md"),
+        include_str!("../docs/view.md"),
     ];
 
     /// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on in a block of code.

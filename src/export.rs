@@ -6,12 +6,13 @@ mod pictures;
 mod shapes;
 mod y4m;
 
-use crate::recording::{Gather, RecordingArgs, shown, span};
+use crate::recording::{RecordingArgs, shown, span};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use lariat_capture::Position;
 use lariat_chain::exit::wrong_use;
 use lariat_chain::output::{Existing, Output, print};
+use lariat_chain::recorded::Gather;
 use lariat_chain::settings::range::position_of_flag;
 use lariat_record::{Messages, Recording};
 use std::io::BufWriter;

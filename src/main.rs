@@ -25,6 +25,7 @@ mod top;
 mod topic;
 mod trace;
 mod version;
+mod view;
 
 use lariat_chain::{exit, output};
 use std::process::ExitCode;

@@ -1,10 +1,5 @@
-//! Recordings, as the commands about them need them: opened, with their settings, frame by frame.
-
-mod gather;
-mod pixels;
-
-pub(crate) use gather::{Gather, Gathered};
-pub(crate) use pixels::{Decoder, Pixels};
+//! Recordings, as the commands about them need them: opened, with their settings. Frame by frame:
+//! [`lariat_chain::recorded`].
 
 use crate::record::versioned_name;
 use anyhow::{Context, Result};

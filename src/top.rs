@@ -1,18 +1,15 @@
 //! `lariat top`: a chain that runs, live on a terminal.
 //!
-//! What is seen is gathered in [`gather`], what is shown is a plain [`view::View`], and drawing it ([`draw`]) knows no
+//! What is seen is gathered by `lariat_view`'s [`Gatherer`], what is shown is a plain [`View`](lariat_view::View), and drawing it ([`draw`]) knows no
 //! terminal: that is all in [`screen`]. Ten times a second the descriptors that wait are taken, as a reader that is not
 //! woken, so that the chain pays nothing for being looked at: stamps and counters tell rates, losses and latencies as well
 //! from a part of the messages as from all.
 
 mod draw;
-mod gather;
-mod processes;
-mod recent;
 mod screen;
-mod view;
 
 use std::io::IsTerminal;
+use std::os::fd::AsFd;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -20,8 +17,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use lariat_wire::{Domain, Rig, now_ns};
 
-use gather::Gatherer;
 use lariat_chain::stop::Stop;
+use lariat_view::Gatherer;
 use screen::{Key, Screen};
 
 /// Show a running chain live on the terminal: stages, latency, losses, the ropes
@@ -89,7 +86,7 @@ fn wait(
 ) -> Result<Option<Key>> {
     if gatherer.must_keep_up() {
         while gatherer.must_keep_up() && Instant::now() < until && !stop.asked() {
-            gatherer.keep_up(until, stop);
+            gatherer.keep_up(until, Some(stop.as_fd()));
         }
         return screen.key(Instant::now());
     }

@@ -1,12 +1,12 @@
 //! Frames as numbered PNGs, exact: each number in a picture is the one in the frame.
 
 use super::{Part, Written};
-use crate::recording::{Decoder, Pixels};
 use anyhow::{Context, Result, bail};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_chain::output::of_the_system;
 use lariat_chain::pipeline::FrameView;
+use lariat_chain::recorded::{Decoder, Pixels};
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -2,9 +2,9 @@
 //! RGB is rounded to YUV, and Bayer patterns are filled in before.
 
 use super::{Part, Written};
-use crate::recording::{Decoder, Pixels};
 use anyhow::{Context, Result, bail};
 use lariat_chain::pipeline::FrameView;
+use lariat_chain::recorded::{Decoder, Pixels};
 use lariat_chain::settings::USUAL_FPS;
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Write;

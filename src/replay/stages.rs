@@ -1,8 +1,8 @@
 //! Extract and fit without shared memory: the pipeline, handed recorded messages.
 
-use crate::recording::{Decoder, Gathered};
 use anyhow::{Context, Result};
 use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
+use lariat_chain::recorded::{Decoder, Gathered};
 use lariat_chain::settings::Settings;
 use lariat_extract::Mask;
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace};

@@ -11,7 +11,7 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Wrap};
 
-use super::view::View;
+use lariat_view::View;
 
 /// Rows of the tables: a heading and six steps, and the bar.
 const TABLES: u16 = 8;

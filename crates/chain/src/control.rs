@@ -1,7 +1,7 @@
 //! How another process tells a running chain what to do, and is answered: a socket beside the rig's other files, which only their
 //! owner can open.
 //!
-//! The client writes one request, and ends its side: `settings`, `restart STAGE`, or `set` and a line `section.name=value` for each
+//! The client writes one request, and ends its side: `settings`, `file`, `restart STAGE`, or `set` and a line `section.name=value` for each
 //! change. The chain answers `ok` or `refused`, and what it has to say from the second line on. Both are small, and wait a
 //! second for each other at most.
 
@@ -28,6 +28,8 @@ const ANSWERING: Duration = Duration::from_secs(10);
 pub enum Asked {
     /// The settings that hold, as the text of a `lariat.toml`.
     Settings,
+    /// Where the settings file is that it goes by, or would be: its whole path.
+    File,
     /// That settings hold from now on, each written as `section.name=value`.
     Set(Vec<String>),
     /// That a stage is started anew.
@@ -38,6 +40,7 @@ impl Asked {
     fn text(&self) -> String {
         match self {
             Self::Settings => "settings\n".to_owned(),
+            Self::File => "file\n".to_owned(),
             Self::Restart(stage) => format!("restart {stage}\n"),
             Self::Set(changes) => changes.iter().fold("set\n".to_owned(), |mut text, change| {
                 let _ = writeln!(text, "{change}");
@@ -51,6 +54,7 @@ impl Asked {
         let request = lines.next().unwrap_or_default();
         Ok(match request.split_once(' ') {
             None if request == "settings" => Self::Settings,
+            None if request == "file" => Self::File,
             None if request == "set" => Self::Set(lines.map(str::to_owned).collect()),
             Some(("restart", stage)) => Self::Restart(stage.to_owned()),
             _ => bail!("`{request}` is nothing that a chain of this release can do"),

@@ -11,6 +11,7 @@
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
+//! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`] | camera and plane as files have them |
 //! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
@@ -47,6 +48,7 @@ pub mod output;
 pub mod picture;
 pub mod pipeline;
 pub mod plane_file;
+pub mod recorded;
 pub mod run_files;
 pub mod settings;
 pub mod stages;

@@ -28,6 +28,13 @@ impl<'a> Input<'a> {
         usize::from(byte) % most.max(1)
     }
 
+    /// So many bytes, or fewer at the end.
+    pub(crate) fn take(&mut self, count: usize) -> &'a [u8] {
+        let (taken, rest) = self.0.split_at(count.min(self.0.len()));
+        self.0 = rest;
+        taken
+    }
+
     /// All that is left.
     pub(crate) fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.0)

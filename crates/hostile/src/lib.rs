@@ -2,7 +2,7 @@
 //!
 //! Each target takes what a fuzzer made up. Of that it makes a message, a sound one with some of its fields changed, and sends it through
 //! shared memory, as a writer that has lost its wits would. The readers, in Rust and in C, and the stages that receive it are asked
-//! all that can be asked: they answer or refuse, within bounds, and go on.
+//! all that can be asked: they answer or refuse, within bounds, and go on. And of those who connect to the page's server.
 //!
 //! `fuzz/` has a fuzz target for each, and this crate's tests drive the same over seeds that are kept (`seeds/`) and changes of them.
 
@@ -12,6 +12,7 @@ mod curve;
 mod descriptors;
 mod edit;
 mod frame;
+mod front;
 mod in_c;
 mod input;
 mod rig;
@@ -21,16 +22,18 @@ pub use centerlines::centerlines;
 pub use command::command;
 pub use descriptors::descriptors;
 pub use frame::frame;
+pub use front::front;
 pub use words::words;
 
 /// What takes a fuzzer's bytes, and panics where something does not hold.
 pub type Target = fn(&[u8]);
 
 /// All of them, by the names of their fuzz targets and of the folders of their seeds.
-pub const TARGETS: [(&str, Target); 5] = [
+pub const TARGETS: [(&str, Target); 6] = [
     ("descriptors", descriptors),
     ("centerlines", centerlines),
     ("frame", frame),
     ("command", command),
     ("words", words),
+    ("front", front),
 ];

@@ -100,3 +100,8 @@ fn command() {
 fn words() {
     hold("words", 50_000);
 }
+
+#[test]
+fn front() {
+    hold("front", 20_000);
+}

@@ -76,7 +76,7 @@
 //! A frame's header waits for the image of the same log time. Parts are chosen by frames' times, found in the message indexes
 //! without unpacking; what was made of a frame belongs to its part. Lariat's own schemas must be this release's, but for comments.
 //!
-//! **Computing again** (`src/replay`). The pipeline takes messages wherever these lie; `replay/stages` hands it recorded ones. `src/recording/gather` brings together what the channels said of one frame: complete when each
+//! **Computing again** (`src/replay`). The pipeline takes messages wherever these lie; `replay/stages` hands it recorded ones. `crates/chain/src/recorded` brings together what the channels said of one frame: complete when each
 //! channel has told of it or has gone on to a later frame. `--check` goes by the counters in the traces: extract is handed the frames that
 //! have centerlines, fit the recorded centerlines that have descriptors; a counter that is 1 again is a stage started anew; a gap is
 //! a message that the recorder did not get, so that the past is not known and the check impossible. To the bit where architecture

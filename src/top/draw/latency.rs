@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
 use super::{BOLD, DIM};
-use crate::top::view::{StepRow, View};
+use lariat_view::{StepRow, View};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let heading = format!(

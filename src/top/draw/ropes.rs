@@ -11,7 +11,7 @@ use ratatui::widgets::canvas::{self, Canvas, Context, Rectangle};
 use ratatui::widgets::{Block, Paragraph};
 
 use super::{BAD, BOLD, DIM, DOUBTFUL, GOOD};
-use crate::top::view::{Rope, Shape};
+use lariat_view::{Rope, Shape};
 
 /// Colors by the rope's number, so that a rope keeps its own.
 const COLORS: [Color; 6] = [

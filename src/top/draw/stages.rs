@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
 use super::{BAD, BOLD, DIM, DOUBTFUL};
-use crate::top::view::{StageRow, View};
+use lariat_view::{StageRow, View};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let heading = format!(

@@ -6,7 +6,7 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 
 use super::*;
-use crate::top::view::{Losses, Rope, Shape, StageRow, StepRow};
+use lariat_view::{Losses, Rope, Shape, StageRow, StepRow};
 
 fn screen(view: &View, width: u16, height: u16) -> String {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("memory");

@@ -1,12 +1,13 @@
 //! What others ask of a chain that runs, and settings that change.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::watch::Watch;
 use super::{Chain, Part};
 use crate::control::{Asked, Control};
 use crate::pipeline::{CurveFitter, FrameExtractor};
-use crate::settings::{Flags, Settings};
+use crate::settings::{FILE_NAME, Flags, Settings};
 
 impl Chain {
     /// Makes the socket, also where it was removed: all that was in the domain died at once, and what was left is removed by the
@@ -28,12 +29,20 @@ impl Chain {
         while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
             let answer = match client.asked() {
                 Ok(Asked::Settings) => Ok(self.settings.text()),
+                Ok(Asked::File) => self.file_path(),
                 Ok(Asked::Set(changes)) => self.set(&changes),
                 Ok(Asked::Restart(name)) => self.renew_by_name(&name),
                 Err(cause) => Err(cause),
             };
             client.answer(answer);
         }
+    }
+
+    /// Where its settings file is, or would be.
+    fn file_path(&self) -> anyhow::Result<String> {
+        let file = self.settings.file.as_deref();
+        let path = std::path::absolute(file.unwrap_or(Path::new(FILE_NAME)))?;
+        Ok(format!("{}\n", path.display()))
     }
 
     /// Has settings hold from now on that are written as `section.name=value`.

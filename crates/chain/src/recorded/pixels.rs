@@ -10,16 +10,20 @@ use std::io::Cursor;
 
 /// How the bytes that are kept of a frame make its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pixels {
+pub enum Pixels {
+    /// No bytes were kept.
     None,
+    /// As the header describes them.
     Raw,
+    /// A PNG file.
     Png,
+    /// A JPEG file.
     Jpeg,
 }
 
 impl Pixels {
     /// What it is, and its bytes.
-    pub(crate) fn split(pixels: Recorded<'_>) -> (Self, &[u8]) {
+    pub fn split(pixels: Recorded<'_>) -> (Self, &[u8]) {
         match pixels {
             Recorded::None => (Self::None, &[]),
             Recorded::Raw(bytes) => (Self::Raw, bytes),
@@ -31,7 +35,7 @@ impl Pixels {
 
 /// Decodes pictures into memory that it keeps.
 #[derive(Debug, Default)]
-pub(crate) struct Decoder {
+pub struct Decoder {
     pixels: Vec<u8>,
 }
 
@@ -41,7 +45,7 @@ impl Decoder {
     ///
     /// # Errors
     /// There are no pixels, or the picture cannot be decoded.
-    pub(crate) fn decode<'a>(
+    pub fn decode<'a>(
         &'a mut self,
         header: &FrameHeader,
         kind: Pixels,

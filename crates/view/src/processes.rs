@@ -12,7 +12,7 @@ const ORDER: [&str; 4] = lariat_chain::settings::STAGES;
 
 /// Looks at the processes of a rig about once a second.
 #[derive(Debug, Default)]
-pub(super) struct Processes {
+pub(crate) struct Processes {
     /// When it looked last.
     then_ns: u64,
     /// How long each stage, by process and name, had been on a core by then.
@@ -21,7 +21,7 @@ pub(super) struct Processes {
 
 impl Processes {
     /// The rig's processes now. What they use of a core is since the last look.
-    pub(super) fn look(&mut self, members: &[Member], rig: &str, now_ns: u64) -> Vec<StageRow> {
+    pub(crate) fn look(&mut self, members: &[Member], rig: &str, now_ns: u64) -> Vec<StageRow> {
         let mut of_rig: Vec<&Member> = members.iter().filter(|one| one.rig == rig).collect();
         of_rig.sort_by_key(|one| {
             ORDER

@@ -22,11 +22,11 @@ const MOST: usize = 8192;
 
 /// The frames of the last seconds.
 #[derive(Debug, Default)]
-pub(super) struct Recent(VecDeque<(u64, [Option<u64>; STEPS.len()])>);
+pub(crate) struct Recent(VecDeque<(u64, [Option<u64>; STEPS.len()])>);
 
 impl Recent {
     /// One more.
-    pub(super) fn add(&mut self, trace: &Trace) {
+    pub(crate) fn add(&mut self, trace: &Trace) {
         if self.0.len() == MOST {
             self.0.pop_front();
         }
@@ -35,14 +35,21 @@ impl Recent {
     }
 
     /// Those before this moment are of no interest any more.
-    pub(super) fn forget_before(&mut self, ns: u64) {
+    pub(crate) fn forget_before(&mut self, ns: u64) {
         while self.0.front().is_some_and(|(at_ns, _)| *at_ns < ns) {
             self.0.pop_front();
         }
     }
 
+    /// How long those after this moment took from exposure to fit, µs.
+    pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
+        let frames = self.0.iter().filter(|(at_ns, _)| *at_ns >= since_ns);
+        let whole = frames.filter_map(|(_, steps)| steps[0]);
+        whole.map(|ns| ns as f64 / 1e3).collect()
+    }
+
     /// The percentiles of those after this moment. None, without frames.
-    pub(super) fn since(&self, ns: u64) -> Vec<StepRow> {
+    pub(crate) fn since(&self, ns: u64) -> Vec<StepRow> {
         let frames = self.0.iter().filter(|(at_ns, _)| *at_ns >= ns);
         let mut sorted = Vec::new();
         let row = |(place, step): (usize, Step)| {

@@ -1,6 +1,6 @@
 //! Brings together what the screen shows: from the descriptors that come by, the channel they come on, and `/proc`.
 
-use std::os::fd::AsFd;
+use std::os::fd::BorrowedFd;
 use std::time::Instant;
 
 use lariat_sink::{Arrival, Ledger, points_along};
@@ -12,7 +12,6 @@ use lariat_wire::{
 use super::processes::Processes;
 use super::recent::Recent;
 use super::view::{Losses, Rope, Shape, StageRow, View};
-use lariat_chain::stop::Stop;
 
 /// How often the processes are looked at, and which rigs there are.
 const ROSTER_NS: u64 = 1_000_000_000;
@@ -25,8 +24,9 @@ const WINDOWS_S: [u64; 5] = [1, 3, 10, 30, 60];
 /// Points that a rope is drawn with.
 const DRAWN: usize = 160;
 
-/// Looks at one rig at a time.
-pub(super) struct Gatherer<'d> {
+/// Looks at one rig at a time, through the descriptors that come by.
+#[derive(Debug)]
+pub struct Gatherer<'d> {
     domain: &'d Domain,
     /// The one that was asked for, or that is shown: waited for when it has gone.
     rig: Option<Rig>,
@@ -39,7 +39,7 @@ pub(super) struct Gatherer<'d> {
 }
 
 /// What is known of the rig that is shown. Another one begins anew.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Look {
     reader: Option<Receiver<Descriptors>>,
     is_lossless: bool,
@@ -59,7 +59,7 @@ struct Look {
 
 impl<'d> Gatherer<'d> {
     /// `rig`: the one to begin with.
-    pub(super) fn new(domain: &'d Domain, rig: Option<Rig>) -> Self {
+    pub fn new(domain: &'d Domain, rig: Option<Rig>) -> Self {
         Self {
             domain,
             rig,
@@ -72,7 +72,7 @@ impl<'d> Gatherer<'d> {
     }
 
     /// Goes to the next rig.
-    pub(super) fn next_rig(&mut self) {
+    pub fn next_rig(&mut self) {
         let here = self
             .rigs
             .iter()
@@ -89,24 +89,60 @@ impl<'d> Gatherer<'d> {
     }
 
     /// Latencies of more of the last seconds.
-    pub(super) fn longer(&mut self) {
+    pub fn longer(&mut self) {
         self.window = (self.window + 1).min(WINDOWS_S.len() - 1);
     }
 
     /// Of fewer.
-    pub(super) fn shorter(&mut self) {
+    pub fn shorter(&mut self) {
         self.window = self.window.saturating_sub(1);
     }
 
     /// Whether the rig waits for its readers, so that messages must be taken as they come.
-    pub(super) fn must_keep_up(&self) -> bool {
+    pub fn must_keep_up(&self) -> bool {
         self.look.is_lossless && self.look.reader.is_some()
     }
 
-    /// Takes what comes until the moment.
-    pub(super) fn keep_up(&mut self, until: Instant, stop: &Stop) {
+    /// The newest descriptors, if the rig has sent any since it is looked at.
+    pub fn newest(&self) -> Option<&Descriptors> {
+        self.look.newest.as_deref()
+    }
+
+    /// The rig, while it is read.
+    pub(crate) fn linked(&self) -> Option<&Rig> {
+        self.rig.as_ref().filter(|_| self.look.reader.is_some())
+    }
+
+    /// The settings of the rig's extract, as it said of itself when it was last looked at.
+    pub(crate) fn extract_settings(&self) -> Option<&str> {
+        let rig = self.rig.as_ref()?.as_str();
+        let extract =
+            (self.members.iter()).find(|member| member.rig == rig && member.stage == "extract");
+        extract.map(|member| member.settings.as_str())
+    }
+
+    /// What was lost since the rig is looked at.
+    pub(crate) fn losses(&self, now_ns: u64) -> lariat_record::Losses {
+        let lost = self.look.ledger.as_ref().map(Ledger::lost);
+        let lost = lost.unwrap_or_default();
+        lariat_record::Losses {
+            at_ns: now_ns,
+            source: lost.source,
+            capture: lost.capture,
+            extract: lost.extract,
+            ..Default::default()
+        }
+    }
+
+    /// How long the frames of after this moment took from exposure to fit, µs.
+    pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
+        self.look.recent.fitted_us(since_ns)
+    }
+
+    /// Takes what comes until the moment, or until `also` is readable.
+    pub fn keep_up(&mut self, until: Instant, also: Option<BorrowedFd>) {
         if let Some(reader) = &self.look.reader
-            && let Err(error) = reader.sleep(Some(until), Some(stop.as_fd()))
+            && let Err(error) = reader.sleep(Some(until), also)
         {
             self.look.obstacle = Some(error.to_string());
             self.look.reader = None;
@@ -115,7 +151,7 @@ impl<'d> Gatherer<'d> {
     }
 
     /// Looks at everything that is due.
-    pub(super) fn look(&mut self, now_ns: u64) {
+    pub fn look(&mut self, now_ns: u64) {
         if now_ns >= self.roster_due_ns {
             self.roster_due_ns = now_ns + ROSTER_NS;
             self.look_at_roster(now_ns);
@@ -160,7 +196,7 @@ impl<'d> Gatherer<'d> {
     }
 
     /// What is to be seen at this moment.
-    pub(super) fn view(&self, now_ns: u64) -> View {
+    pub fn view(&self, now_ns: u64) -> View {
         let look = &self.look;
         let here = self
             .rigs

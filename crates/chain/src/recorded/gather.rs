@@ -35,10 +35,13 @@ const CHANNELS: usize = 5;
 
 /// A frame's, or a mask's, header and bytes.
 #[derive(Debug, Clone)]
-pub(crate) struct Copied {
-    pub(crate) header: FrameHeader,
-    pub(crate) pixels: Pixels,
-    pub(crate) bytes: Vec<u8>,
+pub struct Copied {
+    /// What stood beside its bytes.
+    pub header: FrameHeader,
+    /// How the bytes make its pixels.
+    pub pixels: Pixels,
+    /// The bytes as they were recorded.
+    pub bytes: Vec<u8>,
 }
 
 impl Default for Copied {
@@ -53,7 +56,7 @@ impl Default for Copied {
 
 /// What was recorded of one frame. What of it `has` does not tell of is stale.
 #[derive(Debug)]
-pub(crate) struct Gathered {
+pub struct Gathered {
     key: Key,
     has: [bool; CHANNELS],
     frame: Copied,
@@ -81,27 +84,27 @@ impl Gathered {
     }
 
     /// The frame itself.
-    pub(crate) fn frame(&self) -> Option<&Copied> {
+    pub fn frame(&self) -> Option<&Copied> {
         self.told(Channel::Frames, &self.frame)
     }
 
     /// Its mask, if it was made elsewhere.
-    pub(crate) fn mask(&self) -> Option<&Copied> {
+    pub fn mask(&self) -> Option<&Copied> {
         self.told(Channel::Masks, &self.mask)
     }
 
     /// What extract said of it.
-    pub(crate) fn centerlines(&self) -> Option<&Centerlines> {
+    pub fn centerlines(&self) -> Option<&Centerlines> {
         self.told(Channel::Centerlines, &*self.centerlines)
     }
 
     /// What fit said of it.
-    pub(crate) fn descriptors(&self) -> Option<&Descriptors> {
+    pub fn descriptors(&self) -> Option<&Descriptors> {
         self.told(Channel::Descriptors, &*self.descriptors)
     }
 
     /// The true centerlines in it.
-    pub(crate) fn truth(&self) -> Option<&Centerlines> {
+    pub fn truth(&self) -> Option<&Centerlines> {
         self.told(Channel::Truth, &*self.truth)
     }
 
@@ -111,7 +114,7 @@ impl Gathered {
 }
 
 /// A cursor over the frames of a recording.
-pub(crate) struct Gather {
+pub struct Gather {
     messages: Messages,
     /// By key, ascending.
     waiting: VecDeque<Gathered>,
@@ -126,7 +129,7 @@ pub(crate) struct Gather {
 impl Gather {
     /// # Errors
     /// The recording cannot be read, or there is no such part of it.
-    pub(crate) fn new(recording: &Recording, span: Span) -> Result<Self> {
+    pub fn new(recording: &Recording, span: Span) -> Result<Self> {
         let mut last = [None; CHANNELS];
         let topics = recording.topics()?;
         let ours = recording.has_traces();
@@ -158,7 +161,11 @@ impl Gather {
     ///
     /// # Errors
     /// The recording is damaged.
-    pub(crate) fn next(&mut self) -> Result<Option<&Gathered>> {
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "an iterator could not lend what it gives"
+    )]
+    pub fn next(&mut self) -> Result<Option<&Gathered>> {
         while !self.is_ready() {
             self.read()?;
         }

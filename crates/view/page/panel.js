@@ -1,0 +1,99 @@
+// The figures beside the picture, and the line above it.
+
+import { histogram, strip } from "./charts.js";
+import { color } from "./overlay.js";
+import { digits, element, micros, time } from "./words.js";
+
+const by = (id) => document.getElementById(id);
+const STAGES = ["capture", "extract", "fit", "sink"];
+
+/** What the server says four times a second. */
+export function showStatus(status) {
+  by("rig").textContent = status.rig ?? status.film?.name ?? "";
+  by("processes").hidden = Boolean(status.film);
+  by("obstacle").hidden = !status.obstacle;
+  by("obstacle").textContent = status.obstacle ?? "";
+  showNotices(status.notices ?? []);
+  showLatency(status);
+  by("stages").replaceChildren(...status.stages.map((stage) => stageRow(stage, status.lost)));
+}
+
+function showNotices(notices) {
+  by("notices").hidden = !notices.length;
+  by("notices").replaceChildren(...notices.map((text) => element("p", { textContent: text })));
+}
+
+function showLatency(status) {
+  const whole = status.steps.find((step) => step.whole);
+  for (const key of ["p50", "p99", "max"]) by(key).textContent = time(whole?.[key]);
+  by("window").textContent = status.film ? "exposed → fitted" : `exposed → fitted, last ${status.window_s} s`;
+  histogram(by("histogram"), status.histogram, whole?.p99 ?? Infinity);
+  if (status.film) strip(by("strip"), status.strip, "from the first frame on", status.strip.length);
+  else strip(by("strip"), status.strip, "the last minute", 60);
+  const parts = status.steps.filter((step) => !step.whole);
+  by("shares").replaceChildren(...parts.map((step) => {
+    const share = element("i", { className: step.wait ? "wait" : "", title: `${step.name}: ${time(step.p50)}` });
+    share.style.flexGrow = step.p50;
+    return share;
+  }));
+  const head = element("tr", {}, element("th", { textContent: "µs" }),
+    ...["p50", "p90", "p99"].map((text) => element("th", { textContent: text })));
+  by("steps").replaceChildren(...(parts.length ? [head] : []), ...parts.map((step) => element("tr",
+    { className: step.wait ? "wait" : "" },
+    element("td", { textContent: step.name }),
+    ...["p50", "p90", "p99"].map((key) => element("td", { textContent: micros(step[key]) })))));
+  by("limit").textContent = status.limit ? `What limits it: ${status.limit}` : "";
+}
+
+function stageRow(stage, lost) {
+  const after = { capture: lost.capture, extract: lost.extract }[stage.stage];
+  const cell = (text, className = "") => element("td", { textContent: text, className });
+  const name = STAGES.includes(stage.stage) ? stage.stage : `+ ${stage.stage}`;
+  return element("tr", { title: `process ${stage.pid}` },
+    cell(name),
+    cell(stage.fps == null ? "" : digits(stage.fps)),
+    cell(after ?? "", after ? "lost" : ""),
+    cell(stage.cpu_percent == null ? "" : `${stage.cpu_percent.toFixed(0)} %`),
+    cell(stage.own_mb == null ? "" : stage.own_mb.toFixed(1)));
+}
+
+/** What was seen in the moment that is shown. */
+export function showRopes(said) {
+  by("count").textContent = said.ropes.length ? `${said.ropes.length}` : "";
+  const none = element("li", { className: "none", textContent: "no rope in this frame" });
+  by("ropes").replaceChildren(...(said.ropes.length ? said.ropes.map((rope) => ropeItem(rope, said.unit)) : [none]));
+}
+
+function ropeItem(rope, unit) {
+  const swatch = element("span", { className: "swatch" });
+  swatch.style.borderColor = color(rope.track);
+  const sure = element("i");
+  sure.style.width = `${100 * rope.confidence}%`;
+  const order = rope.basis === "points" || rope.basis === "mass" ? rope.basis : `${rope.basis} ${rope.order}`;
+  const fit = rope.coarse ? "coarse" : `rms ${digits(rope.rms)}`;
+  const status = rope.status === "lost" ? `lost for ${rope.age_s.toFixed(1)} s` : rope.status ?? "?";
+  return element("li", {},
+    swatch,
+    element("span", {}, `${rope.track}  ${status}`, element("span", { className: "what", textContent: `  ${order}, ${fit} ${rope.coarse ? "" : unit}` })),
+    element("span", { textContent: `${digits(rope.length)} ${unit}` }),
+    element("span", { className: "sure", title: `confidence ${rope.confidence}` }, sure));
+}
+
+/** The line at the top, of the moment that is shown and the rate. */
+export function showFacts(said, fps) {
+  const fact = (name, value, unit = "") => element("div", {},
+    element("dt", { textContent: name }), element("dd", {}, value, element("span", { textContent: unit })));
+  const facts = [];
+  if (said) {
+    facts.push(fact("frame", said.frame.toLocaleString("en")));
+    if (said.width) facts.push(fact("size", `${said.width} × ${said.height}`, " px"));
+  }
+  if (fps != null) facts.push(fact("rate", digits(fps), " frames/s"));
+  by("facts").replaceChildren(...facts);
+}
+
+/** What is left to say of the connection and of what is shown. */
+export function showState(state, text) {
+  by("state").dataset.state = state;
+  by("state").querySelector("b").textContent = text;
+}

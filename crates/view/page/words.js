@@ -1,0 +1,29 @@
+// How numbers are written.
+
+/** Microseconds as a person reads them: three digits, in µs, ms or s. */
+export function time(us) {
+  if (us == null || !Number.isFinite(us)) return "–";
+  if (us < 1000) return `${digits(us)} µs`;
+  if (us < 1e6) return `${digits(us / 1e3)} ms`;
+  return `${digits(us / 1e6)} s`;
+}
+
+/** The same without its unit, in µs. */
+export function micros(us) {
+  return us == null ? "–" : digits(us);
+}
+
+/** A number with three digits. */
+export function digits(x) {
+  if (x == null || !Number.isFinite(x)) return "–";
+  const size = Math.abs(x);
+  if (size >= 1000) return Math.round(x).toLocaleString("en");
+  return x.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
+}
+
+/** An element with a class and text or children. */
+export function element(name, about = {}, ...children) {
+  const made = Object.assign(document.createElement(name), about);
+  made.append(...children);
+  return made;
+}

@@ -1,0 +1,144 @@
+//! A recording in the place of a rig: the page asks for one frame or another, and is told how the whole went.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use lariat_chain::recorded::{Decoder, Gather, Pixels};
+use lariat_record::{Entry, Losses, Place, Recording, Span};
+use lariat_wire::{Centerlines, Descriptors, Trace};
+
+use crate::moment::{Image, Moment};
+use crate::status::{Film as Told, Reporter};
+
+/// How long it is looked through for its latencies before the page is served.
+const LOOKING: Duration = Duration::from_millis(500);
+/// A frame that is so few places on is gone to frame by frame.
+const NEAR: u64 = 30;
+
+/// A recording that is shown.
+#[derive(Debug)]
+pub(crate) struct Film {
+    path: PathBuf,
+    topic: Option<String>,
+    /// How it went, as the page is told.
+    pub(crate) status: String,
+}
+
+impl Film {
+    /// # Errors
+    /// It cannot be read, or has no frames.
+    pub(crate) fn open(path: &Path, topic: Option<&str>) -> Result<Self> {
+        let about = || path.display().to_string();
+        let recording = Recording::open_topic(path, topic).with_context(about)?;
+        let frames = recording.frames().with_context(about)?;
+        anyhow::ensure!(frames > 0, "{} has no frames to be shown", path.display());
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let traces = traces(&recording).with_context(about)?;
+        Ok(Self {
+            path: path.to_owned(),
+            topic: topic.map(str::to_owned),
+            status: Reporter::of_film(&Told { name, frames }, &traces),
+        })
+    }
+
+    /// A reader of its own for one page.
+    ///
+    /// # Errors
+    /// It cannot be read any more.
+    pub(crate) fn reel(&self) -> Result<Reel> {
+        let recording = Recording::open_topic(&self.path, self.topic.as_deref())?;
+        let at = Gather::new(&recording, Span::default())?;
+        Ok(Reel {
+            recording,
+            at,
+            next: 0,
+            decoder: Decoder::default(),
+        })
+    }
+}
+
+/// The traces of the first frames that have descriptors: as many as are found while the page's user does not notice.
+fn traces(recording: &Recording) -> Result<Vec<Trace>> {
+    let until = Instant::now() + LOOKING;
+    let mut messages = recording.messages(Span::default())?;
+    let mut traces = Vec::new();
+    while Instant::now() < until
+        && let Some(entry) = messages.next()?
+    {
+        if let Entry::Descriptors(shapes) = entry {
+            traces.push(shapes.trace);
+        }
+    }
+    Ok(traces)
+}
+
+/// Goes from frame to frame.
+pub(crate) struct Reel {
+    recording: Recording,
+    at: Gather,
+    /// The place of the frame that `at` gives next, from 0.
+    next: u64,
+    decoder: Decoder,
+}
+
+impl Reel {
+    /// The frame of a place, from 0; `None` behind the last.
+    ///
+    /// # Errors
+    /// The recording is damaged there.
+    pub(crate) fn moment(&mut self, place: u64) -> Result<Option<Moment>> {
+        if !(self.next..self.next + NEAR).contains(&place) {
+            let span = Span {
+                from: Some(Place::Frame(place.saturating_add(1))),
+                to: None,
+            };
+            (self.at, self.next) = (Gather::new(&self.recording, span)?, place);
+        }
+        while self.next < place {
+            self.next += 1;
+            if self.at.next()?.is_none() {
+                return Ok(None);
+            }
+        }
+        self.next += 1;
+        let Some(gathered) = self.at.next()? else {
+            return Ok(None);
+        };
+        let mut descriptors = Box::new(Descriptors::EMPTY);
+        let mut image = None;
+        if let Some(frame) = gathered.frame() {
+            descriptors.trace = frame.header.trace;
+            if frame.pixels != Pixels::None {
+                let decoded = self
+                    .decoder
+                    .decode(&frame.header, frame.pixels, &frame.bytes)?;
+                let (header, bytes) = decoded;
+                (descriptors.width, descriptors.height) = (header.width, header.height);
+                image = Some(Image {
+                    header,
+                    bytes: bytes.to_vec(),
+                });
+            }
+        }
+        let centerlines = gathered.centerlines().map(|seen| {
+            let mut copy = Box::new(Centerlines::EMPTY);
+            copy.copy_meant(seen);
+            copy
+        });
+        if let Some(shapes) = gathered.descriptors() {
+            descriptors.copy_meant(shapes);
+        }
+        Ok(Some(Moment::new(
+            place.saturating_add(1),
+            image,
+            centerlines,
+            descriptors,
+            Losses::default(),
+        )))
+    }
+}

@@ -1,0 +1,327 @@
+//! Foxglove's protocol, spoken by its own app, by Lichtblick and by libraries in several languages: the rig's messages as channels, in the schemas
+//! and the encoding that recordings have (`lariat_record`), and the latency of each frame as JSON, to be plotted.
+//!
+//! [The protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md): the server says which channels there are, the client
+//! subscribes to some, and each message of these comes in binary. Nothing can be written by it. Newest wins: a client gets the next moment when it has
+//! taken the last, and only what it has subscribed to is encoded.
+
+use std::io::{Read, Write};
+use std::os::fd::AsFd;
+use std::time::Duration;
+
+use lariat_record::{
+    Annotated, Clock, ENCODING, Record, SCHEMA_ENCODING, Topic, encode_annotations,
+    encode_compressed_image, encode_image,
+};
+use lariat_wire::{Rig, Trace};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tungstenite::Message;
+
+use crate::hub::Watcher;
+use crate::moment::Moment;
+use crate::session::{Event, Session};
+
+/// What the WebSocket may be called: the older name, and that of the app's newer releases. What is used of them is the same.
+pub(crate) const PROTOCOLS: [&str; 2] = ["foxglove.websocket.v1", "foxglove.sdk.v1"];
+/// The longest sleep.
+const LOOK: Duration = Duration::from_secs(5);
+/// Subscriptions of one client at most.
+const MOST_SUBSCRIPTIONS: usize = 64;
+/// What a binary message with a channel's data begins with.
+const MESSAGE_DATA: u8 = 1;
+
+/// A channel of a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Channel {
+    /// As a recording has it.
+    Recorded(Topic),
+    /// How long each step of a frame's way took.
+    Latency,
+}
+
+/// All of them; a channel's number is its place.
+const CHANNELS: [Channel; 9] = [
+    Channel::Recorded(Topic::Frames),
+    Channel::Recorded(Topic::Image),
+    Channel::Recorded(Topic::Picture),
+    Channel::Recorded(Topic::Centerlines),
+    Channel::Recorded(Topic::Descriptors),
+    Channel::Recorded(Topic::Ropes),
+    Channel::Recorded(Topic::ControlPoints),
+    Channel::Recorded(Topic::Losses),
+    Channel::Latency,
+];
+
+impl Channel {
+    /// As it is made known.
+    fn said(self, id: usize, rig: &str) -> Value {
+        match self {
+            Self::Recorded(topic) => {
+                let schema = topic.schema();
+                // In a recording images are of either kind; here there are both.
+                let more = if topic == Topic::Picture {
+                    "/compressed"
+                } else {
+                    ""
+                };
+                json!({
+                    "id": id, "topic": topic.on(rig) + more, "encoding": ENCODING,
+                    "schemaName": schema.name, "schema": schema.text, "schemaEncoding": SCHEMA_ENCODING,
+                })
+            }
+            Self::Latency => json!({
+                "id": id, "topic": format!("/{rig}/latency"), "encoding": "json",
+                "schemaName": "lariat.Latency", "schema": latency_schema(), "schemaEncoding": "jsonschema",
+            }),
+        }
+    }
+
+    /// Writes its message of a moment into a buffer, which is emptied first, and says of when it is; `None` if there is none.
+    fn encode(self, moment: &Moment, rig: &str, clock: Clock, into: &mut Vec<u8>) -> Option<u64> {
+        let shapes = &*moment.descriptors;
+        let trace = &shapes.trace;
+        let stamp_ns = clock.wall_ns(trace.exposed_ns);
+        let Self::Recorded(topic) = self else {
+            into.clear();
+            into.extend(latency(trace).to_string().bytes());
+            return Some(clock.wall_ns(trace.fitted_ns));
+        };
+        let at_ns = match topic {
+            Topic::Frames => {
+                moment.image.as_ref()?.header.encode(into);
+                trace.captured_ns
+            }
+            Topic::Image => {
+                let image = moment.image.as_ref()?;
+                encode_image(&image.header, &image.bytes, stamp_ns, rig, into)
+                    .then_some(trace.captured_ns)?
+            }
+            Topic::Picture => {
+                encode_compressed_image(&moment.jpeg(1)?, "jpeg", stamp_ns, rig, into);
+                trace.captured_ns
+            }
+            Topic::Centerlines => {
+                let seen = moment.centerlines.as_deref()?;
+                seen.encode(into);
+                seen.trace.extracted_ns
+            }
+            Topic::Descriptors => {
+                shapes.encode(into);
+                trace.fitted_ns
+            }
+            Topic::Ropes => {
+                let seen = moment.centerlines.as_deref()?;
+                encode_annotations(Annotated::Centerlines(seen), stamp_ns, into);
+                trace.extracted_ns
+            }
+            Topic::ControlPoints => {
+                encode_annotations(Annotated::Descriptors(shapes), stamp_ns, into);
+                trace.fitted_ns
+            }
+            Topic::Losses => {
+                moment.losses.encode(into);
+                moment.losses.at_ns
+            }
+            Topic::Masks | Topic::MaskImage | Topic::MaskPicture | Topic::Truth => return None,
+        };
+        Some(clock.wall_ns(at_ns))
+    }
+}
+
+/// The steps of a frame's way, in ms.
+const STEPS: [&str; 6] = [
+    "total",
+    "capture",
+    "wait_for_extract",
+    "extract",
+    "wait_for_fit",
+    "fit",
+];
+
+fn latency(trace: &Trace) -> Value {
+    let ms = |from: u64, to: u64| to.saturating_sub(from) as f64 / 1e6;
+    let times = [
+        ms(trace.exposed_ns, trace.fitted_ns),
+        ms(trace.exposed_ns, trace.captured_ns),
+        ms(trace.captured_ns, trace.extract_started_ns),
+        ms(trace.extract_started_ns, trace.extracted_ns),
+        ms(trace.extracted_ns, trace.fit_started_ns),
+        ms(trace.fit_started_ns, trace.fitted_ns),
+    ];
+    let mut said = json!({ "frame": trace.sequence });
+    for (step, time) in STEPS.iter().zip(times) {
+        said[format!("{step}_ms")] = time.into();
+    }
+    said
+}
+
+fn latency_schema() -> String {
+    let mut properties = json!({ "frame": { "type": "integer" } });
+    for step in STEPS {
+        properties[format!("{step}_ms")] = json!({ "type": "number" });
+    }
+    json!({ "title": "lariat.Latency", "type": "object", "properties": properties }).to_string()
+}
+
+/// What a client says, as far as it is heard.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "op", rename_all = "camelCase")]
+enum Said {
+    Subscribe {
+        subscriptions: Vec<Subscription>,
+    },
+    #[serde(rename_all = "camelCase")]
+    Unsubscribe {
+        subscription_ids: Vec<u32>,
+    },
+    #[serde(other)]
+    Other,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Subscription {
+    id: u32,
+    channel_id: usize,
+}
+
+/// Serves one client, until either goes.
+pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Watcher) {
+    let mut client = Client {
+        subscriptions: Vec::new(),
+        rig: None,
+        shown: 0,
+        clock: Clock::now(),
+        encoded: Vec::new(),
+    };
+    let about = json!({
+        "op": "serverInfo", "name": format!("lariat {}", env!("CARGO_PKG_VERSION")), "capabilities": [],
+        "supportedEncodings": [], "metadata": {}, "sessionId": client.clock.wall_ns(lariat_wire::now_ns()).to_string(),
+    });
+    if !session.say(Message::text(about.to_string())) {
+        return;
+    }
+    while !watcher.is_over() {
+        match session.next(Some(watcher.as_fd()), LOOK) {
+            Event::Text(text) => {
+                let answer = client.hear(&text);
+                if answer.is_some_and(|answer| !session.say(Message::text(answer.to_string()))) {
+                    return;
+                }
+            }
+            // Clients can publish nothing here.
+            Event::Binary(_) | Event::End => return,
+            Event::Look => watcher.hear(),
+        }
+        if session.is_clear() && !client.tell(&mut session, watcher) {
+            return;
+        }
+    }
+}
+
+struct Client {
+    subscriptions: Vec<Subscription>,
+    /// Whose channels it knows.
+    rig: Option<Rig>,
+    shown: u64,
+    clock: Clock,
+    encoded: Vec<u8>,
+}
+
+impl Client {
+    /// What is said to it at once.
+    fn hear(&mut self, text: &str) -> Option<Value> {
+        let warning =
+            |message: String| Some(json!({ "op": "status", "level": 1, "message": message }));
+        match serde_json::from_str(text) {
+            Ok(Said::Subscribe { subscriptions }) => {
+                for subscription in subscriptions {
+                    if subscription.channel_id >= CHANNELS.len() {
+                        return warning(format!(
+                            "There is no channel {}.",
+                            subscription.channel_id
+                        ));
+                    }
+                    if self.subscriptions.len() >= MOST_SUBSCRIPTIONS {
+                        return warning(format!(
+                            "There are at most {MOST_SUBSCRIPTIONS} subscriptions."
+                        ));
+                    }
+                    self.subscriptions
+                        .retain(|known| known.id != subscription.id);
+                    self.subscriptions.push(subscription);
+                }
+                None
+            }
+            Ok(Said::Unsubscribe { subscription_ids }) => {
+                self.subscriptions
+                    .retain(|known| !subscription_ids.contains(&known.id));
+                None
+            }
+            Ok(Said::Other) => None,
+            Err(_) => warning("This is no message of the protocol.".to_owned()),
+        }
+    }
+
+    /// Says what is new; `false`: it is over.
+    fn tell<S: Read + Write + AsFd>(
+        &mut self,
+        session: &mut Session<S>,
+        watcher: &Watcher,
+    ) -> bool {
+        let rig = watcher.rig();
+        if rig.is_some() && rig != self.rig && !self.make_known(session, rig) {
+            return false;
+        }
+        let Some(rig) = self.rig.as_ref().filter(|_| !self.subscriptions.is_empty()) else {
+            return true;
+        };
+        if let Some(moment) = watcher.moment_after(self.shown) {
+            self.shown = moment.number;
+            for subscription in &self.subscriptions {
+                let channel = CHANNELS[subscription.channel_id];
+                let Some(at_ns) =
+                    channel.encode(&moment, rig.as_str(), self.clock, &mut self.encoded)
+                else {
+                    continue;
+                };
+                let mut message = Vec::with_capacity(13 + self.encoded.len());
+                message.push(MESSAGE_DATA);
+                message.extend(subscription.id.to_le_bytes());
+                message.extend(at_ns.to_le_bytes());
+                message.extend_from_slice(&self.encoded);
+                if !session.say(Message::binary(message)) {
+                    return false;
+                }
+            }
+        }
+        watcher.want();
+        true
+    }
+
+    fn make_known<S: Read + Write + AsFd>(
+        &mut self,
+        session: &mut Session<S>,
+        rig: Option<Rig>,
+    ) -> bool {
+        if self.rig.is_some() {
+            self.subscriptions.clear();
+            let ids: Vec<usize> = (0..CHANNELS.len()).collect();
+            let gone = json!({ "op": "unadvertise", "channelIds": ids });
+            if !session.say(Message::text(gone.to_string())) {
+                return false;
+            }
+        }
+        self.rig = rig;
+        let name = self.rig.as_ref().map_or("", Rig::as_str);
+        let channels: Vec<Value> = CHANNELS
+            .iter()
+            .enumerate()
+            .map(|(id, channel)| channel.said(id, name))
+            .collect();
+        session.say(Message::text(
+            json!({ "op": "advertise", "channels": channels }).to_string(),
+        ))
+    }
+}

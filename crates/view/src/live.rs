@@ -1,0 +1,242 @@
+//! What the page and the server say to each other (`lariat.view.v1`).
+//!
+//! The page says, as JSON:
+//!
+//! | `type` | with | what |
+//! |---|---|---|
+//! | `next` | `width` | of a rig: it has drawn what came last; send the next, which it shows so many pixels wide |
+//! | `frame` | `place`, `width` | of a recording: send the frame of this place, from 0 |
+//! | `ask` | `id`, `wish` and what belongs to it ([`tuning`]) | is answered by an `answer` with this `id`, and what was `said`, or why it was `refused` |
+//!
+//! The server says, as JSON: `status`, of a rig four times a second ([`status`](crate::status)); `missing`, with `place`: there is no such frame, or it is
+//! damaged. And in binary a moment: the lengths of the JSON and of the JPEG that
+//! follow, 4 bytes each, little endian; what is drawn over the picture, as JSON ([`moment`](crate::moment)); the picture, as JPEG, none if the source has
+//! none; what of it is in the mask that was asked for, as PNG, none if none was.
+
+use std::collections::VecDeque;
+use std::io::{Read, Write};
+use std::os::fd::AsFd;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use lariat_extract::Mask;
+use lariat_wire::Rig;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tungstenite::Message;
+
+use crate::film::Film;
+use crate::hub::Watcher;
+use crate::moment::Moment;
+use crate::picture::times_smaller;
+use crate::session::{Event, Session};
+use crate::tuning::{self, Wish};
+
+/// How the WebSocket of the page is called.
+pub(crate) const PROTOCOL: &str = "lariat.view.v1";
+/// The longest sleep.
+const LOOK: Duration = Duration::from_secs(5);
+
+/// Moments that the page may still speak of: the one on its screen, and those that came after it.
+const HELD: usize = 3;
+
+/// What the page says.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Said {
+    Next {
+        width: u32,
+    },
+    Frame {
+        place: u64,
+        width: u32,
+    },
+    Ask {
+        id: u64,
+        #[serde(flatten)]
+        wish: Wish,
+    },
+    /// What a newer page may say.
+    #[serde(other)]
+    Other,
+}
+
+/// One page.
+pub(crate) struct Page<S: Read + Write + AsFd> {
+    session: Session<S>,
+    may_write: bool,
+    /// What it was shown last, the newest last.
+    held: VecDeque<Arc<Moment>>,
+    /// How wide it showed that.
+    width: u32,
+    /// What is drawn with each moment.
+    mask: Option<Mask>,
+}
+
+impl<S: Read + Write + AsFd> Page<S> {
+    pub(crate) fn new(session: Session<S>, may_write: bool) -> Self {
+        Self {
+            session,
+            may_write,
+            held: VecDeque::new(),
+            width: 0,
+            mask: None,
+        }
+    }
+
+    /// Shows it the rig, until either goes.
+    pub(crate) fn show_rig(mut self, watcher: &Watcher) {
+        let (mut shown, mut told) = (0, 0);
+        let mut width = None;
+        while !watcher.is_over() {
+            match self.session.next(Some(watcher.as_fd()), LOOK) {
+                Event::Text(text) => match serde_json::from_str(&text) {
+                    Ok(Said::Next { width: wanted }) => {
+                        width = Some(wanted);
+                        watcher.want();
+                    }
+                    Ok(Said::Ask { id, wish }) => {
+                        let rig = watcher.rig();
+                        let rig = rig.as_ref().map(Rig::as_str);
+                        if !self.answer(id, wish, rig) {
+                            return;
+                        }
+                    }
+                    Ok(Said::Frame { .. } | Said::Other) => {}
+                    Err(_) => return,
+                },
+                Event::Look => watcher.hear(),
+                Event::Binary(_) | Event::End => return,
+            }
+            if !self.session.is_clear() {
+                continue;
+            }
+            if let Some((number, status)) = watcher.status_after(told) {
+                told = number;
+                if !self.session.say(Message::text(&*status)) {
+                    return;
+                }
+            }
+            if let Some(wanted) = width
+                && let Some(moment) = watcher.moment_after(shown)
+            {
+                (shown, width) = (moment.number, None);
+                if !self.show(moment, wanted) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Shows it a recording, until it goes.
+    pub(crate) fn show_film(mut self, film: &Film) {
+        let Ok(mut reel) = film.reel() else {
+            return;
+        };
+        if !self.session.say(Message::text(&*film.status)) {
+            return;
+        }
+        let mut wanted = None;
+        loop {
+            match self.session.next(None, LOOK) {
+                Event::Text(text) => match serde_json::from_str(&text) {
+                    // The last that is asked for is what is to be seen.
+                    Ok(Said::Frame { place, width }) => wanted = Some((place, width)),
+                    Ok(Said::Ask { id, wish }) => {
+                        if !self.answer(id, wish, None) {
+                            return;
+                        }
+                    }
+                    Ok(Said::Next { .. } | Said::Other) => {}
+                    Err(_) => return,
+                },
+                Event::Look => {}
+                Event::Binary(_) | Event::End => return,
+            }
+            if self.session.is_clear()
+                && let Some((place, width)) = wanted.take()
+            {
+                let goes_on = match reel.moment(place) {
+                    Ok(Some(moment)) => self.show(Arc::new(moment), width),
+                    Ok(None) | Err(_) => {
+                        let missing = json!({ "type": "missing", "place": place });
+                        self.session.say(Message::text(missing.to_string()))
+                    }
+                };
+                if !goes_on {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// `false`: it is over.
+    fn show(&mut self, moment: Arc<Moment>, width: u32) -> bool {
+        self.width = width;
+        let message = message(&moment, width, self.mask.as_ref());
+        if self
+            .held
+            .back()
+            .is_none_or(|last| last.number != moment.number)
+        {
+            self.held.push_back(moment);
+        }
+        if self.held.len() > HELD {
+            self.held.pop_front();
+        }
+        self.session.say(message)
+    }
+
+    /// Answers a wish; `false`: it is over.
+    fn answer(&mut self, id: u64, wish: Wish, rig: Option<&str>) -> bool {
+        let answer = match self.grant(wish, rig) {
+            Ok(said) => json!({ "type": "answer", "id": id, "said": said }),
+            Err(why) => json!({ "type": "answer", "id": id, "refused": format!("{why:#}") }),
+        };
+        self.session.say(Message::text(answer.to_string()))
+    }
+
+    fn grant(&mut self, wish: Wish, rig: Option<&str>) -> Result<Value> {
+        if wish.writes() && !self.may_write {
+            bail!("this connection may not change anything: open the page by its address");
+        }
+        match wish {
+            Wish::Pick { number, at } => {
+                let moment = self.held.iter().find(|moment| moment.number == number);
+                let moment =
+                    moment.context("this frame is too old to pick from: go to the newest one")?;
+                let (answer, mask) = tuning::colours(moment, &at)?;
+                let moment = moment.clone();
+                self.mask = Some(mask);
+                self.show(moment, self.width);
+                Ok(answer)
+            }
+            Wish::Mask { mask } => {
+                self.mask = mask.as_deref().map(tuning::mask).transpose()?;
+                if let Some(newest) = self.held.back().cloned() {
+                    self.show(newest, self.width);
+                }
+                Ok(Value::Null)
+            }
+            wish => tuning::of_chain(rig.context("there is no chain to be asked")?, &wish),
+        }
+    }
+}
+
+/// A moment as a message.
+fn message(moment: &Moment, wanted: u32, mask: Option<&Mask>) -> Message {
+    let said = moment.said();
+    let times = times_smaller(moment.descriptors.width, wanted);
+    let jpeg = moment.jpeg(times).unwrap_or_default();
+    let png = mask
+        .and_then(|mask| tuning::drawn(moment, mask))
+        .unwrap_or_default();
+    let mut bytes = Vec::with_capacity(8 + said.len() + jpeg.len() + png.len());
+    bytes.extend_from_slice(&(said.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(&(jpeg.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(said.as_bytes());
+    bytes.extend_from_slice(&jpeg);
+    bytes.extend_from_slice(&png);
+    Message::binary(bytes)
+}

@@ -1,0 +1,277 @@
+//! One frame with all that was said of it: what the page shows at a time.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use lariat_record::Losses;
+use lariat_sink::points_along;
+use lariat_wire::{
+    Basis, Centerlines, Curve, Descriptor, Descriptors, FitQuality, FrameHeader, Status, Trace,
+    Unit,
+};
+use serde::Serialize;
+
+use crate::picture::{Rgb, rgb};
+
+/// Points that a curve is drawn with.
+const DRAWN: usize = 160;
+
+/// A frame's image, copied out of shared memory.
+#[derive(Debug)]
+pub(crate) struct Image {
+    pub(crate) header: FrameHeader,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// One frame, and what was said of it.
+#[derive(Debug)]
+pub(crate) struct Moment {
+    /// Its number among those that were shown, from 1.
+    pub(crate) number: u64,
+    /// `None`: the source has none to give, or it was overtaken by newer ones.
+    pub(crate) image: Option<Image>,
+    pub(crate) centerlines: Option<Box<Centerlines>>,
+    pub(crate) descriptors: Box<Descriptors>,
+    /// What was lost until then, since the rig is looked at.
+    pub(crate) losses: Losses,
+    said: OnceLock<String>,
+    rgb: OnceLock<Option<Rgb>>,
+    /// By how many times smaller they are.
+    jpegs: Mutex<Vec<(u32, Option<tungstenite::Bytes>)>>,
+}
+
+impl Moment {
+    pub(crate) fn new(
+        number: u64,
+        image: Option<Image>,
+        centerlines: Option<Box<Centerlines>>,
+        descriptors: Box<Descriptors>,
+        losses: Losses,
+    ) -> Self {
+        Self {
+            number,
+            image,
+            centerlines,
+            descriptors,
+            losses,
+            said: OnceLock::new(),
+            rgb: OnceLock::new(),
+            jpegs: Mutex::default(),
+        }
+    }
+
+    /// The pixels, red, green and blue.
+    pub(crate) fn rgb(&self) -> Option<&Rgb> {
+        let rgb = self.rgb.get_or_init(|| {
+            let image = self.image.as_ref()?;
+            rgb(&image.header, &image.bytes)
+        });
+        rgb.as_ref()
+    }
+
+    /// The picture, so many times smaller: made by the first who asks for it.
+    pub(crate) fn jpeg(&self, times: u32) -> Option<tungstenite::Bytes> {
+        let mut jpegs = self.jpegs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, jpeg)) = jpegs.iter().find(|(known, _)| *known == times) {
+            return jpeg.clone();
+        }
+        let jpeg = self.rgb().and_then(|rgb| rgb.jpeg(times));
+        let jpeg = jpeg.map(tungstenite::Bytes::from);
+        jpegs.push((times, jpeg.clone()));
+        jpeg
+    }
+
+    /// All that is drawn over it, as JSON.
+    pub(crate) fn said(&self) -> &str {
+        self.said.get_or_init(|| {
+            let said = Said::of(self);
+            serde_json::to_string(&said).unwrap_or_else(|_| "{}".to_owned())
+        })
+    }
+}
+
+/// What is drawn over a frame. Positions are pixels of the whole image, the centre of the top-left one is (0, 0).
+#[derive(Debug, Serialize)]
+struct Said {
+    number: u64,
+    frame: u64,
+    width: u32,
+    height: u32,
+    unit: &'static str,
+    /// The stamps of its way, in µs from the exposure on; 0 where one is not known.
+    way_us: [u64; 6],
+    /// When it was exposed, in ms of the machine's clock.
+    exposed_ms: f64,
+    ropes: Vec<RopeSaid>,
+    crossings: Vec<CrossingSaid>,
+}
+
+#[derive(Debug, Serialize)]
+struct RopeSaid {
+    track: u32,
+    status: Option<&'static str>,
+    closed: bool,
+    basis: &'static str,
+    order: u32,
+    length: f64,
+    width: f64,
+    rms: f64,
+    max: f64,
+    coarse: bool,
+    confidence: f64,
+    age_s: f64,
+    /// Where the rope was seen, in pixels; and which of these points are covered.
+    points: Vec<[f64; 2]>,
+    hidden: Vec<usize>,
+    width_px: f64,
+    /// Along the curve; none, if it is no curve or not in pixels.
+    curve: Vec<[f64; 2]>,
+    control: Vec<[f64; 2]>,
+    /// `[xx, xy, yy]`, px².
+    covariances: Vec<[f64; 3]>,
+}
+
+#[derive(Debug, Serialize)]
+struct CrossingSaid {
+    at: [f64; 2],
+    over: u32,
+    under: u32,
+    over_rho: f64,
+    confidence: f64,
+}
+
+impl Said {
+    fn of(moment: &Moment) -> Self {
+        let shapes = &moment.descriptors;
+        let seen = moment.centerlines.as_deref();
+        let is_of_image = shapes.unit() == Some(Unit::Pixel);
+        let curve_of = |track| {
+            let mut curves = seen.into_iter().flat_map(Centerlines::curves);
+            curves.find(|curve| curve.track == track)
+        };
+        let ropes = shapes.curves().iter().map(|shape| {
+            let mut rope = RopeSaid::of(shape, is_of_image);
+            match curve_of(shape.track) {
+                Some(curve) => rope.see(curve),
+                None if is_of_image => rope.see_points(shapes, shape.track),
+                None => {}
+            }
+            rope
+        });
+        let crossings = seen.into_iter().flat_map(|seen| {
+            let track = |index: u32| {
+                seen.curves()
+                    .get(index as usize)
+                    .map_or(0, |curve| curve.track)
+            };
+            seen.crossings().iter().map(move |crossing| CrossingSaid {
+                at: crossing.at.map(|x| short(x.into())),
+                over: track(crossing.over),
+                under: track(crossing.under),
+                over_rho: short(crossing.over_rho.into()),
+                confidence: short(crossing.confidence.into()),
+            })
+        });
+        Self {
+            number: moment.number,
+            frame: shapes.trace.sequence,
+            width: shapes.width,
+            height: shapes.height,
+            unit: shapes.unit().map_or("?", Unit::name),
+            way_us: way_us(&shapes.trace),
+            exposed_ms: (shapes.trace.exposed_ns / 1000) as f64 / 1e3,
+            ropes: ropes.collect(),
+            crossings: crossings.collect(),
+        }
+    }
+}
+
+fn way_us(trace: &Trace) -> [u64; 6] {
+    let stamps = [
+        trace.captured_ns,
+        trace.extract_started_ns,
+        trace.extracted_ns,
+        trace.fit_started_ns,
+        trace.fitted_ns,
+    ];
+    let mut way = [0; 6];
+    for (to, stamp) in way[1..].iter_mut().zip(stamps) {
+        *to = stamp.saturating_sub(trace.exposed_ns) / 1000;
+    }
+    way
+}
+
+impl RopeSaid {
+    fn of(shape: &Descriptor, is_of_image: bool) -> Self {
+        let mut curve = vec![[0.0; 2]; DRAWN];
+        let is_curve = is_of_image && points_along(shape, &mut curve);
+        if !is_curve || curve.iter().flatten().any(|x| !x.is_finite()) {
+            curve.clear();
+        }
+        // A Fourier series has coefficients, not points.
+        let has_points = is_of_image && !matches!(shape.basis(), Some(Basis::Fourier) | None);
+        let count = if has_points { usize::MAX } else { 0 };
+        Self {
+            track: shape.track,
+            status: shape.status().map(Status::name),
+            closed: shape.closed != 0,
+            basis: shape.basis().map_or("?", Basis::name),
+            order: shape.order,
+            length: short(shape.length),
+            width: short(shape.width),
+            rms: short(shape.rms),
+            max: short(shape.max),
+            coarse: shape.fit() == Some(FitQuality::Coarse),
+            confidence: short(shape.confidence.into()),
+            age_s: shape.age_ns as f64 / 1e9,
+            points: Vec::new(),
+            hidden: Vec::new(),
+            width_px: 0.0,
+            curve: curve.iter().map(|p| p.map(short)).collect(),
+            control: (shape.control_points().iter().take(count))
+                .map(|p| p.map(short))
+                .collect(),
+            covariances: (shape.covariances().iter().take(count))
+                .map(|c| c.map(fine))
+                .collect(),
+        }
+    }
+
+    fn see(&mut self, curve: &Curve) {
+        let points = curve.points();
+        self.points = points.iter().map(|p| p.map(|x| short(x.into()))).collect();
+        self.hidden = (0..points.len()).filter(|&i| curve.is_hidden(i)).collect();
+        self.width_px = short(curve.width_px.into());
+    }
+
+    /// By the descriptors' own points, where extract's are not at hand.
+    fn see_points(&mut self, shapes: &Descriptors, track: u32) {
+        let place = shapes
+            .curves()
+            .iter()
+            .position(|shape| shape.track == track);
+        if let Some(line) = place.and_then(|place| shapes.centerlines().get(place)) {
+            let points = line.points();
+            self.points = points.iter().map(|p| p.map(|x| short(x.into()))).collect();
+            self.hidden = (0..points.len()).filter(|&i| line.is_hidden(i)).collect();
+            self.width_px = self.width;
+        }
+    }
+}
+
+/// To a hundredth; JSON has no other numbers than finite ones.
+fn short(x: f64) -> f64 {
+    rounded(x, 1e2)
+}
+
+/// To a hundred thousandth: variances are small.
+fn fine(x: f64) -> f64 {
+    rounded(x, 1e5)
+}
+
+fn rounded(x: f64, per_unit: f64) -> f64 {
+    if x.is_finite() {
+        (x * per_unit).round() / per_unit + 0.0
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,93 @@
+//! What extraction is unsure of in the picture that is shown, in words. The chain says it on its own terminal, which who looks at the
+//! page may not see; no message has it. So the page's own extractor looks at a frame now and then, with the rig's settings.
+
+use std::time::{Duration, Instant};
+
+use lariat_chain::doubts;
+use lariat_chain::pipeline::{FrameExtractor, FrameView};
+use lariat_chain::settings::Settings;
+use lariat_extract::{Mask, Notice};
+use lariat_wire::Centerlines;
+
+use crate::moment::Moment;
+
+/// From one look to the next.
+const LOOK: Duration = Duration::from_secs(2);
+
+/// What is to be said.
+#[derive(Default)]
+pub(crate) struct Notices {
+    due: Option<Instant>,
+    /// By which settings it looks, and how; `None`: it cannot, or masks come from elsewhere.
+    extractor: Option<(String, Option<FrameExtractor>)>,
+    last: Option<Notice>,
+    told: Option<Notice>,
+}
+
+impl std::fmt::Debug for Notices {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Notices")
+            .field("told", &self.told)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Notices {
+    /// Looks at a moment, if it is time. `settings`: those of the rig's extract, if it runs.
+    pub(crate) fn look(&mut self, moment: &Moment, settings: Option<&str>) {
+        let now = Instant::now();
+        if self.due.is_some_and(|due| now < due) {
+            return;
+        }
+        self.due = Some(now + LOOK);
+        let Some(settings) = settings else {
+            return;
+        };
+        if self
+            .extractor
+            .as_ref()
+            .is_none_or(|(known, _)| known != settings)
+        {
+            self.extractor = Some((settings.to_owned(), extractor(settings)));
+        }
+        let extractor = self
+            .extractor
+            .as_mut()
+            .and_then(|(_, extractor)| extractor.as_mut());
+        let notice = extractor.and_then(|extractor| notice(extractor, moment));
+        // A hand that passes is no reason.
+        if notice == self.last {
+            self.told = notice;
+        }
+        self.last = notice;
+    }
+
+    /// As a sentence that says what to do.
+    pub(crate) fn said(&self) -> Option<String> {
+        self.told.map(doubts::sentence)
+    }
+}
+
+fn extractor(settings: &str) -> Option<FrameExtractor> {
+    let settings = Settings::of_text(settings).ok()?;
+    if settings.extract.mask == Mask::External {
+        return None;
+    }
+    FrameExtractor::new(&settings.extract).ok()
+}
+
+fn notice(extractor: &mut FrameExtractor, moment: &Moment) -> Option<Notice> {
+    let image = moment.image.as_ref()?;
+    let whole = FrameView::new(&image.header, &image.bytes).image().ok()?;
+    let part = extractor.part(whole).ok()?;
+    let mut seen = Box::new(Centerlines::EMPTY);
+    extractor.forget();
+    let scene = extractor.extract(
+        &part,
+        None,
+        image.header.trace.exposed_ns,
+        &mut |_| {},
+        &mut seen,
+    );
+    scene.ok()?.notice
+}

@@ -1,0 +1,326 @@
+//! Who connects, and what becomes of it: a thread for each, and no more of them than [`MOST_CLIENTS`].
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::Builder;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use lariat_wire::Rig;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use crate::film::Film;
+use crate::guard::{Admitted, Guard, token};
+use crate::http::{Refusal, Request, answer, switch};
+use crate::hub::Hub;
+use crate::live::Page;
+use crate::session::Session;
+use crate::{foxglove, live, page};
+
+/// Connections at a time. A browser has some for the page's files and one that stays.
+const MOST_CLIENTS: usize = 32;
+/// How long a client may take to ask, and to take an answer.
+const ASKING: Duration = Duration::from_secs(5);
+/// Of a client's thread: it keeps pictures on the heap.
+const STACK: usize = 512 << 10;
+
+/// What a page shows.
+#[derive(Debug, Clone)]
+pub enum Shown {
+    /// A rig; `None`: `default`, or the first there is.
+    Rig(Option<Rig>),
+    /// A recording.
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// The topic whose images are its frames, where there are several cameras.
+        topic: Option<String>,
+    },
+}
+
+/// How a page is served.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// What it shows.
+    pub shown: Shown,
+    /// Where it listens. Anything but this machine's own address asks for a token.
+    pub listen: IpAddr,
+    /// At which port; 0 for any that is free.
+    pub port: u16,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            shown: Shown::Rig(None),
+            listen: Ipv4Addr::LOCALHOST.into(),
+            port: 8765,
+        }
+    }
+}
+
+/// A server that listens.
+#[derive(Debug)]
+pub struct Server {
+    listener: TcpListener,
+    shared: Arc<Shared>,
+}
+
+/// What all clients share.
+#[derive(Debug)]
+struct Shared {
+    guard: Guard,
+    hub: Arc<Hub>,
+    /// Shown in the place of the rig.
+    film: Option<Film>,
+    clients: AtomicUsize,
+}
+
+impl Server {
+    /// Listens; nobody is answered before [`run`](Self::run).
+    ///
+    /// # Errors
+    /// The port is taken, the address is none of this machine's, or the recording cannot be shown.
+    pub fn bind(options: &Options) -> Result<Self> {
+        let (rig, film) = match &options.shown {
+            Shown::Rig(rig) => (rig.clone(), None),
+            Shown::Recording { path, topic } => (None, Some(Film::open(path, topic.as_deref())?)),
+        };
+        let asked = SocketAddr::new(options.listen, options.port);
+        let listener = TcpListener::bind(asked).map_err(|cause| match cause.kind() {
+            ErrorKind::AddrInUse => anyhow::anyhow!(
+                "port {} is in use, perhaps by another `lariat view`: say --port with another number",
+                options.port
+            ),
+            ErrorKind::AddrNotAvailable => anyhow::anyhow!(
+                "{} is no address of this machine: say --listen with one, or 0.0.0.0 for all",
+                options.listen
+            ),
+            _ => anyhow::Error::new(cause).context(format!("cannot listen on {asked}")),
+        })?;
+        listener.set_nonblocking(true).context("cannot listen")?;
+        let guard = Guard {
+            address: listener.local_addr().context("cannot listen")?,
+            token: token().context("no random token can be made")?,
+        };
+        Ok(Self {
+            listener,
+            shared: Arc::new(Shared {
+                guard,
+                hub: Hub::new(rig),
+                film,
+                clients: AtomicUsize::new(0),
+            }),
+        })
+    }
+
+    /// The address to open in a browser.
+    pub fn url(&self) -> String {
+        let Guard { address, token } = &self.shared.guard;
+        match address.ip() {
+            ip if ip.is_loopback() => format!("http://{address}/"),
+            ip if ip.is_unspecified() => {
+                let name = rustix::system::uname();
+                let name = name.nodename().to_string_lossy().into_owned();
+                format!("http://{name}:{}/{token}/", address.port())
+            }
+            _ => format!("http://{address}/{token}/"),
+        }
+    }
+
+    /// The same with the token, by which anyone may come: another site's page too.
+    pub fn url_with_token(&self) -> String {
+        let Guard { address, token } = &self.shared.guard;
+        match address.ip() {
+            ip if ip.is_loopback() => format!("http://{address}/{token}/"),
+            _ => self.url(),
+        }
+    }
+
+    /// Serves until `stop` is readable.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub fn run(&self, stop: BorrowedFd) -> Result<()> {
+        let hub = self.shared.hub.clone();
+        let reader = Builder::new().name("view-hub".into());
+        let reader = reader
+            .spawn(move || hub.run())
+            .context("no thread can be started")?;
+        let mut is_told = false;
+        while !is_told {
+            let mut both = [
+                PollFd::new(&self.listener, PollFlags::IN),
+                PollFd::from_borrowed_fd(stop, PollFlags::IN),
+            ];
+            match poll(&mut both, None) {
+                Ok(_) | Err(rustix::io::Errno::INTR) => {}
+                Err(cause) => return Err(cause).context("cannot wait for clients"),
+            }
+            is_told = !both[1].revents().is_empty();
+            while let Ok((stream, _)) = self.listener.accept() {
+                self.receive(stream);
+            }
+        }
+        self.shared.hub.end();
+        // One that panicked has said so.
+        let _ = reader.join();
+        Ok(())
+    }
+
+    fn receive(&self, stream: TcpStream) {
+        if stream.set_nonblocking(true).is_err() {
+            return;
+        }
+        // A picture is not to wait for the next one.
+        let _ = stream.set_nodelay(true);
+        let place = Place(self.shared.clone());
+        if self.shared.clients.fetch_add(1, Ordering::Relaxed) >= MOST_CLIENTS {
+            let refusal = Refusal(503, "Too many connections: close some of the pages.");
+            let _ = (&stream).write(&refusal.answer());
+            return;
+        }
+        let client = Builder::new().name("view-client".into()).stack_size(STACK);
+        // Without a thread its connection is closed.
+        let _ = client.spawn(move || attend(stream, &place.0));
+    }
+}
+
+/// A client's place among all, given back at its end.
+struct Place(Arc<Shared>);
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.clients.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Serves one connection that does not block, to its end, for tests: of this machine, with this token.
+pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
+    let shared = Shared {
+        guard: Guard {
+            address: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8765),
+            token: token.to_owned(),
+        },
+        hub: Hub::new(None),
+        film: None,
+        clients: AtomicUsize::new(0),
+    };
+    attend(stream, &shared);
+}
+
+fn attend(mut stream: impl Read + Write + AsFd, shared: &Shared) {
+    let asked = ask(&mut stream).and_then(|(request, rest)| {
+        let admitted = shared.guard.admit(&request)?;
+        Ok((request, admitted, rest))
+    });
+    let (request, admitted, rest) = match asked {
+        Ok(asked) => asked,
+        Err(refusal) => return write_all(&mut stream, &refusal.answer()),
+    };
+    match &request.key {
+        Some(key) => open(stream, key, &request, &admitted, rest, shared),
+        None => {
+            let Some((kind, file)) = page::at(&admitted.path) else {
+                let refusal = Refusal(404, "There is no such file here.");
+                return write_all(&mut stream, &refusal.answer());
+            };
+            write_all(&mut stream, &answer(200, kind, file, request.is_head));
+        }
+    }
+}
+
+/// Opens a WebSocket in the first of the ways that the client speaks, and keeps it to its end.
+fn open<S: Read + Write + AsFd>(
+    mut stream: S,
+    key: &str,
+    request: &Request,
+    admitted: &Admitted,
+    rest: Vec<u8>,
+    shared: &Shared,
+) {
+    let is_foxglove = |name: &str| foxglove::PROTOCOLS.contains(&name);
+    let is_known = |name: &&String| match name.as_str() {
+        live::PROTOCOL => true,
+        // It opens recordings itself.
+        name => shared.film.is_none() && is_foxglove(name),
+    };
+    let Some(protocol) = request.protocols.iter().find(is_known) else {
+        let refusal = Refusal(400, "This WebSocket speaks nothing that is known here.");
+        return write_all(&mut stream, &refusal.answer());
+    };
+    if let Some(film) = &shared.film {
+        write_all(&mut stream, &switch(key, protocol));
+        return Page::new(Session::new(stream, rest), admitted.may_write).show_film(film);
+    }
+    let Ok(watcher) = shared.hub.join() else {
+        let refusal = Refusal(503, "Too many connections: close some of the pages.");
+        return write_all(&mut stream, &refusal.answer());
+    };
+    write_all(&mut stream, &switch(key, protocol));
+    let session = Session::new(stream, rest);
+    match is_foxglove(protocol) {
+        true => foxglove::run(session, &watcher),
+        false => Page::new(session, admitted.may_write).show_rig(&watcher),
+    }
+}
+
+/// What the client asks for, and what it has sent beyond.
+fn ask(stream: &mut (impl Read + AsFd)) -> Result<(Request, Vec<u8>), Refusal> {
+    let until = Instant::now() + ASKING;
+    let mut head = Vec::new();
+    let mut bytes = [0; 4096];
+    loop {
+        match stream.read(&mut bytes) {
+            Ok(0) => return Err(Refusal(400, "The request did not end.")),
+            Ok(count) => {
+                head.extend_from_slice(&bytes[..count]);
+                if let Some((request, length)) = Request::parse(&head)? {
+                    return Ok((request, head.split_off(length)));
+                }
+            }
+            Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
+            Err(cause) if cause.kind() == ErrorKind::WouldBlock => {
+                if !wait(stream, PollFlags::IN, until) {
+                    return Err(Refusal(408, "The request did not end in time."));
+                }
+            }
+            Err(_) => return Err(Refusal(400, "The request did not end.")),
+        }
+    }
+}
+
+/// Writes it all, if the client takes it in time.
+fn write_all(stream: &mut (impl Write + AsFd), mut bytes: &[u8]) {
+    let until = Instant::now() + ASKING;
+    while !bytes.is_empty() {
+        match stream.write(bytes) {
+            Ok(count @ 1..) => bytes = &bytes[count..],
+            Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
+            Err(cause) if cause.kind() == ErrorKind::WouldBlock => {
+                if !wait(stream, PollFlags::OUT, until) {
+                    return;
+                }
+            }
+            Ok(_) | Err(_) => return,
+        }
+    }
+}
+
+/// Waits until the stream can be read or written; `false` if the time is over.
+fn wait(stream: &impl AsFd, for_what: PollFlags, until: Instant) -> bool {
+    let left = until.saturating_duration_since(Instant::now());
+    let Ok(longest) = Timespec::try_from(left) else {
+        return false;
+    };
+    let mut one = [PollFd::new(stream, for_what)];
+    !left.is_zero()
+        && matches!(
+            poll(&mut one, Some(&longest)),
+            Ok(1..) | Err(rustix::io::Errno::INTR)
+        )
+}

@@ -1,0 +1,6 @@
+//! Whatever a client sends to the page's server, it is answered or ended.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| lariat_hostile::front(data));

@@ -1,0 +1,114 @@
+//! `lariat view`: a rig in the browser, and in Foxglove: [`lariat_view`].
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::os::fd::AsFd;
+use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitCode};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use lariat_chain::stop::Stop;
+use lariat_view::{Options, Server, Shown};
+use lariat_wire::Rig;
+use rustix::process::{
+    Pid, Signal, getppid, kill_process, set_parent_process_death_signal, setpriority_process,
+};
+
+/// The port, if it is free and no other was asked for.
+const PORT: u16 = 8765;
+/// How nice it is, of 19: between a frame's stages and a page, the stages go first.
+const NICENESS: i32 = 10;
+
+/// What is asked of `lariat view`.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// A recording to be shown in the place of a chain
+    #[arg(value_name = "FILE.mcap", conflicts_with = "rig")]
+    file: Option<PathBuf>,
+    /// The topic whose images are the frames, where there are several cameras
+    #[arg(long, value_name = "TOPIC", requires = "file")]
+    topic: Option<String>,
+    /// Camera chain that is shown (default: `default`, or the first there is)
+    #[arg(long, value_name = "NAME")]
+    rig: Option<Rig>,
+    /// Address to listen on, for other machines: one of this machine's, or 0.0.0.0 for all. The page's address then has a token, and
+    /// whoever knows it sees and changes everything
+    #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into(), hide_default_value = true)]
+    listen: IpAddr,
+    /// Port of the page (default: 8765, or any that is free)
+    #[arg(long, value_name = "NUMBER")]
+    port: Option<u16>,
+    /// The chain that started it, with which it ends
+    #[arg(long, value_name = "PID", hide = true)]
+    beside: Option<i32>,
+}
+
+/// Runs `lariat view` until Ctrl-C or SIGTERM.
+///
+/// # Errors
+/// It cannot listen there.
+pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
+    let stop = Stop::on_signals()?;
+    if let Some(chain) = args.beside {
+        set_parent_process_death_signal(Some(Signal::TERM))
+            .context("the chain's end cannot be asked for")?;
+        if getppid().map(Pid::as_raw_pid) != Some(chain) {
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    // As nice as it can be; less so is no reason to show nothing.
+    let _ = setpriority_process(None, NICENESS);
+    let options = Options {
+        shown: match &args.file {
+            Some(file) => Shown::Recording {
+                path: file.clone(),
+                topic: args.topic.clone(),
+            },
+            None => Shown::Rig(args.rig.clone()),
+        },
+        listen: args.listen,
+        port: args.port.unwrap_or(PORT),
+    };
+    let server = match Server::bind(&options) {
+        Err(_) if args.port.is_none() => Server::bind(&Options { port: 0, ..options })?,
+        server => server?,
+    };
+    eprintln!("lariat: the page is at {}", server.url());
+    tracing::debug!(
+        "for pages of other sites, as Foxglove: {}",
+        server.url_with_token()
+    );
+    server.run(stop.as_fd())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A `lariat view` beside a chain. Dropped, it ends.
+pub(crate) struct Beside(Child);
+
+impl Beside {
+    /// Starts one for the rig.
+    ///
+    /// # Errors
+    /// It cannot be started.
+    pub(crate) fn start(rig: &str) -> Result<Self> {
+        let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
+        let child = Command::new(itself)
+            .args(["view", "--rig", rig, "--beside"])
+            .arg(std::process::id().to_string())
+            // Ctrl-C is the chain's, whose last frames it still shows.
+            .process_group(0)
+            .spawn()
+            .context("the page cannot be served")?;
+        Ok(Self(child))
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        if let Some(pid) = i32::try_from(self.0.id()).ok().and_then(Pid::from_raw) {
+            let _ = kill_process(pid, Signal::TERM);
+        }
+        let _ = self.0.wait();
+    }
+}

@@ -1,0 +1,119 @@
+// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, it goes on
+// when the rig is started anew, and, asked for it, neither browser nor server grows in ten minutes.
+
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { chromium } from "playwright-core";
+import { chain, holds, page as serve } from "./processes.mjs";
+
+const [, , lariat, executablePath, folder] = process.argv;
+const minutes = Number(process.env.LARIAT_VIEW_MINUTES ?? 0);
+
+let rig = await chain(lariat, "--seed", "3");
+const view = await serve(lariat);
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "dark", acceptDownloads: true });
+const page = await context.newPage();
+const faults = [];
+page.on("pageerror", (error) => faults.push(error.message));
+page.on("console", (message) => message.type() === "error" && !message.text().includes("WebSocket") && faults.push(message.text()));
+page.on("request", (request) => request.url().startsWith(view.found[0].slice(0, -1)) || request.url().startsWith("blob:") || faults.push(request.url()));
+
+const frame = () => page.evaluate(() => Number(document.documentElement.dataset.frame ?? 0));
+const text = (id) => page.locator(`#${id}`).textContent();
+
+const began = performance.now();
+await page.goto(view.found[0]);
+await holds("a frame is shown", async () => (await frame()) > 0);
+console.log(`page up, with its first frame, after ${(performance.now() - began).toFixed(0)} ms`);
+
+const first = await frame();
+await holds("the picture moves", async () => (await frame()) > first + 10);
+await holds("the state is live", async () => (await text("state")) === "live");
+
+await page.keyboard.press(" ");
+await holds("it is paused", async () => (await text("state")) === "paused");
+
+// Both files of the frame that is shown.
+const downloads = [];
+page.on("download", (download) => downloads.push(download));
+await page.keyboard.press("s");
+await holds("two files are saved", () => downloads.length === 2);
+const saved = Object.fromEntries(await Promise.all(downloads.map(async (download) => [
+  download.suggestedFilename().split(".").pop(), await readFile(await download.path())])));
+const said = JSON.parse(saved.json);
+assert.deepEqual([...saved.png.subarray(1, 4)], [..."PNG"].map((c) => c.charCodeAt(0)));
+
+// Where the curve is said to be the canvas has its colour; and with the picture alone, the rope's.
+const toggle = async (...layers) => {
+  for (const layer of layers) await page.click(`[data-layer=${layer}]`);
+  await page.waitForTimeout(200);
+};
+const share = async (test) => {
+  const pixels = await page.evaluate(({ curve, width, height }) => {
+    const canvas = document.getElementById("canvas");
+    const scale = Math.min(canvas.width / width, canvas.height / height);
+    const at = ([x, y]) => [
+      Math.round(canvas.width / 2 + (x + 0.5 - width / 2) * scale),
+      Math.round(canvas.height / 2 + (y + 0.5 - height / 2) * scale),
+    ];
+    return curve.map((point) => [...canvas.getContext("2d").getImageData(...at(point), 1, 1).data]);
+  }, { ...said, curve: said.ropes[0].curve });
+  return pixels.filter(test).length / pixels.length;
+};
+const others = ["centerline", "control", "crossings", "tracks", "hidden"];
+await toggle(...others);
+assert.ok(await share(([r, g, b]) => r > 180 && g > 110 && b < 110) > 0.9, "the curve is drawn where it is said to be");
+await toggle("curve");
+assert.ok(await share(([r, , b]) => b > r + 30) > 0.9, "the rope is where the curve is said to be");
+await toggle("curve", ...others);
+
+// Back, on, and to the newest.
+const paused = said.number;
+await page.keyboard.press("ArrowLeft");
+await holds("one frame back", async () => (await frame()) < paused);
+await page.keyboard.press("ArrowRight");
+await holds("and on", async () => (await frame()) === paused);
+
+await page.keyboard.press("End");
+await holds("it goes on", async () => (await frame()) > paused + 5);
+
+// The rig is started anew, and then the server.
+await rig.end();
+await holds("the page says what to start", async () => (await text("obstacle")).includes("lariat run --rig cell"));
+rig = await chain(lariat, "--seed", "5");
+const before = await frame();
+await holds("the picture moves again", async () => (await frame()) !== before && (await text("state")) === "live");
+
+for (const [theme, width] of [["dark", 1280], ["light", 1280], ["dark", 3840]]) {
+  await page.emulateMedia({ colorScheme: theme });
+  await page.setViewportSize({ width, height: Math.round(width / 1.6) });
+  await page.waitForTimeout(1500);
+  await page.screenshot({ path: `${folder}/${theme}-${width}.png` });
+  const hasRoom = await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+  assert.ok(hasRoom, `${width} px are wide enough`);
+}
+
+if (minutes > 0) {
+  await page.setViewportSize({ width: 1280, height: 800 });
+  const devtools = await context.newCDPSession(page);
+  const server = async () => Number((await readFile(`/proc/${view.pid}/status`, "utf8")).match(/VmRSS:\s+(\d+)/)[1]) / 1024;
+  const heap = async () => {
+    await devtools.send("HeapProfiler.collectGarbage");
+    return (await devtools.send("Runtime.getHeapUsage")).usedSize / 2 ** 20;
+  };
+  // The history is full after 30 s.
+  await page.waitForTimeout(45_000);
+  const start = [await heap(), await server()];
+  await page.waitForTimeout(minutes * 60_000);
+  const end = [await heap(), await server()];
+  const shown = (mib) => mib.map((x) => x.toFixed(1)).join(", ");
+  console.log(`after ${minutes} min: heap and server ${shown(end)} MiB, before ${shown(start)} MiB`);
+  assert.ok(end[0] < start[0] * 1.2 + 5 && end[1] < start[1] * 1.2 + 5, "neither grows");
+}
+
+assert.deepEqual(faults, []);
+await browser.close();
+await view.end();
+await rig.end();
+console.log("the page is as it should be");

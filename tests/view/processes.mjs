@@ -1,0 +1,41 @@
+// lariat's processes, for the tests beside this file.
+
+import { spawn } from "node:child_process";
+
+/** Starts lariat, and waits until it has said something; what it says then is the answer. */
+export async function start(lariat, words, until) {
+  const process = spawn(lariat, words, { stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  process.stdout.resume();
+  const found = await new Promise((resolve, reject) => {
+    process.stderr.on("data", (bytes) => {
+      said += bytes;
+      const match = said.match(until);
+      if (match) resolve(match);
+    });
+    process.on("exit", (code) => reject(new Error(`lariat ${words.join(" ")} ended with ${code}: ${said}`)));
+  });
+  const ended = new Promise((resolve) => process.on("exit", resolve));
+  return {
+    found,
+    pid: process.pid,
+    async end() {
+      process.kill("SIGINT");
+      await ended;
+    },
+  };
+}
+
+export const chain = (lariat, ...words) => start(lariat, ["run", "--rig", "cell", ...words], /→/);
+export const page = (lariat, ...words) => start(lariat, ["view", "--rig", "cell", "--port", "0", ...words], /http:\S+/);
+
+/** Waits until something holds. */
+export async function holds(what, test, patience_ms = 20_000) {
+  const until = Date.now() + patience_ms;
+  for (;;) {
+    const value = await test();
+    if (value) return value;
+    if (Date.now() > until) throw new Error(`${what}: not within ${patience_ms / 1000} s`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
