@@ -12,10 +12,10 @@
 //! A stage that ends when it should not (by itself, by a signal that was not the chain's, by a crash) is *fallen*. As `restart` says
 //! (`restarts`), it is started anew in its place while the others and all readers go on; or the others are stopped in order, the
 //! report is printed, and the exit code is 1 with a sentence that names stage and cause. So that nothing is counted twice or forgotten, the
-//! chain holds for each stage what it leaves to its successor (`stages/heirloom.rs`): counts go on, extract's ropes keep their numbers, sink's
+//! chain holds for each stage what it leaves to its successor (`stages/heirloom/`): counts go on, extract's ropes keep their numbers, sink's
 //! figures theirs. By what stands in there the chain also sees which stage stands still while work waits for it, and kills it.
 //!
-//! **Settings that change** come by the socket that `lariat set` writes to (`control.rs`) or with the settings file (`--watch`), are checked as a
+//! **Settings that change** come by the socket that `lariat set` writes to (`changes`, `control.rs`) or with the settings file (`--watch`), are checked as a
 //! whole, and told to all parts (`stages/orders.rs`): what concerns extract or fit they take between two frames, what concerns another starts it
 //! anew. The chain itself has no other state: when *it* dies, its children end. A next chain that took them over would have their pipes, settings and
 //! words to find again; started whole, by systemd or a shell's loop, it is there in a quarter of a second.
