@@ -497,6 +497,23 @@ fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
         "# mine\n[fit]\nfilter = true\n\n[extract]\nropes = 2\nmask = \"network\"\n"
     );
 
+    // A picture file is traced; what is none is said to be none.
+    let picture =
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png")).expect("there");
+    page.0.send(Message::binary(picture)).expect("sent");
+    let (traced, _) = page.moment();
+    assert_eq!(traced["number"], 0);
+    assert_eq!(traced["ropes"].as_array().expect("ropes").len(), 1);
+    page.0.send(Message::binary(vec![7; 100])).expect("sent");
+    let why = loop {
+        if let Message::Text(text) = page.0.read().expect("a message in time")
+            && text.contains("undropped")
+        {
+            break text;
+        }
+    };
+    assert!(why.contains("no picture"), "{why}");
+
     // One that does not say that it is our own page may look only.
     let mut other = Page::of(&viewing);
     other.ask();

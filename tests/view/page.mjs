@@ -1,4 +1,4 @@
-// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, it goes on
+// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, a click makes a mask, it goes on
 // when the rig is started anew, and, asked for it, neither browser nor server grows in ten minutes.
 
 import assert from "node:assert/strict";
@@ -54,8 +54,8 @@ const share = async (test) => {
     const canvas = document.getElementById("canvas");
     const scale = Math.min(canvas.width / width, canvas.height / height);
     const at = ([x, y]) => [
-      Math.round(canvas.width / 2 + (x + 0.5 - width / 2) * scale),
-      Math.round(canvas.height / 2 + (y + 0.5 - height / 2) * scale),
+      Math.floor(canvas.width / 2 + (x + 0.5 - width / 2) * scale),
+      Math.floor(canvas.height / 2 + (y + 0.5 - height / 2) * scale),
     ];
     return curve.map((point) => [...canvas.getContext("2d").getImageData(...at(point), 1, 1).data]);
   }, { ...said, curve: said.ropes[0].curve });
@@ -63,7 +63,8 @@ const share = async (test) => {
 };
 const others = ["centerline", "control", "crossings", "tracks", "hidden"];
 await toggle(...others);
-assert.ok(await share(([r, g, b]) => r > 180 && g > 110 && b < 110) > 0.9, "the curve is drawn where it is said to be");
+const drawn = await share(([r, g, b]) => r > 180 && g > 110 && b < 110);
+assert.ok(drawn > 0.9, `the curve is drawn where it is said to be: ${drawn} of it`);
 await toggle("curve");
 assert.ok(await share(([r, , b]) => b > r + 30) > 0.9, "the rope is where the curve is said to be");
 await toggle("curve", ...others);
@@ -78,7 +79,25 @@ await holds("and on", async () => (await frame()) === paused);
 await page.keyboard.press("End");
 await holds("it goes on", async () => (await frame()) > paused + 5);
 
-// The rig is started anew, and then the server.
+// A click on the rope makes a mask.
+await page.keyboard.press(" ");
+await page.keyboard.press("p");
+await page.locator("#tuning h2").first().waitFor();
+const rope = await page.evaluate(() => {
+  const canvas = document.getElementById("canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const at = data.findIndex((red, i) => i % 4 === 0 && red < 70 && data[i + 2] - red > 90) / 4;
+  const { left, top } = canvas.getBoundingClientRect();
+  return [left + (at % canvas.width) + 2, top + Math.floor(at / canvas.width) + 2];
+});
+await page.mouse.click(...rope);
+await holds("the colours are shown", async () => (await page.locator("#tuning code").count()) > 0);
+assert.match(await page.locator("#tuning code").first().textContent(), /hue_deg/);
+await page.click("text=Hide the mask");
+await page.keyboard.press("f");
+await page.keyboard.press("End");
+
+// The rig is started anew.
 await rig.end();
 await holds("the page says what to start", async () => (await text("obstacle")).includes("lariat run --rig cell"));
 rig = await chain(lariat, "--seed", "5");

@@ -2,25 +2,31 @@
 
 import { spawn } from "node:child_process";
 
+/** Those that run: a test that fails takes them along. */
+const running = new Set();
+process.on("exit", () => running.forEach((one) => one.kill("SIGTERM")));
+
 /** Starts lariat, and waits until it has said something; what it says then is the answer. */
 export async function start(lariat, words, until) {
-  const process = spawn(lariat, words, { stdio: ["ignore", "pipe", "pipe"] });
+  const started = spawn(lariat, words, { stdio: ["ignore", "pipe", "pipe"] });
+  running.add(started);
+  started.on("exit", () => running.delete(started));
   let said = "";
-  process.stdout.resume();
+  started.stdout.resume();
   const found = await new Promise((resolve, reject) => {
-    process.stderr.on("data", (bytes) => {
+    started.stderr.on("data", (bytes) => {
       said += bytes;
       const match = said.match(until);
       if (match) resolve(match);
     });
-    process.on("exit", (code) => reject(new Error(`lariat ${words.join(" ")} ended with ${code}: ${said}`)));
+    started.on("exit", (code) => reject(new Error(`lariat ${words.join(" ")} ended with ${code}: ${said}`)));
   });
-  const ended = new Promise((resolve) => process.on("exit", resolve));
+  const ended = new Promise((resolve) => started.on("exit", resolve));
   return {
     found,
-    pid: process.pid,
+    pid: started.pid,
     async end() {
-      process.kill("SIGINT");
+      started.kill("SIGINT");
       await ended;
     },
   };

@@ -53,6 +53,10 @@ export function connect(hears) {
   open();
   return {
     say,
+    /** Has a picture file traced. */
+    drop(file) {
+      if (socket.readyState === WebSocket.OPEN) socket.send(file);
+    },
     /** Asks for something; what is said to it, or why it was refused, as an error. */
     ask(wish) {
       asked += 1;

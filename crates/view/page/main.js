@@ -4,13 +4,17 @@ import { Film } from "./film.js";
 import { connect } from "./link.js";
 import { Live } from "./live.js";
 import { LAYERS } from "./overlay.js";
-import { showFacts, showRopes, showState, showStatus } from "./panel.js";
+import { showFacts, showNotices, showRopes, showState, showStatus } from "./panel.js";
 import { Stage } from "./stage.js";
 import { tinted } from "./mask.js";
 import { Tuning } from "./tuning.js";
 import { element } from "./words.js";
 
 const by = (id) => document.getElementById(id);
+/** The largest file that is taken. */
+const MOST_BYTES = 24_000_000;
+/** The number of a moment that is of no frame. */
+const DROPPED = 0;
 let status = null;
 let isConnected = false;
 let shown = null;
@@ -26,7 +30,8 @@ const stage = new Stage(by("stage"), {
 const width = () => Math.round(stage.width);
 
 const link = connect({
-  moment: (moment) => line.moment(moment),
+  moment: (moment) => (moment.said.number === DROPPED ? showDropped(moment) : line.moment(moment)),
+  undropped: ({ why }) => showNotices([why]),
   missing: () => line.missing(),
   status(said) {
     if (said.film && !status?.film) {
@@ -35,7 +40,7 @@ const link = connect({
     }
     tuning.of(said);
     status = said;
-    showStatus(said);
+    showStatus(said, shown?.said.number === DROPPED);
     if (shown) showFacts(shown.said, said.fps);
     update();
   },
@@ -60,9 +65,17 @@ async function show(moment) {
   update();
 }
 
+/** A picture that was dropped on the page, until something else is to be seen. */
+async function showDropped(moment) {
+  if (!line.isPaused) await line.pause();
+  await show(moment);
+  showNotices(moment.said.notice ? [moment.said.notice] : []);
+}
+
 /** What the state and the time line say. */
 function update() {
   if (!isConnected) showState("lost", "the server is gone; trying again");
+  else if (shown?.said.number === DROPPED) showState("paused", "a picture");
   else if (status?.film) showState("paused", line.isPaused ? "a recording" : "playing");
   else if (line.isPaused) showState("paused", "paused");
   else if (!status || status.obstacle) showState("waiting", "waiting");
@@ -133,6 +146,20 @@ function switchTheme() {
   localStorage.setItem("theme", theme);
   turn(theme);
 }
+
+/* A picture file, dropped anywhere. */
+addEventListener("dragover", (event) => {
+  event.preventDefault();
+  document.body.classList.add("drops");
+});
+addEventListener("dragleave", (event) => event.relatedTarget ?? document.body.classList.remove("drops"));
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  document.body.classList.remove("drops");
+  const [file] = event.dataTransfer.files;
+  if (file && file.size <= MOST_BYTES) link.drop(file);
+  else if (file) showNotices(["The file is too large: a picture of at most 24 MB can be traced here."]);
+});
 
 /* Figures or settings. */
 function turnTo(tab) {

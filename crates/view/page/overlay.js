@@ -19,6 +19,9 @@ export const LAYERS = [
   { name: "tracks", label: "Tracks", on: true },
 ];
 
+/** CSS pixels of a line one wide: more where text is larger, on a screen that is looked at from afar. */
+let unit = 1;
+
 export function color(track) {
   return COLORS[track % COLORS.length];
 }
@@ -27,12 +30,13 @@ export function color(track) {
  * Draws over a canvas whose unit is a CSS pixel.
  *
  * @param {CanvasRenderingContext2D} pen
- * @param {{scale: number, x: number, y: number}} view from the image's pixels to the canvas
+ * @param {{scale: number, x: number, y: number, unit: number}} view from the image's pixels to the canvas, and how wide a line is
  * @param {Set<string>} layers
  */
 export function draw(pen, said, view, layers) {
   // The centre of the top-left pixel is (0, 0), its corner lies half a pixel before.
   const at = ([x, y]) => [(x + 0.5) * view.scale + view.x, (y + 0.5) * view.scale + view.y];
+  unit = view.unit ?? 1;
   pen.lineJoin = pen.lineCap = "round";
   for (const rope of said.ropes) {
     if (layers.has("curve")) curve(pen, rope, at);
@@ -52,7 +56,7 @@ function line(pen, points, at, closed) {
 }
 
 function stroke(pen, width, style) {
-  pen.lineWidth = width;
+  pen.lineWidth = width * unit;
   pen.strokeStyle = style;
   pen.stroke();
 }
@@ -61,7 +65,7 @@ function curve(pen, rope, at) {
   const points = rope.curve.length ? rope.curve : rope.points;
   if (points.length < 2) return;
   pen.globalAlpha = rope.status === "lost" ? 0.45 : 1;
-  if (rope.status === "doubtful" || rope.coarse) pen.setLineDash([8, 6]);
+  if (rope.status === "doubtful" || rope.coarse) pen.setLineDash([8 * unit, 6 * unit]);
   line(pen, points, at, rope.closed);
   stroke(pen, 4.5, CASING);
   stroke(pen, 2.4, color(rope.track));
@@ -70,10 +74,10 @@ function curve(pen, rope, at) {
 }
 
 function centerline(pen, rope, at, scale) {
-  const radius = Math.min(2.6, Math.max(1.1, scale * 0.55));
+  const radius = unit * Math.min(2.6, Math.max(1.1, scale * 0.4));
   pen.fillStyle = "#ffffff";
   pen.strokeStyle = CASING;
-  pen.lineWidth = 0.8;
+  pen.lineWidth = 0.8 * unit;
   pen.beginPath();
   for (const point of rope.points) {
     const [x, y] = at(point);
@@ -88,7 +92,7 @@ function centerline(pen, rope, at, scale) {
 function hidden(pen, rope, at) {
   if (!rope.hidden.length) return;
   const covered = new Set(rope.hidden);
-  pen.setLineDash([2, 6]);
+  pen.setLineDash([2 * unit, 6 * unit]);
   for (let i = 0; i < rope.points.length; i += 1) {
     if (!covered.has(i)) continue;
     let end = i;
@@ -110,7 +114,7 @@ function control(pen, rope, at) {
   for (const point of rope.control) {
     const [x, y] = at(point);
     pen.beginPath();
-    pen.arc(x, y, 4, 0, 2 * Math.PI);
+    pen.arc(x, y, 4 * unit, 0, 2 * Math.PI);
     pen.fillStyle = "rgb(8 9 11 / 35%)";
     pen.fill();
     stroke(pen, 1.6, color(rope.track));
@@ -136,7 +140,7 @@ function covariance(pen, rope, at, scale) {
 function over(pen, crossing, ropes, at, scale) {
   const [x, y] = at(crossing.at);
   const upper = ropes.find((rope) => rope.track === crossing.over);
-  const radius = Math.max(8, (upper?.width_px ?? 10) * scale * 0.95);
+  const radius = Math.max(8 * unit, (upper?.width_px ?? 10) * scale * 0.95);
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   stroke(pen, 3.5, CASING);
@@ -163,15 +167,15 @@ function track(pen, rope, at) {
   if (!first) return;
   const [x, y] = at(first);
   pen.beginPath();
-  pen.arc(x, y, 6, 0, 2 * Math.PI);
+  pen.arc(x, y, 6 * unit, 0, 2 * Math.PI);
   pen.fillStyle = color(rope.track);
   pen.fill();
   stroke(pen, 1.5, "#ffffff");
   const text = rope.status === "ok" || !rope.status ? `${rope.track}` : `${rope.track} ${rope.status}`;
-  pen.font = "600 12px system-ui, sans-serif";
-  pen.lineWidth = 3.5;
+  pen.font = `600 ${12 * unit}px system-ui, sans-serif`;
+  pen.lineWidth = 3.5 * unit;
   pen.strokeStyle = "rgb(8 9 11 / 75%)";
-  pen.strokeText(text, x + 10, y - 7);
+  pen.strokeText(text, x + 10 * unit, y - 7 * unit);
   pen.fillStyle = "#ffffff";
-  pen.fillText(text, x + 10, y - 7);
+  pen.fillText(text, x + 10 * unit, y - 7 * unit);
 }

@@ -7,18 +7,19 @@ import { digits, element, micros, time } from "./words.js";
 const by = (id) => document.getElementById(id);
 const STAGES = ["capture", "extract", "fit", "sink"];
 
-/** What the server says four times a second. */
-export function showStatus(status) {
+/** What the server says four times a second. `isOfOther`: what is shown is not what it speaks of. */
+export function showStatus(status, isOfOther) {
   by("rig").textContent = status.rig ?? status.film?.name ?? "";
   by("processes").hidden = Boolean(status.film);
   by("obstacle").hidden = !status.obstacle;
   by("obstacle").textContent = status.obstacle ?? "";
-  showNotices(status.notices ?? []);
+  if (!isOfOther) showNotices(status.notices ?? []);
   showLatency(status);
   by("stages").replaceChildren(...status.stages.map((stage) => stageRow(stage, status.lost)));
 }
 
-function showNotices(notices) {
+/** What is to be known of the picture, as sentences. */
+export function showNotices(notices) {
   by("notices").hidden = !notices.length;
   by("notices").replaceChildren(...notices.map((text) => element("p", { textContent: text })));
 }

@@ -96,7 +96,8 @@ export class Stage {
     const [width, height] = this.#size();
     const [w, h] = [this.#box.clientWidth || 1, this.#box.clientHeight || 1];
     const scale = Math.min(w / width, h / height) * this.#zoom;
-    return { scale, x: w / 2 - this.#middle[0] * width * scale, y: h / 2 - this.#middle[1] * height * scale };
+    const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15;
+    return { scale, unit, x: w / 2 - this.#middle[0] * width * scale, y: h / 2 - this.#middle[1] * height * scale };
   }
 
   #inside(event) {

@@ -19,6 +19,7 @@
 //!
 //! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
 
+mod dropped;
 mod film;
 mod foxglove;
 mod gather;

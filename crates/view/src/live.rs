@@ -8,6 +8,8 @@
 //! | `frame` | `place`, `width` | of a recording: send the frame of this place, from 0 |
 //! | `ask` | `id`, `wish` and what belongs to it ([`tuning`]) | is answered by an `answer` with this `id`, and what was `said`, or why it was `refused` |
 //!
+//! And in binary a picture file, to be traced: it is shown as a moment of number 0, or is `undropped`, with the reason `why`.
+//!
 //! The server says, as JSON: `status`, of a rig four times a second ([`status`](crate::status)); `missing`, with `place`: there is no such frame, or it is
 //! damaged. And in binary a moment: the lengths of the JSON and of the JPEG that
 //! follow, 4 bytes each, little endian; what is drawn over the picture, as JSON ([`moment`](crate::moment)); the picture, as JPEG, none if the source has
@@ -19,13 +21,15 @@ use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
+use lariat_chain::control::{Asked, ask};
 use lariat_extract::Mask;
 use lariat_wire::Rig;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tungstenite::Message;
 
+use crate::dropped;
 use crate::film::Film;
 use crate::hub::Watcher;
 use crate::moment::Moment;
@@ -38,6 +42,8 @@ pub(crate) const PROTOCOL: &str = "lariat.view.v1";
 /// The longest sleep.
 const LOOK: Duration = Duration::from_secs(5);
 
+/// Why one that is not our own page is refused.
+const FOREIGN: &str = "this connection may not change anything: open the page by its address";
 /// Moments that the page may still speak of: the one on its screen, and those that came after it.
 const HELD: usize = 3;
 
@@ -106,8 +112,14 @@ impl<S: Read + Write + AsFd> Page<S> {
                     Ok(Said::Frame { .. } | Said::Other) => {}
                     Err(_) => return,
                 },
+                Event::Binary(file) => {
+                    let rig = watcher.rig();
+                    if !self.trace(&file, rig.as_ref().map(Rig::as_str)) {
+                        return;
+                    }
+                }
                 Event::Look => watcher.hear(),
-                Event::Binary(_) | Event::End => return,
+                Event::End => return,
             }
             if !self.session.is_clear() {
                 continue;
@@ -151,8 +163,13 @@ impl<S: Read + Write + AsFd> Page<S> {
                     Ok(Said::Next { .. } | Said::Other) => {}
                     Err(_) => return,
                 },
+                Event::Binary(file) => {
+                    if !self.trace(&file, None) {
+                        return;
+                    }
+                }
                 Event::Look => {}
-                Event::Binary(_) | Event::End => return,
+                Event::End => return,
             }
             if self.session.is_clear()
                 && let Some((place, width)) = wanted.take()
@@ -188,6 +205,25 @@ impl<S: Read + Write + AsFd> Page<S> {
         self.session.say(message)
     }
 
+    /// Shows what is seen in a picture file; `false`: it is over.
+    fn trace(&mut self, file: &[u8], rig: Option<&str>) -> bool {
+        // Without a chain that answers, by no settings.
+        let settings = rig
+            .and_then(|rig| ask(rig, &Asked::Settings).ok())
+            .unwrap_or_default();
+        let traced = match self.may_write {
+            true => dropped::trace(file, &settings),
+            false => Err(anyhow!(FOREIGN)),
+        };
+        match traced {
+            Ok(moment) => self.show(Arc::new(moment), self.width),
+            Err(why) => {
+                let why = json!({ "type": "undropped", "why": format!("{why:#}") });
+                self.session.say(Message::text(why.to_string()))
+            }
+        }
+    }
+
     /// Answers a wish; `false`: it is over.
     fn answer(&mut self, id: u64, wish: Wish, rig: Option<&str>) -> bool {
         let answer = match self.grant(wish, rig) {
@@ -199,7 +235,7 @@ impl<S: Read + Write + AsFd> Page<S> {
 
     fn grant(&mut self, wish: Wish, rig: Option<&str>) -> Result<Value> {
         if wish.writes() && !self.may_write {
-            bail!("this connection may not change anything: open the page by its address");
+            bail!(FOREIGN);
         }
         match wish {
             Wish::Pick { number, at } => {

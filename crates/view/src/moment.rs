@@ -33,6 +33,8 @@ pub(crate) struct Moment {
     pub(crate) descriptors: Box<Descriptors>,
     /// What was lost until then, since the rig is looked at.
     pub(crate) losses: Losses,
+    /// What extraction is unsure of in it, if the page itself has asked.
+    pub(crate) notice: Option<String>,
     said: OnceLock<String>,
     rgb: OnceLock<Option<Rgb>>,
     /// By how many times smaller they are.
@@ -53,6 +55,7 @@ impl Moment {
             centerlines,
             descriptors,
             losses,
+            notice: None,
             said: OnceLock::new(),
             rgb: OnceLock::new(),
             jpegs: Mutex::default(),
@@ -91,7 +94,7 @@ impl Moment {
 
 /// What is drawn over a frame. Positions are pixels of the whole image, the centre of the top-left one is (0, 0).
 #[derive(Debug, Serialize)]
-struct Said {
+struct Said<'a> {
     number: u64,
     frame: u64,
     width: u32,
@@ -103,6 +106,8 @@ struct Said {
     exposed_ms: f64,
     ropes: Vec<RopeSaid>,
     crossings: Vec<CrossingSaid>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    notice: Option<&'a str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -139,8 +144,8 @@ struct CrossingSaid {
     confidence: f64,
 }
 
-impl Said {
-    fn of(moment: &Moment) -> Self {
+impl<'a> Said<'a> {
+    fn of(moment: &'a Moment) -> Self {
         let shapes = &moment.descriptors;
         let seen = moment.centerlines.as_deref();
         let is_of_image = shapes.unit() == Some(Unit::Pixel);
@@ -181,6 +186,7 @@ impl Said {
             exposed_ms: (shapes.trace.exposed_ns / 1000) as f64 / 1e3,
             ropes: ropes.collect(),
             crossings: crossings.collect(),
+            notice: moment.notice.as_deref(),
         }
     }
 }

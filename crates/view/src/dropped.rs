@@ -1,0 +1,79 @@
+//! A picture that was dropped on the page, traced as `lariat trace` would: by the settings of the chain that is shown, or without any.
+
+use std::io::Write as _;
+
+use anyhow::{Context, Result};
+use lariat_chain::doubts;
+use lariat_chain::picture::Picture;
+use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
+use lariat_chain::settings::{Camera, Settings};
+use lariat_extract::Mask;
+use lariat_record::Losses;
+use lariat_wire::{Centerlines, Descriptors, FrameHeader, PixelFormat, SourceKind};
+use tempfile::NamedTempFile;
+
+use crate::moment::{Image, Moment};
+
+/// The number of such a moment: no frame's.
+const NUMBER: u64 = 0;
+
+/// What is seen in a picture file. `settings`: the text of a `lariat.toml`.
+///
+/// # Errors
+/// It is no picture, or cannot be traced.
+pub(crate) fn trace(file: &[u8], settings: &str) -> Result<Moment> {
+    let mut settings = Settings::of_text(settings)?;
+    // Curves are drawn over the picture; the camera is another; and there are no masks from elsewhere.
+    settings.camera = Camera::default();
+    settings.fit.filter = false;
+    if settings.extract.mask == Mask::External {
+        settings.extract.mask = Mask::Auto;
+    }
+    let mut kept = NamedTempFile::new().context("there is no room for the picture")?;
+    kept.write_all(file)
+        .context("there is no room for the picture")?;
+    let picture = Picture::load(kept.path())
+        .ok()
+        .context("what was dropped is no picture that can be read")?;
+    let picture = picture.into_rgb();
+    let (width, height) = picture.dimensions();
+    let header = FrameHeader {
+        width,
+        height,
+        stride: 3 * width,
+        pixel_format: PixelFormat::Rgb8 as u32,
+        source: SourceKind::Files as u32,
+        ..FrameHeader::default()
+    };
+    let bytes = picture.into_raw();
+    let mut extractor = FrameExtractor::new(&settings.extract)?;
+    let mut seen = Box::new(Centerlines::EMPTY);
+    let part = extractor.part(FrameView::new(&header, &bytes).image()?)?;
+    let scene = extractor.extract(&part, None, 0, &mut |_| {}, &mut seen)?;
+    let notice = scene.notice.map(doubts::sentence);
+    let mut curves = CurveFitter::new(&settings)?;
+    curves.turn_to([width, height])?;
+    let mut shapes = Box::new(Descriptors::EMPTY);
+    curves.answer(&seen, &mut shapes);
+    (shapes.width, shapes.height) = (width, height);
+    let image = Image { header, bytes };
+    let mut moment = Moment::new(NUMBER, Some(image), Some(seen), shapes, Losses::default());
+    moment.notice = notice;
+    Ok(moment)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_traced_and_what_is_none_is_refused() {
+        let picture =
+            std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rope.png")).unwrap();
+        let moment = trace(&picture, "").unwrap();
+        assert_eq!(moment.descriptors.curves().len(), 1);
+        assert!(moment.said().contains("\"ropes\":[{"));
+        assert!(trace(b"no picture", "").is_err());
+        assert!(trace(&picture[..3000], "").is_err());
+    }
+}
