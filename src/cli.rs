@@ -24,6 +24,7 @@ use crate::man::{self, ManArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
+use crate::ros2::{self, Ros2Args};
 use crate::service::{self, ServiceArgs};
 use crate::set::{self, RestartArgs, SetArgs};
 use crate::snapshot::{self, SnapshotArgs};
@@ -128,6 +129,8 @@ enum Command {
     View(ViewArgs),
     /// What passes on the channels of a running chain
     Topic(TopicArgs),
+    /// A rig in a ROS 2 graph, by lariat-ros2, a program of its own
+    Ros2(Ros2Args),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -201,6 +204,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Top(args)) => top::run(&args),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
+        Some(Command::Ros2(args)) => ros2::run(&args),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Service(args)) => service::run(args),
@@ -347,6 +351,7 @@ mod tests {
         include_str!("../docs/readers.md"),
         include_str!("../docs/realtime.md"),
         include_str!("../docs/recordings.md"),
+        include_str!("../docs/ros2.md"),
         include_str!("../docs/running.md"),
         include_str!("../docs/service.md"),
         include_str!("../docs/servo.md"),

@@ -18,6 +18,7 @@ mod pick;
 mod record;
 mod recording;
 mod replay;
+mod ros2;
 mod service;
 mod set;
 mod snapshot;

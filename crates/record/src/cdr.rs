@@ -31,18 +31,30 @@ pub enum CdrError {
 }
 
 /// A value that can be written and read.
-pub(crate) trait Cdr {
+pub trait Cdr {
+    /// Writes it behind what was written.
     fn put(&self, to: &mut Encoder);
+    /// Reads it from where the last one ended.
+    ///
+    /// # Errors
+    /// The message ends before it does, or holds what cannot be.
     fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError>;
 }
 
 /// Writes a message into a buffer, which it empties first.
-pub(crate) struct Encoder<'a>(&'a mut Vec<u8>);
+pub struct Encoder<'a>(&'a mut Vec<u8>);
 
 impl<'a> Encoder<'a> {
-    pub(crate) fn new(buffer: &'a mut Vec<u8>) -> Self {
+    /// Begins a message in a buffer, which it empties.
+    pub fn new(buffer: &'a mut Vec<u8>) -> Self {
         buffer.clear();
         buffer.extend(HEAD);
+        Self(buffer)
+    }
+
+    /// Goes on with a message whose first part another one wrote.
+    pub fn after(buffer: &'a mut Vec<u8>) -> Self {
+        debug_assert!(buffer.starts_with(&HEAD));
         Self(buffer)
     }
 
@@ -53,37 +65,43 @@ impl<'a> Encoder<'a> {
         self.0.extend_from_slice(&[0; 8][..padding]);
     }
 
-    pub(crate) fn string(&mut self, text: &str) {
+    /// Writes a text.
+    pub fn string(&mut self, text: &str) {
         (text.len() as u32 + 1).put(self);
         self.0.extend_from_slice(text.as_bytes());
         self.0.push(0);
     }
 
-    /// As many bytes as will be [added](Self::raw).
-    pub(crate) fn byte_count(&mut self, count: usize) {
+    /// As many bytes, or entries of another list, as will be [added](Self::raw).
+    pub fn byte_count(&mut self, count: usize) {
         (count as u32).put(self);
     }
 
-    pub(crate) fn raw(&mut self, bytes: &[u8]) {
+    /// Bytes as they are.
+    pub fn raw(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }
 
     /// A list of rows of so many items.
-    pub(crate) fn rows<T: Cdr>(&mut self, items: &[T], columns: usize) {
+    pub fn rows<T: Cdr>(&mut self, items: &[T], columns: usize) {
         self.byte_count(items.len() / columns);
         items.iter().for_each(|item| item.put(self));
     }
 }
 
 /// Reads a message.
-pub(crate) struct Decoder<'a> {
+pub struct Decoder<'a> {
     /// What is behind the head.
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Decoder<'a> {
-    pub(crate) fn new(message: &'a [u8]) -> Result<Self, CdrError> {
+    /// Begins with a message.
+    ///
+    /// # Errors
+    /// It is not little-endian CDR.
+    pub fn new(message: &'a [u8]) -> Result<Self, CdrError> {
         let bytes = message.strip_prefix(&HEAD).ok_or(CdrError::Head)?;
         Ok(Self { bytes, at: 0 })
     }
@@ -102,13 +120,21 @@ impl<'a> Decoder<'a> {
         Ok(array)
     }
 
-    pub(crate) fn value<T: Cdr + Default>(&mut self) -> Result<T, CdrError> {
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// As [`Cdr::get`].
+    pub fn value<T: Cdr + Default>(&mut self) -> Result<T, CdrError> {
         let mut value = T::default();
         value.get(self)?;
         Ok(value)
     }
 
-    pub(crate) fn string(&mut self) -> Result<&'a str, CdrError> {
+    /// Reads a text.
+    ///
+    /// # Errors
+    /// It is cut off, or not UTF-8.
+    pub fn string(&mut self) -> Result<&'a str, CdrError> {
         let count: u32 = self.value()?;
         let text = self.raw(count as usize)?;
         // Some writers leave the zero of an empty text out.
@@ -116,7 +142,11 @@ impl<'a> Decoder<'a> {
         str::from_utf8(text).map_err(|_| CdrError::Text)
     }
 
-    pub(crate) fn bytes(&mut self) -> Result<&'a [u8], CdrError> {
+    /// Reads a list of bytes.
+    ///
+    /// # Errors
+    /// It is cut off.
+    pub fn bytes(&mut self) -> Result<&'a [u8], CdrError> {
         let count: u32 = self.value()?;
         self.raw(count as usize)
     }

@@ -47,8 +47,8 @@ fn format_of(name: &str) -> Option<PixelFormat> {
     })
 }
 
-/// `std_msgs/Header`.
-fn put_header(to: &mut Encoder, stamp_ns: u64, frame_id: &str) {
+/// Writes `std_msgs/Header`. `stamp_ns`: nanoseconds of Unix time.
+pub fn put_header(to: &mut Encoder, stamp_ns: u64, frame_id: &str) {
     put_time(to, stamp_ns);
     to.string(frame_id);
 }

@@ -94,10 +94,10 @@ mod schema;
 mod writing;
 
 pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
-pub use cdr::CdrError;
+pub use cdr::{Cdr, CdrError, Decoder, Encoder};
 pub use images::{
     COMPRESSED_IMAGE, CompressedImageRecord, IMAGE, ImageRecord, encode_compressed_image,
-    encode_image,
+    encode_image, put_header,
 };
 pub use losses::Losses;
 pub use messages::Record;
@@ -108,5 +108,5 @@ pub use reading::{
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
 pub use writing::{
     Clock, Compression, Drops, Ended, Ending, Existing, Flushed, Head, Images, NoRoom, Options,
-    Recorder, RingOptions, Topic, WriteError, Writer, Written,
+    PictureMaker, Recorder, RingOptions, Topic, WriteError, Writer, Written,
 };

@@ -15,7 +15,7 @@ mod writer;
 
 pub use clock::Clock;
 pub use error::WriteError;
-pub use pictures::Images;
+pub use pictures::{Images, PictureMaker};
 pub use place::Existing;
 pub use recorder::{Drops, Ended, Ending, Options, Recorder, RingOptions};
 pub use ring::Flushed;

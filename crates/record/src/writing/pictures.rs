@@ -25,7 +25,7 @@ pub enum Images {
 
 /// Makes picture files, in memory that it keeps.
 #[derive(Debug, Default)]
-pub(crate) struct PictureMaker {
+pub struct PictureMaker {
     rgb: Vec<u8>,
     file: Vec<u8>,
 }
@@ -33,7 +33,10 @@ pub(crate) struct PictureMaker {
 impl PictureMaker {
     /// Writes a recorded image as a picture, as `sensor_msgs/CompressedImage`, into a buffer; `false` if it is to stay as it
     /// is.
-    pub(crate) fn make(
+    ///
+    /// # Errors
+    /// The bytes are no `sensor_msgs/Image`.
+    pub fn make(
         &mut self,
         cdr: &[u8],
         images: Images,

@@ -1,0 +1,233 @@
+//! What can be asked, in lariat's words and in ROS's.
+
+use std::ffi::OsString;
+
+use anyhow::Result;
+use clap::Parser;
+use lariat_chain::exit::{WrongUse, wrong_use};
+use lariat_wire::Rig;
+
+/// A rig in a ROS 2 graph: ropes, pictures and health as topics, while somebody listens
+#[derive(Debug, Clone, Parser)]
+#[command(name = "lariat ros2", version, after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// The rig
+    #[arg(long, value_name = "NAME", default_value = "default")]
+    pub(crate) rig: Rig,
+    /// The graph's domain, 0 to 232; else ROS_DOMAIN_ID, else 0
+    #[arg(long, value_name = "N")]
+    domain_id: Option<u16>,
+    /// The frame of reference of ropes; else the rig's name
+    #[arg(long, value_name = "NAME")]
+    frame_id: Option<String>,
+    /// The frame of reference of pictures; else the rig's name with _camera
+    #[arg(long, value_name = "NAME")]
+    camera_frame_id: Option<String>,
+    /// Send again what a listener missed; else as sensor data, best effort, which reliable listeners are not given
+    #[arg(long)]
+    pub(crate) reliable: bool,
+    /// The pictures' JPEG quality, 1 to 100
+    #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub(crate) jpeg_quality: u8,
+    /// Larger messages are not sent, in bytes
+    #[arg(long, value_name = "N", default_value_t = 4_000_000)]
+    pub(crate) max_bytes: usize,
+    #[arg(skip)]
+    pub(crate) names: Names,
+}
+
+const EXAMPLES: &str = "Examples:
+  lariat ros2                                  the rig default, under /lariat/default/
+  lariat ros2 --rig left --reliable --frame-id table
+  lariat ros2 --ros-args -r __ns:=/cell -r /lariat/default/points:=/rope";
+
+/// How the node and its topics are called.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Names {
+    node: Option<String>,
+    namespace: Option<String>,
+    /// From, to.
+    topics: Vec<(String, String)>,
+}
+
+impl Args {
+    /// The arguments of this process; help and mistakes of form end it.
+    pub(crate) fn from_command_line() -> Result<Self> {
+        let (ours, ros) = split(std::env::args_os().collect());
+        let mut args = Self::parse_from(ours);
+        args.names = Names::of(&ros)?;
+        Ok(args)
+    }
+
+    /// The graph's domain.
+    pub(crate) fn domain_id(&self) -> Result<u16> {
+        let id = match (self.domain_id, std::env::var("ROS_DOMAIN_ID")) {
+            (Some(id), _) => id,
+            (None, Ok(text)) if !text.trim().is_empty() => text.trim().parse().map_err(|_| {
+                WrongUse(format!("ROS_DOMAIN_ID={text} is no number from 0 to 232"))
+            })?,
+            _ => 0,
+        };
+        // Ports follow from it, and there are no more.
+        if id > 232 {
+            wrong_use!("the domain {id} is too large: use 0 to 232");
+        }
+        Ok(id)
+    }
+
+    /// The frame of reference of ropes.
+    pub(crate) fn frame_id(&self) -> String {
+        let usual = || self.rig.to_string();
+        self.frame_id.clone().unwrap_or_else(usual)
+    }
+
+    /// That of pictures.
+    pub(crate) fn camera_frame_id(&self) -> String {
+        let usual = || format!("{}_camera", self.rig);
+        self.camera_frame_id.clone().unwrap_or_else(usual)
+    }
+}
+
+impl Names {
+    /// What stands between `--ros-args` and `--`.
+    fn of(words: &[String]) -> Result<Self> {
+        let mut names = Self::default();
+        let mut words = words.iter();
+        while let Some(word) = words.next() {
+            match word.as_str() {
+                "-r" | "--remap" => {
+                    let Some(rule) = words.next() else {
+                        wrong_use!("{word} wants FROM:=TO behind it");
+                    };
+                    names.add(rule)?;
+                }
+                // What of ROS's own logging there is goes to standard error as it is.
+                "--log-level" => drop(words.next()),
+                "--enable-rosout-logs"
+                | "--disable-rosout-logs"
+                | "--enable-stdout-logs"
+                | "--disable-stdout-logs" => {}
+                other => wrong_use!(
+                    "{other} behind --ros-args is not understood: -r FROM:=TO, -r __ns:=NAMESPACE and -r __node:=NAME are"
+                ),
+            }
+        }
+        Ok(names)
+    }
+
+    fn add(&mut self, rule: &str) -> Result<()> {
+        let parts = rule.split_once(":=");
+        let Some((from, to)) = parts.filter(|(from, to)| !from.is_empty() && !to.is_empty()) else {
+            wrong_use!("{rule} is no rule for a name: write FROM:=TO");
+        };
+        match from {
+            "__ns" => self.namespace = Some(to.to_owned()),
+            "__node" => self.node = Some(to.to_owned()),
+            _ => self.topics.push((from.to_owned(), to.to_owned())),
+        }
+        Ok(())
+    }
+
+    /// The node's name; `usual` if none was said.
+    pub(crate) fn node<'a>(&'a self, usual: &'a str) -> &'a str {
+        self.node.as_deref().unwrap_or(usual)
+    }
+
+    /// The node's namespace.
+    pub(crate) fn namespace(&self) -> &str {
+        self.namespace.as_deref().unwrap_or("/")
+    }
+
+    /// The whole name of a topic that is called so within the namespace, such as `lariat/default/points`.
+    pub(crate) fn topic(&self, name: &str) -> String {
+        let whole = self.whole(name);
+        let rule = self
+            .topics
+            .iter()
+            .find(|(from, _)| self.whole(from) == whole);
+        rule.map_or(whole, |(_, to)| self.whole(to))
+    }
+
+    fn whole(&self, name: &str) -> String {
+        if name.starts_with('/') {
+            return name.to_owned();
+        }
+        format!("{}/{name}", self.namespace().trim_end_matches('/'))
+    }
+}
+
+/// Lariat's words, and ROS's.
+fn split(words: Vec<OsString>) -> (Vec<OsString>, Vec<String>) {
+    let (mut ours, mut ros, mut is_ros) = (Vec::new(), Vec::new(), false);
+    for word in words {
+        match (word.to_str(), is_ros) {
+            (Some("--ros-args"), _) => is_ros = true,
+            (Some("--"), true) => is_ros = false,
+            (_, true) => ros.push(word.to_string_lossy().into_owned()),
+            (_, false) => ours.push(word),
+        }
+    }
+    (ours, ros)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(words: &[&str]) -> Result<Names> {
+        let words: Vec<String> = words.iter().map(ToString::to_string).collect();
+        Names::of(&words)
+    }
+
+    #[test]
+    fn topics_lie_in_the_namespace_and_are_renamed_by_rules() {
+        let plain = Names::default();
+        assert_eq!(plain.topic("lariat/left/points"), "/lariat/left/points");
+        let named = names(&[
+            "-r",
+            "__ns:=/cell",
+            "--remap",
+            "__node:=eyes",
+            "-r",
+            "lariat/left/points:=/rope",
+            "-r",
+            "/cell/lariat/left/markers:=drawn",
+        ])
+        .expect("rules");
+        assert_eq!(named.node("lariat"), "eyes");
+        assert_eq!(named.topic("lariat/left/points"), "/rope");
+        assert_eq!(named.topic("lariat/left/markers"), "/cell/drawn");
+        assert_eq!(
+            named.topic("lariat/left/endpoints"),
+            "/cell/lariat/left/endpoints"
+        );
+    }
+
+    #[test]
+    fn what_is_no_rule_is_refused_with_a_sentence() {
+        for words in [&["-r"][..], &["-r", "points"], &["-r", ":=to"], &["--more"]] {
+            let error = names(words).expect_err("no rule").to_string();
+            assert!(
+                error.contains("-r") || error.contains("FROM:=TO"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn words_of_ros_end_where_it_says() {
+        let words = [
+            "lariat",
+            "--rig",
+            "a",
+            "--ros-args",
+            "-r",
+            "b:=c",
+            "--",
+            "--reliable",
+        ];
+        let (ours, ros) = split(words.iter().map(OsString::from).collect());
+        assert_eq!(ours, ["lariat", "--rig", "a", "--reliable"]);
+        assert_eq!(ros, ["-r", "b:=c"]);
+    }
+}

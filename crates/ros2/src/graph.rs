@@ -1,0 +1,218 @@
+//! The node and its publishers.
+
+use std::net::Ipv4Addr;
+use std::thread::JoinHandle;
+
+use anyhow::{Context as _, Result, anyhow};
+use ros2_client::dds::rustdds::DomainParticipantBuilder;
+use ros2_client::qos::{Durability, History, WhenFull};
+use ros2_client::{
+    Context, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile,
+};
+use serde::ser::{Serialize, SerializeTuple, Serializer};
+
+use crate::args::{Args, Names};
+
+/// Messages that a reliable publisher keeps for those who missed some: two seconds at 30 in one.
+const KEPT: usize = 64;
+
+/// This process in the graph. It leaves when it is dropped.
+pub(crate) struct Graph {
+    // Dropped in this order: the node tells its spinner to end, which then is waited for; the context says goodbye last.
+    node: Option<Node>,
+    spinner: Option<JoinHandle<()>>,
+    context: Context,
+    names: Names,
+    reliable: bool,
+    max_bytes: usize,
+}
+
+/// A publisher of one topic.
+pub(crate) struct Topic {
+    publisher: Publisher<Body>,
+    name: String,
+    /// Whether it was said that a message was too large.
+    said: bool,
+    /// Messages that found no room, or were too large.
+    unsent: u64,
+}
+
+impl Graph {
+    /// Enters the graph.
+    pub(crate) fn enter(args: &Args) -> Result<Self> {
+        let id = args.domain_id()?;
+        let about = || format!("the ROS 2 domain {id} could not be entered");
+        let mut participant = DomainParticipantBuilder::new(id);
+        if std::env::var("ROS_AUTOMATIC_DISCOVERY_RANGE").is_ok_and(|range| range == "LOCALHOST")
+            || std::env::var("ROS_LOCALHOST_ONLY").is_ok_and(|only| only == "1")
+        {
+            participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
+        }
+        let participant = participant
+            .build()
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        let context = Context::from_domain_participant(participant)
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        let usual = format!("lariat_{}", in_ros(args.rig.as_str()));
+        let (namespace, name) = (args.names.namespace(), args.names.node(&usual));
+        let node_name = NodeName::new(namespace, name)
+            .map_err(|e| anyhow!("{namespace} and {name} are no names for a node: {e}"))?;
+        let mut node = context
+            .new_node(node_name, NodeOptions::new())
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        let spin = node
+            .spinner()
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        let spinner = std::thread::Builder::new()
+            .name("ros-discovery".to_owned())
+            .spawn(move || {
+                if let Err(error) = futures::executor::block_on(spin.spin()) {
+                    eprintln!("lariat-ros2: who listens is not known any more: {error}");
+                }
+            })?;
+        Ok(Self {
+            node: Some(node),
+            spinner: Some(spinner),
+            context,
+            names: args.names.clone(),
+            reliable: args.reliable,
+            max_bytes: args.max_bytes,
+        })
+    }
+
+    /// A publisher of a topic, by its name within the namespace, of messages such as `sensor_msgs` `PointCloud2`.
+    pub(crate) fn publisher(&mut self, name: &str, package: &str, kind: &str) -> Result<Topic> {
+        let name = self.names.topic(name);
+        let about = || format!("the topic {name} could not be made");
+        let ros_name = Name::parse(&name)
+            .map_err(|e| anyhow!("{e:?}"))
+            .with_context(about)?;
+        let qos = qos(self.reliable);
+        let node = self.node.as_mut().context("the graph was left")?;
+        let topic = node
+            .create_topic(&ros_name, MessageTypeName::new(package, kind), &qos)
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        let publisher = node
+            .create_publisher(&topic, None)
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(about)?;
+        Ok(Topic {
+            publisher,
+            name,
+            said: false,
+            unsent: 0,
+        })
+    }
+
+    /// Whether somebody listens.
+    pub(crate) fn is_heard(&self, topic: &Topic) -> bool {
+        let node = self.node.as_ref();
+        node.is_some_and(|node| topic.publisher.get_subscription_count(node) > 0)
+    }
+
+    /// Whether somebody listens to a topic below this one, whether it is there or not.
+    pub(crate) fn is_heard_below(&self, name: &str) -> bool {
+        let below = format!("rt{}/", self.names.topic(name));
+        let readers = self.context.domain_participant().discovered_readers();
+        let mut names = readers
+            .iter()
+            .map(|reader| reader.subscription_topic_data.topic_name());
+        names.any(|name| name.starts_with(&below))
+    }
+
+    /// Sends a message. One that is too large or finds no room among those that listeners have not taken is not sent, and counted.
+    pub(crate) fn send(&self, topic: &mut Topic, message: &[u8]) {
+        if message.len() > self.max_bytes {
+            topic.unsent += 1;
+            if !std::mem::replace(&mut topic.said, true) {
+                eprintln!(
+                    "lariat-ros2: a message of {} bytes for {} is not sent, nor are others over {}: give the chain a smaller \
+                     picture, or say --max-bytes",
+                    message.len(),
+                    topic.name,
+                    self.max_bytes
+                );
+            }
+            return;
+        }
+        if topic.publisher.publish(Body(message.to_vec())).is_err() {
+            topic.unsent += 1;
+        }
+    }
+}
+
+impl Topic {
+    /// Messages that were not sent.
+    pub(crate) fn unsent(&self) -> u64 {
+        self.unsent
+    }
+}
+
+impl Drop for Graph {
+    fn drop(&mut self) {
+        self.node = None;
+        if let Some(spinner) = self.spinner.take() {
+            // It has said what went wrong, if anything did.
+            let _ = spinner.join();
+        }
+    }
+}
+
+fn qos(reliable: bool) -> QosProfile {
+    let qos = QosProfile::publisher_default().durability(Durability::Volatile);
+    if reliable {
+        // Nobody waits for a listener: what it does not take is told of, and the chain is read on.
+        qos.reliability_reliable(WhenFull::Fail)
+            .history(History::KeepLast { depth: KEPT })
+    } else {
+        qos.reliability_best_effort()
+            .history(History::KeepLast { depth: 5 })
+    }
+}
+
+/// A name with nothing but what ROS allows in one: letters, digits and `_`, no digit first.
+pub(crate) fn in_ros(name: &str) -> String {
+    let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let name: String = name.chars().map(allowed).collect();
+    if name.starts_with(|c: char| c.is_ascii_digit()) {
+        return format!("_{name}");
+    }
+    name
+}
+
+/// A message that is encoded already, with its head of four bytes, for a transport that would encode it.
+struct Body(Vec<u8>);
+
+impl Serialize for Body {
+    /// As many numbers of eight bytes as there are, and then bytes: encoded by the same rules they are what they were, because
+    /// the head is left out, and the first lies at a multiple of eight.
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let body = self.0.get(4..).unwrap_or_default();
+        let (words, rest) = body.as_chunks::<8>();
+        let mut tuple = to.serialize_tuple(words.len() + rest.len())?;
+        for word in words {
+            tuple.serialize_element(&u64::from_le_bytes(*word))?;
+        }
+        for byte in rest {
+            tuple.serialize_element(byte)?;
+        }
+        tuple.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_rigs_become_names_of_ros() {
+        assert_eq!(in_ros("left"), "left");
+        assert_eq!(in_ros("cell-2.b"), "cell_2_b");
+        assert_eq!(in_ros("2nd"), "_2nd");
+    }
+}

@@ -1,0 +1,110 @@
+//! A frame as JPEG, as it is and with the ropes drawn on it: `sensor_msgs/CompressedImage`.
+//!
+//! Compressed, because RustDDS has an image of a megabyte under way for tens of milliseconds, and one of ten not at all.
+
+use anyhow::{Context, Result};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
+use lariat_chain::canvas::Canvas;
+use lariat_record::{
+    CompressedImageRecord, Images, PictureMaker, encode_compressed_image, encode_image,
+};
+use lariat_wire::{Centerlines, FrameHeader};
+
+use crate::messages::Header;
+
+/// Ropes by their track, as their markers have them.
+const ROPES: [[u8; 3]; 6] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [204, 121, 167],
+    [213, 94, 0],
+];
+const END: [u8; 3] = [255; 3];
+
+/// Makes pictures, in memory that it keeps.
+pub(crate) struct Pictures {
+    quality: u8,
+    maker: PictureMaker,
+    raw: Vec<u8>,
+    file: Vec<u8>,
+}
+
+impl Pictures {
+    pub(crate) fn new(quality: u8) -> Self {
+        Self {
+            quality,
+            maker: PictureMaker::default(),
+            raw: Vec::new(),
+            file: Vec::new(),
+        }
+    }
+
+    /// Writes the frame as a compressed image; `false` if it has no picture, or is of a Bayer pattern, which has no JPEG.
+    pub(crate) fn plain(
+        &mut self,
+        frame: &FrameHeader,
+        bytes: &[u8],
+        header: &Header,
+        into: &mut Vec<u8>,
+    ) -> bool {
+        encode_image(
+            frame,
+            bytes,
+            header.stamp_ns,
+            header.frame_id,
+            &mut self.raw,
+        ) && self
+            .maker
+            .make(&self.raw, Images::Jpeg(self.quality), into)
+            .is_ok_and(|made| made)
+    }
+
+    /// Writes a frame that is a compressed image already, with the ropes drawn as extract saw them: each in its color, gray where
+    /// it is covered, a dot at its first end.
+    ///
+    /// # Errors
+    /// It is no such image.
+    pub(crate) fn with_ropes(
+        &mut self,
+        plain: &[u8],
+        seen: &Centerlines,
+        header: &Header,
+        into: &mut Vec<u8>,
+    ) -> Result<()> {
+        let plain = CompressedImageRecord::decode(plain)?;
+        let picture =
+            image::load_from_memory(plain.data).context("the picture was not read again")?;
+        let drawn = draw(picture.into_rgb8(), seen);
+        self.file.clear();
+        JpegEncoder::new_with_quality(&mut self.file, self.quality).write_image(
+            &drawn,
+            drawn.width(),
+            drawn.height(),
+            ExtendedColorType::Rgb8,
+        )?;
+        encode_compressed_image(&self.file, "jpeg", header.stamp_ns, header.frame_id, into);
+        Ok(())
+    }
+}
+
+fn draw(picture: RgbImage, seen: &Centerlines) -> RgbImage {
+    let mut canvas = Canvas::on(picture);
+    for rope in seen.curves() {
+        let points: Vec<[f64; 2]> = rope.points().iter().map(|p| p.map(f64::from)).collect();
+        let width_px = (0.3 * f64::from(rope.width_px)).max(2.0);
+        canvas.line(&points, width_px);
+        if rope.closed != 0
+            && let (Some(first), Some(last)) = (points.first(), points.last())
+        {
+            canvas.line(&[*last, *first], width_px);
+        }
+        canvas.ink(ROPES[rope.track as usize % ROPES.len()], 1.0);
+        if let Some(first) = points.first() {
+            canvas.dots(&[*first], 2.5 * width_px).ink(END, 1.0);
+        }
+    }
+    canvas.picture
+}

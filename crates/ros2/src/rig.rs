@@ -1,0 +1,187 @@
+//! The rig's channels, read as long as there is a writer and somebody to read them for.
+
+use std::time::{Duration, Instant};
+
+use lariat_chain::stop::Stop;
+use lariat_wire::{
+    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Descriptors, Domain, FRAMES, FrameHeader,
+    Message, Payload, Receiver, Rig, WireError, now_ns,
+};
+use std::os::fd::AsFd;
+
+/// How often it is looked whether the writer is there, and who listens.
+const CHECK: Duration = Duration::from_millis(250);
+
+/// What is wanted of a rig.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Wanted {
+    pub(crate) descriptors: bool,
+    pub(crate) centerlines: bool,
+    pub(crate) frames: bool,
+}
+
+/// The ends of the channels.
+///
+/// Descriptors wake this process: once a frame, when the frame's work is done. What belongs to them has come before, and is looked
+/// for then. A reader that stayed when its writer has gone would keep the channel as it was, so it goes too.
+pub(crate) struct Channels<'d> {
+    domain: &'d Domain,
+    rig: &'d Rig,
+    descriptors: Option<Receiver<Descriptors>>,
+    centerlines: Option<Receiver<Centerlines>>,
+    frames: Option<Receiver<[u8]>>,
+    checked: Option<Instant>,
+    /// What kept a channel from being read, said once.
+    said: Option<String>,
+}
+
+impl<'d> Channels<'d> {
+    pub(crate) fn new(domain: &'d Domain, rig: &'d Rig) -> Self {
+        Self {
+            domain,
+            rig,
+            descriptors: None,
+            centerlines: None,
+            frames: None,
+            checked: None,
+            said: None,
+        }
+    }
+
+    /// Whether it is time to look who writes and who listens.
+    pub(crate) fn is_check_due(&self) -> bool {
+        self.checked.is_none_or(|at| at.elapsed() >= CHECK)
+    }
+
+    /// Takes up what is wanted and written, and lets go of the rest.
+    pub(crate) fn check(&mut self, wanted: Wanted) {
+        self.checked = Some(Instant::now());
+        let looked = [
+            follow(
+                self.domain,
+                self.rig,
+                &DESCRIPTORS,
+                wanted.descriptors,
+                &mut self.descriptors,
+            ),
+            follow(
+                self.domain,
+                self.rig,
+                &CENTERLINES,
+                wanted.centerlines,
+                &mut self.centerlines,
+            ),
+            follow(
+                self.domain,
+                self.rig,
+                &FRAMES,
+                wanted.frames,
+                &mut self.frames,
+            ),
+        ];
+        let obstacle = looked.into_iter().find_map(Result::err);
+        let obstacle = obstacle.map(|error| error.to_string());
+        if obstacle.is_some() && obstacle != self.said {
+            eprintln!("lariat-ros2: {}", obstacle.as_deref().unwrap_or_default());
+        }
+        self.said = obstacle;
+    }
+
+    /// Whether descriptors are read.
+    pub(crate) fn is_open(&self) -> bool {
+        self.descriptors.is_some()
+    }
+
+    /// Sleeps until descriptors may have come, until the next check, or until a signal.
+    pub(crate) fn sleep(&mut self, stop: &Stop) {
+        let due = self.checked.unwrap_or_else(Instant::now) + CHECK;
+        if let Some(reader) = &self.descriptors {
+            if reader.sleep(Some(due), Some(stop.as_fd())).is_ok() {
+                return;
+            }
+            self.descriptors = None;
+        }
+        let left = due.saturating_duration_since(Instant::now());
+        let ns = u64::try_from(left.as_nanos()).unwrap_or(u64::MAX);
+        stop.sleep_until(now_ns().saturating_add(ns));
+    }
+
+    /// The oldest descriptors that wait.
+    pub(crate) fn next(&mut self) -> Option<Message<Descriptors>> {
+        take(&mut self.descriptors, |reader| reader.next())
+    }
+
+    /// The centerlines of the frame with this number of the source's, if they came.
+    pub(crate) fn centerlines_of(&mut self, sequence: u64) -> Option<Message<Centerlines>> {
+        take(&mut self.centerlines, |reader| {
+            until(reader, sequence, |message| message.trace.sequence)
+        })
+    }
+
+    /// The frame of this number, if it came.
+    pub(crate) fn frame_of(&mut self, sequence: u64) -> Option<Message<[u8]>> {
+        let sequence_of = |message: &Message<[u8]>| -> u64 {
+            let header: &FrameHeader = message.header();
+            header.trace.sequence
+        };
+        take(&mut self.frames, |reader| {
+            until(reader, sequence, sequence_of)
+        })
+    }
+}
+
+/// The first of the waiting messages that is of this frame; those before it are let go of. One of a later frame is lost, as are
+/// what belongs to it: so is an image that overflowed.
+fn until<P: Payload + ?Sized>(
+    reader: &Receiver<P>,
+    sequence: u64,
+    sequence_of: impl Fn(&Message<P>) -> u64,
+) -> Result<Option<Message<P>>, WireError> {
+    while let Some(message) = reader.next()? {
+        let came = sequence_of(&message);
+        if came >= sequence {
+            return Ok((came == sequence).then_some(message));
+        }
+    }
+    Ok(None)
+}
+
+/// What is read; a reader that fails is let go of, and taken up anew at the next check.
+fn take<P: Payload + ?Sized, T>(
+    reader: &mut Option<Receiver<P>>,
+    read: impl FnOnce(&Receiver<P>) -> Result<Option<T>, WireError>,
+) -> Option<T> {
+    let result = read(reader.as_ref()?);
+    if result.is_err() {
+        *reader = None;
+    }
+    result.ok().flatten()
+}
+
+fn follow<P: Payload + ?Sized>(
+    domain: &Domain,
+    rig: &Rig,
+    channel: &Channel<P>,
+    wanted: bool,
+    reader: &mut Option<Receiver<P>>,
+) -> Result<(), WireError> {
+    let state = if wanted {
+        domain.channel(rig, channel.name())
+    } else {
+        None
+    };
+    // Of another version nobody's ends are known: opening it says so.
+    let written =
+        state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()));
+    match (written, &reader) {
+        (None, _) => *reader = None,
+        (Some(_), Some(_)) => {}
+        (Some(_), None) if channel.name() == DESCRIPTORS.name() => {
+            *reader = Some(Receiver::create(domain, rig, channel, None)?);
+        }
+        // A lossless writer waits for its readers, and this one looks only when descriptors come: it must not be one.
+        (Some(state), None) if state.lossless => {}
+        (Some(_), None) => *reader = Some(Receiver::create_unwoken(domain, rig, channel, None)?),
+    }
+    Ok(())
+}
