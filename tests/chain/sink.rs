@@ -3,19 +3,17 @@
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::os::fd::{AsRawFd, OwnedFd};
+use std::os::fd::AsRawFd;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use lariat_chain::stages::heirloom::Heirloom;
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Rig, Trace, Writer, now_ns};
-use rustix::fs::{MemfdFlags, memfd_create};
+use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::Signal;
 
 use crate::rig::{Bench, send, wait_until_gone};
-
-/// Where the tallies begin in what a sink leaves: before it stand the counts.
-const TALLIES: u64 = 12 << 10;
 
 /// A sink as the chain starts it, this process being the chain.
 struct Sink {
@@ -25,7 +23,9 @@ struct Sink {
 }
 
 impl Sink {
-    fn start(bench: &Bench, heirloom: &OwnedFd) -> Self {
+    fn start(bench: &Bench, heirloom: &Heirloom) -> Self {
+        let heirloom = heirloom.file().expect("held");
+        fcntl_setfd(heirloom, FdFlags::empty()).expect("a descriptor");
         let (said, its_end) = pipe_with(PipeFlags::empty()).expect("a pipe");
         let mut process = bench
             .command(&["sink", "--out", "report"])
@@ -102,7 +102,7 @@ fn send_frames(writer: &Writer<Descriptors>, numbers: impl IntoIterator<Item = u
 #[test]
 fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     let bench = Bench::new();
-    let heirloom = memfd_create("heirloom", MemfdFlags::empty()).expect("memory");
+    let heirloom = Heirloom::make("sink").expect("memory");
     let domain = Domain::named(&bench.domain).expect("a domain");
     let rig = Rig::default();
     let delivery = Delivery::NewestWins;
@@ -113,8 +113,8 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     send_frames(&writer, 1..=100);
     first.wait_until_it_shows("100 received");
     let deadline = Instant::now() + Duration::from_secs(60);
-    let left = File::from(heirloom.try_clone().expect("a descriptor"));
-    while left.metadata().expect("a file").len() <= TALLIES {
+    let timed = heirloom.tally().expect("held");
+    while timed.newest_first().next().is_none() {
         assert!(Instant::now() < deadline, "nothing is left to a successor");
         std::thread::sleep(Duration::from_millis(10));
     }

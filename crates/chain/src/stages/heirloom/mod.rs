@@ -20,7 +20,7 @@ use anyhow::{Context, Result};
 use rustix::fs::{MemfdFlags, ftruncate, memfd_create};
 
 use super::status::Sent;
-pub(crate) use turns::Turns;
+pub use turns::Turns;
 use turns::{Place, map};
 
 /// The variable that holds the memory's file number.
@@ -142,7 +142,7 @@ impl Heirloom {
     }
 
     /// The file, for the process that inherits it.
-    pub(crate) fn file(&self) -> Option<&File> {
+    pub fn file(&self) -> Option<&File> {
         self.memory.as_ref().map(|memory| &memory.file)
     }
 
@@ -194,12 +194,12 @@ impl Heirloom {
     }
 
     /// Where stands what a successor goes on with, if anybody holds it.
-    pub(crate) fn left(&self) -> Option<Turns> {
+    pub fn left(&self) -> Option<Turns> {
         self.turns(LEFT)
     }
 
     /// Where stands what sink has timed.
-    pub(crate) fn tally(&self) -> Option<Turns> {
+    pub fn tally(&self) -> Option<Turns> {
         self.turns(TALLY)
     }
 }

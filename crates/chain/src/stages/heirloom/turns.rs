@@ -66,7 +66,7 @@ impl Place {
 
 /// The two of one kind.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turns([&'static [AtomicU64]; 2]);
+pub struct Turns([&'static [AtomicU64]; 2]);
 
 impl Turns {
     pub(super) fn new(words: &'static [AtomicU64], place: Place) -> Self {
@@ -82,7 +82,7 @@ impl Turns {
     ///
     /// # Errors
     /// There is no room for so many bytes: what was written stays.
-    pub(crate) fn write(&self, bytes: &[u8]) -> io::Result<()> {
+    pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
         let (whole, rest) = bytes.as_chunks::<WORD>();
         let mut last = [0; WORD];
         last[..rest.len()].copy_from_slice(rest);
@@ -119,7 +119,7 @@ impl Turns {
     }
 
     /// What was written last, then what was before it, as far as they are whole.
-    pub(crate) fn newest_first(&self) -> impl Iterator<Item = Vec<u8>> {
+    pub fn newest_first(&self) -> impl Iterator<Item = Vec<u8>> {
         self.in_order().into_iter().filter_map(|(one, number)| {
             let length = one[1].load(Ordering::Relaxed) as usize;
             let words = one[HEAD..].get(..length.div_ceil(WORD))?;
