@@ -358,10 +358,10 @@ class Soak:
         row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
         for kind in ("centerline", "curve"):
             usual, now = (of["error_px"][kind] for of in (truth, summary))
-            is_near = all(now[key] <= 1.25 * usual[key] + 0.01 for key in ("mean", "p95", "max"))
-            row(f"{kind} on the rope", is_near,
-                f"px mean {now['mean']:.3f} p95 {now['p95']:.3f} max {now['max']:.3f}; without faults "
-                f"{usual['mean']:.3f} {usual['p95']:.3f} {usual['max']:.3f}")
+            # The worst of some million points is one frame's: whether 120 or 140 points are asked for moves it by a third.
+            allowed = {"mean": 1.25, "p95": 1.25, "p999": 1.25, "max": 2}
+            row(f"{kind} on the rope", all(now[key] <= times * usual[key] + 0.01 for key, times in allowed.items()),
+                "px " + ", ".join(f"{key} {now[key]:.3f} ({usual[key]:.3f} without faults)" for key in allowed))
         ropes = sum(line.ropes != 1 for line in lines)
         row("one rope", ropes <= len(lines) / 1000, f"{ropes} of {len(lines)} frames with another number of ropes")
         calm = [sample for sample in self.samples if self.is_calm(sample["at"])]

@@ -72,10 +72,14 @@ impl Heap {
             return Distances::default();
         }
         let rounded = |px: f64| Some((px * 1e4).round() / 1e4);
-        let p95 = self.histogram.value_at_quantile(0.95) as f64 / PER_PX;
+        let within = |share| {
+            let px = self.histogram.value_at_quantile(share) as f64 / PER_PX;
+            rounded(px.min(self.max_px))
+        };
         Distances {
             mean: rounded(self.sum_px / self.histogram.len() as f64),
-            p95: rounded(p95.min(self.max_px)),
+            p95: within(0.95),
+            p999: within(0.999),
             max: rounded(self.max_px),
         }
     }

@@ -126,6 +126,8 @@ pub struct Distances {
     pub mean: Option<f64>,
     /// 95 % are no farther.
     pub p95: Option<f64>,
+    /// 99.9 % are no farther: what a single frame cannot move.
+    pub p999: Option<f64>,
     /// The farthest.
     pub max: Option<f64>,
 }

@@ -23,6 +23,7 @@ fn all(px: f64) -> Distances {
     Distances {
         mean: Some(px),
         p95: Some(px),
+        p999: Some(px),
         max: Some(px),
     }
 }
@@ -88,6 +89,7 @@ fn mean_p95_and_max_are_over_all_points_of_all_frames() {
     let found = errors(&sink).centerline;
     assert!(close(found.mean, 50.5 / 64.0, 1e-4), "{found:?}");
     assert!(close(found.p95, 95.0 / 64.0, 1.1e-3), "{found:?}");
+    assert!(close(found.p999, 100.0 / 64.0, 1.1e-3), "{found:?}");
     assert!(close(found.max, 100.0 / 64.0, 1e-4), "{found:?}");
 }
 
