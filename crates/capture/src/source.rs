@@ -287,3 +287,14 @@ pub enum SourceError {
     #[error("cannot start the thread that decodes ahead: {0}")]
     NoThread(io::Error),
 }
+
+impl SourceError {
+    /// Whether it is a camera that is not there, or that another program (or a killed one that still ends) has: it may come back.
+    pub fn is_of_an_absent_camera(&self) -> bool {
+        use CameraError::{Absent, Busy, Gone};
+        matches!(
+            self,
+            Self::Camera(Absent { .. } | Gone { .. } | Busy { .. })
+        )
+    }
+}

@@ -3,7 +3,7 @@
 use std::os::fd::AsFd;
 
 use anyhow::Context;
-use lariat_capture::{Frame, FrameSource, Next, Source, Until};
+use lariat_capture::{Frame, FrameSource, Next, Source, SourceError, Until};
 use lariat_wire::{
     Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
 };
@@ -18,12 +18,20 @@ use crate::settings::{Fps, Settings, Stage};
 
 /// How often it says that it lives, if nothing else does.
 const BEAT_NS: u64 = 1_000_000_000;
+/// How often a camera is looked for that is not there when capture is started anew.
+const LOOK_AGAIN_NS: u64 = 200_000_000;
 
 /// Sends frames until the source or its time ends, or a signal comes.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Capture, supervision)?;
-    let mut source = open(settings, &station)?;
     let before = station.heirloom.progress();
+    let Some(mut source) = open_again(settings, &mut station, before.restarts)? else {
+        if !station.stop.asked() {
+            station.status.say(Word::Done);
+        }
+        station.status.say(Word::Sent(before.sent));
+        return Ok(());
+    };
     let goes_on = before.restarts > 0 && source.pass_over(before.taken)?;
     // What the numbers from here on are ahead of the source's own.
     let ahead = match goes_on {
@@ -90,6 +98,34 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     }
     station.status.say(Word::Sent(sent));
     outcome
+}
+
+/// Opens the source. A camera that a predecessor had is waited for, as after an unplug; `None` if a signal came
+/// first, or the chain's time was over.
+fn open_again(
+    settings: &Settings,
+    station: &mut Station,
+    restarts: u64,
+) -> anyhow::Result<Option<Box<dyn FrameSource>>> {
+    let lasts_ns = settings.run.duration_ns();
+    let end_ns = lasts_ns.map_or(u64::MAX, |lasts_ns| now_ns().saturating_add(lasts_ns));
+    let mut is_told = false;
+    while !station.stop.asked() && now_ns() < end_ns {
+        let cause = match open(settings, station) {
+            Ok(source) => return Ok(Some(source)),
+            Err(cause) => cause,
+        };
+        let error = cause.downcast_ref::<SourceError>();
+        if restarts == 0 || !error.is_some_and(SourceError::is_of_an_absent_camera) {
+            return Err(cause);
+        }
+        if !std::mem::replace(&mut is_told, true) {
+            tracing::warn!("{cause}; it is waited for until it comes back");
+        }
+        station.heirloom.beat();
+        station.stop.sleep_until(now_ns() + LOOK_AGAIN_NS);
+    }
+    Ok(None)
 }
 
 /// Opens the source; a simulated robot takes its rig's commands.
