@@ -9,7 +9,7 @@ use crate::error::{FitError, FitterError};
 use crate::filter::{CurveSpace, CurveSpaceError};
 use crate::folded::Points;
 use crate::linear::Linear;
-use crate::noise::{EvenFit, Propagation};
+use crate::noise::{EvenFit, Propagation, Square};
 use crate::options::{Options, Rho, Weights};
 use crate::rational::RationalFitter;
 use crate::resample::Resampler;
@@ -70,7 +70,7 @@ pub struct Fitter<const D: usize = 2> {
     pub(crate) fit: Fit<D>,
     /// Room for the squared distance of each point from a curve.
     pub(crate) squared: Vec<f64>,
-    propagation: Propagation,
+    propagation: Propagation<D>,
 }
 
 /// A basis of one size and how it is fitted.
@@ -190,44 +190,6 @@ impl Fitter<2> {
     /// allowed.
     pub fn new(options: Options) -> Result<Self, FitterError> {
         Self::in_dimensions(options)
-    }
-}
-
-impl Fitter<2> {
-    /// The covariances `[xx, xy, yy]` of the last fit's control points, where its points came from `line`, and what `line`
-    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
-    /// `squares` are `JJᵀ` of its derivatives there, as `[xx, xy, yy]`, in the order of those points. Returns σ², px², as
-    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
-    ///
-    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
-    pub fn propagate(
-        &mut self,
-        line: &Resampler,
-        squares: &[[f64; 3]],
-        covariances: &mut [[f64; 3]; MAX_CONTROL_POINTS],
-    ) -> f64 {
-        let points = self.options.points;
-        if line.shape().0 != points || squares.len() != points {
-            return 0.0;
-        }
-        let linear = &self.sizes[self.shown].linear;
-        let even = EvenFit {
-            p: &linear.matrix,
-            b: &linear.b,
-        };
-        let growth = self.propagation.run(&even, line, squares, covariances);
-        let fit = &self.fit;
-        let squared = fit.residual_variance * 2.0 * linear.freedom;
-        let variance = if growth > 0.0 { squared / growth } else { 0.0 };
-        let count = fit.control_points.len();
-        for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
-            let at = j * (count + 1);
-            let share = fit.covariance_factor[at] / linear.covariance[at];
-            // A pinned end of many points has neither.
-            let share = if share.is_finite() { share } else { 1.0 };
-            *covariance = covariance.map(|c| variance * share * c);
-        }
-        variance
     }
 }
 
@@ -467,6 +429,42 @@ impl<const D: usize> Fitter<D> {
         let space = size.space()?;
         size.space = Some(space.clone());
         Ok(space)
+    }
+
+    /// The covariances of the last fit's control points, where its points came from `line`, and what `line`
+    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
+    /// `squares` are `JJᵀ` of its derivatives there, in the order of those points. Returns σ², px², as
+    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
+    ///
+    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
+    pub fn propagate(
+        &mut self,
+        line: &Resampler<D>,
+        squares: &[Square<D>],
+        covariances: &mut [Square<D>; MAX_CONTROL_POINTS],
+    ) -> f64 {
+        let points = self.options.points;
+        if line.shape().0 != points || squares.len() != points {
+            return 0.0;
+        }
+        let linear = &self.sizes[self.shown].linear;
+        let even = EvenFit {
+            p: &linear.matrix,
+            b: &linear.b,
+        };
+        let growth = self.propagation.run(&even, line, squares, covariances);
+        let fit = &self.fit;
+        let squared = fit.residual_variance * D as f64 * linear.freedom;
+        let variance = if growth > 0.0 { squared / growth } else { 0.0 };
+        let count = fit.control_points.len();
+        for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
+            let at = j * (count + 1);
+            let share = fit.covariance_factor[at] / linear.covariance[at];
+            // A pinned end of many points has neither.
+            let share = if share.is_finite() { share } else { 1.0 };
+            *covariance = covariance.map(|row| row.map(|c| variance * share * c));
+        }
+        variance
     }
 
     /// The rows of `P`, `N` numbers each, such that row `j` times the points is control point `j`, the same for

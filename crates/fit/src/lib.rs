@@ -159,6 +159,7 @@ pub use filter::{
 };
 pub use fitter::{Fit, Fitter, MAX_COORDINATE_PX};
 pub use functions::MAX_KNOTS;
+pub use noise::Square;
 pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, Weights};
 pub use rational::{MAX_WEIGHT, RationalFit, RationalFitter};
 pub use resample::{ResampleError, Resampler};

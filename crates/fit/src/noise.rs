@@ -29,23 +29,26 @@
 use crate::basis::MAX_CONTROL_POINTS;
 use crate::matrix::Matrix;
 use crate::options::MAX_POINTS;
-use crate::resample::Resampler;
+use crate::resample::{Resampler, length};
+
+/// A covariance, or a map's derivative times its transpose: symmetric.
+pub type Square<const D: usize> = [[f64; D]; D];
 
 /// Room for the sums over a line's points.
 #[derive(Debug, Clone)]
-pub(crate) struct Propagation {
+pub(crate) struct Propagation<const D: usize> {
     /// Of one control point: `T`, and `V`.
     t: Vec<f64>,
-    v: Vec<[f64; 2]>,
+    v: Vec<[f64; D]>,
     /// `BᵀR` of the same.
     u: Vec<f64>,
     /// `‖(I − H)Rᵢ‖²`.
     freedom: Vec<f64>,
     /// Points of the even fit's curve, then its directions in the middle between each and the next.
-    curve: Vec<[f64; 2]>,
+    curve: Vec<[f64; D]>,
     /// Its directions where the chords of the old points are, and at the new points.
-    chords: Vec<[f64; 2]>,
-    tangents: Vec<[f64; 2]>,
+    chords: Vec<[f64; D]>,
+    tangents: Vec<[f64; D]>,
 }
 
 /// The even fit: `P` transposed and `B`, each N × m.
@@ -54,33 +57,33 @@ pub(crate) struct EvenFit<'a> {
     pub(crate) b: &'a Matrix,
 }
 
-impl Propagation {
+impl<const D: usize> Propagation<D> {
     pub(crate) fn new() -> Self {
         Self {
             t: vec![0.0; MAX_POINTS],
-            v: vec![[0.0; 2]; MAX_POINTS],
+            v: vec![[0.0; D]; MAX_POINTS],
             u: vec![0.0; MAX_POINTS],
             freedom: vec![0.0; MAX_POINTS],
-            curve: vec![[0.0; 2]; MAX_POINTS],
-            chords: vec![[0.0; 2]; MAX_POINTS],
-            tangents: vec![[0.0; 2]; MAX_POINTS],
+            curve: vec![[0.0; D]; MAX_POINTS],
+            chords: vec![[0.0; D]; MAX_POINTS],
+            tangents: vec![[0.0; D]; MAX_POINTS],
         }
     }
 
-    /// The covariances `[xx, xy, yy]` of the control points for σ = 1, and by how much of σ² the sum of squared residuals
+    /// The covariances of the control points for σ = 1, and by how much of σ² the sum of squared residuals
     /// grows in the mean. `squares` are the `Sᵢ`.
     pub(crate) fn run(
         &mut self,
         fit: &EvenFit,
-        line: &Resampler,
-        squares: &[[f64; 3]],
-        covariances: &mut [[f64; 3]; MAX_CONTROL_POINTS],
+        line: &Resampler<D>,
+        squares: &[Square<D>],
+        covariances: &mut [Square<D>; MAX_CONTROL_POINTS],
     ) -> f64 {
         let (count, closed) = line.shape();
         self.straighten(fit, line);
         self.freedom[..count].fill(0.0);
         for mean in &line.means[..count] {
-            for (i, weight) in line.sources(mean) {
+            for (i, weight) in mean.sources() {
                 self.freedom[i] += weight * weight;
             }
         }
@@ -97,63 +100,63 @@ impl Propagation {
     }
 
     /// `T`, `V` and `BᵀR` of control point `j`; returns `αⱼ`.
-    fn gather(&mut self, fit: &EvenFit, line: &Resampler, j: usize) -> [f64; 2] {
+    fn gather(&mut self, fit: &EvenFit, line: &Resampler<D>, j: usize) -> [f64; D] {
         let (count, _) = line.shape();
         self.t[..count].fill(0.0);
         self.u[..count].fill(0.0);
-        self.v[..count].fill([0.0; 2]);
-        let mut ends = [0.0; 2];
+        self.v[..count].fill([0.0; D]);
+        let mut ends = [0.0; D];
         let fitted = fit.p.column(j).iter().zip(fit.b.column(j));
         for ((k, mean), (&p, &b)) in line.means[..count].iter().enumerate().zip(fitted) {
             let along = self.tangents[k].map(|c| p * c);
-            for (i, weight) in line.sources(mean) {
+            for (i, weight) in mean.sources() {
                 self.t[i] += p * weight;
                 self.u[i] += b * weight;
-                self.v[i] = [0, 1].map(|axis| self.v[i][axis] + along[axis] * weight);
+                self.v[i] = std::array::from_fn(|axis| self.v[i][axis] + along[axis] * weight);
             }
             // What is beyond a closed line's seam lies a whole length farther, or not yet one far.
             let rho = mean.rho - line.beyond_the_seam(mean);
-            ends = [0, 1].map(|axis| ends[axis] + along[axis] * rho);
+            ends = std::array::from_fn(|axis| ends[axis] + along[axis] * rho);
         }
         ends
     }
 
     /// `Σᵢ Aⱼᵢ Sᵢ Aⱼᵢᵀ` from the last point to the first.
-    fn sum(&self, squares: &[[f64; 3]], ends: [f64; 2], closed: bool) -> [f64; 3] {
+    fn sum(&self, squares: &[Square<D>], ends: [f64; D], closed: bool) -> Square<D> {
         let count = squares.len();
-        let mut sum = [0.0; 3];
+        let mut sum = [[0.0; D]; D];
         // K of the chord that leads away from the point, and what of V lies behind it.
-        let mut away = if closed { ends } else { [0.0; 2] };
-        let mut behind = [0.0; 2];
+        let mut away = if closed { ends } else { [0.0; D] };
+        let mut behind = [0.0; D];
         for i in (0..count).rev() {
-            behind = [0, 1].map(|axis| behind[axis] + self.v[i][axis]);
+            behind = std::array::from_fn(|axis| behind[axis] + self.v[i][axis]);
             let into = match i {
                 0 if closed => ends,
-                0 => [0.0; 2],
-                _ => [0, 1].map(|axis| ends[axis] - behind[axis]),
+                0 => [0.0; D],
+                _ => std::array::from_fn(|axis| ends[axis] - behind[axis]),
             };
             let before = self.chords[(i + count - 1) % count];
             let after = self.chords[i];
-            let mut a = [[self.t[i], 0.0], [0.0, self.t[i]]];
+            let mut a = [[0.0; D]; D];
             for (row, entries) in a.iter_mut().enumerate() {
+                entries[row] = self.t[i];
                 for (column, entry) in entries.iter_mut().enumerate() {
                     *entry += into[row] * before[column] - away[row] * after[column];
                 }
             }
-            let [xx, xy, yy] = squares[i];
-            let dot = |p: [f64; 2], q: [f64; 2]| {
-                xx * p[0] * q[0] + xy * (p[0] * q[1] + p[1] * q[0]) + yy * p[1] * q[1]
-            };
-            sum[0] += dot(a[0], a[0]);
-            sum[1] += dot(a[0], a[1]);
-            sum[2] += dot(a[1], a[1]);
+            for row in 0..D {
+                for column in row..D {
+                    sum[row][column] += between(a[row], &squares[i], a[column]);
+                    sum[column][row] = sum[row][column];
+                }
+            }
             away = into;
         }
         sum
     }
 
-    /// `nᵀSn` at an old point, with the normal of the curve there.
-    fn across(&self, i: usize, closed: bool, squares: &[[f64; 3]]) -> f64 {
+    /// `nᵀSn` at an old point, with the normal of the curve there; in space, the sum over two of them.
+    fn across(&self, i: usize, closed: bool, squares: &[Square<D>]) -> f64 {
         let count = squares.len();
         let before = match i {
             0 if !closed => self.chords[0],
@@ -163,23 +166,29 @@ impl Propagation {
             _ if i + 1 == count && !closed => before,
             _ => self.chords[i],
         };
-        let [x, y] = direction([before[0] + after[0], before[1] + after[1]], before);
-        let [xx, xy, yy] = squares[i];
-        xx * y * y - 2.0 * xy * x * y + yy * x * x
+        let along = direction(
+            std::array::from_fn(|axis| before[axis] + after[axis]),
+            before,
+        );
+        let square = &squares[i];
+        if let ([x, y], 2) = (&along[..2.min(D)], D) {
+            return square[0][0] * y * y - 2.0 * square[0][1] * x * y + square[1][1] * x * x;
+        }
+        (0..D).map(|axis| square[axis][axis]).sum::<f64>() - between(along, square, along)
     }
 
     /// The directions of the curve. Those of the noisy chords themselves would not do: at 0.3 px of noise and steps of 5 px
     /// they turn by three times as much from one to the next as a rope does, and the effect of turns is squared.
-    fn straighten(&mut self, fit: &EvenFit, line: &Resampler) {
+    fn straighten(&mut self, fit: &EvenFit, line: &Resampler<D>) {
         let (count, closed) = line.shape();
         let points = line.points();
-        self.curve[..count].fill([0.0; 2]);
+        self.curve[..count].fill([0.0; D]);
         for j in 0..fit.p.ncols() {
             let (p, b) = (fit.p.column(j), fit.b.column(j));
             let sum = |axis: usize| p.iter().zip(points).map(|(p, point)| p * point[axis]).sum();
-            let control_point: [f64; 2] = [sum(0), sum(1)];
+            let control_point: [f64; D] = std::array::from_fn(sum);
             for (at, b) in self.curve[..count].iter_mut().zip(b) {
-                *at = [0, 1].map(|axis| at[axis] + b * control_point[axis]);
+                *at = std::array::from_fn(|axis| at[axis] + b * control_point[axis]);
             }
         }
         let steps = if closed { count } else { count - 1 };
@@ -190,12 +199,12 @@ impl Propagation {
             } else {
                 self.curve[k + 1]
             };
-            let way = [0, 1].map(|axis| next[axis] - self.curve[k][axis]);
+            let way = std::array::from_fn(|axis| next[axis] - self.curve[k][axis]);
             self.curve[k] = direction(way, line.chords[k]);
         }
         // At a place along the line, in steps from the first new point: between the middles of two steps.
         let turns = &self.curve[..steps];
-        let at = |place: f64, chord: [f64; 2]| {
+        let at = |place: f64, chord: [f64; D]| {
             let place = if closed {
                 place
             } else {
@@ -209,7 +218,7 @@ impl Propagation {
                 turn(if share > 0.0 { before + 1.0 } else { before }),
             );
             direction(
-                [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])),
+                std::array::from_fn(|axis| a[axis] + share * (b[axis] - a[axis])),
                 chord,
             )
         };
@@ -223,11 +232,23 @@ impl Propagation {
 }
 
 /// A vector made one long; `other`, if it has no direction.
-fn direction(vector: [f64; 2], other: [f64; 2]) -> [f64; 2] {
-    let size = libm::hypot(vector[0], vector[1]);
+fn direction<const D: usize>(vector: [f64; D], other: [f64; D]) -> [f64; D] {
+    let size = length(vector);
     if size > 1e-9 {
         vector.map(|c| c / size)
     } else {
         other
     }
+}
+
+/// `pᵀ S q`.
+fn between<const D: usize>(p: [f64; D], square: &Square<D>, q: [f64; D]) -> f64 {
+    let mut sum = 0.0;
+    for a in 0..D {
+        sum += square[a][a] * p[a] * q[a];
+        for b in a + 1..D {
+            sum += square[a][b] * (p[a] * q[b] + p[b] * q[a]);
+        }
+    }
+    sum
 }

@@ -31,37 +31,52 @@ pub(crate) struct Mean {
     pub(crate) rho: f64,
 }
 
+impl Mean {
+    /// The old points that make the new one, each with its weight.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let sources = self.from.into_iter().zip(self.weights);
+        sources.filter(|(_, weight)| *weight != 0.0)
+    }
+}
+
 /// Walks along lines of points and sets points at equal steps.
 #[derive(Debug, Clone)]
-pub struct Resampler {
+pub struct Resampler<const D: usize = 2> {
     count: usize,
     closed: bool,
     length: f64,
     /// The arc length up to each point, and, of a closed line, up to the first again.
     arcs: Vec<f64>,
     /// Directions of the chords from each point to the next.
-    pub(crate) chords: Vec<[f64; 2]>,
+    pub(crate) chords: Vec<[f64; D]>,
     pub(crate) means: Vec<Mean>,
-    points: Vec<[f64; 2]>,
+    points: Vec<[f64; D]>,
 }
 
-impl Default for Resampler {
+impl<const D: usize> Default for Resampler<D> {
     fn default() -> Self {
-        Self::new()
+        Self::in_dimensions()
     }
 }
 
 impl Resampler {
     /// With room for lines of [`MAX_POINTS`] points; nothing allocates after this.
     pub fn new() -> Self {
+        Self::in_dimensions()
+    }
+}
+
+impl<const D: usize> Resampler<D> {
+    /// As [`Resampler::new`], for points of any dimension.
+    pub fn in_dimensions() -> Self {
         Self {
             count: 0,
             closed: false,
             length: 0.0,
             arcs: vec![0.0; MAX_POINTS + 1],
-            chords: vec![[0.0; 2]; MAX_POINTS],
+            chords: vec![[0.0; D]; MAX_POINTS],
             means: vec![Mean::default(); MAX_POINTS],
-            points: vec![[0.0; 2]; MAX_POINTS],
+            points: vec![[0.0; D]; MAX_POINTS],
         }
     }
 
@@ -71,9 +86,9 @@ impl Resampler {
     /// There are too few or too many, or two neighbours lie in one place.
     pub fn resample(
         &mut self,
-        points: &[[f64; 2]],
+        points: &[[f64; D]],
         closed: bool,
-    ) -> Result<&[[f64; 2]], ResampleError> {
+    ) -> Result<&[[f64; D]], ResampleError> {
         let count = points.len();
         if !(2..=MAX_POINTS).contains(&count) {
             return Err(ResampleError::Count(count));
@@ -90,8 +105,8 @@ impl Resampler {
             }
             let mean = self.mean(interval, target, rho);
             self.means[k] = mean;
-            self.points[k] = self.sources(&mean).fold([0.0; 2], |sum, (i, weight)| {
-                [0, 1].map(|axis| sum[axis] + weight * points[i][axis])
+            self.points[k] = mean.sources().fold([0.0; D], |sum, (i, weight)| {
+                std::array::from_fn(|axis| sum[axis] + weight * points[i][axis])
             });
         }
         Ok(&self.points[..count])
@@ -118,14 +133,8 @@ impl Resampler {
     }
 
     /// The direction of the line at new point `k`.
-    pub(crate) fn tangent(&self, mean: &Mean) -> [f64; 2] {
+    pub(crate) fn tangent(&self, mean: &Mean) -> [f64; D] {
         self.chords[mean.from[1]]
-    }
-
-    /// The old points that make a new one, each with its weight.
-    pub(crate) fn sources(&self, mean: &Mean) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let sources = mean.from.into_iter().zip(mean.weights);
-        sources.filter(|(_, weight)| *weight != 0.0)
     }
 
     /// How much of a new point comes from beyond a closed line's last point, less how much from before its first.
@@ -144,7 +153,7 @@ impl Resampler {
     }
 
     /// The last new points.
-    pub(crate) fn points(&self) -> &[[f64; 2]] {
+    pub(crate) fn points(&self) -> &[[f64; D]] {
         &self.points[..self.count]
     }
 
@@ -158,7 +167,7 @@ impl Resampler {
         (self.count, self.closed)
     }
 
-    fn measure(&mut self, points: &[[f64; 2]]) -> Result<(), ResampleError> {
+    fn measure(&mut self, points: &[[f64; D]]) -> Result<(), ResampleError> {
         let steps = if self.closed {
             self.count
         } else {
@@ -167,8 +176,8 @@ impl Resampler {
         self.arcs[0] = 0.0;
         for i in 0..steps {
             let (from, to) = (points[i], points[(i + 1) % self.count]);
-            let way = [to[0] - from[0], to[1] - from[1]];
-            let length = libm::hypot(way[0], way[1]);
+            let way: [f64; D] = std::array::from_fn(|axis| to[axis] - from[axis]);
+            let length = length(way);
             if !(length > 0.0 && length.is_finite()) {
                 return Err(ResampleError::NoStep(i));
             }
@@ -224,6 +233,13 @@ impl Resampler {
             rho,
         }
     }
+}
+
+/// How long a vector is.
+pub(crate) fn length<const D: usize>(way: [f64; D]) -> f64 {
+    way[1..]
+        .iter()
+        .fold(way[0].abs(), |length, &c| libm::hypot(length, c))
 }
 
 /// What the point before, the point and the one after it, at the distances `before` and `step`, weigh in the slope of their

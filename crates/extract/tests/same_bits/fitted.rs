@@ -238,7 +238,7 @@ fn plane(told: &mut Told, lines: &[Line]) {
                 let [a, b] = place.jacobian;
                 let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
                 placed.push(place.point);
-                squares.push([dot(a, a), dot(a, b), dot(b, b)]);
+                squares.push([[dot(a, a), dot(a, b)], [dot(a, b), dot(b, b)]]);
                 let back = mapping.pixel(place.point).expect("it is seen");
                 placed.push(back);
             }
@@ -249,11 +249,13 @@ fn plane(told: &mut Told, lines: &[Line]) {
             let even = resampler.resample(&placed, false).expect("a line");
             let fitted = hash(fitter.fit(even).expect("a line that can be fitted"));
             told.frame(case, "fit", fitted);
-            let mut covariances = [[0.0; 3]; MAX_CONTROL_POINTS];
+            let mut covariances = [[[0.0; 2]; 2]; MAX_CONTROL_POINTS];
             let variance = fitter.propagate(&resampler, &squares, &mut covariances);
-            let hash = Hash::new()
-                .doubles(&[variance])
-                .doubles(covariances.as_flattened());
+            let hash = Hash::new().doubles(&[variance]).doubles(
+                covariances
+                    .map(|[[xx, xy], [_, yy]]| [xx, xy, yy])
+                    .as_flattened(),
+            );
             told.frame(case, "covariance", hash);
         }
     }

@@ -51,19 +51,19 @@ fn points_at_equal_steps_again_and_their_noise_allocate_nothing() {
         };
         let mut fitter = Fitter::new(options).unwrap();
         let mut line = Resampler::new();
-        let mut covariances = [[0.0; 3]; MAX_CONTROL_POINTS];
+        let mut covariances = [[[0.0; 2]; 2]; MAX_CONTROL_POINTS];
         let before = allocations();
         for _ in 0..3 {
             let even = line.resample(&points, closed).unwrap();
             std::hint::black_box(fitter.fit(even).unwrap());
             std::hint::black_box(fitter.propagate(
                 &line,
-                &[[1.0, 0.0, 1.0]; 120],
+                &[[[1.0, 0.0], [0.0, 1.0]]; 120],
                 &mut covariances,
             ));
         }
         assert_eq!(allocations(), before);
-        assert!(covariances[0][0] > 0.0);
+        assert!(covariances[0][0][0] > 0.0);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Pixel noise, through a tilted plane and equal steps set anew, to the control points: as foretold, and as it is.
 
-use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler};
+use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler, Square};
 use lariat_portable::SplitMix64;
 
 /// A plane seen at a slant: along the ropes below a pixel at the one end is some two and a half times as long as at the other.
@@ -14,12 +14,12 @@ const H: [[f64; 3]; 3] = [
 /// of 5 px that the squares of their slants do not add to the arc length.
 const SIGMA_PX: f64 = 0.02;
 
-fn place([x, y]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+fn place([x, y]: [f64; 2]) -> ([f64; 2], Square<2>) {
     let [u, v, w] = H.map(|row| row[0] * x + row[1] * y + row[2]);
     let point = [u / w, v / w];
     let j = [0, 1].map(|i| [0, 1].map(|k| (H[i][k] - point[i] * H[2][k]) / w));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    (point, [dot(j[0], j[0]), dot(j[0], j[1]), dot(j[1], j[1])])
+    (point, j.map(|row| j.map(|other| dot(row, other))))
 }
 
 /// Equal steps in the picture along a wave, or round a ring.
@@ -54,6 +54,10 @@ struct Trial {
     found: Vec<[f64; 3]>,
 }
 
+fn three([[xx, xy], [_, yy]]: [[f64; 2]; 2]) -> [f64; 3] {
+    [xx, xy, yy]
+}
+
 fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
     const RUNS: usize = 4000;
     let truth = rope(closed);
@@ -71,7 +75,7 @@ fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
         let (points, squares): (Vec<_>, Vec<_>) = seen.map(place).unzip();
         let even = line.resample(&points, closed).unwrap();
         let control_points = fitter.fit(even).unwrap().control_points.clone();
-        let mut covariances = [[0.0; 3]; MAX_CONTROL_POINTS];
+        let mut covariances = [[[0.0; 2]; 2]; MAX_CONTROL_POINTS];
         sigma2 += fitter.propagate(&line, &squares, &mut covariances) / RUNS as f64;
         if run == 0 {
             shape.clone_from(&control_points);
@@ -83,7 +87,7 @@ fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
             for (sum, product) in products[j].iter_mut().zip([x * x, x * y, y * y]) {
                 *sum += product;
             }
-            for (sum, c) in foretold[j].iter_mut().zip(covariances[j]) {
+            for (sum, c) in foretold[j].iter_mut().zip(three(covariances[j])) {
                 *sum += c / RUNS as f64;
             }
         }
@@ -158,10 +162,10 @@ fn lines_of_another_number_of_points_are_no_business_of_a_fitter() {
     let mut line = Resampler::new();
     let points: Vec<[f64; 2]> = (0..40).map(|i| [f64::from(i), 0.0]).collect();
     line.resample(&points, false).unwrap();
-    let mut covariances = [[7.0; 3]; MAX_CONTROL_POINTS];
+    let mut covariances = [[[7.0; 2]; 2]; MAX_CONTROL_POINTS];
     assert_eq!(
-        fitter.propagate(&line, &[[1.0; 3]; 40], &mut covariances),
+        fitter.propagate(&line, &[[[1.0; 2]; 2]; 40], &mut covariances),
         0.0
     );
-    assert_eq!(covariances[0], [7.0; 3]);
+    assert_eq!(covariances[0], [[7.0; 2]; 2]);
 }

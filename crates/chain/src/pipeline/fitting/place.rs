@@ -23,7 +23,7 @@
 use crate::calibrated::Calibrated;
 use anyhow::Result;
 use lariat_camera::Mapping;
-use lariat_fit::{Fitter, Resampler};
+use lariat_fit::{Fitter, Resampler, Square};
 use lariat_wire::{Curve, Descriptor, MAX_CONTROL_POINTS, MAX_POINTS, Unit};
 
 /// Takes curves of frames of one size to their plane.
@@ -33,14 +33,14 @@ pub(super) struct Placer {
     mapping: Option<Mapping>,
     line: Resampler,
     points: Box<[[f64; 2]; MAX_POINTS]>,
-    /// `JJᵀ` of the way to each, as xx, xy, yy.
-    squares: Box<[[f64; 3]; MAX_POINTS]>,
+    /// `JJᵀ` of the way to each.
+    squares: Box<[Square<2>; MAX_POINTS]>,
     /// The width at each, in the unit.
     widths: Box<[f64; MAX_POINTS]>,
     by_size: Box<[f64; MAX_POINTS]>,
     /// The last curve's: median width, in the unit.
     pub(super) width: f64,
-    covariances: Box<[[f64; 3]; MAX_CONTROL_POINTS]>,
+    covariances: Box<[Square<2>; MAX_CONTROL_POINTS]>,
 }
 
 impl Placer {
@@ -50,11 +50,11 @@ impl Placer {
             mapping: None,
             line: Resampler::new(),
             points: Box::new([[0.0; 2]; MAX_POINTS]),
-            squares: Box::new([[0.0; 3]; MAX_POINTS]),
+            squares: Box::new([[[0.0; 2]; 2]; MAX_POINTS]),
             widths: Box::new([0.0; MAX_POINTS]),
             by_size: Box::new([0.0; MAX_POINTS]),
             width: 0.0,
-            covariances: Box::new([[0.0; 3]; MAX_CONTROL_POINTS]),
+            covariances: Box::new([[[0.0; 2]; 2]; MAX_CONTROL_POINTS]),
         }
     }
 
@@ -119,7 +119,7 @@ impl Placer {
             let [a, b] = place.jacobian;
             let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
             self.points[i] = place.point;
-            self.squares[i] = [dot(a, a), dot(a, b), dot(b, b)];
+            self.squares[i] = [[dot(a, a), dot(a, b)], [dot(a, b), dot(b, b)]];
             // A width lies across the rope: the area of a step of the rope over the step's length.
             let along = direction(seen, i, curve.closed != 0);
             let step = [dot(a, along), dot(b, along)];
@@ -154,7 +154,12 @@ impl Placer {
         descriptor.width = self.width;
         let squares = &self.squares[..samples.min(MAX_POINTS)];
         fitter.propagate(&self.line, squares, &mut self.covariances);
-        descriptor.covariances[..count].copy_from_slice(&self.covariances[..count]);
+        for (to, [[xx, xy], [_, yy]]) in descriptor.covariances[..count]
+            .iter_mut()
+            .zip(&*self.covariances)
+        {
+            *to = [*xx, *xy, *yy];
+        }
     }
 }
 
