@@ -1,0 +1,49 @@
+//! A recording in the place of a chain.
+
+use serde_json::Value;
+use tungstenite::Message;
+
+use crate::page::Page;
+use crate::rig::Bench;
+use crate::viewing::Viewing;
+
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
+
+#[test]
+fn of_a_recording_any_frame_is_had_as_it_was_recorded() {
+    let bench = Bench::new();
+    let viewing = Viewing::start(&bench, &[GOLDEN]);
+    let mut page = Page::of(&viewing);
+    let status = page.status(|_| true);
+    assert_eq!(status["film"]["name"], "rope.mcap");
+    let frames = status["film"]["frames"].as_u64().expect("a number");
+    let export = bench.run(&["export", GOLDEN, "--format", "jsonl", "--out", "-"]);
+    let text = String::from_utf8(export.stdout).expect("text");
+    let recorded: Vec<Value> = (text.lines())
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
+    assert_eq!(recorded.len() as u64, frames);
+    // On, back, over some, and to the end.
+    for place in [0, 1, 0, frames / 2, frames - 1] {
+        let wish = format!(r#"{{"type":"frame","place":{place},"width":4000}}"#);
+        page.0.send(Message::text(wish)).expect("sent");
+        let (said, jpeg) = page.moment();
+        assert_eq!(said["number"].as_u64(), Some(place + 1));
+        let picture = image::load_from_memory(&jpeg).expect("a JPEG");
+        assert_eq!(Some(u64::from(picture.width())), said["width"].as_u64());
+        let whole = &recorded[place as usize];
+        assert_eq!(said["frame"], whole["trace"]["sequence"], "{whole}");
+    }
+    for place in [frames, u64::MAX] {
+        let wish = format!(r#"{{"type":"frame","place":{place},"width":4000}}"#);
+        page.0.send(Message::text(wish)).expect("sent");
+        let Message::Text(said) = page.0.read().expect("a message in time") else {
+            panic!("there is no frame {place}");
+        };
+        assert!(said.contains("missing"), "{said}");
+    }
+    assert!(Page::open(&viewing.url, None, "foxglove.websocket.v1").is_err());
+    viewing.end();
+    let none = bench.run(&["view", "none.mcap"]);
+    assert!(!none.status.success());
+}
