@@ -3,7 +3,8 @@
 use serde_json::Value;
 use tungstenite::Message;
 
-use crate::page::Page;
+use crate::page::{Page, assert_curves_lie_on_the_rope};
+use crate::plane::make_plane;
 use crate::rig::Bench;
 use crate::viewing::Viewing;
 
@@ -46,4 +47,28 @@ fn of_a_recording_any_frame_is_had_as_it_was_recorded() {
     viewing.end();
     let none = bench.run(&["view", "none.mcap"]);
     assert!(!none.status.success());
+}
+
+#[test]
+fn a_recordings_curves_in_millimetres_are_drawn_by_the_plane_that_is_in_it() {
+    let bench = Bench::new();
+    make_plane(&bench, "table.toml", &[]);
+    let flags = [
+        "--plane",
+        "table.toml",
+        "--record",
+        "run.mcap",
+        "--frames",
+        "20",
+    ];
+    assert!(bench.start(&flags).end().status.success());
+    std::fs::remove_file(bench.path("table.toml")).expect("removed");
+    let viewing = Viewing::start(&bench, &["run.mcap"]);
+    let mut page = Page::of(&viewing);
+    let wish = r#"{"type":"frame","place":10,"width":4000}"#;
+    page.0.send(Message::text(wish)).expect("sent");
+    let (said, jpeg) = page.moment();
+    assert_eq!(said["unit"], "mm");
+    assert_curves_lie_on_the_rope(&said, &jpeg);
+    viewing.end();
 }

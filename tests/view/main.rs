@@ -14,4 +14,5 @@ mod beside;
 mod film;
 mod foxglove;
 mod moments;
+mod plane;
 mod tuning;

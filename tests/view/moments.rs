@@ -3,7 +3,7 @@
 use rustix::process::Signal;
 use serde_json::Value;
 
-use crate::page::{PATIENCE, Page, is_on_rope};
+use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope};
 use crate::rig::Bench;
 use crate::viewing::Viewing;
 
@@ -41,19 +41,7 @@ fn a_page_gets_pictures_with_the_curve_on_the_rope() {
             (Some(640), Some(480))
         );
         assert_eq!(picture.dimensions(), (640, 480));
-        for rope in said["ropes"].as_array().expect("ropes") {
-            let curve = rope["curve"].as_array().expect("points");
-            let on_rope = curve
-                .iter()
-                .filter(|point| is_on_rope(&picture, point))
-                .count();
-            assert!(
-                on_rope * 10 >= curve.len() * 9,
-                "{on_rope} of {} points lie on the rope",
-                curve.len()
-            );
-        }
-        assert!(!said["ropes"].as_array().expect("ropes").is_empty());
+        assert_curves_lie_on_the_rope(&said, &jpeg);
         frames.push(said["frame"].as_u64().expect("a number"));
     }
     assert!(frames.is_sorted_by(|a, b| a < b), "{frames:?}");

@@ -3,7 +3,6 @@
 use std::net::TcpStream;
 use std::time::Duration;
 
-use image::RgbImage;
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
@@ -115,13 +114,27 @@ pub(crate) fn asked(id: u64, mut wish: Value) -> Value {
     wish
 }
 
-/// Whether a point of a picture is on the rendered rope, which is much bluer than its table.
-pub(crate) fn is_on_rope(picture: &RgbImage, point: &Value) -> bool {
-    let at = |i: usize| point[i].as_f64().expect("a number").round().max(0.0) as u32;
+/// Every rope of a moment has a curve, nine of ten points of which are on the rendered rope, which is much bluer than its table.
+pub(crate) fn assert_curves_lie_on_the_rope(said: &Value, jpeg: &[u8]) {
+    let picture = image::load_from_memory(jpeg).expect("a JPEG").into_rgb8();
     let (right, bottom) = (picture.width() - 1, picture.height() - 1);
-    let [red, _, blue] = picture
-        .get_pixel(at(0).min(right), at(1).min(bottom))
-        .0
-        .map(i32::from);
-    blue - red > 30
+    let is_on_rope = |point: &&Value| {
+        let at = |i: usize| point[i].as_f64().expect("a number").round().max(0.0) as u32;
+        let [red, _, blue] = picture
+            .get_pixel(at(0).min(right), at(1).min(bottom))
+            .0
+            .map(i32::from);
+        blue - red > 30
+    };
+    let ropes = said["ropes"].as_array().expect("ropes");
+    assert!(!ropes.is_empty());
+    for rope in ropes {
+        let curve = rope["curve"].as_array().expect("points");
+        let on_rope = curve.iter().filter(is_on_rope).count();
+        assert!(
+            curve.len() > 1 && on_rope * 10 >= curve.len() * 9,
+            "{on_rope} of {} points lie on the rope",
+            curve.len()
+        );
+    }
 }

@@ -19,6 +19,7 @@
 //!
 //! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
 
+mod calibrating;
 mod dropped;
 mod film;
 mod foxglove;
@@ -32,6 +33,7 @@ mod notices;
 mod pace;
 mod page;
 mod picture;
+mod places;
 mod processes;
 mod recent;
 mod server;
