@@ -1,14 +1,17 @@
 //! Who is let in, what they get, and that what is sent by others harms nobody.
 
+use std::fs::{self, Permissions};
 use std::io::Write;
 use std::net::TcpStream;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::process::CommandExt;
 
-use rustix::process::Signal;
+use rustix::process::{Signal, geteuid};
 use tungstenite::Message;
 
 use crate::page::{PROTOCOL, Page};
 use crate::rig::Bench;
-use crate::viewing::{Viewing, get};
+use crate::viewing::{Viewing, get, url_in};
 
 #[test]
 fn the_page_is_whole_and_needs_nothing_from_elsewhere() {
@@ -74,6 +77,37 @@ fn other_sites_and_other_names_are_refused_and_a_token_opens() {
     let address = format!("http://{here}/{token}/");
     assert!(Page::open(&address, Some("https://elsewhere.example"), PROTOCOL).is_ok());
     open.end();
+}
+
+/// Root alone can be two users: elsewhere this says that it was left out.
+#[test]
+fn another_user_of_this_machine_needs_the_token() {
+    if !geteuid().is_root() {
+        eprintln!("left out: only root can run lariat as another user");
+        return;
+    }
+    let bench = Bench::new();
+    // Whom no other test has, below 65,536, as containers have no more.
+    let user = 30_000 + std::process::id() % 5_000;
+    fs::set_permissions(bench.folder.path(), Permissions::from_mode(0o777)).expect("its folder");
+    // Where cargo put it, others may not be allowed to look.
+    fs::copy(env!("CARGO_BIN_EXE_lariat"), bench.path("lariat")).expect("copied");
+    let mut command = bench.command_of(bench.path("lariat"), &["view", "--port", "0", "-v"]);
+    command.env_remove("LARIAT_DOMAIN").uid(user).gid(user);
+    let (viewing, mut said) = Viewing::start_command(command);
+    let local = format!("Host: {}\r\n", viewing.host());
+    let refused = get(viewing.host(), "/", &local);
+    assert!(
+        refused.starts_with("HTTP/1.1 403 ") && refused.contains("another user's"),
+        "{refused}"
+    );
+    let own = viewing.url.trim_end_matches('/').to_owned();
+    assert!(Page::open(&viewing.url, Some(&own), PROTOCOL).is_err());
+    let with_token = url_in(&mut said);
+    assert!(with_token.len() > viewing.url.len() + 30, "{with_token}");
+    assert!(Page::open(&with_token, Some(&own), PROTOCOL).is_ok());
+    viewing.end();
+    let _ = fs::remove_dir_all(format!("/tmp/lariat-{user}"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, ChildStderr, Command, Stdio};
 
 use rustix::process::Signal;
 
@@ -18,13 +18,16 @@ pub(crate) struct Viewing {
 impl Viewing {
     pub(crate) fn start(bench: &Bench, arguments: &[&str]) -> Self {
         let arguments = [&["view"], arguments, &["--port", "0"]].concat();
-        let mut process = bench
-            .command(&arguments)
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the binary runs");
-        let url = url_in(&mut BufReader::new(process.stderr.take().expect("piped")));
-        Self { process, url }
+        Self::start_command(bench.command(&arguments)).0
+    }
+
+    /// The same, of a command that was made ready; and what it says from then on.
+    pub(crate) fn start_command(mut command: Command) -> (Self, BufReader<ChildStderr>) {
+        let command = command.stderr(Stdio::piped());
+        let mut process = command.spawn().expect("the binary runs");
+        let mut said = BufReader::new(process.stderr.take().expect("piped"));
+        let url = url_in(&mut said);
+        (Self { process, url }, said)
     }
 
     /// What stands between `http://` and the path.
