@@ -1,10 +1,11 @@
 //! `lariat info`: what a recording holds, told from its index.
 
-use crate::recording::{CALIBRATION, PLANE, RecordedSettings, RecordingArgs, shown};
+use crate::recording::{RecordingArgs, shown};
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_chain::layout::{self, Column, Table, hanging};
 use lariat_chain::output::print;
+use lariat_chain::recorded::{CALIBRATION, PLANE, RecordedSettings};
 use lariat_record::{Entry, Losses, Recording, Span};
 use serde::Serialize;
 use std::collections::BTreeMap;

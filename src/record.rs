@@ -18,8 +18,6 @@ use lariat_chain::exit::wrong_use;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stages::Supervision;
 
-pub(crate) use about::versioned_name;
-
 /// What it is called among those that run on a rig.
 const STAGE: &str = "record";
 

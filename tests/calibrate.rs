@@ -187,18 +187,3 @@ fn what_is_wrong_is_said_before_anything_starts() {
         assert!(error.contains(words), "{arguments:?}: {error}");
     }
 }
-
-#[test]
-fn a_page_to_click_the_points_on_is_one_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let made = lariat(folder.path())
-        .args(["calibrate", "plane", "--html", "points.html"])
-        .arg(picture())
-        .output()
-        .unwrap();
-    assert!(made.status.success(), "{}", text(&made.stderr));
-    let page = std::fs::read_to_string(folder.path().join("points.html")).unwrap();
-    assert!(
-        page.contains("data:image/png;base64,iVBOR") && page.contains("const size = [480, 360]")
-    );
-}

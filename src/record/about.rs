@@ -11,6 +11,7 @@ use lariat_wire::{Member, members, now_ns};
 use toml::{Table, Value};
 
 use super::STAGE;
+use lariat_chain::recorded::versioned_name;
 use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings, version_line, version_of};
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
@@ -107,14 +108,6 @@ impl Rig {
                 Ok(())
             }
         }
-    }
-}
-
-/// What a file of a later version of the settings is called: `lariat.toml`, `lariat.2.toml`.
-pub(crate) fn versioned_name(name: &str, version: u32) -> String {
-    match (version, name.rsplit_once('.')) {
-        (0, _) | (_, None) => name.to_owned(),
-        (version, Some((stem, ending))) => format!("{stem}.{version}.{ending}"),
     }
 }
 

@@ -5,10 +5,10 @@ mod comparisons;
 mod golden;
 
 use super::stages::{Prepared, Stages};
-use crate::recording::SETTINGS;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_capture::{RenderOptions, Source, open};
+use lariat_chain::recorded::SETTINGS;
 use lariat_chain::settings::Settings;
 use lariat_record::{
     Compression, Existing, Head, Record, Recording, Topic, Writer, encode_compressed_image,

@@ -1,29 +1,30 @@
-// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, a click makes a mask, it goes on
-// when the rig is started anew, and, asked for it, neither browser nor server grows in ten minutes.
+// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, a click makes a mask, four make
+// the table's plane, it goes on when the rig or the server is started anew, and, asked for it, neither browser nor server grows in ten minutes.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { chromium } from "playwright-core";
-import { chain, holds, page as serve } from "./processes.mjs";
+import { chain, folder as started, holds, page as serve } from "./processes.mjs";
 
 const [, , lariat, executablePath, folder] = process.argv;
 const minutes = Number(process.env.LARIAT_VIEW_MINUTES ?? 0);
 
 let rig = await chain(lariat, "--seed", "3");
-const view = await serve(lariat);
+let view = await serve(lariat);
+const address = view.found[0];
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "dark", acceptDownloads: true });
 const page = await context.newPage();
 const faults = [];
 page.on("pageerror", (error) => faults.push(error.message));
 page.on("console", (message) => message.type() === "error" && !message.text().includes("WebSocket") && faults.push(message.text()));
-page.on("request", (request) => request.url().startsWith(view.found[0].slice(0, -1)) || request.url().startsWith("blob:") || faults.push(request.url()));
+page.on("request", (request) => request.url().startsWith(address.slice(0, -1)) || request.url().startsWith("blob:") || faults.push(request.url()));
 
 const frame = () => page.evaluate(() => Number(document.documentElement.dataset.frame ?? 0));
 const text = (id) => page.locator(`#${id}`).textContent();
 
 const began = performance.now();
-await page.goto(view.found[0]);
+await page.goto(address);
 await holds("a frame is shown", async () => (await frame()) > 0);
 console.log(`page up, with its first frame, after ${(performance.now() - began).toFixed(0)} ms`);
 
@@ -96,6 +97,62 @@ assert.match(await page.locator("#tuning code").first().textContent(), /hue_deg/
 await page.click("text=Hide the mask");
 await page.keyboard.press("f");
 await page.keyboard.press("End");
+
+// Four points make the table's plane, which is drawn over the picture, used, and kept.
+await page.keyboard.press("c");
+const corners = [[80, 60], [560, 60], [600, 440], [40, 440]];
+for (const pixel of corners) {
+  const place = await page.evaluate(([x, y]) => {
+    const box = document.getElementById("stage").getBoundingClientRect();
+    const scale = Math.min(box.width / 640, box.height / 480);
+    return [box.left + box.width / 2 + (x + 0.5 - 320) * scale, box.top + box.height / 2 + (y + 0.5 - 240) * scale];
+  }, pixel);
+  await page.mouse.click(...place);
+}
+const plane = page.locator("#tuning section", { hasText: "Table's plane" });
+await holds("the points are judged", async () => (await plane.textContent()).includes("Four points determine the plane"));
+assert.deepEqual(await plane.locator("input").evaluateAll((all) => all.map((one) => one.valueAsNumber)), [0, 0, 297, 0, 297, 210, 0, 210]);
+// At the first corner a line of the grid crosses another: its colour, between the arms of the mark.
+const isGrid = () => page.evaluate(([[ax, ay], [bx, by]]) => {
+  const canvas = document.getElementById("canvas");
+  const scale = Math.min(canvas.width / 640, canvas.height / 480);
+  const pen = canvas.getContext("2d");
+  let found = 0;
+  for (let part = 0.1; part < 0.9; part += 0.01) {
+    const x = canvas.width / 2 + (ax + (bx - ax) * part + 0.5 - 320) * scale;
+    const y = canvas.height / 2 + (ay + (by - ay) * part + 0.5 - 240) * scale;
+    const { data } = pen.getImageData(Math.round(x) - 1, Math.round(y) - 1, 3, 3);
+    found += Array.from({ length: 9 }, (_, i) => data.slice(4 * i, 4 * i + 3)).some(([r, g, b]) => r < 160 && g > 170 && b > 200);
+  }
+  return found > 60;
+}, corners);
+await holds("the grid is drawn", isGrid);
+await page.screenshot({ path: `${folder}/plane.png` });
+await plane.locator("input").nth(2).fill("");
+await holds("a point without a number is waited for", async () => plane.locator("text=Use it").isDisabled());
+await plane.locator("input").nth(2).fill("290");
+await holds("and judged anew", async () => plane.locator("text=Use it").isEnabled());
+await plane.locator("text=Use it").click();
+await holds("the plane is written", async () => (await plane.textContent()).includes("written into"));
+assert.match(await readFile(`${started}/plane.toml`, "utf8"), /homography/);
+await page.click("text=Write to lariat.toml");
+await holds("it is kept", async () => (await readFile(`${started}/lariat.toml`, "utf8").catch(() => "")).includes("plane.toml"));
+await plane.locator("text=Clear").click();
+await page.keyboard.press("End");
+await page.keyboard.press("f");
+await holds("ropes are in millimetres", async () => (await text("ropes")).includes("mm"));
+
+// The server is started anew: the page goes on, and may change things as before.
+const port = new URL(address).port;
+await view.end();
+await holds("the page says that the server is gone", async () => (await text("state")).includes("server is gone"));
+view = await serve(lariat, port);
+const last = await frame();
+await holds("the page goes on with the next server", async () => (await text("state")) === "live" && (await frame()) !== last);
+await page.keyboard.press("e");
+await page.click("text=Automatic");
+await holds("and changes settings", async () => (await text("tuning")).includes("nothing has changed"));
+await page.keyboard.press("f");
 
 // The rig is started anew.
 await rig.end();

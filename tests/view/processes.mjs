@@ -1,14 +1,22 @@
 // lariat's processes, for the tests beside this file.
 
 import { spawn } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 
 /** Those that run: a test that fails takes them along. */
 const running = new Set();
-process.on("exit", () => running.forEach((one) => one.kill("SIGTERM")));
+/** Where they are started: what a chain writes is not to lie anywhere else. */
+export const folder = mkdtempSync(join(tmpdir(), "lariat-view-"));
+process.on("exit", () => {
+  running.forEach((one) => one.kill("SIGTERM"));
+  rmSync(folder, { recursive: true, force: true });
+});
 
 /** Starts lariat, and waits until it has said something; what it says then is the answer. */
 export async function start(lariat, words, until) {
-  const started = spawn(lariat, words, { stdio: ["ignore", "pipe", "pipe"] });
+  const started = spawn(lariat, words, { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   running.add(started);
   started.on("exit", () => running.delete(started));
   let said = "";
@@ -33,7 +41,7 @@ export async function start(lariat, words, until) {
 }
 
 export const chain = (lariat, ...words) => start(lariat, ["run", "--rig", "cell", ...words], /→/);
-export const page = (lariat, ...words) => start(lariat, ["view", "--rig", "cell", "--port", "0", ...words], /http:\S+/);
+export const page = (lariat, port = 0) => start(lariat, ["view", "--rig", "cell", "--port", `${port}`], /http:\S+/);
 
 /** Waits until something holds. */
 export async function holds(what, test, patience_ms = 20_000) {

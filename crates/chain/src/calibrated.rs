@@ -8,7 +8,7 @@ use lariat_wire::Unit;
 use std::path::Path;
 
 /// A lens, a plane, or both.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Calibrated {
     camera: Option<Camera>,
     plane: Option<Plane>,

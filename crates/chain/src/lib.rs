@@ -13,7 +13,7 @@
 //! | [`inputs`], [`picture`] | the pictures that a user named |
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
-//! | [`calibrated`], [`plane_file`] | camera and plane as files have them |
+//! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
 //! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
 
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
@@ -43,6 +43,7 @@ pub mod exit;
 pub mod inputs;
 pub mod launcher;
 pub mod layout;
+pub mod measured_plane;
 pub mod notify;
 pub mod output;
 pub mod picture;

@@ -2,6 +2,8 @@
 
 mod gather;
 mod pixels;
+mod settings;
 
 pub use gather::{Copied, Gather, Gathered};
 pub use pixels::{Decoder, Pixels};
+pub use settings::{CALIBRATION, PLANE, RecordedSettings, SETTINGS, versioned_name};

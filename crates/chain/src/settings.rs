@@ -29,7 +29,7 @@ mod view;
 pub use arrangement::{Arrangement, Cpus, STAGES, Stage, Wake};
 pub use camera::CameraSettings;
 pub use capture::{Capture, Fps, USUAL_FPS};
-pub use change::{Concerned, version_line, version_of};
+pub use change::{Concerned, settings_of, version_line, version_of};
 pub use curve::{Family, Fit, Order};
 pub use extract::Extract;
 pub use flags::Flags;

@@ -59,6 +59,7 @@ export function connect(hears) {
     },
     /** Asks for something; what is said to it, or why it was refused, as an error. */
     ask(wish) {
+      if (socket.readyState !== WebSocket.OPEN) return Promise.reject(new Error("the server is gone"));
       asked += 1;
       say({ type: "ask", id: asked, ...wish });
       return new Promise((resolve, reject) => waiting.set(asked, { resolve, reject }));

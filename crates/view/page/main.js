@@ -5,6 +5,7 @@ import { connect } from "./link.js";
 import { Live } from "./live.js";
 import { LAYERS } from "./overlay.js";
 import { showFacts, showNotices, showRopes, showState, showStatus } from "./panel.js";
+import { Plane } from "./plane.js";
 import { Stage } from "./stage.js";
 import { tinted } from "./mask.js";
 import { Tuning } from "./tuning.js";
@@ -24,7 +25,7 @@ const stage = new Stage(by("stage"), {
     by("cursor").textContent = pixel ? pixel.map((c) => c.toFixed(0)).join(", ") : "";
   },
   clicks(pixel) {
-    if (pixel && shown) tuning.click(pixel, shown.said.number);
+    if (pixel && shown) tuning.click(pixel, shown.said);
   },
 });
 const width = () => Math.round(stage.width);
@@ -50,7 +51,7 @@ const link = connect({
     update();
   },
 });
-const tuning = new Tuning(by("tuning"), by("stage"), link);
+const tuning = new Tuning(by("tuning"), by("stage"), link, (hears) => new Plane(by("stage"), stage, link, hears));
 /** A rig's, until the server says that it shows a recording. */
 let line = new Live(link, width, show);
 
@@ -197,6 +198,10 @@ const KEYS = {
   p: () => {
     turnTo("tuning");
     tuning.pick();
+  },
+  c: () => {
+    turnTo("tuning");
+    tuning.calibrate();
   },
   t: switchTheme,
   "?": () => by("keys").showModal(),

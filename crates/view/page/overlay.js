@@ -3,6 +3,7 @@
 /** By track, well apart for the color-blind too (Okabe and Ito's palette). */
 const COLORS = ["#e69f00", "#56b4e9", "#00a878", "#f0e442", "#d97fb0", "#e8602c"];
 const HIDDEN = "#9aa4b0";
+const GRID = "#5de0ff";
 const CASING = "rgb(8 9 11 / 55%)";
 /** Standard deviations of an ellipse, and how many times larger it is drawn: most are a tenth of a pixel. */
 const SIGMAS = 3;
@@ -34,10 +35,7 @@ export function color(track) {
  * @param {Set<string>} layers
  */
 export function draw(pen, said, view, layers) {
-  // The centre of the top-left pixel is (0, 0), its corner lies half a pixel before.
-  const at = ([x, y]) => [(x + 0.5) * view.scale + view.x, (y + 0.5) * view.scale + view.y];
-  unit = view.unit ?? 1;
-  pen.lineJoin = pen.lineCap = "round";
+  const at = begin(pen, view);
   for (const rope of said.ropes) {
     if (layers.has("curve")) curve(pen, rope, at);
     if (layers.has("hidden")) hidden(pen, rope, at);
@@ -47,6 +45,40 @@ export function draw(pen, said, view, layers) {
   }
   if (layers.has("crossings")) for (const crossing of said.crossings) over(pen, crossing, said.ropes, at, view.scale);
   if (layers.has("tracks")) for (const rope of said.ropes) track(pen, rope, at);
+}
+
+/**
+ * Draws points that were clicked, and a grid on the table that they mean.
+ *
+ * @param {{points: number[][], lines: number[][][]}} marks in the image's pixels
+ */
+export function drawPlane(pen, { points, lines }, view) {
+  const at = begin(pen, view);
+  for (const points of lines) {
+    line(pen, points, at, false);
+    stroke(pen, 2.6, "rgb(8 9 11 / 35%)");
+    stroke(pen, 1, GRID);
+  }
+  points.forEach((point, i) => {
+    const [x, y] = at(point);
+    const arm = 9 * unit;
+    pen.beginPath();
+    pen.moveTo(x - arm, y);
+    pen.lineTo(x + arm, y);
+    pen.moveTo(x, y - arm);
+    pen.lineTo(x, y + arm);
+    stroke(pen, 3.6, CASING);
+    stroke(pen, 1.4, GRID);
+    label(pen, `${i + 1}`, x, y);
+  });
+}
+
+/** Sets the pen up, and returns where the image's pixels are on the canvas. */
+function begin(pen, view) {
+  unit = view.unit ?? 1;
+  pen.lineJoin = pen.lineCap = "round";
+  // The centre of the top-left pixel is (0, 0), its corner lies half a pixel before.
+  return ([x, y]) => [(x + 0.5) * view.scale + view.x, (y + 0.5) * view.scale + view.y];
 }
 
 function line(pen, points, at, closed) {
@@ -172,6 +204,11 @@ function track(pen, rope, at) {
   pen.fill();
   stroke(pen, 1.5, "#ffffff");
   const text = rope.status === "ok" || !rope.status ? `${rope.track}` : `${rope.track} ${rope.status}`;
+  label(pen, text, x, y);
+}
+
+/** A word beside a place. */
+function label(pen, text, x, y) {
   pen.font = `600 ${12 * unit}px system-ui, sans-serif`;
   pen.lineWidth = 3.5 * unit;
   pen.strokeStyle = "rgb(8 9 11 / 75%)";

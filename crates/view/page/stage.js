@@ -1,6 +1,6 @@
 // The canvas: the picture and what lies over it, moved and zoomed.
 
-import { draw } from "./overlay.js";
+import { draw, drawPlane } from "./overlay.js";
 
 const MOST_ZOOM = 40;
 
@@ -12,6 +12,7 @@ export class Stage {
   #bitmap = null;
   #mask = null;
   #layers = new Set();
+  #marks = null;
   /** How many times larger than what fits, and where the middle of the view lies in the image, 0 to 1. */
   #zoom = 1;
   #middle = [0.5, 0.5];
@@ -42,6 +43,12 @@ export class Stage {
 
   set layers(layers) {
     this.#layers = layers;
+    this.redraw();
+  }
+
+  /** Points that were clicked, and lines of a grid: shown over every moment. */
+  set marks(marks) {
+    this.#marks = marks;
     this.redraw();
   }
 
@@ -168,6 +175,7 @@ export class Stage {
     if (this.#bitmap && this.#layers.has("picture")) pen.drawImage(this.#bitmap, ...place);
     if (this.#mask) pen.drawImage(this.#mask, ...place);
     draw(pen, this.#moment.said, view, this.#layers);
+    if (this.#marks) drawPlane(pen, this.#marks, view);
   }
 
   /** The whole picture in its own size, with what lies over it, as a canvas. */

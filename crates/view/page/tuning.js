@@ -1,4 +1,4 @@
-// What can be changed while the chain runs: a rope's colour, picked from the picture, and some of the settings. All others, and what
+// What can be changed while the chain runs: a rope's colour, picked from the picture, the table's plane, and some of the settings. All others, and what
 // each does: `lariat config init`.
 
 import { element } from "./words.js";
@@ -37,20 +37,34 @@ export class Tuning {
   #number = null;
   #mask = null;
   #picks = false;
+  #plane;
   #said = element("p", { className: "said" });
   #colour = element("section");
   #controls = element("div", { className: "cards" });
   #keep = element("section");
 
-  constructor(box, stage, link) {
+  /**
+   * @param {HTMLElement} box for all of it
+   * @param {HTMLElement} stage that is clicked in
+   * @param {(hears) => Plane} makePlane the calibration of the table's plane, which has its place here
+   */
+  constructor(box, stage, link, makePlane) {
     [this.#box, this.#stage, this.#link] = [box, stage, link];
-    box.append(this.#colour, this.#controls, this.#keep);
+    this.#plane = makePlane({
+      begins: () => this.pick(false),
+      wrote: (change) => {
+        this.#changed.set("camera.plane", change);
+        this.look();
+      },
+    });
+    box.append(this.#colour, this.#plane.section, this.#controls, this.#keep);
     this.#showColour();
   }
 
   /** The server shows this. */
   of(status) {
     this.#isFilm = Boolean(status.film);
+    this.#plane.hasChain = !this.#isFilm;
     if (status.rig === this.#rig) return;
     this.#rig = status.rig;
     this.#changed.clear();
@@ -70,15 +84,23 @@ export class Tuning {
 
   /** From now on a click is on a rope, or not any more. */
   pick(picks = !this.#picks) {
+    if (picks) this.#plane.turn(false);
     this.#picks = picks;
     this.#points = [];
     this.#stage.classList.toggle("picks", picks);
     this.#showColour();
   }
 
+  /** From now on a click is a point of the table, or not any more. */
+  calibrate() {
+    this.#plane.turn();
+  }
+
   /** A click on a pixel of a moment. */
-  async click(pixel, number) {
+  async click(pixel, said) {
+    if (this.#plane.isOn) this.#plane.click(pixel, said);
     if (!this.#picks) return;
+    const { number } = said;
     // Points of one picture belong together.
     if (number !== this.#number) this.#points = [];
     this.#number = number;

@@ -17,12 +17,11 @@ use crate::moment::{Image, Moment};
 /// The number of such a moment: no frame's.
 const NUMBER: u64 = 0;
 
-/// What is seen in a picture file. `settings`: the text of a `lariat.toml`.
+/// What is seen in a picture file, by these settings.
 ///
 /// # Errors
 /// It is no picture, or cannot be traced.
-pub(crate) fn trace(file: &[u8], settings: &str) -> Result<Moment> {
-    let mut settings = Settings::of_text(settings)?;
+pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
     // Curves are drawn over the picture; the camera is another; and there are no masks from elsewhere.
     settings.camera = Camera::default();
     settings.fit.filter = false;
@@ -70,10 +69,10 @@ mod tests {
     fn a_picture_is_traced_and_what_is_none_is_refused() {
         let picture =
             std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/rope.png")).unwrap();
-        let moment = trace(&picture, "").unwrap();
+        let moment = trace(&picture, Settings::default()).unwrap();
         assert_eq!(moment.descriptors.curves().len(), 1);
         assert!(moment.said().contains("\"ropes\":[{"));
-        assert!(trace(b"no picture", "").is_err());
-        assert!(trace(&picture[..3000], "").is_err());
+        assert!(trace(b"no picture", Settings::default()).is_err());
+        assert!(trace(&picture[..3000], Settings::default()).is_err());
     }
 }

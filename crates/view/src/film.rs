@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use lariat_chain::recorded::{Decoder, Gather, Pixels};
+use lariat_chain::calibrated::Calibrated;
+use lariat_chain::recorded::{Decoder, Gather, Pixels, RecordedSettings};
 use lariat_record::{Entry, Losses, Place, Recording, Span};
 use lariat_wire::{Centerlines, Descriptors, Trace};
 
 use crate::moment::{Image, Moment};
+use crate::places::Places;
 use crate::status::{Film as Told, Reporter};
 
 /// How long it is looked through for its latencies before the page is served.
@@ -53,8 +55,12 @@ impl Film {
     pub(crate) fn reel(&self) -> Result<Reel> {
         let recording = Recording::open_topic(&self.path, self.topic.as_deref())?;
         let at = Gather::new(&recording, Span::default())?;
+        // Without its settings it is shown all the same, but for curves in millimetres.
+        let settings = RecordedSettings::of(&recording).ok().flatten();
         Ok(Reel {
             recording,
+            settings,
+            places: Places::default(),
             at,
             next: 0,
             decoder: Decoder::default(),
@@ -80,6 +86,9 @@ fn traces(recording: &Recording) -> Result<Vec<Trace>> {
 /// Goes from frame to frame.
 pub(crate) struct Reel {
     recording: Recording,
+    settings: Option<RecordedSettings>,
+    /// By the settings' version.
+    places: Places<u32>,
     at: Gather,
     /// The place of the frame that `at` gives next, from 0.
     next: u64,
@@ -133,12 +142,19 @@ impl Reel {
         if let Some(shapes) = gathered.descriptors() {
             descriptors.copy_meant(shapes);
         }
-        Ok(Some(Moment::new(
-            place.saturating_add(1),
-            image,
-            centerlines,
-            descriptors,
-            Losses::default(),
-        )))
+        let version = descriptors.trace.settings;
+        let places = self.places.of(&descriptors, version, |version| {
+            let Some(first) = &self.settings else {
+                return Ok(None);
+            };
+            let of_version = first.of_version(&self.recording, *version)?;
+            let camera = of_version.map(|recorded| Calibrated::load(&recorded.settings.camera));
+            camera.unwrap_or(Ok(None))
+        });
+        let number = place.saturating_add(1);
+        let losses = Losses::default();
+        let mut moment = Moment::new(number, image, centerlines, descriptors, losses);
+        moment.places = places;
+        Ok(Some(moment))
     }
 }

@@ -113,12 +113,9 @@ impl<'d> Gatherer<'d> {
         self.rig.as_ref().filter(|_| self.look.reader.is_some())
     }
 
-    /// The settings of the rig's extract, as it said of itself when it was last looked at.
-    pub(crate) fn extract_settings(&self) -> Option<&str> {
-        let rig = self.rig.as_ref()?.as_str();
-        let extract =
-            (self.members.iter()).find(|member| member.rig == rig && member.stage == "extract");
-        extract.map(|member| member.settings.as_str())
+    /// What one of the rig's stages said of itself when it was last looked at.
+    pub(crate) fn stage(&self, name: &str) -> Option<&Member> {
+        stage_of(&self.members, self.rig.as_ref()?.as_str(), name)
     }
 
     /// What was lost since the rig is looked at.
@@ -361,6 +358,12 @@ impl Look {
             reach: self.reach.unwrap_or_default(),
         })
     }
+}
+
+/// A stage of a rig.
+pub(crate) fn stage_of<'a>(members: &'a [Member], rig: &str, name: &str) -> Option<&'a Member> {
+    let mut of_rig = members.iter().filter(|member| member.rig == rig);
+    of_rig.find(|member| member.stage == name)
 }
 
 /// A reader that is woken only where the chain would wait for it.

@@ -3,6 +3,9 @@
 //! A browser that shows another site's page can be made to connect to this machine. Then `Host` is the name by which that page
 //! reached us (a name that was made to point here), or `Origin` that page's: both must be our own. Who has the token may come from anywhere,
 //! as Foxglove's own page does.
+//!
+//! Whatever listens on this machine's own address every user of the machine can reach. So without the token the other end must be a process of our own
+//! user (`peer`), as who may join the rig's domain is.
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -27,9 +30,15 @@ pub(crate) struct Admitted {
 }
 
 impl Guard {
+    /// `is_of_this_user`: whether the request is of the user that the server runs as.
+    ///
     /// # Errors
     /// It comes from elsewhere, or without the token where that is asked for.
-    pub(crate) fn admit(&self, request: &Request) -> Result<Admitted, Refusal> {
+    pub(crate) fn admit(
+        &self,
+        request: &Request,
+        is_of_this_user: impl FnOnce() -> bool,
+    ) -> Result<Admitted, Refusal> {
         let path = request.path.strip_prefix('/').unwrap_or(&request.path);
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         let has_token = is_same(first, &self.token);
@@ -56,6 +65,12 @@ impl Guard {
             return Err(Refusal(
                 403,
                 "Another site's page asks for this: add the token that `lariat view` has printed to the address.",
+            ));
+        }
+        if !has_token && !is_of_this_user() {
+            return Err(Refusal(
+                403,
+                "This page is another user's of this machine: it opens by the address with the token, which `lariat view -v` prints.",
             ));
         }
         Ok(Admitted {
@@ -100,6 +115,16 @@ mod tests {
     use super::*;
 
     fn admit(listen: &str, path: &str, host: &str, origin: Option<&str>) -> Option<Admitted> {
+        admit_user(true, listen, path, host, origin)
+    }
+
+    fn admit_user(
+        is_ours: bool,
+        listen: &str,
+        path: &str,
+        host: &str,
+        origin: Option<&str>,
+    ) -> Option<Admitted> {
         let guard = Guard {
             address: listen.parse().unwrap(),
             token: "0123".into(),
@@ -110,7 +135,7 @@ mod tests {
             origin: origin.map(Into::into),
             ..Request::default()
         };
-        guard.admit(&request).ok()
+        guard.admit(&request, || is_ours).ok()
     }
 
     #[test]
@@ -134,6 +159,16 @@ mod tests {
                     .may_write
             );
         }
+    }
+
+    #[test]
+    fn another_user_needs_the_token() {
+        let (here, host) = ("127.0.0.1:8765", "localhost:8765");
+        let own = Some("http://localhost:8765");
+        assert_eq!(admit_user(false, here, "/live", host, own), None);
+        assert_eq!(admit_user(false, here, "/", host, None), None);
+        let admitted = admit_user(false, here, "/0123/live", host, own).unwrap();
+        assert!(admitted.may_write);
     }
 
     #[test]

@@ -19,6 +19,7 @@ use crate::gather::Gatherer;
 use crate::moment::{Image, Moment};
 use crate::notices::Notices;
 use crate::pace::Pace;
+use crate::places::Places;
 use crate::status::Reporter;
 
 /// From one status to the next.
@@ -153,7 +154,7 @@ impl Hub {
         gatherer.longer();
         let mut reporter = Reporter::default();
         let mut reading = Reading::default();
-        let mut notices = Notices::default();
+        let (mut notices, mut places) = (Notices::default(), Places::default());
         let (mut pace, mut status_due) = (Pace::default(), Instant::now());
         while self.is_looked_at() {
             let now = now_ns();
@@ -169,12 +170,13 @@ impl Hub {
                 Some(rig) if is_wanted || lossless => {
                     if let Err(error) = reading.open(&domain, rig, lossless) {
                         reporter.note(&error);
-                    } else if let Some(moment) =
+                    } else if let Some(mut moment) =
                         reading.moment(newest, gatherer.losses(now), is_wanted)?
                     {
+                        moment.places = places.of_rig(&moment.descriptors, gatherer.stage("fit"));
                         let moment = Arc::new(moment);
                         self.show(moment.clone());
-                        notices.look(&moment, gatherer.extract_settings());
+                        notices.look(&moment, gatherer.stage("extract"));
                     }
                 }
                 Some(_) => {}

@@ -10,7 +10,7 @@
 //! stage is done (`pace`), and copies an image out of shared memory only when a client has acknowledged the one before. No
 //! client: no reader, no thread that wakes. Pictures are encoded on the client's thread, once for all that want the same size.
 //!
-//! **It is safe.** Without `--listen` it answers this machine alone; with it whoever has the token that stands in the address. What a
+//! **It is safe.** Without `--listen` it answers this machine's processes of its own user alone; with it whoever has the token that stands in the address. What a
 //! browser sends from another site's page is refused by `Host` and `Origin` (`guard`), so is all that is too large, too slow or
 //! too much (`server` has the bounds). A client has a thread, and holds up nobody but itself.
 //!
@@ -19,6 +19,7 @@
 //!
 //! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
 
+mod calibrating;
 mod dropped;
 mod film;
 mod foxglove;
@@ -31,7 +32,9 @@ mod moment;
 mod notices;
 mod pace;
 mod page;
+mod peer;
 mod picture;
+mod places;
 mod processes;
 mod recent;
 mod server;

@@ -21,16 +21,18 @@ use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow, bail};
-use lariat_chain::control::{Asked, ask};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use lariat_chain::settings::settings_of;
 use lariat_extract::Mask;
-use lariat_wire::Rig;
+use lariat_wire::{Rig, members};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tungstenite::Message;
 
+use crate::calibrating;
 use crate::dropped;
 use crate::film::Film;
+use crate::gather::stage_of;
 use crate::hub::Watcher;
 use crate::moment::Moment;
 use crate::picture::times_smaller;
@@ -44,6 +46,7 @@ const LOOK: Duration = Duration::from_secs(5);
 
 /// Why one that is not our own page is refused.
 const FOREIGN: &str = "this connection may not change anything: open the page by its address";
+const NO_CHAIN: &str = "there is no chain to be asked";
 /// Moments that the page may still speak of: the one on its screen, and those that came after it.
 const HELD: usize = 3;
 
@@ -207,12 +210,13 @@ impl<S: Read + Write + AsFd> Page<S> {
 
     /// Shows what is seen in a picture file; `false`: it is over.
     fn trace(&mut self, file: &[u8], rig: Option<&str>) -> bool {
-        // Without a chain that answers, by no settings.
-        let settings = rig
-            .and_then(|rig| ask(rig, &Asked::Settings).ok())
-            .unwrap_or_default();
+        // Without a chain, by no settings.
+        let settings = rig.and_then(|rig| {
+            let members = members().ok()?;
+            settings_of(stage_of(&members, rig, "fit")?).ok()
+        });
         let traced = match self.may_write {
-            true => dropped::trace(file, &settings),
+            true => dropped::trace(file, settings.unwrap_or_default()),
             false => Err(anyhow!(FOREIGN)),
         };
         match traced {
@@ -231,6 +235,16 @@ impl<S: Read + Write + AsFd> Page<S> {
             Err(why) => json!({ "type": "answer", "id": id, "refused": format!("{why:#}") }),
         };
         self.session.say(Message::text(answer.to_string()))
+    }
+
+    /// Whether points were clicked in pictures as they come now.
+    fn check_size(&self, size: [u32; 2]) -> Result<()> {
+        let shown = self.held.back().map(|moment| &moment.descriptors);
+        ensure!(
+            shown.is_some_and(|shown| [shown.width, shown.height] == size),
+            "the points were clicked in pictures of another size: click them anew"
+        );
+        Ok(())
     }
 
     fn grant(&mut self, wish: Wish, rig: Option<&str>) -> Result<Value> {
@@ -255,7 +269,15 @@ impl<S: Read + Write + AsFd> Page<S> {
                 }
                 Ok(Value::Null)
             }
-            wish => tuning::of_chain(rig.context("there is no chain to be asked")?, &wish),
+            Wish::Plane { points, size } => {
+                self.check_size(size)?;
+                calibrating::judge(rig, &points, size)
+            }
+            Wish::WritePlane { points, size } => {
+                self.check_size(size)?;
+                calibrating::write(rig.context(NO_CHAIN)?, &points, size)
+            }
+            wish => tuning::of_chain(rig.context(NO_CHAIN)?, &wish),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use lariat_camera::{Jacobian, Mapping};
 use lariat_record::Losses;
 use lariat_sink::points_along;
 use lariat_wire::{
@@ -35,6 +36,8 @@ pub(crate) struct Moment {
     pub(crate) losses: Losses,
     /// What extraction is unsure of in it, if the page itself has asked.
     pub(crate) notice: Option<String>,
+    /// From the picture to where the curves are, if that is not the picture, and known.
+    pub(crate) places: Option<Mapping>,
     said: OnceLock<String>,
     rgb: OnceLock<Option<Rgb>>,
     /// By how many times smaller they are.
@@ -56,6 +59,7 @@ impl Moment {
             descriptors,
             losses,
             notice: None,
+            places: None,
             said: OnceLock::new(),
             rgb: OnceLock::new(),
             jpegs: Mutex::default(),
@@ -128,7 +132,7 @@ struct RopeSaid {
     points: Vec<[f64; 2]>,
     hidden: Vec<usize>,
     width_px: f64,
-    /// Along the curve; none, if it is no curve or not in pixels.
+    /// Along the curve; none, if it is no curve, or it is not known where in the picture it is.
     curve: Vec<[f64; 2]>,
     control: Vec<[f64; 2]>,
     /// `[xx, xy, yy]`, px².
@@ -149,12 +153,23 @@ impl<'a> Said<'a> {
         let shapes = &moment.descriptors;
         let seen = moment.centerlines.as_deref();
         let is_of_image = shapes.unit() == Some(Unit::Pixel);
+        let seen_at = |point| match &moment.places {
+            Some(places) => Seen::through(places, point),
+            None => is_of_image.then_some(Seen {
+                at: point,
+                way: None,
+            }),
+        };
+        let seen_at = |point: [f64; 2]| match point.iter().all(|x| x.is_finite()) {
+            true => seen_at(point),
+            false => None,
+        };
         let curve_of = |track| {
             let mut curves = seen.into_iter().flat_map(Centerlines::curves);
             curves.find(|curve| curve.track == track)
         };
         let ropes = shapes.curves().iter().map(|shape| {
-            let mut rope = RopeSaid::of(shape, is_of_image);
+            let mut rope = RopeSaid::of(shape, &seen_at);
             match curve_of(shape.track) {
                 Some(curve) => rope.see(curve),
                 None if is_of_image => rope.see_points(shapes, shape.track),
@@ -207,15 +222,15 @@ fn way_us(trace: &Trace) -> [u64; 6] {
 }
 
 impl RopeSaid {
-    fn of(shape: &Descriptor, is_of_image: bool) -> Self {
+    fn of(shape: &Descriptor, seen_at: &impl Fn([f64; 2]) -> Option<Seen>) -> Self {
+        let all = |points: &[[f64; 2]]| points.iter().map(|point| seen_at(*point)).collect();
         let mut curve = vec![[0.0; 2]; DRAWN];
-        let is_curve = is_of_image && points_along(shape, &mut curve);
-        if !is_curve || curve.iter().flatten().any(|x| !x.is_finite()) {
-            curve.clear();
-        }
+        let is_curve = points_along(shape, &mut curve);
+        let curve: Option<Vec<Seen>> = is_curve.then(|| all(&curve)).flatten();
         // A Fourier series has coefficients, not points.
-        let has_points = is_of_image && !matches!(shape.basis(), Some(Basis::Fourier) | None);
-        let count = if has_points { usize::MAX } else { 0 };
+        let has_points = !matches!(shape.basis(), Some(Basis::Fourier) | None);
+        let control: Option<Vec<Seen>> = has_points.then(|| all(shape.control_points())).flatten();
+        let (curve, control) = (curve.unwrap_or_default(), control.unwrap_or_default());
         Self {
             track: shape.track,
             status: shape.status().map(Status::name),
@@ -232,13 +247,11 @@ impl RopeSaid {
             points: Vec::new(),
             hidden: Vec::new(),
             width_px: 0.0,
-            curve: curve.iter().map(|p| p.map(short)).collect(),
-            control: (shape.control_points().iter().take(count))
-                .map(|p| p.map(short))
+            curve: curve.iter().map(|seen| seen.at.map(short)).collect(),
+            covariances: (control.iter().zip(shape.covariances()))
+                .map(|(seen, covariance)| seen.covariance(*covariance).map(fine))
                 .collect(),
-            covariances: (shape.covariances().iter().take(count))
-                .map(|c| c.map(fine))
-                .collect(),
+            control: control.iter().map(|seen| seen.at.map(short)).collect(),
         }
     }
 
@@ -261,6 +274,40 @@ impl RopeSaid {
             self.hidden = (0..points.len()).filter(|&i| line.is_hidden(i)).collect();
             self.width_px = self.width;
         }
+    }
+}
+
+/// Where a point is seen.
+struct Seen {
+    at: [f64; 2],
+    /// How it moves in the picture where the point moves; as it does, if there is none.
+    way: Option<Jacobian>,
+}
+
+impl Seen {
+    /// `None`: it is not seen.
+    fn through(places: &Mapping, point: [f64; 2]) -> Option<Self> {
+        let at = places.pixel(point)?;
+        let way = places.place(at).ok()?.jacobian;
+        let [[a, b], [c, d]] = way;
+        let determinant = a * d - b * c;
+        let back = [[d, -b], [-c, a]].map(|row| row.map(|x| x / determinant));
+        Some(Self {
+            at,
+            way: Some(back),
+        })
+    }
+
+    /// A covariance `[xx, xy, yy]` of the point, as it is in the picture: `J C Jᵀ`.
+    fn covariance(&self, [xx, xy, yy]: [f64; 3]) -> [f64; 3] {
+        let Some(way) = self.way else {
+            return [xx, xy, yy];
+        };
+        let product = |p: [f64; 2], q: [f64; 2]| {
+            p[0] * (xx * q[0] + xy * q[1]) + p[1] * (xy * q[0] + yy * q[1])
+        };
+        let [a, b] = way;
+        [product(a, a), product(a, b), product(b, b)]
     }
 }
 

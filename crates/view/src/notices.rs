@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use lariat_chain::doubts;
 use lariat_chain::pipeline::{FrameExtractor, FrameView};
-use lariat_chain::settings::Settings;
+use lariat_chain::settings::settings_of;
 use lariat_extract::{Mask, Notice};
-use lariat_wire::Centerlines;
+use lariat_wire::{Centerlines, Member};
 
 use crate::moment::Moment;
 
@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_secs(2);
 pub(crate) struct Notices {
     due: Option<Instant>,
     /// By which settings it looks, and how; `None`: it cannot, or masks come from elsewhere.
-    extractor: Option<(String, Option<FrameExtractor>)>,
+    extractor: Option<(Member, Option<FrameExtractor>)>,
     last: Option<Notice>,
     told: Option<Notice>,
 }
@@ -33,22 +33,22 @@ impl std::fmt::Debug for Notices {
 }
 
 impl Notices {
-    /// Looks at a moment, if it is time. `settings`: those of the rig's extract, if it runs.
-    pub(crate) fn look(&mut self, moment: &Moment, settings: Option<&str>) {
+    /// Looks at a moment, if it is time. `extract`: the rig's, if it runs.
+    pub(crate) fn look(&mut self, moment: &Moment, extract: Option<&Member>) {
         let now = Instant::now();
         if self.due.is_some_and(|due| now < due) {
             return;
         }
         self.due = Some(now + LOOK);
-        let Some(settings) = settings else {
+        let Some(extract) = extract else {
             return;
         };
         if self
             .extractor
             .as_ref()
-            .is_none_or(|(known, _)| known != settings)
+            .is_none_or(|(known, _)| known != extract)
         {
-            self.extractor = Some((settings.to_owned(), extractor(settings)));
+            self.extractor = Some((extract.clone(), extractor(extract)));
         }
         let extractor = self
             .extractor
@@ -68,8 +68,8 @@ impl Notices {
     }
 }
 
-fn extractor(settings: &str) -> Option<FrameExtractor> {
-    let settings = Settings::of_text(settings).ok()?;
+fn extractor(extract: &Member) -> Option<FrameExtractor> {
+    let settings = settings_of(extract).ok()?;
     if settings.extract.mask == Mask::External {
         return None;
     }

@@ -28,6 +28,7 @@ const FILES: &[File] = files! {
     "live.js": SCRIPT,
     "film.js": SCRIPT,
     "mask.js": SCRIPT,
+    "plane.js": SCRIPT,
     "tuning.js": SCRIPT,
     "words.js": SCRIPT,
 };

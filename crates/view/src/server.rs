@@ -18,6 +18,7 @@ use crate::guard::{Admitted, Guard, token};
 use crate::http::{Refusal, Request, answer, switch};
 use crate::hub::Hub;
 use crate::live::Page;
+use crate::peer::Peer;
 use crate::session::Session;
 use crate::{foxglove, live, page};
 
@@ -186,7 +187,11 @@ impl Server {
         }
         let client = Builder::new().name("view-client".into()).stack_size(STACK);
         // Without a thread its connection is closed.
-        let _ = client.spawn(move || attend(stream, &place.0));
+        let _ = client.spawn(move || {
+            let peer = Peer::of(&stream);
+            let is_of_this_user = || peer.is_some_and(|peer| peer.is_of_this_user());
+            attend(stream, &place.0, is_of_this_user);
+        });
     }
 }
 
@@ -199,7 +204,7 @@ impl Drop for Place {
     }
 }
 
-/// Serves one connection that does not block, to its end, for tests: of this machine, with this token.
+/// Serves one connection that does not block, to its end, for tests: of this machine and user, with this token.
 pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
     let shared = Shared {
         guard: Guard {
@@ -210,12 +215,16 @@ pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
         film: None,
         clients: AtomicUsize::new(0),
     };
-    attend(stream, &shared);
+    attend(stream, &shared, || true);
 }
 
-fn attend(mut stream: impl Read + Write + AsFd, shared: &Shared) {
+fn attend(
+    mut stream: impl Read + Write + AsFd,
+    shared: &Shared,
+    is_of_this_user: impl FnOnce() -> bool,
+) {
     let asked = ask(&mut stream).and_then(|(request, rest)| {
-        let admitted = shared.guard.admit(&request)?;
+        let admitted = shared.guard.admit(&request, is_of_this_user)?;
         Ok((request, admitted, rest))
     });
     let (request, admitted, rest) = match asked {

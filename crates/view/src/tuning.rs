@@ -14,6 +14,7 @@ use lariat_extract::{Mask, doubt_pick, mask_of, pick};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::calibrating::Point;
 use crate::moment::Moment;
 
 /// Changes in one wish, and points on ropes.
@@ -45,6 +46,20 @@ pub(crate) enum Wish {
         /// In pixels.
         at: Vec<[f32; 2]>,
     },
+    /// What the table's plane would be by these points, in pictures of this size ([`calibrating`](crate::calibrating)).
+    Plane {
+        /// Four or more.
+        points: Vec<Point>,
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// That it is written, and used from now on.
+    WritePlane {
+        /// Likewise.
+        points: Vec<Point>,
+        /// Likewise.
+        size: [u32; 2],
+    },
     /// That a mask, as the settings have it, is drawn with each moment from now on; none: no mask.
     Mask {
         /// Of colours.
@@ -55,7 +70,10 @@ pub(crate) enum Wish {
 impl Wish {
     /// Whether it changes something outside of the page.
     pub(crate) fn writes(&self) -> bool {
-        matches!(self, Self::Set { .. } | Self::Keep { .. })
+        matches!(
+            self,
+            Self::Set { .. } | Self::Keep { .. } | Self::WritePlane { .. }
+        )
     }
 }
 
@@ -88,7 +106,7 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
             Output::new(&file, Existing::forced(true), [])?.write(text.as_bytes())?;
             Ok(format!("written into {}", file.display()).into())
         }
-        Wish::Pick { .. } | Wish::Mask { .. } => bail!("this is not the chain's to answer"),
+        _ => bail!("this is not the chain's to answer"),
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a check finds, and what it cannot say.
 
 use super::{Made, Making};
-use crate::recording::RecordedSettings;
 use crate::replay::check::{Check, Outcome};
+use lariat_chain::recorded::RecordedSettings;
 use lariat_record::Compression;
 use std::time::Duration;
 

@@ -1,10 +1,10 @@
 //! What other settings change.
 
 use super::Making;
-use crate::recording::RecordedSettings;
 use crate::replay::compare::{Comparison, Race};
 use crate::replay::table;
 use clap::{Args, Command, FromArgMatches};
+use lariat_chain::recorded::RecordedSettings;
 use lariat_chain::settings::Flags;
 
 fn compare(made: &Making, flags: &[&str]) -> Comparison {

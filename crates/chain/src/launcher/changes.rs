@@ -51,7 +51,9 @@ impl Chain {
         for change in changes {
             (flags, alone) = (flags.with_change(change)?, alone.with_change(change)?);
         }
-        let answer = self.change(self.settings.changed_by(&alone)?)?;
+        // A file's name may be what it was, and the file another.
+        let is_read_again = alone.set_any_of("camera");
+        let answer = self.change(self.settings.changed_by(&alone)?, is_read_again)?;
         self.flags = flags;
         Ok(answer)
     }
@@ -61,22 +63,28 @@ impl Chain {
         if !self.file.as_mut().is_some_and(Watch::has_changed) {
             return;
         }
-        match Settings::resolve(&self.flags).and_then(|settings| self.change(settings)) {
+        match Settings::resolve(&self.flags).and_then(|settings| self.change(settings, false)) {
             Ok(answer) => eprintln!("lariat: {}", answer.trim_end()),
             Err(cause) => tracing::warn!("the settings stay as they are: {cause:#}"),
         }
     }
 
-    /// Has other settings hold from now on: what changed, and when it holds, as lines.
+    /// Has other settings hold from now on: what changed, and when it holds, as lines. `is_read_again`: the files of `[camera]`
+    /// are, also where their names are what they were.
     ///
     /// # Errors
     /// A sentence why they cannot; nothing has changed then.
-    pub(super) fn change(&mut self, mut settings: Settings) -> anyhow::Result<String> {
+    pub(super) fn change(
+        &mut self,
+        mut settings: Settings,
+        is_read_again: bool,
+    ) -> anyhow::Result<String> {
         let differences: Vec<_> = settings.differences(&self.settings).collect();
-        if differences.is_empty() {
+        if differences.is_empty() && !is_read_again {
             return Ok("nothing has changed\n".to_owned());
         }
-        let concerned = settings.concerned(&self.settings)?;
+        let mut concerned = settings.concerned(&self.settings)?;
+        concerned.live[Part::Fit as usize] |= is_read_again && !concerned.anew[Part::Fit as usize];
         let parts = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
         let named = |of: [bool; 4]| {
             let names: Vec<_> = parts
@@ -101,6 +109,9 @@ impl Chain {
         }
         settings.version = self.settings.version + 1;
         let mut answer = format!("settings {}:", settings.version);
+        if differences.is_empty() {
+            answer += " the files of [camera] are read again";
+        }
         for (name, value) in differences {
             answer += &format!(" {name} = {value}");
         }

@@ -8,6 +8,7 @@ use crate::settings::{FILE_NAME, Flags, Problems, Resolved, Settings, Stage};
 use anyhow::{Result, bail};
 use lariat_capture::Source;
 use lariat_extract::Mask;
+use lariat_wire::Member;
 use std::path::Path;
 use toml::Value;
 
@@ -144,6 +145,23 @@ impl Settings {
         settings.version = version_of(text);
         Ok(settings)
     }
+}
+
+/// The settings of a process, as it has announced them, with the files of its `[camera]` by their whole paths.
+///
+/// # Errors
+/// As [`Settings::of_text`].
+pub fn settings_of(member: &Member) -> Result<Settings> {
+    let mut table: toml::Table = member.settings.parse()?;
+    if let Some(camera) = table.get_mut("camera").and_then(Value::as_table_mut) {
+        for key in ["calibration", "plane"] {
+            if let Some(Value::String(path)) = camera.get_mut(key) {
+                *path = member.folder.join(&*path).to_string_lossy().into_owned();
+            }
+        }
+    }
+    let version = version_line(version_of(&member.settings));
+    Settings::of_text(&(version + &table.to_string()))
 }
 
 /// Which version of the settings a text is: 0 if it does not say.

@@ -119,6 +119,13 @@ impl Flags {
         Ok(flags)
     }
 
+    /// Whether they set anything of a section.
+    pub fn set_any_of(&self, section: &str) -> bool {
+        self.given
+            .iter()
+            .any(|given| KEYS[given.key].section == section)
+    }
+
     /// As words of a command line, for the processes of a chain.
     pub fn words(&self) -> Vec<OsString> {
         let mut words = Vec::new();

@@ -7,6 +7,7 @@ use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
 use super::heirloom::Progress;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
+use crate::calibrated::Calibrated;
 use crate::pipeline::CurveFitter;
 use crate::settings::{Settings, Stage};
 
@@ -16,9 +17,14 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     // Its tables take 8 ms, in which the channels are opened.
     let made = settings.clone();
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
-    let changes = station.listen(settings, |before, now| {
-        let is_ours = (&before.fit, &before.camera) != (&now.fit, &now.camera);
-        is_ours.then(|| CurveFitter::new(now)).transpose()
+    let mut calibrated = Calibrated::load(&settings.camera)?;
+    let changes = station.listen(settings, move |before, now| {
+        // The files that `[camera]` names may be others under the same names.
+        let calibrated_now = Calibrated::load(&now.camera)?;
+        let is_ours = before.fit != now.fit || calibrated != calibrated_now;
+        let made = is_ours.then(|| CurveFitter::new(now)).transpose()?;
+        calibrated = calibrated_now;
+        Ok(made)
     })?;
     let mut centerlines = Inbox::open(&station, &CENTERLINES, |seen| seen.trace.extracted)?;
     let descriptors = Writer::<Descriptors>::create(

@@ -1,0 +1,139 @@
+//! The table's plane from points that were clicked in the picture: judged while they come, then written into the file that the
+//! chain's `[camera] plane` names, which the chain reads.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use lariat_camera::Pair;
+use lariat_chain::calibrated::read_camera;
+use lariat_chain::control::{Asked, ask};
+use lariat_chain::measured_plane::{Grid, MeasuredPlane, Off};
+use lariat_chain::output::{Existing, Output};
+use lariat_chain::settings::{self, settings_of};
+use lariat_wire::members;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::gather::stage_of;
+
+/// Points at most: a page shows no more.
+const MOST_POINTS: usize = 64;
+/// What a new plane's file is called, beside the settings file.
+const FILE_NAME: &str = "plane.toml";
+
+/// A point that was clicked, and measured.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Point {
+    /// Where it is seen, px.
+    pixel: [f64; 2],
+    /// Where it is on the table, mm.
+    mm: [f64; 2],
+}
+
+/// What points of pictures of this size say of the plane: how far each is off, how large a pixel is, and a grid to be drawn.
+///
+/// # Errors
+/// They determine no plane; a sentence says why.
+pub(crate) fn judge(rig: Option<&str>, points: &[Point], size: [u32; 2]) -> Result<Value> {
+    let lens = rig.map(Lens::of).transpose()?.unwrap_or_default();
+    let measured = lens.measured(points, size)?;
+    let Grid { step_mm, lines } = measured.grid();
+    let short = |px: f64| (px * 10.0).round() / 10.0;
+    let lines: Vec<Vec<_>> = (lines.into_iter())
+        .map(|line| line.into_iter().map(|at| at.map(short)).collect())
+        .collect();
+    let middle = measured.mapping().size().map(|side| 0.5 * f64::from(side));
+    let [rms_mm, most_mm] = measured.error_mm().map_or([None; 2], |both| both.map(Some));
+    Ok(json!({
+        "off": measured.off().map(|Off { mm, px }| [mm, px]).collect::<Vec<_>>(),
+        "rms_mm": rms_mm,
+        "most_mm": most_mm,
+        "mm_per_px": measured.mapping().unit_per_px(middle).ok(),
+        "grid": { "step_mm": step_mm, "lines": lines },
+        "undistorted": lens.camera.calibration.is_some(),
+    }))
+}
+
+/// Writes the plane of these points into the file that the rig's chain goes by, and has the chain read it: what was done, and the
+/// change of the settings that it is.
+///
+/// # Errors
+/// They determine no plane, the file cannot be written or is another's, or the chain refuses it.
+pub(crate) fn write(rig: &str, points: &[Point], size: [u32; 2]) -> Result<Value> {
+    let lens = Lens::of(rig)?;
+    let text = lens
+        .measured(points, size)?
+        .file_text("the points clicked in `lariat view`");
+    let (path, existing) = match &lens.camera.plane {
+        Some(named) => (named.clone(), Existing::Replace),
+        None => {
+            let settings = PathBuf::from(ask(rig, &Asked::File)?.trim_end());
+            (settings.with_file_name(FILE_NAME), Existing::Keep)
+        }
+    };
+    let change = format!("camera.plane={}", quoted(&path)?);
+    let inputs = lens.camera.calibration.as_deref();
+    if existing == Existing::Keep && path.exists() {
+        bail!(
+            "{} is there already, and is not the chain's plane: move it away, or name it as the chain's by `lariat set \
+             camera.plane=…` to have it overwritten",
+            path.display()
+        );
+    }
+    Output::new(&path, existing, inputs)?.write(text.as_bytes())?;
+    let said = ask(rig, &Asked::Set(vec![change.clone()]))
+        .with_context(|| format!("the plane is in {}, but the chain", path.display()))?;
+    Ok(json!({
+        "said": format!("written into {}; {}", path.display(), said.trim_end()),
+        "change": change,
+    }))
+}
+
+/// What a rig's fit has of lens and plane.
+#[derive(Default)]
+struct Lens {
+    camera: settings::Camera,
+}
+
+impl Lens {
+    /// Nothing, where no fit runs.
+    fn of(rig: &str) -> Result<Self> {
+        let members = members()?;
+        Ok(match stage_of(&members, rig, "fit") {
+            Some(fit) => Self {
+                camera: settings_of(fit)?.camera,
+            },
+            None => Self::default(),
+        })
+    }
+
+    fn measured(&self, points: &[Point], size: [u32; 2]) -> Result<MeasuredPlane> {
+        ensure!(
+            points.len() <= MOST_POINTS,
+            "at most {MOST_POINTS} points are taken"
+        );
+        ensure!(!size.contains(&0), "there is no picture to click points in");
+        let camera = self.camera.calibration.as_deref().map(read_camera);
+        let camera = camera.transpose()?;
+        let pairs: Vec<Pair> = (points.iter())
+            .map(|&Point { pixel, mm }| Pair {
+                pixel,
+                plane_mm: mm,
+            })
+            .collect();
+        MeasuredPlane::of(&pairs, camera.as_ref(), size)
+    }
+}
+
+/// A path as a settings file has it.
+fn quoted(path: &Path) -> Result<String> {
+    let path = path.to_str().with_context(|| {
+        format!(
+            "{} cannot stand in a settings file: it is no text",
+            path.display()
+        )
+    })?;
+    // JSON's escapes are TOML's too.
+    Ok(Value::from(path).to_string())
+}
