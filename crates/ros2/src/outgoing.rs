@@ -1,9 +1,14 @@
 //! From the rig to the graph, message by message.
 
+use std::path::PathBuf;
+use std::time::SystemTime;
+
 use anyhow::Result;
+use lariat_camera::Camera;
+use lariat_chain::calibrated::{calibration_of, read_camera};
 use lariat_chain::stop::Stop;
 use lariat_record::{Clock, Record};
-use lariat_wire::{Centerlines, Descriptors, Domain, Status, now_ns};
+use lariat_wire::{Centerlines, Descriptors, Domain, Rig, Status, now_ns};
 
 use crate::args::Args;
 use crate::graph::{Graph, Topic, in_ros};
@@ -68,6 +73,7 @@ struct Outgoing<'a> {
     paths: Vec<Path>,
     pictures: Pictures,
     health: Health,
+    lens: Lens,
     incoming: Incoming,
     clock: Clock,
     second_due_ns: u64,
@@ -76,6 +82,29 @@ struct Outgoing<'a> {
     said_unit: bool,
     buffer: Vec<u8>,
     picture: Vec<u8>,
+}
+
+/// The calibration that the rig goes by.
+#[derive(Default)]
+struct Lens {
+    file: Option<(PathBuf, Option<SystemTime>)>,
+    camera: Option<Camera>,
+}
+
+impl Lens {
+    /// Reads it, where it is another one than before.
+    fn look(&mut self, rig: &Rig) {
+        let file = calibration_of(rig).map(|path| {
+            let changed = path.metadata().and_then(|file| file.modified()).ok();
+            (path, changed)
+        });
+        if file != self.file {
+            let path = file.as_ref().map(|(path, _)| path);
+            // What is wrong with it the chain has said, which goes by it.
+            self.camera = path.and_then(|path| read_camera(path).ok());
+            self.file = file;
+        }
+    }
 }
 
 /// The topic of one rope.
@@ -103,6 +132,7 @@ impl<'a> Outgoing<'a> {
             paths: Vec::new(),
             pictures: Pictures::new(args.jpeg_quality),
             health: Health::new(),
+            lens: Lens::default(),
             incoming,
             clock: Clock::now(),
             second_due_ns: 0,
@@ -235,7 +265,7 @@ impl<'a> Outgoing<'a> {
             frame_id: &self.camera_frame_id,
         };
         if graph.is_heard(&self.camera_info) && !frame.is_blank() {
-            messages::camera_info(frame, &header, &mut self.buffer);
+            messages::camera_info(frame, self.lens.camera.as_ref(), &header, &mut self.buffer);
             graph.send(&mut self.camera_info, &self.buffer);
         }
         let [plain, drawn] = [&self.image, &self.overlay].map(|topic| graph.is_heard(topic));
@@ -267,6 +297,9 @@ impl<'a> Outgoing<'a> {
         }
         self.second_due_ns = now_ns + SECOND_NS;
         self.incoming.look(graph);
+        if graph.is_heard(&self.camera_info) {
+            self.lens.look(&self.args.rig);
+        }
         if is_open {
             self.clock = Clock::now();
         }
