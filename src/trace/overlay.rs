@@ -10,19 +10,9 @@ use image::codecs::png::PngEncoder;
 use lariat_camera::Mapping;
 use lariat_chain::canvas::Canvas;
 use lariat_chain::output::{Existing, Output, OutputFolder};
+use lariat_record::rope_color;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-
-/// A colour a rope, told apart also by those who see fewer colours (Okabe and Ito's set, without the black).
-const COLOURS: [[u8; 3]; 7] = [
-    [230, 159, 0],
-    [86, 180, 233],
-    [0, 158, 115],
-    [240, 228, 66],
-    [204, 121, 167],
-    [213, 94, 0],
-    [0, 114, 178],
-];
 
 /// Of a curve that does not lie on its points.
 const COARSE: [u8; 3] = [225, 0, 40];
@@ -104,7 +94,7 @@ fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbIma
     for (index, curve) in report.curves.iter().enumerate() {
         let rgb = match curve.descriptor.quality {
             Some(Quality { fit: "coarse", .. }) => COARSE,
-            _ => COLOURS[index % COLOURS.len()],
+            _ => rope_color(index as u32),
         };
         draw_curve(&mut canvas, curve, rgb, line_px, mapping);
     }

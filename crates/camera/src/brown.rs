@@ -20,6 +20,8 @@ use crate::projective::{self, Matrix};
 pub(crate) struct Brown {
     /// k₁ k₂ p₁ p₂ k₃ k₄ k₅ k₆ s₁ s₂ s₃ s₄
     c: [f64; 12],
+    /// τₓ τᵧ
+    angles: [f64; 2],
     /// The tilt and its inverse, if there is one.
     tilt: Option<[Matrix; 2]>,
 }
@@ -40,8 +42,20 @@ impl Brown {
         };
         Some(Self {
             c: std::array::from_fn(at),
+            angles,
             tilt,
         })
+    }
+
+    /// The coefficients, as many of OpenCV's sets of 5, 8, 12 or 14 as are not 0.
+    pub(crate) fn coefficients(&self) -> Vec<f64> {
+        let all = [&self.c[..], &self.angles].concat();
+        let used = all
+            .iter()
+            .rposition(|&c| c != 0.0)
+            .map_or(0, |last| last + 1);
+        let enough = [5, 8, 12].into_iter().find(|&set| set >= used);
+        all[..enough.unwrap_or(all.len())].to_vec()
     }
 
     /// Where an ideal point comes to lie before the tilt. `None` where the denominator is not positive.

@@ -76,6 +76,24 @@ impl Lens {
         (widest > 0.02).then_some(Self { model, widest })
     }
 
+    /// The model by its name in ROS's `sensor_msgs/CameraInfo`, and its coefficients in OpenCV's order.
+    pub fn model(&self) -> (&'static str, Vec<f64>) {
+        match &self.model {
+            Model::Ideal => ("plumb_bob", vec![0.0; 5]),
+            Model::Brown(brown) => {
+                let coefficients = brown.coefficients();
+                let is_plain = coefficients.len() == 5;
+                let name = if is_plain {
+                    "plumb_bob"
+                } else {
+                    "rational_polynomial"
+                };
+                (name, coefficients)
+            }
+            Model::Fisheye(fisheye) => ("equidistant", fisheye.0.to_vec()),
+        }
+    }
+
     /// How far from the axis the model may be asked, degrees.
     pub fn widest_deg(&self) -> f64 {
         libm::atan(self.widest).to_degrees()

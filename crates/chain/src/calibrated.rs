@@ -4,8 +4,9 @@ use crate::plane_file;
 use crate::settings;
 use anyhow::{Context, Result, bail};
 use lariat_camera::{Camera, Mapping, Plane};
-use lariat_wire::Unit;
-use std::path::Path;
+use lariat_wire::{Rig, Unit, members};
+use std::path::{Path, PathBuf};
+use toml::Table;
 
 /// A lens, a plane, or both.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,4 +78,15 @@ pub fn read_camera(path: &Path) -> Result<Camera> {
     let text = crate::bounded::read_text(path)
         .with_context(|| format!("cannot read the calibration {shown}"))?;
     Camera::from_yaml(&text).with_context(|| shown.to_string())
+}
+
+/// The file of the lens calibration that a running rig goes by, as its fit says of itself; `None` if there is none.
+pub fn calibration_of(rig: &Rig) -> Option<PathBuf> {
+    let members = members().ok()?;
+    let fit = members
+        .iter()
+        .find(|member| member.rig == rig.as_str() && member.stage == "fit")?;
+    let settings: Table = fit.settings.parse().ok()?;
+    let path = settings.get("camera")?.get("calibration")?.as_str()?;
+    Some(fit.folder.join(path))
 }

@@ -4,6 +4,7 @@ use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status,
 
 use crate::cdr::{Cdr, Encoder};
 use crate::images::put_time;
+use crate::palette::rope_color;
 use crate::schema::{Schema, schema};
 
 /// The definition of what is drawn over an image.
@@ -25,22 +26,14 @@ const LINE_STRIP: u8 = 3;
 
 type Color = [f64; 4];
 const NONE: Color = [0.0; 4];
-/// Ropes by their track, so that one keeps its color: well apart for the color-blind too (Okabe and Ito's palette).
-const ROPES: [Color; 6] = [
-    [0.90, 0.62, 0.00, 1.0],
-    [0.34, 0.71, 0.91, 1.0],
-    [0.00, 0.62, 0.45, 1.0],
-    [0.94, 0.89, 0.26, 1.0],
-    [0.80, 0.47, 0.65, 1.0],
-    [0.84, 0.37, 0.00, 1.0],
-];
 /// Points that are covered.
 const HIDDEN: Color = [0.5, 0.5, 0.5, 1.0];
 const WHITE: Color = [1.0; 4];
 const BACKGROUND: Color = [0.0, 0.0, 0.0, 0.5];
 
 fn color(track: u32) -> Color {
-    ROPES[track as usize % ROPES.len()]
+    let [red, green, blue] = rope_color(track).map(|byte| f64::from(byte) / 255.0);
+    [red, green, blue, 1.0]
 }
 
 /// A message that something is drawn from.

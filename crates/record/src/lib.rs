@@ -89,6 +89,7 @@ mod cdr;
 mod images;
 mod losses;
 mod messages;
+mod palette;
 mod reading;
 mod schema;
 mod writing;
@@ -101,6 +102,7 @@ pub use images::{
 };
 pub use losses::Losses;
 pub use messages::Record;
+pub use palette::rope_color;
 pub use reading::{
     About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span,
     TopicSummary,

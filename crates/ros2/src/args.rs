@@ -1,11 +1,12 @@
 //! What can be asked, in lariat's words and in ROS's.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Parser;
 use lariat_chain::exit::{WrongUse, wrong_use};
-use lariat_wire::Rig;
+use lariat_wire::{MAX_GRIPPERS, Rig};
 
 /// A rig in a ROS 2 graph: ropes, pictures and health as topics, while somebody listens
 #[derive(Debug, Clone, Parser)]
@@ -32,13 +33,37 @@ pub(crate) struct Args {
     /// Larger messages are not sent, in bytes
     #[arg(long, value_name = "N", default_value_t = 4_000_000)]
     pub(crate) max_bytes: usize,
+    /// A topic whose images are the rig's frames: sensor_msgs/Image, or CompressedImage if it ends in /compressed
+    #[arg(long, value_name = "TOPIC", help_heading = IN)]
+    pub(crate) image: Option<String>,
+    /// A topic of masks of these images, mono8, paired by their stamp, for a chain with --mask external
+    #[arg(long, value_name = "TOPIC", requires = "image", help_heading = IN)]
+    pub(crate) mask: Option<String>,
+    /// A topic of the camera's sensor_msgs/CameraInfo: its calibration becomes the chain's
+    #[arg(long, value_name = "TOPIC", help_heading = IN)]
+    pub(crate) camera_info: Option<String>,
+    /// Where that calibration is written; else the rig's name with _camera.yaml, here
+    #[arg(long, value_name = "FILE", requires = "camera_info", help_heading = IN)]
+    pub(crate) calibration_out: Option<PathBuf>,
+    /// A topic of geometry_msgs/TwistStamped that a gripper of the simulated rope goes by; again for the second gripper
+    #[arg(long, value_name = "TOPIC", help_heading = IN)]
+    pub(crate) gripper: Vec<String>,
+    /// Have images and masks sent again that were lost on the way; best-effort publishers are not heard then
+    #[arg(long, help_heading = IN)]
+    pub(crate) reliable_images: bool,
+    /// Go by when messages arrive, not by their stamps: for recorded or simulated time
+    #[arg(long, help_heading = IN)]
+    pub(crate) stamp_on_arrival: bool,
     #[arg(skip)]
     pub(crate) names: Names,
 }
 
+const IN: &str = "From the graph to the rig";
+
 const EXAMPLES: &str = "Examples:
   lariat ros2                                  the rig default, under /lariat/default/
   lariat ros2 --rig left --reliable --frame-id table
+  lariat ros2 --image /camera/image_raw        the frames of `lariat run --source external`
   lariat ros2 --ros-args -r __ns:=/cell -r /lariat/default/points:=/rope";
 
 /// How the node and its topics are called.
@@ -56,6 +81,11 @@ impl Args {
         let (ours, ros) = split(std::env::args_os().collect());
         let mut args = Self::parse_from(ours);
         args.names = Names::of(&ros)?;
+        if args.gripper.len() > MAX_GRIPPERS {
+            wrong_use!(
+                "the simulated rope has {MAX_GRIPPERS} grippers at most: say --gripper no more often"
+            );
+        }
         Ok(args)
     }
 

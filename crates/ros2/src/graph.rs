@@ -1,13 +1,14 @@
-//! The node and its publishers.
+//! The node, its publishers and its subscriptions.
 
 use std::net::Ipv4Addr;
 use std::thread::JoinHandle;
 
 use anyhow::{Context as _, Result, anyhow};
-use ros2_client::dds::rustdds::DomainParticipantBuilder;
+use ros2_client::dds::rustdds::{DomainParticipantBuilder, Topic as RosTopic};
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::{
     Context, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile,
+    Subscription,
 };
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
@@ -87,26 +88,65 @@ impl Graph {
     /// A publisher of a topic, by its name within the namespace, of messages such as `sensor_msgs` `PointCloud2`.
     pub(crate) fn publisher(&mut self, name: &str, package: &str, kind: &str) -> Result<Topic> {
         let name = self.names.topic(name);
-        let about = || format!("the topic {name} could not be made");
-        let ros_name = Name::parse(&name)
-            .map_err(|e| anyhow!("{e:?}"))
-            .with_context(about)?;
-        let qos = qos(self.reliable);
-        let node = self.node.as_mut().context("the graph was left")?;
-        let topic = node
-            .create_topic(&ros_name, MessageTypeName::new(package, kind), &qos)
-            .map_err(|e| anyhow!("{e}"))
-            .with_context(about)?;
+        let qos = sent(self.reliable);
+        let (topic, node) = self.topic(&name, package, kind, &qos)?;
         let publisher = node
             .create_publisher(&topic, None)
             .map_err(|e| anyhow!("{e}"))
-            .with_context(about)?;
+            .with_context(|| failure(&name))?;
         Ok(Topic {
             publisher,
             name,
             said: false,
             unsent: 0,
         })
+    }
+
+    /// A subscription to a topic, by its name within the namespace, to what is made of its messages; and the topic's whole name.
+    pub(crate) fn subscription<M: 'static>(
+        &mut self,
+        name: &str,
+        package: &str,
+        kind: &str,
+        delivery: Delivery,
+    ) -> Result<(String, Subscription<M>)> {
+        let name = self.names.topic(name);
+        let (topic, node) = self.topic(&name, package, kind, &received(delivery))?;
+        let subscription = node
+            .create_subscription(&topic, None)
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(|| failure(&name))?;
+        Ok((name, subscription))
+    }
+
+    fn topic(
+        &mut self,
+        name: &str,
+        package: &str,
+        kind: &str,
+        qos: &QosProfile,
+    ) -> Result<(RosTopic, &mut Node)> {
+        let ros_name = Name::parse(name)
+            .map_err(|e| anyhow!("{e:?}"))
+            .with_context(|| failure(name))?;
+        let node = self.node.as_mut().context("the graph was left")?;
+        let topic = node
+            .create_topic(&ros_name, MessageTypeName::new(package, kind), qos)
+            .map_err(|e| anyhow!("{e}"))
+            .with_context(|| failure(name))?;
+        Ok((topic, node))
+    }
+
+    /// The types by which nodes publish a topic of this whole name, such as `sensor_msgs::msg::dds_::Image_`.
+    pub(crate) fn published(&self, topic: &str) -> Vec<String> {
+        let name = format!("rt{topic}");
+        let writers = self.context.domain_participant().discovered_writers();
+        let data = writers
+            .into_iter()
+            .map(|writer| writer.publication_topic_data);
+        data.filter(|data| data.topic_name == name)
+            .map(|data| data.type_name)
+            .collect()
     }
 
     /// Whether somebody listens.
@@ -163,7 +203,29 @@ impl Drop for Graph {
     }
 }
 
-fn qos(reliable: bool) -> QosProfile {
+/// How messages are received.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Delivery {
+    /// Whether what is lost on the way is sent again; best-effort publishers are not matched then.
+    pub(crate) reliable: bool,
+    /// How many wait for this process.
+    pub(crate) kept: usize,
+}
+
+fn failure(topic: &str) -> String {
+    format!("the topic {topic} could not be made")
+}
+
+fn received(Delivery { reliable, kept }: Delivery) -> QosProfile {
+    let qos = QosProfile::subscription_default().history(History::KeepLast { depth: kept });
+    if reliable {
+        qos.reliability_reliable(WhenFull::Fail)
+    } else {
+        qos
+    }
+}
+
+fn sent(reliable: bool) -> QosProfile {
     let qos = QosProfile::publisher_default().durability(Durability::Volatile);
     if reliable {
         // Nobody waits for a listener: what it does not take is told of, and the chain is read on.

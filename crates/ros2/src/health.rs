@@ -77,19 +77,25 @@ impl Health {
         let (level, message) = self.verdict(age_ns, lost_new);
         let mut values = Vec::new();
         if let (Some(newest), Some(age_ns)) = (self.newest, age_ns) {
-            values.push(("age, ms", format!("{:.1}", age_ns as f64 / 1e6)));
-            values.push(("unit", newest.unit.map_or("?", Unit::name).to_owned()));
-            values.push(("ropes", newest.ropes.to_string()));
-            values.push(("ropes lost", newest.lost.to_string()));
-            values.push(("ropes doubtful", newest.doubtful.to_string()));
-            values.push(("curves coarse", newest.coarse.to_string()));
+            values.push(("age, ms".to_owned(), format!("{:.1}", age_ns as f64 / 1e6)));
+            values.push((
+                "unit".to_owned(),
+                newest.unit.map_or("?", Unit::name).to_owned(),
+            ));
+            values.push(("ropes".to_owned(), newest.ropes.to_string()));
+            values.push(("ropes lost".to_owned(), newest.lost.to_string()));
+            values.push(("ropes doubtful".to_owned(), newest.doubtful.to_string()));
+            values.push(("curves coarse".to_owned(), newest.coarse.to_string()));
         }
-        values.push(("frames received", self.ledger.received_count().to_string()));
-        values.push(("lost at the source", lost.source.to_string()));
-        values.push(("lost after capture", lost.capture.to_string()));
-        values.push(("lost after extract", lost.extract.to_string()));
-        values.push(("lost after fit", lost.fit.to_string()));
-        values.push(("messages not sent", unsent.to_string()));
+        values.push((
+            "frames received".to_owned(),
+            self.ledger.received_count().to_string(),
+        ));
+        values.push(("lost at the source".to_owned(), lost.source.to_string()));
+        values.push(("lost after capture".to_owned(), lost.capture.to_string()));
+        values.push(("lost after extract".to_owned(), lost.extract.to_string()));
+        values.push(("lost after fit".to_owned(), lost.fit.to_string()));
+        values.push(("messages not sent".to_owned(), unsent.to_string()));
         self.add_latencies(&mut values);
         self.reports += 1;
         if self.reports.is_multiple_of(REPORTS) {
@@ -132,21 +138,21 @@ impl Health {
         }
     }
 
-    fn add_latencies(&self, values: &mut Vec<(&'static str, String)>) {
+    fn add_latencies(&self, values: &mut Vec<(String, String)>) {
         let [received, _, steps @ ..] = &self.latencies;
         for (key, quantile) in [
             ("exposed to received here, p50, ms", 0.5),
             ("exposed to received here, p99, ms", 0.99),
         ] {
             if let Some(us) = received.quantile_us(quantile) {
-                values.push((key, format!("{:.3}", us / 1e3)));
+                values.push((key.to_owned(), format!("{:.3}", us / 1e3)));
             }
         }
         let medians = Step::ALL[2..].iter().zip(steps);
         let medians = medians.filter_map(|(step, times)| Some((step, times.quantile_us(0.5)?)));
         if let Some((step, us)) = medians.max_by(|a, b| a.1.total_cmp(&b.1)) {
             let text = format!("{}, p50 {:.3} ms", step.label(), us / 1e3);
-            values.push(("what takes longest", text));
+            values.push(("what takes longest".to_owned(), text));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `lariat-ros2`: a rig of lariat in a ROS 2 graph.
 //!
-//! It is a reader of the rig like any control loop, and a node of the graph, by RustDDS, without ROS installed. What nobody in the
+//! It is a reader of the rig like any control loop, a writer of its frames if those come from the graph, and a node of the graph, by RustDDS, without ROS installed. What nobody in the
 //! graph listens to is not made; when nobody listens to anything, the rig is not read. Bytes on the wire are those of
 //! `lariat-record`'s CDR, which recordings have too: there is one encoder, and one set of `.msg` files.
 //!
@@ -13,10 +13,12 @@
 //! | `pictures` | a frame as JPEG, with and without the ropes drawn on it |
 //! | `health` | what diagnostics say |
 //! | `outgoing` | from the rig to the graph, message by message |
+//! | `incoming/` | from the graph to the rig: images, masks, velocities of grippers, the camera's calibration |
 
 mod args;
 mod graph;
 mod health;
+mod incoming;
 mod messages;
 mod outgoing;
 mod pictures;

@@ -1,13 +1,19 @@
 //! From the rig to the graph, message by message.
 
+use std::path::PathBuf;
+use std::time::SystemTime;
+
 use anyhow::Result;
+use lariat_camera::Camera;
+use lariat_chain::calibrated::{calibration_of, read_camera};
 use lariat_chain::stop::Stop;
 use lariat_record::{Clock, Record};
-use lariat_wire::{Centerlines, Descriptors, Domain, Status, now_ns};
+use lariat_wire::{Centerlines, Descriptors, Domain, Rig, Status, now_ns};
 
 use crate::args::Args;
 use crate::graph::{Graph, Topic, in_ros};
 use crate::health::Health;
+use crate::incoming::Incoming;
 use crate::messages::{self, Header, Scale};
 use crate::pictures::Pictures;
 use crate::rig::{Channels, Wanted};
@@ -27,7 +33,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
     let mut graph = Graph::enter(args)?;
-    let mut node = Outgoing::new(args, &mut graph)?;
+    let incoming = Incoming::start(args, &mut graph, &stop)?;
+    let mut node = Outgoing::new(args, &mut graph, incoming)?;
     eprintln!(
         "lariat-ros2: rig {} is under {} in ROS domain {}",
         args.rig,
@@ -66,6 +73,8 @@ struct Outgoing<'a> {
     paths: Vec<Path>,
     pictures: Pictures,
     health: Health,
+    lens: Lens,
+    incoming: Incoming,
     clock: Clock,
     second_due_ns: u64,
     frame_id: String,
@@ -73,6 +82,29 @@ struct Outgoing<'a> {
     said_unit: bool,
     buffer: Vec<u8>,
     picture: Vec<u8>,
+}
+
+/// The calibration that the rig goes by.
+#[derive(Default)]
+struct Lens {
+    file: Option<(PathBuf, Option<SystemTime>)>,
+    camera: Option<Camera>,
+}
+
+impl Lens {
+    /// Reads it, where it is another one than before.
+    fn look(&mut self, rig: &Rig) {
+        let file = calibration_of(rig).map(|path| {
+            let changed = path.metadata().and_then(|file| file.modified()).ok();
+            (path, changed)
+        });
+        if file != self.file {
+            let path = file.as_ref().map(|(path, _)| path);
+            // What is wrong with it the chain has said, which goes by it.
+            self.camera = path.and_then(|path| read_camera(path).ok());
+            self.file = file;
+        }
+    }
 }
 
 /// The topic of one rope.
@@ -83,7 +115,7 @@ struct Path {
 }
 
 impl<'a> Outgoing<'a> {
-    fn new(args: &'a Args, graph: &mut Graph) -> Result<Self> {
+    fn new(args: &'a Args, graph: &mut Graph, incoming: Incoming) -> Result<Self> {
         let prefix = format!("lariat/{}", in_ros(args.rig.as_str()));
         let mut topic = |name: &str, package: &str, kind: &str| {
             graph.publisher(&format!("{prefix}/{name}"), package, kind)
@@ -100,6 +132,8 @@ impl<'a> Outgoing<'a> {
             paths: Vec::new(),
             pictures: Pictures::new(args.jpeg_quality),
             health: Health::new(),
+            lens: Lens::default(),
+            incoming,
             clock: Clock::now(),
             second_due_ns: 0,
             frame_id: args.frame_id(),
@@ -141,7 +175,10 @@ impl<'a> Outgoing<'a> {
     ) -> Result<()> {
         self.health.take(message, now_ns());
         self.say_unit(message);
-        let stamp_ns = self.clock.wall_ns(message.trace.exposed_ns);
+        let exposed_ns = message.trace.exposed_ns;
+        // Of an image that came with a stamp, that one to the last digit.
+        let original_ns = self.incoming.originals().of(exposed_ns);
+        let stamp_ns = original_ns.unwrap_or_else(|| self.clock.wall_ns(exposed_ns));
         let frame_id = std::mem::take(&mut self.frame_id);
         let header = Header {
             stamp_ns,
@@ -228,7 +265,7 @@ impl<'a> Outgoing<'a> {
             frame_id: &self.camera_frame_id,
         };
         if graph.is_heard(&self.camera_info) && !frame.is_blank() {
-            messages::camera_info(frame, &header, &mut self.buffer);
+            messages::camera_info(frame, self.lens.camera.as_ref(), &header, &mut self.buffer);
             graph.send(&mut self.camera_info, &self.buffer);
         }
         let [plain, drawn] = [&self.image, &self.overlay].map(|topic| graph.is_heard(topic));
@@ -259,6 +296,10 @@ impl<'a> Outgoing<'a> {
             return;
         }
         self.second_due_ns = now_ns + SECOND_NS;
+        self.incoming.look(graph);
+        if graph.is_heard(&self.camera_info) {
+            self.lens.look(&self.args.rig);
+        }
         if is_open {
             self.clock = Clock::now();
         }
@@ -276,7 +317,8 @@ impl<'a> Outgoing<'a> {
         ];
         let paths = self.paths.iter().map(|path| &path.topic);
         let unsent = topics.into_iter().chain(paths).map(Topic::unsent).sum();
-        let status = self.health.status(self.args.rig.as_str(), unsent, now_ns);
+        let mut status = self.health.status(self.args.rig.as_str(), unsent, now_ns);
+        status.values.extend(self.incoming.values());
         let header = Header {
             stamp_ns: self.clock.wall_ns(now_ns),
             frame_id: "",

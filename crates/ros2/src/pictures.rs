@@ -7,21 +7,12 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use lariat_chain::canvas::Canvas;
 use lariat_record::{
-    CompressedImageRecord, Images, PictureMaker, encode_compressed_image, encode_image,
+    CompressedImageRecord, Images, PictureMaker, encode_compressed_image, encode_image, rope_color,
 };
 use lariat_wire::{Centerlines, FrameHeader};
 
 use crate::messages::Header;
 
-/// Ropes by their track, as their markers have them.
-const ROPES: [[u8; 3]; 6] = [
-    [230, 159, 0],
-    [86, 180, 233],
-    [0, 158, 115],
-    [240, 228, 66],
-    [204, 121, 167],
-    [213, 94, 0],
-];
 const END: [u8; 3] = [255; 3];
 
 /// Makes pictures, in memory that it keeps.
@@ -101,7 +92,7 @@ fn draw(picture: RgbImage, seen: &Centerlines) -> RgbImage {
         {
             canvas.line(&[*last, *first], width_px);
         }
-        canvas.ink(ROPES[rope.track as usize % ROPES.len()], 1.0);
+        canvas.ink(rope_color(rope.track), 1.0);
         if let Some(first) = points.first() {
             canvas.dots(&[*first], 2.5 * width_px).ink(END, 1.0);
         }

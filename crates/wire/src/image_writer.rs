@@ -240,8 +240,15 @@ impl FrameWriter {
             trace,
             ..self.header
         })?;
+        self.header.trace = trace;
         self.last = trace;
         Ok(sent)
+    }
+
+    /// The header of the frame that was sent last, as its readers have it: for a [`MaskWriter`] in the same process. Asked before
+    /// the next loan, as it is the one of the frame on loan then.
+    pub fn last_sent(&self) -> &FrameHeader {
+        &self.header
     }
 
     /// Sends a frame without an image: the camera has none to give just now. Sent some ten times a second for as long as that

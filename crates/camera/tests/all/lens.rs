@@ -52,6 +52,17 @@ proptest! {
     }
 
     #[test]
+    fn a_lens_is_the_one_of_the_model_that_it_says(lens in lens()) {
+        let (model, coefficients) = lens.model();
+        let again = match (model, coefficients[..].try_into()) {
+            ("equidistant", Ok(coefficients)) => Lens::fisheye(coefficients),
+            _ => Lens::brown_conrady(&coefficients),
+        };
+        prop_assert_eq!(again, Some(lens));
+        prop_assert!(model != "plumb_bob" || coefficients.len() == 5);
+    }
+
+    #[test]
     fn whatever_is_straightened_is_seen_there(lens in lens(), x in -3.0..3.0, y in -3.0..3.0) {
         if let Some(ideal) = lens.undistort([x, y]) {
             let seen = lens.distort(ideal.point).unwrap().point;

@@ -1,19 +1,42 @@
 //! `sensor_msgs/CameraInfo`.
 
+use lariat_camera::Camera;
 use lariat_record::{Cdr, Encoder};
 use lariat_wire::FrameHeader;
 
 use super::Header;
 
-/// Writes the size of the pictures. `K` is 0, which is ROS's word for a camera that is not calibrated.
-pub(crate) fn camera_info(frame: &FrameHeader, header: &Header, into: &mut Vec<u8>) {
+/// Writes the size of the pictures, and what their camera was calibrated with. Without that `K` is 0, which is ROS's word for a
+/// camera that is not calibrated; so it is where the calibration is of other pictures.
+pub(crate) fn camera_info(
+    frame: &FrameHeader,
+    camera: Option<&Camera>,
+    header: &Header,
+    into: &mut Vec<u8>,
+) {
     let to = &mut Encoder::new(into);
     header.put(to);
     frame.height.put(to);
     frame.width.put(to);
-    to.string("");
-    to.byte_count(0);
-    let (k, r, p) = ([0.0_f64; 9], [0.0_f64; 9], [0.0_f64; 12]);
+    let camera = camera.and_then(|camera| camera.scaled_to([frame.width, frame.height]).ok());
+    let (mut k, mut r, mut p) = ([0.0_f64; 9], [0.0_f64; 9], [0.0_f64; 12]);
+    match camera {
+        None => {
+            to.string("");
+            to.byte_count(0);
+        }
+        Some(camera) => {
+            let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
+            // One camera, not turned: what it sees without distortion is seen by the same matrix.
+            k = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0];
+            r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+            p = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
+            let (model, coefficients) = camera.lens().model();
+            to.string(model);
+            to.byte_count(coefficients.len());
+            coefficients.iter().for_each(|c| c.put(to));
+        }
+    }
     k.put(to);
     r.put(to);
     p.put(to);

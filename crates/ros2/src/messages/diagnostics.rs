@@ -19,7 +19,7 @@ pub(crate) struct Status {
     pub(crate) name: String,
     pub(crate) message: String,
     pub(crate) hardware_id: String,
-    pub(crate) values: Vec<(&'static str, String)>,
+    pub(crate) values: Vec<(String, String)>,
 }
 
 /// Writes what is said.

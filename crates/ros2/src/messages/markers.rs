@@ -1,6 +1,6 @@
 //! `visualization_msgs/MarkerArray`: the ropes as RViz and Foxglove draw them.
 
-use lariat_record::{Cdr, Encoder};
+use lariat_record::{Cdr, Encoder, rope_color};
 use lariat_wire::{Centerlines, Crossing, Descriptor, Descriptors, Shape, Unit};
 
 use super::{Header, Scale, put_turn, sure};
@@ -16,15 +16,6 @@ const ADD: i32 = 0;
 const DELETE_ALL: i32 = 3;
 
 type Color = [f32; 4];
-/// Ropes by their track, so that one keeps its color: well apart for the color-blind too (Okabe and Ito's palette).
-const ROPES: [Color; 6] = [
-    [0.90, 0.62, 0.00, 1.0],
-    [0.34, 0.71, 0.91, 1.0],
-    [0.00, 0.62, 0.45, 1.0],
-    [0.94, 0.89, 0.26, 1.0],
-    [0.80, 0.47, 0.65, 1.0],
-    [0.84, 0.37, 0.00, 1.0],
-];
 const CONTROL_POINT: Color = [1.0, 1.0, 1.0, 1.0];
 const ELLIPSE: Color = [1.0, 1.0, 1.0, 0.35];
 const CROSSING: Color = [1.0, 1.0, 1.0, 0.6];
@@ -36,6 +27,12 @@ const DRAWN: usize = 96;
 const BESIDE: usize = 4;
 /// Half axes of an ellipse, in standard deviations: nine of ten control points lie within √(−2 ln 0.1).
 const DEVIATIONS: f64 = 2.146;
+
+/// A rope's own.
+fn color(track: u32) -> Color {
+    let [red, green, blue] = rope_color(track).map(|byte| f32::from(byte) / 255.0);
+    [red, green, blue, 1.0]
+}
 
 /// What is drawn once.
 struct Marker<'a> {
@@ -105,7 +102,7 @@ impl Drawing<'_> {
     }
 
     fn rope(&mut self, rope: &Descriptor, shape: &Shape, scale: Scale) {
-        let color = ROPES[rope.track as usize % ROPES.len()];
+        let color = color(rope.track);
         let width = scale.length(rope.width);
         let curve: Vec<_> = (0..DRAWN + usize::from(shape.is_closed()))
             .map(|i| scale.point(shape.point_at(shape.even_rho(i, DRAWN))))
@@ -183,9 +180,9 @@ impl Drawing<'_> {
             let points = points.iter().map(|p| scale.point(p.map(f64::from)));
             points.map(|[x, y, _]| [x, y, z]).collect()
         };
-        let rope = message.curves()[place].track as usize % ROPES.len();
+        let own = color(message.curves()[place].track);
         self.lines("under", id, 0.8 * width, UNDER, &raised(lower, 0.5 * width));
-        self.lines("over", id, 0.8 * width, ROPES[rope], &raised(upper, width));
+        self.lines("over", id, 0.8 * width, own, &raised(upper, width));
         let at = upper[upper.len() / 2].map(f64::from);
         self.put(
             &Marker {

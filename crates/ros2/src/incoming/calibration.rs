@@ -1,0 +1,201 @@
+//! A camera's calibration from its `camera_info`: written as the file that ROS's `camera_calibration` writes, and given to the chain.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use lariat_camera::Camera;
+use lariat_chain::control::{Asked, ask};
+use lariat_chain::output::{Existing, Output};
+use lariat_wire::Rig;
+
+use super::pixels::shown;
+use super::received::{CameraInfo, Region};
+use super::trouble::Tally;
+
+/// By this a file is known to be one of ours, which may be replaced.
+const MARK: &str = "# Written by lariat ros2";
+
+/// What is done with the first calibration that comes.
+pub(super) struct Calibration {
+    topic: String,
+    rig: Rig,
+    path: PathBuf,
+    /// As text: what came is taken once.
+    taken: Option<String>,
+    tally: Arc<Tally>,
+    said: Option<String>,
+}
+
+impl Calibration {
+    pub(super) fn new(topic: &str, rig: &Rig, path: Option<&Path>, tally: Arc<Tally>) -> Self {
+        let usual = || PathBuf::from(format!("{rig}_camera.yaml"));
+        Self {
+            topic: topic.to_owned(),
+            rig: rig.clone(),
+            path: path.map_or_else(usual, Path::to_owned),
+            taken: None,
+            tally,
+            said: None,
+        }
+    }
+
+    /// Takes the first calibration, and says whether a later one is another.
+    pub(super) fn take(&mut self, info: &CameraInfo) {
+        let done = yaml(info).and_then(|text| match &self.taken {
+            None => {
+                self.put(&text)?;
+                self.taken = Some(text);
+                Ok(())
+            }
+            Some(taken) if *taken == text => Ok(()),
+            Some(_) => bail!(
+                "the camera's calibration has changed, and the first one still holds: start `lariat ros2` anew to take it"
+            ),
+        });
+        match done {
+            Ok(()) => self.tally.take(),
+            Err(cause) => self.refuse(format!("{cause:#}")),
+        }
+    }
+
+    /// Counts what is no calibration, and says what is wrong, until something else is.
+    pub(super) fn refuse(&mut self, trouble: String) {
+        self.tally.refuse();
+        if self.said.as_ref() != Some(&trouble) {
+            eprintln!("lariat-ros2: {}: {trouble}", self.topic);
+            self.said = Some(trouble);
+        }
+    }
+
+    /// Writes the file, and has the chain go by it, if one runs.
+    fn put(&self, text: &str) -> Result<()> {
+        let path = std::path::absolute(&self.path)?;
+        let existing = match std::fs::read_to_string(&path) {
+            Ok(there) if there.starts_with(MARK) => Existing::Replace,
+            Ok(_) => bail!(
+                "{} is a file of somebody else's, and is not overwritten: name another one with --calibration-out",
+                path.display()
+            ),
+            Err(_) => Existing::Keep,
+        };
+        let marked = format!("{MARK} from {}.\n{text}", self.topic);
+        Output::new(&path, existing, [])?.write(marked.as_bytes())?;
+        let (rig, shown) = (self.rig.clone(), path.display().to_string());
+        // It may take a moment to answer, and images come meanwhile.
+        std::thread::Builder::new()
+            .name("calibration".to_owned())
+            .spawn(move || {
+                let change = format!("camera.calibration={shown}");
+                let outcome = match ask(rig.as_str(), &Asked::Set(vec![change])) {
+                    Ok(_) => "the chain goes by it now".to_owned(),
+                    Err(cause) => format!(
+                        "give it to the chain: `lariat run --rig {rig} --source external --calibration {shown}` ({cause:#})"
+                    ),
+                };
+                eprintln!("lariat-ros2: the camera's calibration is in {shown}; {outcome}");
+            })
+            .context("no thread could be started")?;
+        Ok(())
+    }
+}
+
+/// The calibration as a file.
+///
+/// # Errors
+/// It is none, or one that lariat does not know.
+fn yaml(info: &CameraInfo) -> Result<String> {
+    if info.k == [0.0; 9] {
+        bail!("the camera is not calibrated: its K is 0");
+    }
+    let none = Region {
+        x_offset: 0,
+        y_offset: 0,
+        height: 0,
+        width: 0,
+        do_rectify: false,
+    };
+    let all = Region {
+        height: info.height,
+        width: info.width,
+        ..none.clone()
+    };
+    let region = Region {
+        do_rectify: false,
+        ..info.roi.clone()
+    };
+    if (region != none && region != all) || info.binning_x > 1 || info.binning_y > 1 {
+        bail!(
+            "the camera's pictures are a part of what it was calibrated with, or binned: calibrate it as it is used, and give the \
+             chain that file"
+        );
+    }
+    let is_plain = info.distortion_model.is_empty() && info.d.is_empty();
+    let (model, d) = if is_plain {
+        ("plumb_bob", &[0.0; 5][..])
+    } else {
+        (&*info.distortion_model, &info.d[..])
+    };
+    // Another node's word must not become another key.
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !model.chars().all(is_word) {
+        bail!("the distortion model {} is not known", shown(model));
+    }
+    let mut text = format!(
+        "image_width: {}\nimage_height: {}\ncamera_name: camera\ndistortion_model: {model}\n",
+        info.width, info.height
+    );
+    for (name, [rows, columns], numbers) in [
+        ("camera_matrix", [3, 3], &info.k[..]),
+        ("distortion_coefficients", [1, d.len()], d),
+        ("rectification_matrix", [3, 3], &info.r),
+        ("projection_matrix", [3, 4], &info.p),
+    ] {
+        let numbers: Vec<String> = numbers.iter().map(|x| format!("{x:?}")).collect();
+        let _ = writeln!(
+            text,
+            "{name}:\n  rows: {rows}\n  cols: {columns}\n  data: [{}]",
+            numbers.join(", ")
+        );
+    }
+    Camera::from_yaml(&text)?;
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::incoming::received::tests::camera_info;
+
+    #[test]
+    fn what_is_written_is_the_camera_that_came() {
+        let text = yaml(&camera_info()).expect("a calibration");
+        let camera = Camera::from_yaml(&text).expect("it is read again");
+        assert_eq!(camera.focal_px(), [600.5, 601.25]);
+        assert_eq!(camera.center_px(), [320.0, 239.5]);
+        assert_eq!(camera.size(), Some([640, 480]));
+        let seen = camera.distort([100.0, 50.0]).expect("in the picture");
+        assert!((seen.point[0] - 100.0).abs() > 1.0, "it is distorted");
+    }
+
+    #[test]
+    fn what_is_no_calibration_is_refused_with_a_sentence() {
+        let refused = |change: &dyn Fn(&mut CameraInfo), word: &str| {
+            let mut info = camera_info();
+            change(&mut info);
+            let said = format!("{:#}", yaml(&info).expect_err(word));
+            assert!(said.contains(word), "{said}");
+        };
+        refused(&|info| info.k = [0.0; 9], "not calibrated");
+        refused(&|info| info.binning_x = 2, "binned");
+        refused(&|info| info.roi.width = 100, "a part");
+        refused(&|info| info.distortion_model = "fov".into(), "lens models");
+        refused(
+            &|info| info.distortion_model = "x\ncamera_matrix: 1".into(),
+            "not known",
+        );
+        refused(&|info| info.d = vec![0.1; 3], "coefficients");
+        refused(&|info| info.k[0] = f64::NAN, "finite");
+    }
+}

@@ -1,0 +1,223 @@
+//! The pixels of an image of ROS, as a frame has them: its rows one after the other without gaps. Pure.
+
+use std::io::Cursor;
+
+use image::{ColorType, ImageReader, Limits};
+use lariat_record::ImageRecord;
+use lariat_wire::PixelFormat;
+
+use super::Trouble;
+use super::received::Image;
+
+/// Most pixels along a side, as of frames.
+const MAX_SIDE: u32 = 8192;
+
+/// An image whose bytes are as many as it says.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pixels<'a> {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// As they become.
+    pub(super) format: PixelFormat,
+    /// Four bytes a pixel, of which three are copied.
+    is_rgba: bool,
+    step: usize,
+    data: &'a [u8],
+}
+
+impl<'a> Pixels<'a> {
+    /// Looks at what an image says of itself.
+    ///
+    /// # Errors
+    /// The encoding is not known, or the numbers do not fit together.
+    pub(super) fn of(image: &'a Image) -> Result<Self, Trouble> {
+        let is_rgba = image.encoding == "rgba8";
+        let record = ImageRecord {
+            stamp_ns: 0,
+            frame_id: "",
+            width: image.width,
+            height: image.height,
+            // These two lie alike.
+            encoding: if is_rgba { "bgra8" } else { &image.encoding },
+            is_big_endian: image.is_bigendian != 0,
+            step: image.step,
+            data: image.data,
+        };
+        let format = record
+            .format()
+            .ok_or_else(|| Trouble::Encoding(shown(&image.encoding)))?;
+        if !record.is_whole() || image.data.is_empty() {
+            return Err(Trouble::Size {
+                width: image.width,
+                height: image.height,
+                encoding: image.encoding.clone(),
+                step: image.step,
+                bytes: image.data.len(),
+            });
+        }
+        Ok(Self {
+            width: image.width,
+            height: image.height,
+            format: if is_rgba { PixelFormat::Rgb8 } else { format },
+            is_rgba,
+            step: image.step as usize,
+            data: image.data,
+        })
+    }
+
+    /// Copies them to where there is room for just these rows.
+    pub(super) fn copy_to(&self, into: &mut [u8]) {
+        let row = self.format.row_bytes(self.width);
+        let rows = into
+            .chunks_exact_mut(row)
+            .zip(self.data.chunks_exact(self.step));
+        if self.is_rgba {
+            for (to, from) in rows {
+                let pixels = to.as_chunks_mut::<3>().0.iter_mut();
+                pixels
+                    .zip(from.as_chunks::<4>().0)
+                    .for_each(|(to, [r, g, b, _])| *to = [*r, *g, *b]);
+            }
+        } else if row == self.step {
+            into.copy_from_slice(self.data);
+        } else {
+            rows.for_each(|(to, from)| to.copy_from_slice(&from[..row]));
+        }
+    }
+}
+
+/// A picture file, read.
+#[derive(Debug)]
+pub(super) struct Decoded {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// `Gray8` or `Rgb8`.
+    pub(super) format: PixelFormat,
+    pub(super) bytes: Vec<u8>,
+}
+
+/// Reads a picture file.
+///
+/// # Errors
+/// It is none, is damaged, or is larger than a frame may be.
+pub(super) fn decode(file: &[u8]) -> Result<Decoded, Trouble> {
+    let read = || {
+        let mut reader = ImageReader::new(Cursor::new(file)).with_guessed_format()?;
+        let mut limits = Limits::default();
+        (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
+        reader.limits(limits);
+        reader.decode()
+    };
+    let picture = read().map_err(|cause| Trouble::File(cause.to_string()))?;
+    let (width, height) = (picture.width(), picture.height());
+    let is_gray = matches!(
+        picture.color(),
+        ColorType::L8 | ColorType::La8 | ColorType::L16 | ColorType::La16
+    );
+    let (format, bytes) = if is_gray {
+        (PixelFormat::Gray8, picture.into_luma8().into_raw())
+    } else {
+        (PixelFormat::Rgb8, picture.into_rgb8().into_raw())
+    };
+    Ok(Decoded {
+        width,
+        height,
+        format,
+        bytes,
+    })
+}
+
+/// What another node says, as far as it is to be read in a sentence.
+pub(super) fn shown(text: &str) -> String {
+    let short: String = text.chars().filter(|c| !c.is_control()).take(24).collect();
+    format!("\"{short}\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::incoming::received::tests::image;
+
+    fn copied(pixels: &Pixels) -> Vec<u8> {
+        let row = pixels.format.row_bytes(pixels.width);
+        let mut into = vec![0; row * pixels.format.rows(pixels.height)];
+        pixels.copy_to(&mut into);
+        into
+    }
+
+    #[test]
+    fn rows_are_copied_without_what_lies_between_them() {
+        let counted: Vec<u8> = (0..=255).collect();
+        for (encoding, format, row, rows) in [
+            ("rgb8", PixelFormat::Rgb8, 12, 2),
+            ("bgr8", PixelFormat::Bgr8, 12, 2),
+            ("bgra8", PixelFormat::Bgra8, 16, 2),
+            ("mono8", PixelFormat::Gray8, 4, 2),
+            ("8UC1", PixelFormat::Gray8, 4, 2),
+            ("yuv422_yuy2", PixelFormat::Yuyv, 8, 2),
+            ("uyvy", PixelFormat::Uyvy, 8, 2),
+            ("nv12", PixelFormat::Nv12, 4, 3),
+            ("bayer_rggb8", PixelFormat::BayerRggb8, 4, 2),
+        ] {
+            for padding in [0, 3] {
+                let step = row + padding;
+                let image = image(encoding, [4, 2], step as u32, &counted[..step * rows]);
+                let pixels = Pixels::of(&image).expect(encoding);
+                assert_eq!(pixels.format, format);
+                let expected: Vec<u8> = (0..rows)
+                    .flat_map(|y| counted[y * step..y * step + row].to_vec())
+                    .collect();
+                assert_eq!(copied(&pixels), expected, "{encoding}, padding {padding}");
+            }
+        }
+        let image = image("rgba8", [2, 1], 9, &counted[..9]);
+        let pixels = Pixels::of(&image).expect("rgba8");
+        assert_eq!(pixels.format, PixelFormat::Rgb8);
+        assert_eq!(copied(&pixels), [0, 1, 2, 4, 5, 6]);
+    }
+
+    #[test]
+    fn an_image_that_lies_about_itself_is_refused_with_a_sentence() {
+        let bytes = [0; 64];
+        for (encoding, size, step, bytes) in [
+            ("rgb8", [4, 2], 11, &bytes[..22]),
+            ("rgb8", [4, 2], 12, &bytes[..23]),
+            ("rgba8", [4, 2], 12, &bytes[..24]),
+            ("mono8", [0, 0], 0, &bytes[..0]),
+            ("mono8", [0, 2], 4, &bytes[..8]),
+            ("mono8", [u32::MAX, u32::MAX], u32::MAX, &bytes[..]),
+            ("nv12", [4, 2], 4, &bytes[..8]),
+        ] {
+            let image = image(encoding, size, step, bytes);
+            let trouble = Pixels::of(&image).err();
+            assert!(
+                matches!(trouble, Some(Trouble::Size { .. }))
+                    // No row: the writer of frames refuses it.
+                    || size[0] == 0 && trouble.is_none(),
+                "{encoding} {size:?}: {trouble:?}"
+            );
+        }
+        let unknown = image("nv\n24", [4, 2], 4, &bytes[..8]);
+        let said = Pixels::of(&unknown).expect_err("unknown").to_string();
+        assert!(said.contains("\"nv24\"") && said.contains("rgb8"), "{said}");
+    }
+
+    #[test]
+    fn a_picture_file_is_read_and_what_is_none_is_refused() {
+        let mut file = Cursor::new(Vec::new());
+        let picture = image::RgbImage::from_fn(3, 2, |x, y| image::Rgb([x as u8, y as u8, 7]));
+        picture
+            .write_to(&mut file, image::ImageFormat::Png)
+            .expect("a PNG");
+        let file = file.into_inner();
+        let read = decode(&file).expect("a picture");
+        assert_eq!(
+            (read.width, read.height, read.format),
+            (3, 2, PixelFormat::Rgb8)
+        );
+        assert_eq!(read.bytes, picture.into_raw());
+        for broken in [&file[..file.len() / 2], b"no picture", b""] {
+            assert!(matches!(decode(broken), Err(Trouble::File(_))));
+        }
+    }
+}
