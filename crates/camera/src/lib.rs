@@ -33,7 +33,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Pure: no I/O, no clock, and nothing is allocated once a [`Mapping`] is made. The centre of the top-left pixel is (0, 0),
+//! Where a **depth camera** stands beside the colour one, [`RopeDepth`] takes a rope's points into space instead: in the colour
+//! camera's frame, each with the variance of its depth.
+//!
+//! Pure: no I/O, no clock, and nothing is allocated once a [`Mapping`] is made, or a [`RopeDepth`] has seen a rope. The centre of the top-left pixel is (0, 0),
 //! as in OpenCV.
 //!
 //! # How it works
@@ -51,11 +54,18 @@
 //! at the linear solution in Hartley's normalized coordinates. Its file is a setting's own (`plane.toml`), not inline: a
 //! command writes it whole. It names the intrinsics whose distortion was taken off, so that another calibration is refused.
 
+//!
+//! **Depth** (`depth`). How a rope is found in a depth image, measured inside its width only, and bridged, stands at its head. Of drawn
+//! ropes at half a metre, lifted by up to 12 cm and crossing themselves, in depth images with 0.9 mm of noise, whole millimetres, holes and
+//! mixed edges, points are 0.24 mm off in the mean, 0.60 mm at most in 95 of 100, and 93 % of the depths lie within the 95 % that their
+//! variances say (`crates/camera/tests/all/depth.rs`; their centerlines in the colour image are the true ones).
+
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod brown;
 mod calibration;
 mod camera;
+mod depth;
 mod fisheye;
 mod homography;
 mod jacobian;
@@ -69,6 +79,10 @@ mod yaml;
 
 pub use calibration::CalibrationError;
 pub use camera::{Camera, CameraError};
+pub use depth::{
+    DepthCamera, DepthCameraError, DepthImage, DepthImageError, DepthKind, NoDepth, RopeDepth,
+    SeenRope, SpacePoint,
+};
 pub use homography::{HomographyError, Pair};
 pub use jacobian::{Jacobian, Place};
 pub use lens::Lens;

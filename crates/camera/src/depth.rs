@@ -1,0 +1,26 @@
+//! How far ropes are: a depth image beside the colour one, read along their centerlines.
+//!
+//! A rope's centerline comes from the colour image, where it is a few hundredths of a pixel sure; how far each of its points is comes
+//! from the depth image. No image is aligned to the other: only the rope's points are taken across.
+//!
+//! ```text
+//! pixel ──lens──▶ ray ──at a depth──▶ mm, colour camera ──pose──▶ mm, depth camera ──lens──▶ its pixel
+//! ```
+//!
+//! 1. **Found.** A ray of the colour camera is a line in the depth image: at every few points of the rope that is walked from near to
+//!    far to the first place where what is measured is where the ray is. The first, as the table behind a lifted rope, which the depth
+//!    camera may see from beside, would agree with the ray as well.
+//! 2. **Measured.** Around each point, in the rope's inner width only, an edge's mixed pixels left out, all depth pixels are read. A
+//!    rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / sin ϑ, with ϑ the angle between the
+//!    ray and the rope, and its radius r half of its width in the colour image. The median of what they say of the axis, and the mean of
+//!    those near it, with the variance of the sensor's model and of their spread.
+//! 3. **Bridged.** Where something covers the rope (another strand, a hand), and where the sensor has nothing, depth goes on
+//!    straight between the measured points, with a variance that grows with the way.
+
+mod image;
+mod pair;
+mod rope;
+
+pub use image::{DepthImage, DepthImageError, DepthKind};
+pub use pair::{DepthCamera, DepthCameraError};
+pub use rope::{NoDepth, RopeDepth, SeenRope, SpacePoint};

@@ -1,0 +1,113 @@
+//! A depth camera and the colour camera beside it.
+
+use crate::camera::Camera;
+use crate::rotation::is_rotation;
+use thiserror::Error;
+
+/// Why numbers make no pair of cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum DepthCameraError {
+    /// An invalid rotation.
+    #[error(
+        "invalid rotation from the depth camera to the colour camera: its columns must have length 1 and stand at right angles, \
+         right-handed"
+    )]
+    Rotation,
+    /// An invalid translation.
+    #[error(
+        "invalid translation from the depth camera to the colour camera: three lengths in mm, below 10 m"
+    )]
+    Translation,
+    /// An invalid noise.
+    #[error("invalid depth noise of {0} at 1 m: a standard deviation in mm, 0 or more")]
+    Noise(f64),
+    /// An invalid range.
+    #[error("invalid range of depths from {} to {} mm: the first must be positive, and the less", .0[0], .0[1])]
+    Range([f64; 2]),
+}
+
+/// A depth camera, the colour camera beside it, where they stand to each other, and how the first errs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthCamera {
+    pub(super) color: Camera,
+    pub(super) depth: Camera,
+    /// Rows of the rotation from the colour camera's frame to the depth camera's, and what is added then.
+    pub(super) rotation: [[f64; 3]; 3],
+    pub(super) translation: [f64; 3],
+    /// The standard deviation of a depth z is this times z², 1/mm.
+    pub(super) noise: f64,
+    pub(super) range_mm: [f64; 2],
+}
+
+impl DepthCamera {
+    /// A point `p` of the depth camera's frame is at `rotation p + translation_mm` in the colour camera's, as librealsense and ROS
+    /// say it. The standard deviation of a depth is `noise_mm` at one metre, and goes with the square of the depth: of a stereo camera
+    /// whose disparities are off by s pixels it is z² s / (f B). Depths are looked for within `range_mm`.
+    ///
+    /// # Errors
+    /// A number that cannot be one.
+    pub fn new(
+        color: Camera,
+        depth: Camera,
+        rotation: [[f64; 3]; 3],
+        translation_mm: [f64; 3],
+        noise_mm: f64,
+        range_mm: [f64; 2],
+    ) -> Result<Self, DepthCameraError> {
+        if !is_rotation(&rotation) {
+            return Err(DepthCameraError::Rotation);
+        }
+        if !translation_mm.iter().all(|c| c.abs() < 1e4) {
+            return Err(DepthCameraError::Translation);
+        }
+        if !(0.0..1e4).contains(&noise_mm) {
+            return Err(DepthCameraError::Noise(noise_mm));
+        }
+        if !(range_mm[0] >= 1.0 && range_mm[0] < range_mm[1] && range_mm[1] < 1e6) {
+            return Err(DepthCameraError::Range(range_mm));
+        }
+        let back = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[j][i]));
+        Ok(Self {
+            color,
+            depth,
+            rotation: back,
+            translation: back.map(|row| -dot(row, translation_mm)),
+            noise: noise_mm / 1e6,
+            range_mm,
+        })
+    }
+
+    /// The ray through a pixel of the colour image, in its camera's frame, a millimetre ahead for each of depth, and its derivative by
+    /// the pixel; `None` where the lens's model ends.
+    pub(super) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
+        let ideal = self.color.undistort(pixel)?;
+        let (f, c) = (self.color.focal_px(), self.color.center_px());
+        let [x, y] = [0, 1].map(|k| (ideal.point[k] - c[k]) / f[k]);
+        let by_pixel = [0, 1].map(|k| ideal.jacobian[k].map(|d| d / f[k]));
+        Some(([x, y, 1.0], by_pixel))
+    }
+
+    /// A direction of the colour camera's frame in the depth camera's.
+    pub(super) fn turned(&self, way: [f64; 3]) -> [f64; 3] {
+        self.rotation.map(|row| dot(row, way))
+    }
+
+    /// A point of the depth camera's frame in its image; `None` behind it, or where the lens's model ends.
+    pub(super) fn pixel(&self, point: [f64; 3]) -> Option<[f64; 2]> {
+        if point[2] < 1.0 {
+            return None;
+        }
+        let (f, c) = (self.depth.focal_px(), self.depth.center_px());
+        let ideal = [0, 1].map(|k| f[k] * point[k] / point[2] + c[k]);
+        Some(self.depth.distort(ideal)?.point)
+    }
+
+    /// The standard deviation of a depth, mm.
+    pub(super) fn sigma_mm(&self, depth: f64) -> f64 {
+        self.noise * depth * depth
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

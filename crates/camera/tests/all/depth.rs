@@ -1,0 +1,259 @@
+//! Ropes in depth images as a sensor of today gives them, held against where they truly are.
+
+use lariat_camera::{
+    Camera, DepthCamera, DepthImage, DepthKind, Lens, NoDepth, RopeDepth, SeenRope, SpacePoint,
+};
+use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth};
+
+const SIZE: [usize; 2] = [848, 480];
+/// From the colour camera to the depth camera, mm.
+const ASIDE: [f64; 3] = [-15.0, 0.5, 0.0];
+const FAR_ASIDE: [f64; 3] = [-80.0, 0.0, 0.0];
+const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+struct Scene {
+    rope: LiftedRope,
+    color: Eye,
+    depth: Eye,
+    points: Vec<[f32; 2]>,
+    widths: Vec<f32>,
+    hidden: Vec<bool>,
+    /// How far ahead of the colour camera the axis truly is at each point.
+    ahead: Vec<f64>,
+}
+
+/// A rope before two cameras, its centerline in the colour image known.
+fn scene(options: &LiftOptions, seed: u64) -> Scene {
+    let color = Eye::above(610.0, SIZE, 500.0, 15.0, 40.0 * seed as f64);
+    let depth = color.beside(ASIDE, 425.0, SIZE);
+    let rope = LiftedRope::new(options, &color, seed).expect("a rope that fits");
+    let fine: Vec<([f64; 2], f64)> = rope
+        .points
+        .iter()
+        .map(|&p| color.see(p))
+        .map(|seen| (color.pixel(seen), seen[2]))
+        .collect();
+    let step = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let mut arcs = vec![0.0];
+    for pair in fine.windows(2) {
+        arcs.push(arcs[arcs.len() - 1] + step(pair[0].0, pair[1].0));
+    }
+    let (mut points, mut widths, mut rhos) = (Vec::new(), Vec::new(), Vec::new());
+    let mut ahead = Vec::new();
+    for k in 0..120 {
+        let target = arcs[arcs.len() - 1] * f64::from(k) / 119.0;
+        let at = arcs
+            .partition_point(|&arc| arc < target)
+            .min(arcs.len() - 1);
+        points.push(fine[at].0.map(|c| c as f32));
+        widths.push((2.0 * 610.0 * rope.radius_mm / fine[at].1) as f32);
+        ahead.push(fine[at].1);
+        rhos.push(at as f64 / (arcs.len() - 1) as f64);
+    }
+    let covers = |rho: f64| {
+        let reach = 2.5 * rope.radius_mm / options.length_mm;
+        (rope.crossings.iter()).any(|[_, under]| (rho - under).abs() < reach)
+    };
+    let hidden = rhos.iter().map(|&rho| covers(rho)).collect();
+    Scene {
+        rope,
+        color,
+        depth,
+        points,
+        widths,
+        hidden,
+        ahead,
+    }
+}
+
+fn pair(scene: &Scene) -> DepthCamera {
+    pair_at(scene, ASIDE)
+}
+
+fn pair_at(scene: &Scene, aside: [f64; 3]) -> DepthCamera {
+    let camera = |eye: &Eye| {
+        let size = Some(eye.size.map(|side| side as u32));
+        Camera::new(
+            eye.focal_px,
+            eye.center_px,
+            Lens::brown_conrady(&[0.0; 4]).expect("no distortion"),
+            size,
+        )
+        .expect("a camera")
+    };
+    let (color, depth) = (camera(&scene.color), camera(&scene.depth));
+    // Both look the same way; what is at the depth camera's origin is at `aside` in the colour camera's frame.
+    DepthCamera::new(color, depth, IDENTITY, aside, 3.6, [200.0, 1500.0]).expect("a pair")
+}
+
+fn locate(scene: &Scene, sensor: &DepthSensor, seed: u64) -> Result<Vec<SpacePoint>, NoDepth> {
+    locate_by(&mut RopeDepth::new(pair(scene)), scene, sensor, seed)
+}
+
+fn locate_by(
+    finder: &mut RopeDepth,
+    scene: &Scene,
+    sensor: &DepthSensor,
+    seed: u64,
+) -> Result<Vec<SpacePoint>, NoDepth> {
+    let units = depth(&scene.rope, &scene.depth, sensor, seed);
+    let bytes: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+    let kind = DepthKind::Whole {
+        unit_mm: sensor.unit_mm,
+    };
+    let image = DepthImage::new(&bytes, SIZE, 2 * SIZE[0], kind).expect("an image");
+    let rope = SeenRope {
+        points: &scene.points,
+        widths_px: &scene.widths,
+        hidden: &scene.hidden,
+        closed: false,
+    };
+    finder.locate(&image, &rope).map(<[_]>::to_vec)
+}
+
+/// How far each point is from the rope's true axis, mm.
+fn errors(scene: &Scene, places: &[SpacePoint]) -> Vec<f64> {
+    let truth: Vec<[f64; 3]> = scene
+        .rope
+        .points
+        .iter()
+        .map(|&p| scene.color.see(p))
+        .collect();
+    let far = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    places
+        .iter()
+        .map(|place| {
+            truth
+                .iter()
+                .map(|&t| far(t, place.point))
+                .fold(f64::MAX, f64::min)
+        })
+        .collect()
+}
+
+/// Lying, lifted and high, without a crossing, with one and with two.
+fn scenes(radius_mm: f64) -> impl Iterator<Item = (u64, Scene)> {
+    (0..12).map(move |seed| {
+        let options = LiftOptions {
+            length_mm: 600.0,
+            radius_mm,
+            lift_mm: [0.0, 60.0, 120.0][seed as usize % 3],
+            crossings: seed as usize / 3 % 3,
+        };
+        (seed, scene(&options, seed))
+    })
+}
+
+#[test]
+fn lifted_ropes_that_cross_themselves_are_found_to_a_fraction_of_a_millimetre() {
+    let mut all = Vec::new();
+    for (seed, scene) in scenes(4.0) {
+        let places = locate(&scene, &DepthSensor::STEREO, seed).expect("a rope in space");
+        let errors = errors(&scene, &places);
+        for end in [errors[0], errors[119]] {
+            assert!(end < 2.0, "{seed}: an end is {end} mm off");
+        }
+        all.extend(errors);
+    }
+    all.sort_by(f64::total_cmp);
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let p95 = all[all.len() * 95 / 100];
+    let worst = all[all.len() - 1];
+    println!("mean {mean:.3} mm, 95 % {p95:.3}, worst {worst:.3}");
+    assert!(mean < 0.35 && p95 < 0.9 && worst < 5.0);
+}
+
+#[test]
+fn the_stated_variance_is_that_of_the_errors() {
+    for grain_px in [1, 3] {
+        let sensor = DepthSensor {
+            grain_px,
+            ..DepthSensor::STEREO
+        };
+        let (mut within, mut bridged, mut count) = (0, [0, 0], 0);
+        for (seed, scene) in scenes(4.0) {
+            let places = locate(&scene, &sensor, seed).expect("a rope in space");
+            for (place, ahead) in places.iter().zip(&scene.ahead) {
+                let is_within = (place.point[2] - ahead).abs() < 1.96 * place.variance.sqrt();
+                if place.is_measured {
+                    count += 1;
+                    within += usize::from(is_within);
+                } else {
+                    bridged[0] += usize::from(is_within);
+                    bridged[1] += 1;
+                }
+            }
+        }
+        let share = within as f64 / f64::from(count);
+        println!("noise of {grain_px} px: {share:.3} of {count}; bridged {bridged:?}");
+        assert!((0.9..0.99).contains(&share));
+        assert!(10 * bridged[0] >= 9 * bridged[1]);
+    }
+}
+
+#[test]
+fn what_is_seen_behind_a_lifted_rope_is_not_taken_for_it() {
+    // From far beside the depth camera sees the table where the colour camera sees the rope.
+    let options = LiftOptions {
+        length_mm: 400.0,
+        radius_mm: 4.0,
+        lift_mm: 150.0,
+        crossings: 0,
+    };
+    for seed in 0..4 {
+        let mut scene = scene(&options, seed);
+        scene.depth = scene.color.beside(FAR_ASIDE, 425.0, SIZE);
+        let mut finder = RopeDepth::new(pair_at(&scene, FAR_ASIDE));
+        let places = locate_by(&mut finder, &scene, &DepthSensor::STEREO, seed).expect("a rope");
+        let errors = errors(&scene, &places);
+        let worst = errors.iter().fold(0.0, |worst: f64, &e| worst.max(e));
+        println!("{seed}: worst {worst:.3} mm");
+        assert!(worst < 5.0, "{seed}: {worst} mm");
+    }
+}
+
+#[test]
+fn ropes_that_cannot_be_told_are_refused_with_the_reason() {
+    let (_, thin) = scenes(0.8).next().expect("a scene");
+    let told = locate(&thin, &DepthSensor::STEREO, 1);
+    assert!(matches!(told, Err(NoDepth::Thin { .. })), "{told:?}");
+    let (_, scene) = scenes(4.0).next().expect("a scene");
+    let blind = DepthSensor {
+        holes: 1.0,
+        ..DepthSensor::STEREO
+    };
+    let told = locate(&scene, &blind, 1);
+    let none = NoDepth::Unmeasured {
+        measured: 0,
+        points: 120,
+    };
+    assert_eq!(told, Err(none));
+    let short = SeenRope {
+        points: &scene.points[..4],
+        widths_px: &scene.widths[..4],
+        hidden: &scene.hidden[..4],
+        closed: false,
+    };
+    let image = DepthImage::new(&[0; 8], [2, 2], 4, DepthKind::Whole { unit_mm: 1.0 });
+    let mut finder = RopeDepth::new(pair(&scene));
+    let told = finder.locate(&image.expect("an image"), &short);
+    assert_eq!(told, Err(NoDepth::Points));
+}
+
+#[test]
+fn depth_images_are_read_in_both_kinds_and_never_beyond_their_bytes() {
+    let metres = [0.5f32, f32::NAN, -1.0, 2.0].map(f32::to_le_bytes);
+    let image = DepthImage::new(metres.as_flattened(), [2, 2], 8, DepthKind::Metres);
+    let image = image.expect("an image");
+    let read = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, -1]].map(|[x, y]| image.at(x, y));
+    assert_eq!(read, [Some(500.0), None, None, Some(2000.0), None, None]);
+    let kind = DepthKind::Whole { unit_mm: 0.1 };
+    for (bytes, size, stride) in [
+        (7, [2, 2], 4),
+        (8, [2, 2], 3),
+        (0, [0, 0], 0),
+        (8, [2, usize::MAX], 4),
+    ] {
+        assert!(DepthImage::new(&vec![1; bytes], size, stride, kind).is_err());
+    }
+}

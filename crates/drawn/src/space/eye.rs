@@ -1,0 +1,86 @@
+//! A pinhole camera that stands somewhere.
+
+/// A camera without distortion: x right, y down, z ahead; (0, 0) is the centre of the top-left pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Eye {
+    /// Focal lengths, px.
+    pub focal_px: [f64; 2],
+    /// Principal point, px.
+    pub center_px: [f64; 2],
+    /// Width and height of its images.
+    pub size: [usize; 2],
+    /// Rows of the rotation from the table's frame to the camera's.
+    pub rotation: [[f64; 3]; 3],
+    /// What is added after the rotation, mm.
+    pub translation: [f64; 3],
+}
+
+impl Eye {
+    /// One that looks at the table's origin from `distance_mm`, leaning by `lean_deg` from straight above and turned by `turn_deg`.
+    pub fn above(
+        focal_px: f64,
+        size: [usize; 2],
+        distance_mm: f64,
+        lean_deg: f64,
+        turn_deg: f64,
+    ) -> Self {
+        let (sin_lean, cos_lean) = libm::sincos(lean_deg.to_radians());
+        let (sin_turn, cos_turn) = libm::sincos(turn_deg.to_radians());
+        // x to the right of the one who looks; down the picture is toward the table's −y, and away from the eye's height.
+        Self {
+            focal_px: [focal_px; 2],
+            center_px: size.map(|side| 0.5 * (side as f64 - 1.0)),
+            size,
+            rotation: [
+                [cos_turn, sin_turn, 0.0],
+                [sin_turn * cos_lean, -cos_turn * cos_lean, -sin_lean],
+                [-sin_turn * sin_lean, cos_turn * sin_lean, -cos_lean],
+            ],
+            translation: [0.0, 0.0, distance_mm],
+        }
+    }
+
+    /// One that looks the same way from `by_mm` beside it, in its own frame, through another lens.
+    pub fn beside(&self, by_mm: [f64; 3], focal_px: f64, size: [usize; 2]) -> Self {
+        Self {
+            focal_px: [focal_px; 2],
+            center_px: size.map(|side| 0.5 * (side as f64 - 1.0)),
+            size,
+            translation: [0, 1, 2].map(|k| self.translation[k] - by_mm[k]),
+            ..*self
+        }
+    }
+
+    /// A point of the table's frame in the camera's.
+    pub fn see(&self, point: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| dot(self.rotation[k], point) + self.translation[k])
+    }
+
+    /// Where a point of the camera's frame is in the picture; it must lie before the camera.
+    pub fn pixel(&self, seen: [f64; 3]) -> [f64; 2] {
+        [0, 1].map(|k| self.focal_px[k] * seen[k] / seen[2] + self.center_px[k])
+    }
+
+    /// The ray through a pixel, in the camera's frame, one millimetre ahead for each millimetre of depth.
+    pub(super) fn ray(&self, pixel: [f64; 2]) -> [f64; 3] {
+        let [x, y] = [0, 1].map(|k| (pixel[k] - self.center_px[k]) / self.focal_px[k]);
+        [x, y, 1.0]
+    }
+
+    /// How far ahead the table is along such a ray.
+    pub(super) fn table_depth(&self, ray: [f64; 3]) -> f64 {
+        // The height above the table of what is at `t` along the ray is n·(t ray − translation), with n the table's normal.
+        let normal = self.rotation.map(|row| row[2]);
+        dot(normal, self.translation) / dot(normal, ray)
+    }
+
+    /// Where on the table that is.
+    pub(super) fn on_table(&self, ray: [f64; 3], depth: f64) -> [f64; 2] {
+        let seen = [0, 1, 2].map(|k| depth * ray[k] - self.translation[k]);
+        [0, 1].map(|axis| (0..3).map(|k| self.rotation[k][axis] * seen[k]).sum())
+    }
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

@@ -1,0 +1,112 @@
+//! A tube and its table by rays: what each of them meets first, and the picture in colour.
+
+use super::eye::{Eye, dot};
+use super::rope::LiftedRope;
+use crate::rendered::mottling::Mottling;
+use lariat_portable::SplitMix64;
+
+/// Rays along a pixel's side, in colour.
+const RAYS: usize = 4;
+/// From where light comes, in the table's frame.
+const LIGHT: [f64; 3] = [0.36, 0.48, 0.8];
+
+/// What a ray meets first: how far ahead, mm, and, if it is the rope, how much light falls there, 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hit {
+    pub depth: f64,
+    pub light: Option<f32>,
+}
+
+/// What `rays` × `rays` rays of each pixel meet, row by row of rays.
+pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
+    let [width, height] = eye.size.map(|side| side * rays);
+    let pixel = |k: usize| (k as f64 + 0.5) / rays as f64 - 0.5;
+    let mut hits: Vec<Hit> = (0..width * height)
+        .map(|i| Hit {
+            depth: eye.table_depth(eye.ray([pixel(i % width), pixel(i / width)])),
+            light: None,
+        })
+        .collect();
+    let light = [0, 1, 2].map(|k| dot(eye.rotation[k], LIGHT));
+    let radius = rope.radius_mm;
+    for &point in &rope.points {
+        let center = eye.see(point);
+        let at = eye.pixel(center);
+        let reach = 1.05 * eye.focal_px[0] * radius / (center[2] - radius) + 1.0;
+        let range = |at: f64, side: usize| {
+            let ray = |px: f64| ((px + 0.5) * rays as f64).clamp(0.0, side as f64) as usize;
+            ray(at - reach)..ray(at + reach)
+        };
+        for row in range(at[1], height) {
+            for column in range(at[0], width) {
+                let ray = eye.ray([pixel(column), pixel(row)]);
+                // |t ray − center|² = radius², the nearer one.
+                let (along, square) = (dot(ray, center), dot(ray, ray));
+                let inside = along * along - square * (dot(center, center) - radius * radius);
+                if inside < 0.0 {
+                    continue;
+                }
+                let depth = (along - inside.sqrt()) / square;
+                let hit = &mut hits[row * width + column];
+                if depth < hit.depth {
+                    let normal = [0, 1, 2].map(|k| (depth * ray[k] - center[k]) / radius);
+                    hit.depth = depth;
+                    hit.light = Some(dot(normal, light).max(0.0) as f32);
+                }
+            }
+        }
+    }
+    hits
+}
+
+/// The picture in colour, three bytes a pixel, of a rope and a table whose colours and noise come of the seed.
+pub fn picture(rope: &LiftedRope, eye: &Eye, seed: u64) -> Vec<u8> {
+    let mut random = SplitMix64::of_stream(seed, 1);
+    let (ground, colour) = colours(&mut random);
+    let mottling = Mottling::<32>::new(&mut random);
+    let [width, height] = eye.size;
+    let hits = hits(rope, eye, RAYS);
+    let share = 1.0 / (RAYS * RAYS) as f32;
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let ray = eye.ray([x as f64, y as f64]);
+            let place = eye.on_table(ray, eye.table_depth(ray)).map(|c| c + 2000.0);
+            let pattern = 1.0 + 0.02 * mottling.at(place, [1.0 / 40.0, 1.0 / 13.0]) as f32;
+            let mut sum = [0.0f32; 3];
+            for k in 0..RAYS * RAYS {
+                let (row, column) = (RAYS * y + k / RAYS, RAYS * x + k % RAYS);
+                let seen = match hits[row * RAYS * width + column].light {
+                    Some(light) => colour.map(|c| c * (0.55 + 0.45 * light)),
+                    None => ground.map(|c| c * pattern),
+                };
+                sum = [0, 1, 2].map(|c| sum[c] + share * seen[c]);
+            }
+            rgb.extend(
+                sum.map(|c| (c + 2.0 * normal(&mut random) as f32 + 0.5).clamp(0.0, 255.0) as u8),
+            );
+        }
+    }
+    rgb
+}
+
+/// A light table with a dark rope, or a dark one with a light rope.
+fn colours(random: &mut SplitMix64) -> ([f32; 3], [f32; 3]) {
+    let tint = |random: &mut SplitMix64, level: f32, most: f32| {
+        [0; 3].map(|_| level + random.uniform_f32(-most, most))
+    };
+    let (light, dark) = (
+        random.uniform_f32(170.0, 215.0),
+        random.uniform_f32(35.0, 70.0),
+    );
+    if random.unit() < 0.5 {
+        (tint(random, light, 12.0), tint(random, dark, 25.0))
+    } else {
+        (tint(random, dark, 12.0), tint(random, light, 25.0))
+    }
+}
+
+/// About normal, of variance 1: a sum of twelve uniform numbers.
+pub(super) fn normal(random: &mut SplitMix64) -> f64 {
+    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
+}

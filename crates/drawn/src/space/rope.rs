@@ -1,0 +1,304 @@
+//! How a rope lies: its heading on the table as a few waves, its height as a few lifts, over itself where it crosses itself.
+
+use super::Eye;
+use crate::rendered::portable::smoothstep;
+use lariat_portable::SplitMix64;
+use std::f64::consts::TAU;
+use thiserror::Error;
+
+/// Points of a true centerline.
+const TRUE_POINTS: usize = 2000;
+/// Points of the line while it is sought.
+const DRAFT: usize = 600;
+/// Drafts until it is given up.
+const TRIES: usize = 20_000;
+/// Strands that do not cross are at least so many diameters apart in the picture, and bend no tighter on the table.
+const APART: f64 = 2.5;
+const TIGHTEST: f64 = 3.0;
+/// They cross at no less than this, and no nearer to each other, or to an end, than so many diameters.
+const FLATTEST_DEG: f64 = 35.0;
+const CROSSINGS_APART: f64 = 5.0;
+
+/// What rope is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LiftOptions {
+    /// Length, mm.
+    pub length_mm: f64,
+    /// Radius, mm.
+    pub radius_mm: f64,
+    /// How high it is lifted, mm above where it would lie; 0 for a rope on the table.
+    pub lift_mm: f64,
+    /// How often it crosses itself in the picture.
+    pub crossings: usize,
+}
+
+/// No such rope was found that is all in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error(
+    "no such rope fits the picture: ask for a shorter one, fewer crossings, a lower lift, or a larger picture"
+)]
+pub struct NoSuchRope;
+
+/// A rope in space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiftedRope {
+    /// 2000 points of its centerline at equal steps of arc length, mm; the first and the last are its ends.
+    pub points: Vec<[f64; 3]>,
+    /// Its radius, mm.
+    pub radius_mm: f64,
+    /// Where it crosses itself in the picture it was sought for: of the upper and of the lower strand the normalized arc length.
+    pub crossings: Vec<[f64; 2]>,
+}
+
+impl LiftedRope {
+    /// The first rope of a seed that all of `eye` sees well: within the picture's inner nine tenths, strands apart, crossings steep.
+    ///
+    /// # Errors
+    /// None of some thousand was.
+    pub fn new(options: &LiftOptions, eye: &Eye, seed: u64) -> Result<Self, NoSuchRope> {
+        let mut random = SplitMix64::new(seed);
+        (0..TRIES)
+            .find_map(|_| Self::draft(options, eye, &mut random))
+            .ok_or(NoSuchRope)
+    }
+
+    /// A rope along these points, mm, set at equal steps.
+    pub fn along(points: &[[f64; 3]], radius_mm: f64) -> Self {
+        Self {
+            points: at_equal_steps(points, TRUE_POINTS),
+            radius_mm,
+            crossings: Vec::new(),
+        }
+    }
+
+    fn draft(options: &LiftOptions, eye: &Eye, random: &mut SplitMix64) -> Option<Self> {
+        let diameter = 2.0 * options.radius_mm;
+        let ground = heading(options, random);
+        if bends_tighter(&ground, TIGHTEST * diameter) {
+            return None;
+        }
+        let mut points = lifted(&ground, options, random);
+        if !is_inside(&points, eye) {
+            return None;
+        }
+        let crossed = crossings(&points, eye, diameter)?;
+        if crossed.len() != options.crossings {
+            return None;
+        }
+        let mut order = Vec::new();
+        for [early, late] in crossed {
+            let (over, under) = if random.unit() < 0.5 {
+                (early, late)
+            } else {
+                (late, early)
+            };
+            lay_over(&mut points, over, under, diameter);
+            order.push([over, under]);
+        }
+        // Laid over itself it is seen elsewhere, by a little.
+        if crossings(&points, eye, diameter)?.len() != options.crossings || !is_inside(&points, eye)
+        {
+            return None;
+        }
+        let arcs = arcs(&points);
+        let length = arcs[points.len() - 1];
+        Some(Self {
+            points: at_equal_steps(&points, TRUE_POINTS),
+            radius_mm: options.radius_mm,
+            crossings: order
+                .iter()
+                .map(|pair| pair.map(|i| arcs[i] / length))
+                .collect(),
+        })
+    }
+}
+
+/// A line on the table, its middle at the origin.
+fn heading(options: &LiftOptions, random: &mut SplitMix64) -> Vec<[f64; 2]> {
+    let begin = random.uniform(0.0, TAU);
+    let spin = random.uniform(-1.0, 1.0)
+        * if options.crossings > 0 {
+            2.5 * TAU
+        } else {
+            2.0
+        };
+    let waves = [1.0, 2.0, 3.0, 4.0].map(|k| {
+        let most = if options.crossings > 0 { 3.0 } else { 1.6 };
+        (k, random.uniform(-most, most) / k, random.uniform(0.0, TAU))
+    });
+    let step = options.length_mm / (DRAFT - 1) as f64;
+    let mut at = [0.0; 2];
+    let mut line = vec![at];
+    for i in 1..DRAFT {
+        let share = (i as f64 - 0.5) / (DRAFT - 1) as f64;
+        let angle = begin
+            + spin * share
+            + waves
+                .iter()
+                .map(|&(k, high, phase)| high * libm::sin(TAU * k * share + phase))
+                .sum::<f64>();
+        let (sin, cos) = libm::sincos(angle);
+        at = [at[0] + step * cos, at[1] + step * sin];
+        line.push(at);
+    }
+    let middle = [0, 1].map(|axis| {
+        let of_axis = || line.iter().map(|p| p[axis]);
+        0.5 * (of_axis().fold(f64::MAX, f64::min) + of_axis().fold(f64::MIN, f64::max))
+    });
+    line.iter()
+        .map(|p| [0, 1].map(|axis| p[axis] - middle[axis]))
+        .collect()
+}
+
+/// The line on the table, and lifted off it at one or two places, as by grippers.
+fn lifted(ground: &[[f64; 2]], options: &LiftOptions, random: &mut SplitMix64) -> Vec<[f64; 3]> {
+    let count = if options.lift_mm > 0.0 {
+        1 + random.below(2)
+    } else {
+        0
+    };
+    let lifts: Vec<[f64; 3]> = (0..count)
+        .map(|_| {
+            let at = random.unit() * options.length_mm;
+            let high = options.lift_mm * random.uniform(0.5, 1.0);
+            // No steeper than about 50 degrees.
+            [at, high, (1.3 * high).max(60.0) * random.uniform(1.0, 1.6)]
+        })
+        .collect();
+    let step = options.length_mm / (DRAFT - 1) as f64;
+    let height = |i: usize| {
+        let lift = |&[at, high, reach]: &[f64; 3]| {
+            high * smoothstep(1.0 - (i as f64 * step - at).abs() / reach)
+        };
+        options.radius_mm + lifts.iter().map(lift).fold(0.0, f64::max)
+    };
+    let lines = ground.iter().enumerate();
+    lines.map(|(i, &[x, y])| [x, y, height(i)]).collect()
+}
+
+/// Lifts the strand at `over` onto the one at `under`, if it is not above it anyway.
+fn lay_over(points: &mut [[f64; 3]], over: usize, under: usize, diameter: f64) {
+    let step = distance(points[over], points[(over + 1).min(points.len() - 1)]).max(1e-9);
+    let missing = points[under][2] + diameter - points[over][2];
+    let reach = 4.0 * diameter + 1.5 * missing.max(0.0);
+    for (i, point) in points.iter_mut().enumerate() {
+        let away = (i as f64 - over as f64).abs() * step;
+        point[2] += missing.max(0.0) * smoothstep(1.0 - away / reach);
+    }
+}
+
+/// Where the line crosses itself in the picture, the earlier point first; `None` if it does so flatly, or strands come too near.
+fn crossings(points: &[[f64; 3]], eye: &Eye, diameter: f64) -> Option<Vec<[usize; 2]>> {
+    let seen: Vec<[f64; 3]> = points.iter().map(|&p| eye.see(p)).collect();
+    if seen.iter().any(|p| p[2] < 100.0) {
+        return None;
+    }
+    let line: Vec<[f64; 2]> = seen.iter().map(|&p| eye.pixel(p)).collect();
+    let wide = |i: usize| eye.focal_px[0] * diameter / seen[i][2];
+    let arcs = arcs(points);
+    let mut found: Vec<[usize; 2]> = Vec::new();
+    for i in 0..line.len() - 1 {
+        for j in i + 2..line.len() - 1 {
+            if let Some(sine) = meet([line[i], line[i + 1]], [line[j], line[j + 1]]) {
+                if sine < libm::sin(FLATTEST_DEG.to_radians()) {
+                    return None;
+                }
+                found.push([i, j]);
+            }
+        }
+    }
+    let spots: Vec<f64> = found.iter().flatten().map(|&i| arcs[i]).collect();
+    let last = arcs[points.len() - 1];
+    for (k, &spot) in spots.iter().enumerate() {
+        let to_others = spots[k + 1..].iter().map(|other| (other - spot).abs());
+        let nearest = to_others
+            .chain([spot, last - spot])
+            .fold(f64::MAX, f64::min);
+        if nearest < CROSSINGS_APART * diameter {
+            return None;
+        }
+    }
+    // Elsewhere they keep apart. Every fourth point is near enough.
+    let reach = CROSSINGS_APART * diameter;
+    for i in (0..line.len()).step_by(4) {
+        for j in (i + 4..line.len()).step_by(4) {
+            let is_far_along = arcs[j] - arcs[i] > 2.0 * reach;
+            let crosses = |&[a, b]: &[usize; 2]| {
+                (arcs[i] - arcs[a]).abs() < reach && (arcs[j] - arcs[b]).abs() < reach
+            };
+            let apart = libm::hypot(line[i][0] - line[j][0], line[i][1] - line[j][1]);
+            if is_far_along && apart < APART * wide(i).max(wide(j)) && !found.iter().any(crosses) {
+                return None;
+            }
+        }
+    }
+    Some(found)
+}
+
+/// The sine of the angle at which two pieces of line meet, if they do.
+fn meet(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> Option<f64> {
+    let way = |s: [[f64; 2]; 2]| [s[1][0] - s[0][0], s[1][1] - s[0][1]];
+    let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let (u, v, w) = (way(a), way(b), [b[0][0] - a[0][0], b[0][1] - a[0][1]]);
+    let whole = cross(u, v);
+    let (s, t) = (cross(w, v) / whole, cross(w, u) / whole);
+    let meets = (0.0..1.0).contains(&s) && (0.0..1.0).contains(&t);
+    let lengths = libm::hypot(u[0], u[1]) * libm::hypot(v[0], v[1]);
+    meets.then(|| whole.abs() / lengths)
+}
+
+fn bends_tighter(line: &[[f64; 2]], radius: f64) -> bool {
+    line.windows(3).step_by(2).any(|p| {
+        let (a, b) = (
+            [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+            [p[2][0] - p[1][0], p[2][1] - p[1][1]],
+        );
+        let step = libm::hypot(a[0], a[1]);
+        let sine = (a[0] * b[1] - a[1] * b[0]) / (step * step);
+        sine.abs() > step / radius
+    })
+}
+
+/// Within the inner nine tenths of the picture.
+fn is_inside(points: &[[f64; 3]], eye: &Eye) -> bool {
+    points.iter().step_by(5).all(|&p| {
+        let at = eye.pixel(eye.see(p));
+        (0..2).all(|k| {
+            let side = eye.size[k] as f64;
+            (0.05 * side..0.95 * side).contains(&at[k])
+        })
+    })
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    [0, 1, 2]
+        .map(|k| (a[k] - b[k]) * (a[k] - b[k]))
+        .iter()
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// The arc length up to each point.
+fn arcs(points: &[[f64; 3]]) -> Vec<f64> {
+    let mut arcs = vec![0.0];
+    for pair in points.windows(2) {
+        arcs.push(arcs[arcs.len() - 1] + distance(pair[0], pair[1]));
+    }
+    arcs
+}
+
+fn at_equal_steps(points: &[[f64; 3]], count: usize) -> Vec<[f64; 3]> {
+    let arcs = arcs(points);
+    let length = arcs[points.len() - 1];
+    let mut i = 0;
+    (0..count)
+        .map(|k| {
+            let at = length * k as f64 / (count - 1) as f64;
+            while i + 2 < points.len() && arcs[i + 1] < at {
+                i += 1;
+            }
+            let share = ((at - arcs[i]) / (arcs[i + 1] - arcs[i])).clamp(0.0, 1.0);
+            [0, 1, 2].map(|axis| points[i][axis] + share * (points[i + 1][axis] - points[i][axis]))
+        })
+        .collect()
+}

@@ -1,0 +1,116 @@
+//! A depth camera's image: what it measures, and what it does not.
+
+use super::eye::Eye;
+use super::paint::{hits, normal};
+use super::rope::LiftedRope;
+use lariat_portable::SplitMix64;
+
+/// Rays along a pixel's side.
+const RAYS: usize = 3;
+
+/// How a depth camera errs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthSensor {
+    /// The standard deviation of a depth z is this times z²: s / (f B) of a disparity that is off by s pixels. 1/mm.
+    pub noise_per_mm: f64,
+    /// What a depth is a whole number of, mm.
+    pub unit_mm: f64,
+    /// How many pixels a side share their noise: 1, or an odd number more.
+    pub grain_px: usize,
+    /// The share of pixels without a depth, anywhere.
+    pub holes: f64,
+    /// The share of pixels on an edge, which see both sides of it, that have no depth; the others have one in between.
+    pub edge_holes: f64,
+    /// How far its second imager stands to the right, mm: what that one does not see has no depth. 0: none.
+    pub baseline_mm: f64,
+}
+
+impl DepthSensor {
+    /// As a stereo camera of today is at half a metre: 0.9 mm of noise, whole millimetres, a hundredth of holes, 50 mm of baseline.
+    pub const STEREO: Self = Self {
+        noise_per_mm: 0.9 / (500.0 * 500.0),
+        unit_mm: 1.0,
+        grain_px: 1,
+        holes: 0.01,
+        edge_holes: 0.5,
+        baseline_mm: 50.0,
+    };
+}
+
+/// The depth image, row by row: how many units ahead, 0 where it does not know.
+pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> Vec<u16> {
+    let mut random = SplitMix64::of_stream(seed, 2);
+    let [width, height] = eye.size;
+    let hits = hits(rope, eye, RAYS);
+    let unseen = unseen_by_the_second(rope, eye, sensor);
+    let noise = noise(eye.size, sensor.grain_px, &mut random);
+    (0..width * height)
+        .map(|i| {
+            let (x, y) = (i % width, i / width);
+            let of_pixel = (0..RAYS * RAYS)
+                .map(|k| hits[(RAYS * y + k / RAYS) * RAYS * width + RAYS * x + k % RAYS]);
+            let mean = of_pixel.clone().map(|hit| hit.depth).sum::<f64>() / (RAYS * RAYS) as f64;
+            let on_rope = of_pixel.filter(|hit| hit.light.is_some()).count();
+            let is_edge = !matches!(on_rope, 0) && on_rope < RAYS * RAYS;
+            let hole = random.unit() < sensor.holes
+                || random.unit() < sensor.edge_holes && is_edge
+                || unseen[i] && on_rope == 0;
+            let measured = mean + sensor.noise_per_mm * mean * mean * noise[i];
+            match hole {
+                true => 0,
+                false => (measured / sensor.unit_mm + 0.5).clamp(0.0, 65_535.0) as u16,
+            }
+        })
+        .collect()
+}
+
+/// Which pixels show a place that the rope hides from the second imager.
+fn unseen_by_the_second(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor) -> Vec<bool> {
+    let [width, height] = eye.size;
+    if sensor.baseline_mm == 0.0 {
+        return vec![false; width * height];
+    }
+    let second = Eye {
+        translation: [
+            eye.translation[0] - sensor.baseline_mm,
+            eye.translation[1],
+            eye.translation[2],
+        ],
+        ..*eye
+    };
+    let there = hits(rope, &second, 1);
+    (0..width * height)
+        .map(|i| {
+            let (x, y) = ((i % width) as f64, i / width);
+            let depth = eye.table_depth(eye.ray([x, y as f64]));
+            let column = (x - eye.focal_px[0] * sensor.baseline_mm / depth).round();
+            column >= 0.0 && {
+                let hit = there[y * width + (column as usize).min(width - 1)];
+                hit.light.is_some() && hit.depth < depth - 1.0
+            }
+        })
+        .collect()
+}
+
+/// Noise of variance 1, shared by so many pixels a side.
+fn noise([width, height]: [usize; 2], grain: usize, random: &mut SplitMix64) -> Vec<f64> {
+    let white: Vec<f64> = (0..width * height).map(|_| normal(random)).collect();
+    if grain <= 1 {
+        return white;
+    }
+    let reach = (grain / 2) as isize;
+    (0..(width * height) as isize)
+        .map(|i| {
+            let (x, y) = (i % width as isize, i / width as isize);
+            let mut sum = 0.0;
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    let column = (x + dx).rem_euclid(width as isize);
+                    let row = (y + dy).rem_euclid(height as isize);
+                    sum += white[(row * width as isize + column) as usize];
+                }
+            }
+            sum / grain as f64
+        })
+        .collect()
+}
