@@ -257,9 +257,14 @@ impl<'a> Image<'a> {
 
     /// All pixels as red, green and blue, row after row: the colours that masks go by.
     pub fn to_rgb(&self) -> Vec<u8> {
-        let rows = 0..self.height;
-        rows.flat_map(|y| (0..self.width).flat_map(move |x| color::rgb(self, x, y)))
-            .collect()
+        let mut rgb = Vec::with_capacity(3 * self.width * self.height);
+        for y in 0..self.height {
+            match self.format {
+                PixelFormat::Rgb8 => rgb.extend_from_slice(self.row(y)),
+                _ => (0..self.width).for_each(|x| rgb.extend_from_slice(&color::rgb(self, x, y))),
+            }
+        }
+        rgb
     }
 
     /// All bytes, those between the rows as well.
