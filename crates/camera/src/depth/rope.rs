@@ -238,7 +238,7 @@ impl RopeDepth {
     /// Whether the rope can rise from one place to the other.
     fn can_follow(&self, (i, a): (usize, f64), (j, b): (usize, f64)) -> bool {
         let way = |k: usize| self.axes[k].ray;
-        let aside = libm::hypot(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
+        let aside = length(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
         (a - b).abs() < STEEPEST * aside + 6.0 * self.camera.sigma_mm(a.max(b))
     }
 
@@ -249,7 +249,7 @@ impl RopeDepth {
         let [Some(first), Some(last)] = ends else {
             return None;
         };
-        let steps = libm::hypot(first[0] - last[0], first[1] - last[1])
+        let steps = length(first[0] - last[0], first[1] - last[1])
             .ceil()
             .max(1.0);
         let step = (1.0 / near - 1.0 / far) / steps;
@@ -259,7 +259,7 @@ impl RopeDepth {
             let Some([x, y]) = self.camera.pixel(place) else {
                 continue;
             };
-            let Some(measured) = image.at(x.round() as isize, y.round() as isize) else {
+            let Some(measured) = image.at(pixel(x), pixel(y)) else {
                 continue;
             };
             // Of one step a ray looks along all its depths where it is a point in the image.
@@ -356,7 +356,7 @@ impl RopeDepth {
         };
         let (a, b, axis) = (&self.axes[before], &self.axes[after], &self.axes[i]);
         let way = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
-        let far = libm::hypot(way[0], way[1]);
+        let far = length(way[0], way[1]);
         if !(far > 1e-3 && far < 1e3) {
             return None;
         }
@@ -376,8 +376,8 @@ impl RopeDepth {
         let inner = inner.max(0.5);
         // The rope goes as far ahead as it goes along: its direction against the ray.
         let (ahead_way, aside) = (b.ahead - a.ahead, far * mm_per_px);
-        let sine = aside / libm::hypot(ahead_way, aside);
-        let sigma = libm::hypot(self.camera.sigma_mm(axis.ahead), image.rounding_mm());
+        let sine = aside / length(ahead_way, aside);
+        let sigma = length(self.camera.sigma_mm(axis.ahead), image.rounding_mm());
         let gate = match reading {
             Reading::Glance => 6.0 * radius + 5.0 * sigma + STEEPEST * 3.0 * half_step * mm_per_px,
             Reading::Whole => radius + 5.0 * sigma,
@@ -406,7 +406,7 @@ impl RopeDepth {
                     axis.at[0] + on * along[0] - off * along[1],
                     axis.at[1] + on * along[1] + off * along[0],
                 ];
-                let pixel = wanted.map(|c| c.round() as isize);
+                let pixel = wanted.map(pixel);
                 if pixel == previous {
                     continue;
                 }
@@ -503,7 +503,7 @@ impl RopeDepth {
     /// How far point `k` is aside of another, mm.
     fn aside(&self, axis: &Axis, k: usize) -> f64 {
         let other = self.axes[k].ray;
-        libm::hypot(axis.ray[0] - other[0], axis.ray[1] - other[1]) * axis.depth
+        length(axis.ray[0] - other[0], axis.ray[1] - other[1]) * axis.depth
     }
 
     fn write(&mut self) {
@@ -533,6 +533,16 @@ enum Reading {
     Glance,
     /// All of the rope's inside.
     Whole,
+}
+
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// The pixel nearest to a place; far to the left or above, none of the image. Without the call that `round` is.
+#[inline]
+fn pixel(place: f64) -> isize {
+    (place + 4096.5) as isize - 4096
 }
 
 /// The middle of what is measured, and its variance; none of nothing.
