@@ -316,6 +316,29 @@ def masks():
         print(f"masks: {len(came)} of {len(stamps)} images came back with their own mask")
 
 
+def stopped():
+    """A bridge that was stopped for a while (Ctrl-Z) goes on when it is let, though its transport does not."""
+    with Rig(["--source", "external"], ["--image", "/camera/image_raw"]) as rig:
+        publisher = rig.publisher(Image, "/camera/image_raw")
+
+        def come():
+            publisher.publish(image(picture(0)))
+            rig.spin(1 / FPS)
+            return rig.points
+
+        for _ in range(2):
+            rig.points.clear()
+            rig.until(come, "points")
+            rig.bridge.send_signal(signal.SIGSTOP)
+            rig.spin(0.5)
+            rig.bridge.send_signal(signal.SIGCONT)
+            # What was under way is done.
+            rig.spin(1)
+        rig.points.clear()
+        rig.until(come, "points after a stop")
+        print("stopped twice and let go on: images become points as before")
+
+
 def truth(rig):
     """The simulated rope's ends, as it truly lies."""
     echo = [LARIAT, "topic", "echo", "truth", "--once", "--json", "--rig", rig.name]
@@ -448,7 +471,7 @@ def main():
         return bare()
     count, *parts = sys.argv[1:]
     rclpy.init()
-    for part in (images, files, masks, grippers, calibration, latency):
+    for part in (images, files, masks, stopped, grippers, calibration, latency):
         if not parts or part.__name__ in parts:
             part(*([int(count)] if part in (images, latency) else []))
     rclpy.shutdown()

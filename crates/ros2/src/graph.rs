@@ -1,6 +1,8 @@
 //! The node, its publishers and its subscriptions.
 
+use std::fs;
 use std::net::Ipv4Addr;
+use std::path::PathBuf;
 use std::thread::JoinHandle;
 
 use anyhow::{Context as _, Result, anyhow};
@@ -23,6 +25,8 @@ pub(crate) struct Graph {
     node: Option<Node>,
     spinner: Option<JoinHandle<()>>,
     context: Context,
+    /// The transport's, by their numbers.
+    threads: Vec<PathBuf>,
     names: Names,
     reliable: bool,
     max_bytes: usize,
@@ -49,10 +53,13 @@ impl Graph {
         {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
+        let before = threads()?;
         let participant = participant
             .build()
             .map_err(|e| anyhow!("{e}"))
             .with_context(about)?;
+        let mut threads = threads()?;
+        threads.retain(|thread| !before.contains(thread));
         let context = Context::from_domain_participant(participant)
             .map_err(|e| anyhow!("{e}"))
             .with_context(about)?;
@@ -79,6 +86,7 @@ impl Graph {
             node: Some(node),
             spinner: Some(spinner),
             context,
+            threads,
             names: args.names.clone(),
             reliable: args.reliable,
             max_bytes: args.max_bytes,
@@ -149,6 +157,12 @@ impl Graph {
             .collect()
     }
 
+    /// Whether the transport still works: RustDDS 0.15 ends its threads without a word when a process that was stopped (Ctrl-Z, a
+    /// debugger) goes on, as it takes the interrupted wait for a failure.
+    pub(crate) fn is_alive(&self) -> bool {
+        self.threads.iter().all(|thread| thread.exists())
+    }
+
     /// Whether somebody listens.
     pub(crate) fn is_heard(&self, topic: &Topic) -> bool {
         let node = self.node.as_ref();
@@ -210,6 +224,12 @@ pub(crate) struct Delivery {
     pub(crate) reliable: bool,
     /// How many wait for this process.
     pub(crate) kept: usize,
+}
+
+/// The threads of this process.
+fn threads() -> Result<Vec<PathBuf>> {
+    let listed = fs::read_dir("/proc/self/task")?.map(|entry| Ok(entry?.path()));
+    listed.collect()
 }
 
 fn failure(topic: &str) -> String {

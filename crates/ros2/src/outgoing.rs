@@ -25,15 +25,31 @@ const MOST_PATHS: usize = lariat_wire::MAX_CURVES;
 /// A rope that was not seen for so long has no topic any more.
 const PATH_ENDS_NS: u64 = 60 * SECOND_NS;
 
-/// Sends what the rig says for as long as no signal comes.
+/// Sends what the rig says, and takes what it is to be told, for as long as no signal comes.
 ///
 /// # Errors
 /// The graph or the rig's domain cannot be entered.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
+    while serve(args, &domain, &stop)? == Ended::WithTheGraph {
+        eprintln!(
+            "lariat-ros2: this process was stopped for a while, and the transport did not go on with it: the graph is entered anew"
+        );
+    }
+    Ok(())
+}
+
+/// Why nothing is sent any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ended {
+    Asked,
+    WithTheGraph,
+}
+
+fn serve(args: &Args, domain: &Domain, stop: &Stop) -> Result<Ended> {
     let mut graph = Graph::enter(args)?;
-    let incoming = Incoming::start(args, &mut graph, &stop)?;
+    let incoming = Incoming::start(args, &mut graph, stop)?;
     let mut node = Outgoing::new(args, &mut graph, incoming)?;
     eprintln!(
         "lariat-ros2: rig {} is under {} in ROS domain {}",
@@ -41,12 +57,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         args.names.topic(&node.prefix),
         args.domain_id()?
     );
-    let mut channels = Channels::new(&domain, &args.rig);
+    let mut channels = Channels::new(domain, &args.rig);
     while !stop.asked() {
         if channels.is_check_due() {
+            if !graph.is_alive() {
+                return Ok(Ended::WithTheGraph);
+            }
             channels.check(node.wanted(&graph));
         }
-        channels.sleep(&stop);
+        channels.sleep(stop);
         node.every_second(&graph, channels.is_open());
         while let Some(message) = channels.next() {
             node.take(&mut graph, &mut channels, &message)?;
@@ -55,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             }
         }
     }
-    Ok(())
+    Ok(Ended::Asked)
 }
 
 /// The topics, and what their messages are made with.
