@@ -1,32 +1,19 @@
 //! A rope's points in space.
 
+mod reading;
+mod unsure;
+
 use super::image::DepthImage;
 use super::pair::DepthCamera;
+use reading::Reading;
 use thiserror::Error;
 
 /// Points between those at which a rope is looked for along the whole ray.
 const ANCHOR_STEP: usize = 6;
 /// A rope rises no more steeply than this against the ray's side, mm ahead for each aside.
 const STEEPEST: f64 = 4.0;
-/// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
-const INNER: f64 = 0.8;
-const EDGE_PX: f64 = 0.8;
-/// Depth pixels across and along that are read at a point, at most.
-const ACROSS: usize = 9;
-const ALONG: usize = 8;
 /// A rope is thinner than can be told if fewer depth pixels than this lie across it.
 const THINNEST_PX: f64 = 3.0;
-/// How far off depth may be, in mm, for each mm from where it was measured last.
-const ASTRAY: f64 = 0.12;
-/// The share of pixels that are read by one sample alone: places a pixel apart along the rope fall on the same one here and there.
-const READ_ONCE: f64 = 0.75;
-/// So many third differences are needed to judge noise by; their median is this where they are normal, of variance 1; and noise is taken for
-/// at most so many times what the sensor's model says.
-const LEAST_TO_DOUBT: usize = 10;
-const MEDIAN_OF_NORMAL: f64 = 0.6745;
-const MOST_DOUBT: f64 = 8.0;
-/// Of the radius: how much of it is taken for wrong, as widths are.
-const RADIUS_ERROR: f64 = 0.02;
 
 /// A rope in the colour image.
 #[derive(Debug, Clone, Copy)]
@@ -128,7 +115,7 @@ impl RopeDepth {
             anchors: Vec::new(),
             chain: Vec::new(),
             row: Vec::new(),
-            samples: Vec::with_capacity(ACROSS * ALONG),
+            samples: Vec::new(),
             places: Vec::new(),
         }
     }
@@ -316,196 +303,6 @@ impl RopeDepth {
         axis.slim * (focal[0] * focal[1]).sqrt() * axis.depth / axis.ahead.max(1.0)
     }
 
-    /// Reads the depth image around each point, where it is known roughly.
-    fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Reading) {
-        let count = self.axes.len();
-        for i in 0..count {
-            let place = self.place(&self.axes[i], self.axes[i].depth);
-            let axis = &mut self.axes[i];
-            axis.ahead = place[2];
-            // Outside of its image nothing is read.
-            axis.at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
-        }
-        for i in 0..count {
-            let found = match rope.hidden[i] {
-                true => None,
-                false => self.around(image, rope, i, reading),
-            };
-            let axis = &mut self.axes[i];
-            axis.is_measured = found.is_some();
-            if let Some((ahead, variance)) = found {
-                let turned = axis.turned[2];
-                axis.depth = (ahead - self.camera.translation[2]) / turned;
-                axis.variance = variance / (turned * turned);
-            }
-        }
-    }
-
-    /// How far ahead of the depth camera the axis is at a point, by what is measured around it; and its variance.
-    fn around(
-        &mut self,
-        image: &DepthImage,
-        rope: &SeenRope,
-        i: usize,
-        reading: Reading,
-    ) -> Option<(f64, f64)> {
-        let count = self.axes.len();
-        let [before, after] = match rope.closed {
-            true => [(i + count - 1) % count, (i + 1) % count],
-            false => [i.saturating_sub(1), (i + 1).min(count - 1)],
-        };
-        let (a, b, axis) = (&self.axes[before], &self.axes[after], &self.axes[i]);
-        let way = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
-        let far = length(way[0], way[1]);
-        if !(far > 1e-3 && far < 1e3) {
-            return None;
-        }
-        let along = way.map(|c| c / far);
-        let slope = (b.ahead - a.ahead) / far;
-        let steps = if before == i || after == i { 1.0 } else { 2.0 };
-        let half_step = 0.5 * far / steps;
-        let focal = self.camera.depth.focal_px();
-        let mm_per_px = axis.ahead / (focal[0] * focal[1]).sqrt();
-        let radius = axis.slim * axis.depth;
-        let half = radius / mm_per_px;
-        // At least the pixel on the axis; but of a rope that is no wider than that there is none without an edge.
-        let inner = (INNER * half).min(half - EDGE_PX);
-        if inner < 0.5 * (THINNEST_PX - 2.0 * EDGE_PX) - 0.5 || half < 0.5 * THINNEST_PX {
-            return None;
-        }
-        let inner = inner.max(0.5);
-        // The rope goes as far ahead as it goes along: its direction against the ray.
-        let (ahead_way, aside) = (b.ahead - a.ahead, far * mm_per_px);
-        let sine = aside / length(ahead_way, aside);
-        let sigma = length(self.camera.sigma_mm(axis.ahead), image.rounding_mm());
-        let gate = match reading {
-            Reading::Glance => 6.0 * radius + 5.0 * sigma + STEEPEST * 3.0 * half_step * mm_per_px,
-            Reading::Whole => radius + 5.0 * sigma,
-        };
-        let (across, lengthwise) = match reading {
-            Reading::Glance => (1, 1),
-            Reading::Whole => (
-                (inner as usize).min(ACROSS / 2),
-                (2.0 * half_step).round().clamp(1.0, ALONG as f64) as usize,
-            ),
-        };
-        // At a tip only the rope's side is read.
-        let (first, last) = match (rope.closed, i) {
-            (false, 0) => (0.5, half_step + 1.0),
-            (false, _) if i + 1 == count => (-half_step - 1.0, -0.5),
-            _ => (-half_step, half_step),
-        };
-        self.samples.clear();
-        let mut previous = [isize::MIN; 2];
-        for step in 0..lengthwise {
-            let share = (step as f64 + 0.5) / lengthwise as f64;
-            let on = first + share * (last - first);
-            for beside in 0..=2 * across {
-                let off = beside as f64 - across as f64;
-                let wanted = [
-                    axis.at[0] + on * along[0] - off * along[1],
-                    axis.at[1] + on * along[1] + off * along[0],
-                ];
-                let pixel = wanted.map(pixel);
-                if pixel == previous {
-                    continue;
-                }
-                previous = pixel;
-                let from = [0, 1].map(|k| pixel[k] as f64 - axis.at[k]);
-                let off = from[1] * along[0] - from[0] * along[1];
-                let on = from[0] * along[0] + from[1] * along[1];
-                if off.abs() > inner {
-                    continue;
-                }
-                let Some(measured) = image.at(pixel[0], pixel[1]) else {
-                    continue;
-                };
-                let beside_mm = off * mm_per_px;
-                let rise = (radius * radius - beside_mm * beside_mm).max(0.0).sqrt() / sine;
-                let ahead = measured + rise - slope * on;
-                if (ahead - axis.ahead).abs() < gate {
-                    self.samples.push(ahead);
-                }
-            }
-        }
-        middle(&mut self.samples, sigma).map(|(ahead, variance)| {
-            let off = RADIUS_ERROR * radius / sine;
-            (ahead, variance + off * off)
-        })
-    }
-
-    /// Raises the variances to what third differences along the rope show: the noise of a depth image's neighbors is not
-    /// independent, and no model says by how much. A rope's own shape has next to none.
-    fn doubt(&mut self) {
-        self.row.clear();
-        for seven in self.axes.windows(7) {
-            // Every second point, as those beside each other share pixels' noise.
-            let four = [0, 2, 4, 6].map(|k| &seven[k]);
-            if four.iter().all(|axis| axis.is_measured) {
-                let weights = [-1.0, 3.0, -3.0, 1.0];
-                let sum = |of: fn(&Axis, f64) -> f64| -> f64 {
-                    four.iter().zip(weights).map(|(axis, w)| of(axis, w)).sum()
-                };
-                let difference = sum(|axis, w| w * axis.depth);
-                let variance = sum(|axis, w| w * w * axis.variance);
-                self.row.push(difference.abs() / variance.sqrt());
-            }
-        }
-        let count = self.row.len();
-        if count < LEAST_TO_DOUBT {
-            return;
-        }
-        let (_, median, _) = self.row.select_nth_unstable_by(count / 2, f64::total_cmp);
-        let off = (*median / MEDIAN_OF_NORMAL).clamp(1.0, MOST_DOUBT);
-        for axis in &mut self.axes {
-            axis.variance *= off * off;
-        }
-    }
-
-    /// Depth where it was not measured: straight between, and on from, where it was.
-    fn bridge(&mut self) {
-        let count = self.axes.len();
-        let mut i = 0;
-        while i < count {
-            if self.axes[i].is_measured {
-                i += 1;
-                continue;
-            }
-            let end = (i..count)
-                .find(|&k| self.axes[k].is_measured)
-                .unwrap_or(count);
-            let before = (0..i).rev().find(|&k| self.axes[k].is_measured);
-            let after = (end < count).then_some(end);
-            for k in i..end {
-                let (depth, variance) = match (before, after) {
-                    (Some(a), Some(b)) => {
-                        let share = (k - a) as f64 / (b - a) as f64;
-                        let [a, b] = [&self.axes[a], &self.axes[b]];
-                        let way = self.aside(a, k).min(self.aside(b, k));
-                        (
-                            a.depth + share * (b.depth - a.depth),
-                            a.variance.max(b.variance) + ASTRAY * ASTRAY * way * way,
-                        )
-                    }
-                    (Some(a), None) | (None, Some(a)) => {
-                        let axis = &self.axes[a];
-                        let way = 2.0 * self.aside(axis, k);
-                        (axis.depth, axis.variance + ASTRAY * ASTRAY * way * way)
-                    }
-                    (None, None) => return,
-                };
-                (self.axes[k].depth, self.axes[k].variance) = (depth, variance);
-            }
-            i = end;
-        }
-    }
-
-    /// How far point `k` is aside of another, mm.
-    fn aside(&self, axis: &Axis, k: usize) -> f64 {
-        let other = self.axes[k].ray;
-        length(axis.ray[0] - other[0], axis.ray[1] - other[1]) * axis.depth
-    }
-
     fn write(&mut self) {
         self.places.clear();
         self.places.extend(self.axes.iter().map(|axis| {
@@ -526,15 +323,6 @@ impl RopeDepth {
     }
 }
 
-/// How closely a depth image is looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reading {
-    /// A few pixels at each point, wherever they are within reach.
-    Glance,
-    /// All of the rope's inside.
-    Whole,
-}
-
 fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
@@ -543,23 +331,4 @@ fn length(x: f64, y: f64) -> f64 {
 #[inline]
 fn pixel(place: f64) -> isize {
     (place + 4096.5) as isize - 4096
-}
-
-/// The middle of what is measured, and its variance; none of nothing.
-fn middle(samples: &mut [f64], sigma: f64) -> Option<(f64, f64)> {
-    let count = samples.len();
-    if count == 0 {
-        return None;
-    }
-    let (_, &mut median, _) = samples.select_nth_unstable_by(count / 2, f64::total_cmp);
-    let near = || {
-        samples
-            .iter()
-            .filter(|&&s| (s - median).abs() < 2.5 * sigma)
-    };
-    let inside = near().count().max(1) as f64;
-    let mean = near().sum::<f64>() / inside;
-    let mean = if near().count() == 0 { median } else { mean };
-    let spread = near().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (inside - 1.0).max(1.0);
-    Some((mean, spread.max(sigma * sigma) / (READ_ONCE * inside)))
 }
