@@ -57,7 +57,7 @@
 //!
 //! **Depth** (`depth`). How a rope is found in a depth image, measured inside its width only, and bridged, stands at its head. Of drawn
 //! ropes at half a metre, lifted by up to 12 cm and crossing themselves, in depth images with 0.9 mm of noise, whole millimetres, holes and
-//! mixed edges, points are 0.24 mm off in the mean, 0.60 mm at most in 95 of 100, and 93 % of the depths lie within the 95 % that their
+//! mixed edges, points are 0.24 mm off in the mean, 0.61 mm at most in 95 of 100, and 93 % of the depths lie within the 95 % that their
 //! variances say (`crates/camera/tests/all/depth.rs`; their centerlines in the colour image are the true ones).
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

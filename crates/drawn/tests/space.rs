@@ -33,7 +33,7 @@ fn pictures_are_the_same_on_every_machine() {
     ];
     assert_eq!(
         found,
-        [0x06AA_14F2_30B7_6707, 0xD7FA_3323_C085_F33C],
+        [0xFA3F_F567_697E_CFF0, 0xF3D1_F702_F1AC_84DF],
         "{found:#018x?}"
     );
 }

@@ -83,7 +83,7 @@ pub fn picture(rope: &LiftedRope, eye: &Eye, seed: u64) -> Vec<u8> {
                 sum = [0, 1, 2].map(|c| sum[c] + share * seen[c]);
             }
             rgb.extend(
-                sum.map(|c| (c + 2.0 * normal(&mut random) as f32 + 0.5).clamp(0.0, 255.0) as u8),
+                sum.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
             );
         }
     }
@@ -104,9 +104,4 @@ fn colours(random: &mut SplitMix64) -> ([f32; 3], [f32; 3]) {
     } else {
         (tint(random, dark, 12.0), tint(random, light, 25.0))
     }
-}
-
-/// About normal, of variance 1: a sum of twelve uniform numbers.
-pub(super) fn normal(random: &mut SplitMix64) -> f64 {
-    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }

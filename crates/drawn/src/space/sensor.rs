@@ -1,7 +1,7 @@
 //! A depth camera's image: what it measures, and what it does not.
 
 use super::eye::Eye;
-use super::paint::{hits, normal};
+use super::paint::hits;
 use super::rope::LiftedRope;
 use lariat_portable::SplitMix64;
 
@@ -94,7 +94,7 @@ fn unseen_by_the_second(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor) -> V
 
 /// Noise of variance 1, shared by so many pixels a side.
 fn noise([width, height]: [usize; 2], grain: usize, random: &mut SplitMix64) -> Vec<f64> {
-    let white: Vec<f64> = (0..width * height).map(|_| normal(random)).collect();
+    let white: Vec<f64> = (0..width * height).map(|_| random.normal()).collect();
     if grain <= 1 {
         return white;
     }
