@@ -30,7 +30,7 @@ use crate::tidy;
 
 /// How long a process that joins or leaves is waited for. It takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(2);
-const LIVING: &str = "living";
+pub(crate) const LIVING: &str = "living";
 
 /// A process's place in a domain; with the last one to leave goes all that is left.
 #[derive(Debug)]

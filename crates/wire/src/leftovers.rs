@@ -20,7 +20,7 @@ use iceoryx2::prelude::*;
 use crate::domain::{config_of, root_of};
 use crate::door::Passing;
 use crate::memory::SHM;
-use crate::{owner, roster, tidy};
+use crate::{door, owner, roster, tidy};
 
 /// A process takes its locks within milliseconds of its first file.
 const SETTLED_AFTER: Duration = Duration::from_secs(2);
@@ -166,8 +166,14 @@ fn remove_if_empty_of_life(domain: &str) {
     let Some(passing) = Passing::at_once(&root) else {
         return;
     };
+    let prefix = prefix_of(Some(domain));
     let entries = fs::read_dir(&root).into_iter().flatten().flatten();
+    let entries: Vec<DirEntry> = entries.collect();
+    if !entries.iter().all(|entry| is_a_domains(entry, &prefix)) {
+        return;
+    }
     let mut all = entries
+        .iter()
         .filter_map(|entry| entry.metadata().ok())
         .chain(fs::metadata(&root).ok());
     let has_memory = || shared_files().any(|(other, _)| other.as_deref() == Some(domain));
@@ -177,8 +183,17 @@ fn remove_if_empty_of_life(domain: &str) {
         && !tidy::has_living_nodes(&config)
     {
         roster::sweep(&config);
-        remove_tree(&root, &prefix_of(Some(domain)), &mut Vec::new());
+        remove_tree(&root, &prefix, &mut Vec::new());
     }
+}
+
+/// Whether this lies in a domain's folder because lariat or the transport put it there. Another folder that happens to be called as
+/// a domain's would be keeps its own, empty ones, too.
+fn is_a_domains(entry: &DirEntry, prefix: &str) -> bool {
+    let name = entry.file_name();
+    let name = name.to_string_lossy();
+    matches!(&*name, door::LIVING | roster::FOLDER | "nodes" | "services")
+        || name.starts_with(prefix)
 }
 
 /// Removes what the dead left beside the living.
@@ -326,6 +341,32 @@ mod tests {
         ] {
             assert_eq!(domain(other.clone()), None, "{other}");
         }
+    }
+
+    #[test]
+    fn a_folder_that_is_only_called_as_a_domain_s_keeps_its_empty_folders() {
+        let name = format!("k{}", std::process::id());
+        let (own, emptied) = (
+            format!("/tmp/lariat-{name}"),
+            format!("/tmp/lariat-{name}-0"),
+        );
+        fs::create_dir_all(format!("{own}/pictures")).expect("a folder");
+        fs::create_dir_all(format!("{emptied}/nodes")).expect("a folder");
+        for folder in [&own, &emptied] {
+            let set = |path: &str| {
+                let file = fs::File::open(path).expect("it is there");
+                let long_ago = std::time::SystemTime::now() - 2 * SETTLED_AFTER;
+                file.set_modified(long_ago).expect("its owner may");
+            };
+            let below = if folder == &own { "pictures" } else { "nodes" };
+            set(&format!("{folder}/{below}"));
+            set(folder);
+        }
+        remove_if_empty_of_life(&name);
+        remove_if_empty_of_life(&format!("{name}-0"));
+        assert!(Path::new(&own).join("pictures").exists());
+        assert!(!Path::new(&emptied).exists());
+        fs::remove_dir_all(own).expect("nobody else removed it");
     }
 
     #[test]
