@@ -33,7 +33,7 @@ fn pictures_are_the_same_on_every_machine() {
     ];
     assert_eq!(
         found,
-        [0xFA3F_F567_697E_CFF0, 0xF3D1_F702_F1AC_84DF],
+        [0x48C5_BA90_EF33_2B66, 0xDF0B_FE57_CDE2_54D4],
         "{found:#018x?}"
     );
 }
@@ -77,8 +77,8 @@ fn a_depth_image_without_faults_has_the_ropes_surface() {
         baseline_mm: 0.0,
     };
     let units = depth(&rope, &eye(), &faultless, 3);
-    // Away from the crossing, where the other strand may be what is seen.
-    for i in (0..rope.points.len()).step_by(50) {
+    // Away from the crossing, where the other strand may be what is seen, and from the ends, which are cut off square.
+    for i in (50..rope.points.len()).step_by(50) {
         let rho = i as f64 / (rope.points.len() - 1) as f64;
         if rope.crossings[0].iter().any(|at| (rho - at).abs() < 0.06) {
             continue;

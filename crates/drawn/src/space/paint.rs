@@ -29,8 +29,11 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
         .collect();
     let light = [0, 1, 2].map(|k| dot(eye.rotation[k], LIGHT));
     let radius = rope.radius_mm;
+    let ends = rope.ends().map(|end| end.seen_by(eye));
     for &point in &rope.points {
         let center = eye.see(point);
+        // An end is cut off square.
+        let end = ends.iter().find(|end| end.is_within(radius, center));
         let at = eye.pixel(center);
         let reach = 1.05 * eye.focal_px[0] * radius / (center[2] - radius) + 1.0;
         let range = |at: f64, side: usize| {
@@ -46,10 +49,21 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
                 if inside < 0.0 {
                     continue;
                 }
-                let depth = (along - inside.sqrt()) / square;
+                let near = (along - inside.sqrt()) / square;
+                let mut depth = near;
+                if let Some(end) = end {
+                    let far = (along + inside.sqrt()) / square;
+                    match end.cut(ray, [near, far]) {
+                        Some(left) => depth = left,
+                        None => continue,
+                    }
+                }
                 let hit = &mut hits[row * width + column];
                 if depth < hit.depth {
-                    let normal = [0, 1, 2].map(|k| (depth * ray[k] - center[k]) / radius);
+                    let normal = match end {
+                        Some(end) if depth > near => end.outward,
+                        _ => [0, 1, 2].map(|k| (depth * ray[k] - center[k]) / radius),
+                    };
                     hit.depth = depth;
                     hit.light = Some(dot(normal, light).max(0.0) as f32);
                 }

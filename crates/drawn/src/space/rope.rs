@@ -1,6 +1,7 @@
 //! How a rope lies: its heading on the table as a few waves, its height as a few lifts, over itself where it crosses itself.
 
 use super::Eye;
+use super::eye::dot;
 use crate::rendered::portable::smoothstep;
 use lariat_portable::SplitMix64;
 use std::f64::consts::TAU;
@@ -71,6 +72,15 @@ impl LiftedRope {
         }
     }
 
+    /// Its first and its last end.
+    pub(super) fn ends(&self) -> [End; 2] {
+        let [first, .., last] = &self.points[..] else {
+            return [End::default(); 2];
+        };
+        let [second, before] = [self.points[1], self.points[self.points.len() - 2]];
+        [End::of(*first, second), End::of(*last, before)]
+    }
+
     fn draft(options: &LiftOptions, eye: &Eye, random: &mut SplitMix64) -> Option<Self> {
         let diameter = 2.0 * options.radius_mm;
         let ground = heading(options, random);
@@ -110,6 +120,52 @@ impl LiftedRope {
                 .map(|pair| pair.map(|i| arcs[i] / length))
                 .collect(),
         })
+    }
+}
+
+/// An end of a rope, cut off square.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct End {
+    at: [f64; 3],
+    /// The way out of the rope there, of length 1.
+    pub(super) outward: [f64; 3],
+}
+
+impl End {
+    fn of(at: [f64; 3], before: [f64; 3]) -> Self {
+        let way = [0, 1, 2].map(|k| at[k] - before[k]);
+        let length = dot(way, way).sqrt();
+        Self {
+            at,
+            outward: way.map(|c| if length > 0.0 { c / length } else { 0.0 }),
+        }
+    }
+
+    /// In a camera's frame.
+    pub(super) fn seen_by(&self, eye: &Eye) -> Self {
+        Self {
+            at: eye.see(self.at),
+            outward: eye.rotation.map(|row| dot(row, self.outward)),
+        }
+    }
+
+    /// Whether a ball about `center` reaches beyond it.
+    pub(super) fn is_within(&self, radius: f64, center: [f64; 3]) -> bool {
+        let way = [0, 1, 2].map(|k| center[k] - self.at[k]);
+        dot(way, way) < radius * radius
+    }
+
+    /// Where a ray that is in a ball between two depths enters what is left of that; `None` if it is all cut off.
+    pub(super) fn cut(&self, ray: [f64; 3], [near, far]: [f64; 2]) -> Option<f64> {
+        let beyond = |depth: f64| {
+            let way = [0, 1, 2].map(|k| depth * ray[k] - self.at[k]);
+            dot(way, self.outward)
+        };
+        match [beyond(near) > 0.0, beyond(far) > 0.0] {
+            [false, _] => Some(near),
+            [true, true] => None,
+            [true, false] => Some(dot(self.at, self.outward) / dot(ray, self.outward)),
+        }
     }
 }
 
