@@ -50,19 +50,25 @@ pub enum CalibrationError {
 /// As many numbers as any entry has that is read, and a good many more.
 const MOST_NUMBERS: usize = 64;
 
+/// What is missing where there is no camera.
+pub(crate) const MATRIX: &str = "camera matrix";
+
 pub(crate) fn read(text: &str) -> Result<Camera, CalibrationError> {
-    let file = yaml::read(text)?;
-    let (key, value) = find(&file, &["cameramatrix", "k", "intrinsicmatrix"]).ok_or(
-        CalibrationError::Missing("camera matrix", "camera_matrix, cameraMatrix or K"),
+    camera(&yaml::read(text)?)
+}
+
+pub(crate) fn camera(file: &Node) -> Result<Camera, CalibrationError> {
+    let (key, value) = find(file, &["cameramatrix", "k", "intrinsicmatrix"]).ok_or(
+        CalibrationError::Missing(MATRIX, "camera_matrix, cameraMatrix or K"),
     )?;
     let (focal_px, center_px) = intrinsics(key, value)?;
-    let lens = lens(&file)?;
-    let size = size(&file)?;
+    let lens = lens(file)?;
+    let size = size(file)?;
     Ok(Camera::new(focal_px, center_px, lens, size)?)
 }
 
 /// The entry of one of these names, in whatever case and with or without underscores.
-fn find<'a>(file: &'a Node, names: &[&str]) -> Option<(&'a str, &'a Node)> {
+pub(crate) fn find<'a>(file: &'a Node, names: &[&str]) -> Option<(&'a str, &'a Node)> {
     names.iter().find_map(|name| {
         file.get(|key| {
             let letters = key.chars().filter(|c| *c != '_' && *c != '-');
@@ -71,7 +77,7 @@ fn find<'a>(file: &'a Node, names: &[&str]) -> Option<(&'a str, &'a Node)> {
     })
 }
 
-fn wrong<T>(key: &str, why: impl Into<String>) -> Result<T, CalibrationError> {
+pub(crate) fn wrong<T>(key: &str, why: impl Into<String>) -> Result<T, CalibrationError> {
     Err(CalibrationError::Value {
         key: key.to_owned(),
         why: why.into(),
@@ -79,7 +85,7 @@ fn wrong<T>(key: &str, why: impl Into<String>) -> Result<T, CalibrationError> {
 }
 
 /// The numbers of an entry: a matrix with `data`, a list, or a list of rows.
-fn numbers(key: &str, value: &Node) -> Result<Vec<f64>, CalibrationError> {
+pub(crate) fn numbers(key: &str, value: &Node) -> Result<Vec<f64>, CalibrationError> {
     let list = match value {
         Node::Map(_) => match value.get(|name| name == "data") {
             Some((_, data)) => data,
@@ -107,7 +113,7 @@ fn numbers(key: &str, value: &Node) -> Result<Vec<f64>, CalibrationError> {
     Ok(numbers)
 }
 
-fn number(node: &Node) -> Option<f64> {
+pub(crate) fn number(node: &Node) -> Option<f64> {
     let Node::Scalar(text) = node else {
         return None;
     };

@@ -16,11 +16,14 @@
 //!    those near it, with the variance of the sensor's model and of their spread.
 //! 3. **Bridged.** Where something covers the rope (another strand, a hand), and where the sensor has nothing, depth goes on
 //!    straight between the measured points, with a variance that grows with the way.
+//! 4. **Cut.** At an end that rises or falls, the outline in the colour image goes on beyond the axis.
 
+mod file;
 mod image;
 mod pair;
 mod rope;
 
+pub use file::DepthCalibration;
 pub use image::{DepthImage, DepthImageError, DepthKind};
 pub use pair::{DepthCamera, DepthCameraError};
 pub use rope::{NoDepth, RopeDepth, SeenRope, SpacePoint};

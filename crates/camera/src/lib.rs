@@ -72,6 +72,7 @@ mod jacobian;
 mod lens;
 mod mapping;
 mod plane;
+mod pose;
 mod projective;
 mod rotation;
 mod solve;
@@ -80,11 +81,12 @@ mod yaml;
 pub use calibration::CalibrationError;
 pub use camera::{Camera, CameraError};
 pub use depth::{
-    DepthCamera, DepthCameraError, DepthImage, DepthImageError, DepthKind, NoDepth, RopeDepth,
-    SeenRope, SpacePoint,
+    DepthCalibration, DepthCamera, DepthCameraError, DepthImage, DepthImageError, DepthKind,
+    NoDepth, RopeDepth, SeenRope, SpacePoint,
 };
 pub use homography::{HomographyError, Pair};
 pub use jacobian::{Jacobian, Place};
 pub use lens::Lens;
 pub use mapping::{Mapping, Outside, SizeError};
 pub use plane::{Plane, PlaneError};
+pub use pose::{Pose, PoseError};

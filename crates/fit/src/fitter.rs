@@ -13,6 +13,7 @@ use crate::noise::{EvenFit, Propagation, Square};
 use crate::options::{Options, Rho, Weights};
 use crate::rational::RationalFitter;
 use crate::resample::Resampler;
+use crate::spread;
 use crate::tolerance::Tolerance;
 
 /// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
@@ -71,11 +72,12 @@ pub struct Fitter<const D: usize = 2> {
     /// Room for the squared distance of each point from a curve.
     pub(crate) squared: Vec<f64>,
     propagation: Propagation<D>,
+    pub(crate) of_points: spread::Points<D>,
 }
 
 /// A basis of one size and how it is fitted.
 pub(crate) struct Size<const D: usize> {
-    linear: Linear<D>,
+    pub(crate) linear: Linear<D>,
     way: Way<D>,
     /// Once it has been asked for.
     space: Option<CurveSpace>,
@@ -232,6 +234,7 @@ impl<const D: usize> Fitter<D> {
             fit,
             squared: vec![0.0; options.points],
             propagation: Propagation::new(),
+            of_points: spread::Points::new(),
         })
     }
 

@@ -34,6 +34,7 @@
 //! | the curve itself: points, tangents, curvature, length, what is nearest, `∂f/∂s` | [`Curve`] |
 //! | `∂s/∂c̄`, the covariance of `s` | [`Fitter::matrix`], [`Fit::covariance_factor`] |
 //! | points at equal steps again, after a map; what pixel noise does to the control points then | [`Resampler`], [`Fitter::propagate`] |
+//! | the same for points that are each sure in their own way, as in space | [`Fitter::spread`] |
 //! | the control points in time, with their velocities | [`Filter`] |
 //! | other forms of a curve | [`elevate_degree`], [`reduce_degree`], [`bezier_pieces`], [`to_monomial`], … |
 //!
@@ -139,6 +140,7 @@ mod rational;
 mod resample;
 mod robust;
 mod solve;
+mod spread;
 mod system;
 mod tolerance;
 mod weighted;
@@ -163,5 +165,6 @@ pub use noise::Square;
 pub use options::{MAX_ORDER, MAX_POINTS, Options, Rho, Solver, Weights};
 pub use rational::{MAX_WEIGHT, RationalFit, RationalFitter};
 pub use resample::{ResampleError, Resampler};
+pub use spread::Spread;
 pub use tolerance::Tolerance;
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};

@@ -1,23 +1,12 @@
 //! A depth camera and the colour camera beside it.
 
 use crate::camera::Camera;
-use crate::rotation::is_rotation;
+use crate::pose::Pose;
 use thiserror::Error;
 
 /// Why numbers make no pair of cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum DepthCameraError {
-    /// An invalid rotation.
-    #[error(
-        "invalid rotation from the depth camera to the colour camera: its columns must have length 1 and stand at right angles, \
-         right-handed"
-    )]
-    Rotation,
-    /// An invalid translation.
-    #[error(
-        "invalid translation from the depth camera to the colour camera: three lengths in mm, below 10 m"
-    )]
-    Translation,
     /// An invalid noise.
     #[error("invalid depth noise of {0} at 1 m: a standard deviation in mm, 0 or more")]
     Noise(f64),
@@ -31,8 +20,8 @@ pub enum DepthCameraError {
 pub struct DepthCamera {
     pub(super) color: Camera,
     pub(super) depth: Camera,
-    /// Rows of the rotation from the colour camera's frame to the depth camera's, and what is added then.
-    pub(super) rotation: [[f64; 3]; 3],
+    /// From the colour camera's frame to the depth camera's.
+    pose: Pose,
     pub(super) translation: [f64; 3],
     /// The standard deviation of a depth z is this times z², 1/mm.
     pub(super) noise: f64,
@@ -40,8 +29,7 @@ pub struct DepthCamera {
 }
 
 impl DepthCamera {
-    /// A point `p` of the depth camera's frame is at `rotation p + translation_mm` in the colour camera's, as librealsense and ROS
-    /// say it. The standard deviation of a depth is `noise_mm` at one metre, and goes with the square of the depth: of a stereo camera
+    /// `pose` takes points of the depth camera's frame to the colour camera's, as librealsense and ROS say it. The standard deviation of a depth is `noise_mm` at one metre, and goes with the square of the depth: of a stereo camera
     /// whose disparities are off by s pixels it is z² s / (f B). Depths are looked for within `range_mm`.
     ///
     /// # Errors
@@ -49,32 +37,36 @@ impl DepthCamera {
     pub fn new(
         color: Camera,
         depth: Camera,
-        rotation: [[f64; 3]; 3],
-        translation_mm: [f64; 3],
+        pose: Pose,
         noise_mm: f64,
         range_mm: [f64; 2],
     ) -> Result<Self, DepthCameraError> {
-        if !is_rotation(&rotation) {
-            return Err(DepthCameraError::Rotation);
-        }
-        if !translation_mm.iter().all(|c| c.abs() < 1e4) {
-            return Err(DepthCameraError::Translation);
-        }
         if !(0.0..1e4).contains(&noise_mm) {
             return Err(DepthCameraError::Noise(noise_mm));
         }
         if !(range_mm[0] >= 1.0 && range_mm[0] < range_mm[1] && range_mm[1] < 1e6) {
             return Err(DepthCameraError::Range(range_mm));
         }
-        let back = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[j][i]));
+        let pose = pose.inverse();
         Ok(Self {
             color,
             depth,
-            rotation: back,
-            translation: back.map(|row| -dot(row, translation_mm)),
+            pose,
+            translation: pose.translation_mm(),
             noise: noise_mm / 1e6,
             range_mm,
         })
+    }
+
+    /// Width and height of the colour camera's images, if its calibration says so.
+    pub fn color_size(&self) -> Option<[u32; 2]> {
+        self.color.size()
+    }
+
+    /// The colour camera's focal length, px: of its two the mean.
+    pub fn color_focal_px(&self) -> f64 {
+        let [x, y] = self.color.focal_px();
+        (x * y).sqrt()
     }
 
     /// The ray through a pixel of the colour image, in its camera's frame, a millimetre ahead for each of depth, and its derivative by
@@ -89,7 +81,7 @@ impl DepthCamera {
 
     /// A direction of the colour camera's frame in the depth camera's.
     pub(super) fn turned(&self, way: [f64; 3]) -> [f64; 3] {
-        self.rotation.map(|row| dot(row, way))
+        self.pose.way(way)
     }
 
     /// A point of the depth camera's frame in its image; `None` behind it, or where the lens's model ends.
@@ -106,8 +98,4 @@ impl DepthCamera {
     pub(super) fn sigma_mm(&self, depth: f64) -> f64 {
         self.noise * depth * depth
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

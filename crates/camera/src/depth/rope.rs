@@ -1,5 +1,6 @@
 //! A rope's points in space.
 
+mod ends;
 mod reading;
 mod unsure;
 
@@ -26,6 +27,8 @@ pub struct SeenRope<'a> {
     pub hidden: &'a [bool],
     /// Whether the first comes after the last.
     pub closed: bool,
+    /// Whether its first and its last end are seen: not where it leaves the image, or goes on under something.
+    pub ends: [bool; 2],
 }
 
 /// A point of a rope's axis in space, in the colour camera's frame: x right, y down, z ahead, mm.
@@ -104,6 +107,8 @@ pub struct RopeDepth {
     row: Vec<f64>,
     samples: Vec<f64>,
     places: Vec<SpacePoint>,
+    /// The same before an end was cut off.
+    before: Vec<SpacePoint>,
 }
 
 impl RopeDepth {
@@ -117,6 +122,7 @@ impl RopeDepth {
             row: Vec::new(),
             samples: Vec::new(),
             places: Vec::new(),
+            before: Vec::new(),
         }
     }
 
@@ -156,6 +162,7 @@ impl RopeDepth {
         self.doubt();
         self.bridge();
         self.write();
+        self.cut_ends(rope.ends);
         Ok(&self.places)
     }
 

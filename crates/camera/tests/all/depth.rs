@@ -1,7 +1,8 @@
 //! Ropes in depth images as a sensor of today gives them, held against where they truly are.
 
 use lariat_camera::{
-    Camera, DepthCamera, DepthImage, DepthKind, Lens, NoDepth, RopeDepth, SeenRope, SpacePoint,
+    Camera, DepthCamera, DepthImage, DepthKind, Lens, NoDepth, Pose, RopeDepth, SeenRope,
+    SpacePoint,
 };
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth};
 
@@ -83,7 +84,8 @@ fn pair_at(scene: &Scene, aside: [f64; 3]) -> DepthCamera {
     };
     let (color, depth) = (camera(&scene.color), camera(&scene.depth));
     // Both look the same way; what is at the depth camera's origin is at `aside` in the colour camera's frame.
-    DepthCamera::new(color, depth, IDENTITY, aside, 3.6, [200.0, 1500.0]).expect("a pair")
+    let pose = Pose::new(IDENTITY, aside).expect("a pose");
+    DepthCamera::new(color, depth, pose, 3.6, [200.0, 1500.0]).expect("a pair")
 }
 
 fn locate(scene: &Scene, sensor: &DepthSensor, seed: u64) -> Result<Vec<SpacePoint>, NoDepth> {
@@ -107,6 +109,8 @@ fn locate_by(
         widths_px: &scene.widths,
         hidden: &scene.hidden,
         closed: false,
+        // Its points are the axis's own.
+        ends: [false; 2],
     };
     finder.locate(&image, &rope).map(<[_]>::to_vec)
 }
@@ -233,6 +237,7 @@ fn ropes_that_cannot_be_told_are_refused_with_the_reason() {
         widths_px: &scene.widths[..4],
         hidden: &scene.hidden[..4],
         closed: false,
+        ends: [false; 2],
     };
     let image = DepthImage::new(&[0; 8], [2, 2], 4, DepthKind::Whole { unit_mm: 1.0 });
     let mut finder = RopeDepth::new(pair(&scene));

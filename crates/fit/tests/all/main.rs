@@ -15,3 +15,4 @@ mod propagation;
 mod properties;
 mod rational;
 mod splines;
+mod spread;

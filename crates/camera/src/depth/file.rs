@@ -1,0 +1,80 @@
+//! What a depth camera's file says.
+
+use super::{DepthCamera, DepthKind};
+use crate::calibration::{self, CalibrationError};
+use crate::camera::Camera;
+use crate::pose::Pose;
+use crate::yaml::{self, Node};
+
+/// Of a stereo camera of a few centimetres' baseline, and what those see.
+const NOISE_MM: f64 = 4.0;
+const RANGE_MM: [f64; 2] = [150.0, 4000.0];
+
+/// A depth camera beside a colour one, and what a unit of its images is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthCalibration {
+    /// The two cameras.
+    pub camera: DepthCamera,
+    /// What a pixel of its images is.
+    pub kind: DepthKind,
+    /// Width and height of its images.
+    pub size: [u32; 2],
+}
+
+impl DepthCalibration {
+    /// The depth camera of a file, beside this colour camera: its own calibration by the same names, `rotation` and `translation_mm`
+    /// to the colour camera's frame (none: the two are at one place), `depth_unit_mm` (1), `noise_mm_at_1m` (4: the standard
+    /// deviation there, which goes with the square of the distance) and `range_mm` ([150, 4000]). Without a camera matrix the
+    /// depth images are aligned to the colour ones: the same camera.
+    ///
+    /// # Errors
+    /// It says what cannot be, or not enough; each with the key and what to do.
+    pub fn from_yaml(text: &str, color: Camera) -> Result<Self, CalibrationError> {
+        let file = yaml::read(text)?;
+        let own = calibration::camera(&file);
+        let depth = match own {
+            Err(CalibrationError::Missing(what, _)) if what == calibration::MATRIX => color,
+            own => own?,
+        };
+        let Some(size) = depth.size() else {
+            return Err(CalibrationError::Missing(
+                "size of the depth images",
+                "image_width and image_height",
+            ));
+        };
+        let pose = Pose::read(&file)?.unwrap_or(Pose::SAME);
+        let number = |name: &str, default: f64| number(&file, name, default);
+        let unit_mm = number("depthunitmm", 1.0)?;
+        let noise_mm = number("noisemmat1m", NOISE_MM)?;
+        let range_mm = match calibration::find(&file, &["rangemm"]) {
+            None => RANGE_MM,
+            Some((key, value)) => match calibration::numbers(key, value)?[..] {
+                [near, far] => [near, far],
+                _ => return calibration::wrong(key, "a range is two depths in mm: [ near, far ]"),
+            },
+        };
+        if !(unit_mm > 0.0 && unit_mm <= 1000.0) {
+            return calibration::wrong(
+                "depth_unit_mm",
+                "a unit is more than 0 and at most 1000 mm",
+            );
+        }
+        let camera = DepthCamera::new(color, depth, pose, noise_mm, range_mm)
+            .or_else(|cause| calibration::wrong("depth camera", cause.to_string()))?;
+        Ok(Self {
+            camera,
+            kind: DepthKind::Whole { unit_mm },
+            size,
+        })
+    }
+}
+
+fn number(file: &Node, name: &str, default: f64) -> Result<f64, CalibrationError> {
+    let Some((key, value)) = calibration::find(file, &[name]) else {
+        return Ok(default);
+    };
+    match calibration::number(value) {
+        Some(number) => Ok(number),
+        None => calibration::wrong(key, "a single number is asked for here"),
+    }
+}
