@@ -121,7 +121,9 @@ impl From<WriteError> for Failure {
 impl From<NoShape> for Failure {
     fn from(cause: NoShape) -> Self {
         let code = match cause {
-            NoShape::FeaturePoints | NoShape::CenterOfMass => LARIAT_ERROR_NO_CURVE,
+            NoShape::FeaturePoints | NoShape::CenterOfMass | NoShape::Nowhere(_) => {
+                LARIAT_ERROR_NO_CURVE
+            }
             NoShape::Unreadable => LARIAT_ERROR_UNREADABLE,
         };
         Self::new(code, cause.to_string())

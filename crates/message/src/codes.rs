@@ -237,6 +237,34 @@ codes! {
     }
 }
 
+codes! {
+    /// Whether it is known where in space a rope is, or why not.
+    Place {
+        /// It is measured.
+        Known = 1 "known",
+        /// The colour image does not show it now: it is where it was.
+        Before = 2 "before",
+        /// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+        Unmeasured = 3 "unmeasured",
+        /// It is thinner than three pixels of the depth image.
+        Thin = 4 "thin",
+        /// No depth image came for this frame.
+        NoImage = 5 "no depth image",
+        /// The depth image, or its calibration, is not what it should be: the chain says what.
+        Unreadable = 6 "unreadable",
+    }
+}
+
+codes! {
+    /// From where, and along which axes, points in space are measured.
+    Axes {
+        /// The colour camera's: x to the right, y down, z ahead, from its optical center.
+        Camera = 1 "camera",
+        /// The robot's, by the camera's pose that the chain was given.
+        Robot = 2 "robot",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -257,7 +285,7 @@ mod tests {
                 }
             )+};
         }
-        check!(PixelFormat from 1, SourceKind from 1, Status from 1, FitQuality from 0, Basis from 1, Unit from 1);
+        check!(PixelFormat from 1, SourceKind from 1, Status from 1, FitQuality from 0, Basis from 1, Unit from 1, Place from 1, Axes from 1);
         assert_eq!(PixelFormat::from_name("RGB8"), Some(PixelFormat::Rgb8));
     }
 }

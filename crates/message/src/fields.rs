@@ -278,7 +278,7 @@ lists!(F32s f32, F64s f64);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CenterlinePoints, Centerlines, Command, Descriptors, FrameHeader};
+    use crate::{CenterlinePoints, Centerlines, Command, Descriptors, Descriptors3, FrameHeader};
 
     /// A layout and those within.
     fn all(layout: &'static Layout) -> Vec<&'static Layout> {
@@ -298,6 +298,7 @@ mod tests {
             &FrameHeader::LAYOUT,
             &Centerlines::LAYOUT,
             &Descriptors::LAYOUT,
+            &Descriptors3::LAYOUT,
             &Command::LAYOUT,
         ];
         for layout in messages.into_iter().flat_map(all) {

@@ -10,5 +10,5 @@ pub mod fields;
 mod message;
 
 pub use clock::now_ns;
-pub use codes::{Basis, FitQuality, PixelFormat, SourceKind, Status, Unit};
+pub use codes::{Axes, Basis, FitQuality, PixelFormat, Place, SourceKind, Status, Unit};
 pub use message::*;

@@ -13,6 +13,7 @@ mod declare;
 mod centerlines;
 mod command;
 mod descriptors;
+mod descriptors3;
 mod frame_header;
 pub(crate) mod hidden;
 mod trace;
@@ -20,6 +21,7 @@ mod trace;
 pub use centerlines::{Centerlines, Crossing, Curve};
 pub use command::{Command, MAX_GRIPPERS};
 pub use descriptors::{CenterlinePoints, Descriptor, Descriptors};
+pub use descriptors3::{Descriptor3, Descriptors3};
 pub use frame_header::FrameHeader;
 pub use trace::Trace;
 

@@ -17,7 +17,9 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 use crate::door::Held;
 use crate::making;
 use crate::survey::{ChannelEnds, ends_of};
-use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, tidy};
+use crate::{
+    Centerlines, Command, Descriptors, Descriptors3, Domain, FrameHeader, Rig, WireError, tidy,
+};
 
 /// One kind of channel. Every rig has one of each.
 #[derive(Debug)]
@@ -42,10 +44,15 @@ const NODES: usize = 40;
 pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
 /// Masks that another process makes of frames, each a `Gray8` of its frame's size that carries the frame's trace.
 pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
+/// Depth images beside frames, each a `Gray16` of the depth camera's own size that carries the frame's trace.
+/// As many wait as centerlines may, nearly: fit reads each when its frame comes.
+pub const DEPTH: Channel<[u8]> = Channel::new("depth", 6, 0, 3);
 /// What extract saw. Held up for three frames, it sends those in one go behind what waits already.
 pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 8, 0, 6);
 /// What control loops read. A late reader is given the newest at once.
 pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
+/// The same in space, where there is a depth camera: of each frame before its descriptors.
+pub const DESCRIPTORS3: Channel<Descriptors3> = Channel::new("descriptors3", 8, 1, 12);
 /// The true centerlines of rendered frames.
 pub const TRUTH: Channel<Centerlines> = Channel::new("truth", 8, 0, 4);
 /// What a controller tells the simulated robot. Always with the newest winning: a robot waits for nobody.
@@ -87,7 +94,9 @@ pub(crate) struct Any {
 pub(crate) const ALL: &[Any] = &[
     Any::of(&FRAMES),
     Any::of(&MASKS),
+    Any::of(&DEPTH),
     Any::of(&CENTERLINES),
+    Any::of(&DESCRIPTORS3),
     Any::of(&DESCRIPTORS),
     Any::of(&TRUTH),
     Any::of(&COMMANDS),
@@ -188,6 +197,7 @@ macro_rules! payload {
 payload!(Centerlines, (), Centerlines);
 payload!(Command, (), Command);
 payload!(Descriptors, (), Descriptors);
+payload!(Descriptors3, (), Descriptors3);
 payload!([u8], FrameHeader, u8);
 
 impl<P: Payload + ?Sized> Channel<P> {

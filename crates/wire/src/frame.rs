@@ -3,22 +3,29 @@
 use std::sync::Mutex;
 use std::time::Duration;
 
-use crate::rope::Moment;
-use crate::{Absent, CenterlinePoints, Descriptor, Descriptors, Seen, Track};
+use crate::rope::{InSpace, Moment};
+use crate::{Absent, CenterlinePoints, Descriptor, Descriptors, Descriptors3, Seen, Track};
 
 /// The newest that came, looked at at one moment. It lives in shared memory and is borrowed from the
 /// [`Reader`](crate::Reader) until that one looks again.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     message: Option<&'a Descriptors>,
+    space: InSpace<'a>,
     moment: Moment,
     is_new: bool,
 }
 
 impl<'a> Frame<'a> {
-    pub(crate) fn new(message: Option<&'a Descriptors>, moment: Moment, is_new: bool) -> Self {
+    pub(crate) fn new(
+        message: Option<&'a Descriptors>,
+        space: InSpace<'a>,
+        moment: Moment,
+        is_new: bool,
+    ) -> Self {
         Self {
             message,
+            space,
             moment,
             is_new,
         }
@@ -54,7 +61,7 @@ impl<'a> Frame<'a> {
     pub fn only_rope(&self, max_age: Duration) -> Seen<'a> {
         let mut ropes = self.described();
         match (ropes.next(), ropes.next()) {
-            (Some(rope), None) => Seen::of(rope, self.moment, max_age),
+            (Some(rope), None) => Seen::of(rope, self.space, self.moment, max_age),
             (Some(_), Some(_)) if !self.is_older(max_age) => Seen::Absent(Absent::Several),
             _ => self.without(max_age),
         }
@@ -67,16 +74,16 @@ impl<'a> Frame<'a> {
         }
         let mut ropes = self.described();
         match ropes.find(|(rope, _)| rope.track == track.number) {
-            Some(rope) => Seen::of(rope, self.moment, max_age),
+            Some(rope) => Seen::of(rope, self.space, self.moment, max_age),
             None => self.without(max_age),
         }
     }
 
     /// Every rope of the image, and those that are lost.
     pub fn ropes(&self, max_age: Duration) -> impl Iterator<Item = Seen<'a>> + use<'a> {
-        let moment = self.moment;
+        let (space, moment) = (self.space, self.moment);
         let ropes = self.described();
-        ropes.map(move |rope| Seen::of(rope, moment, max_age))
+        ropes.map(move |rope| Seen::of(rope, space, moment, max_age))
     }
 
     /// Every rope's descriptor, and the points of it.
@@ -105,6 +112,8 @@ impl<'a> Frame<'a> {
 #[derive(Debug)]
 pub struct KeptFrame {
     message: Option<Box<Descriptors>>,
+    /// `None` where the reader does not follow in space.
+    space: Option<Option<Box<Descriptors3>>>,
     moment: Moment,
     is_new: bool,
 }
@@ -119,6 +128,15 @@ impl Frame<'_> {
     pub fn keep(&self) -> KeptFrame {
         KeptFrame {
             message: self.message.map(copied),
+            space: match self.space {
+                InSpace::NotFollowed => None,
+                InSpace::None => Some(None),
+                InSpace::Message(message) => {
+                    let mut copy = Box::new(Descriptors3::EMPTY);
+                    copy.copy_meant(message);
+                    Some(Some(copy))
+                }
+            },
             moment: self.moment,
             is_new: self.is_new,
         }
@@ -157,6 +175,11 @@ impl Drop for KeptFrame {
 impl KeptFrame {
     /// The frame as it was when it was kept, ages included.
     pub fn frame(&self) -> Frame<'_> {
-        Frame::new(self.message.as_deref(), self.moment, self.is_new)
+        let space = match &self.space {
+            None => InSpace::NotFollowed,
+            Some(None) => InSpace::None,
+            Some(Some(message)) => InSpace::Message(message),
+        };
+        Frame::new(self.message.as_deref(), space, self.moment, self.is_new)
     }
 }

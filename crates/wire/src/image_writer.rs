@@ -6,11 +6,15 @@
 //! arrays of a slot are views of it: they are counted, and while one lives the writer's memory stays mapped (closing waits for the last one, larger slots
 //! are refused, as `mmap` has it). Frames in Python are copies, as messages are.
 
+mod beside;
+
+pub use beside::{DepthWriter, MaskWriter};
+
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::channel::{Channel, FRAMES, MASKS};
+use crate::channel::{Channel, FRAMES};
 use crate::error::MAX_SIDE;
 use crate::patience::Meanwhile;
 use crate::writer::KeptSlot;
@@ -310,88 +314,5 @@ fn blank(exposed_ns: u64) -> FrameHeader {
         },
         source: SourceKind::Camera as u32,
         ..FrameHeader::default()
-    }
-}
-
-/// Writes the masks of a rig whose chain has `mask = "external"`: one for each frame, as soon as it is made.
-///
-/// ```no_run
-/// use lariat_wire::{FrameReader, MaskWriter};
-///
-/// let mut frames = FrameReader::open("default")?;
-/// let mut masks = MaskWriter::open("default")?;
-/// loop {
-///     let Some(frame) = frames.wait(None)? else { continue };
-///     let mask = masks.loan(frame.header())?; // a byte for each pixel, the higher the likelier rope
-///     network(frame.header(), frame, mask);
-///     masks.send()?;
-/// }
-/// # fn network(_: &lariat_wire::FrameHeader, _: &[u8], _: &mut [u8]) {}
-/// # #[allow(unreachable_code)]
-/// # Ok::<(), lariat_wire::WriteError>(())
-/// ```
-///
-/// It carries its frame's trace, by which extract knows whose mask it is.
-pub struct MaskWriter {
-    images: Images,
-    header: FrameHeader,
-}
-
-impl fmt::Debug for MaskWriter {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("MaskWriter").finish_non_exhaustive()
-    }
-}
-
-impl MaskWriter {
-    /// Becomes the writer of a rig's masks.
-    ///
-    /// # Errors
-    /// As [`FrameWriter::open`].
-    pub fn open(rig: &str) -> Result<Self, WriteError> {
-        Self::open_in(Domain::open()?, &rig.parse()?, Waiting::default())
-    }
-
-    /// The same, in a domain of one's own choice, and with a word on slow readers.
-    ///
-    /// # Errors
-    /// As [`FrameWriter::open_in`].
-    pub fn open_in(domain: Domain, rig: &Rig, waiting: Waiting) -> Result<Self, WriteError> {
-        Ok(Self {
-            images: Images::open(domain, rig, &MASKS, waiting)?,
-            header: FrameHeader::default(),
-        })
-    }
-
-    /// Borrows the slot of a frame's mask: a byte for each pixel of the frame, the higher the likelier rope, rows without gaps. It
-    /// holds an earlier one's. A slot that was borrowed and not sent is given back.
-    ///
-    /// # Errors
-    /// The frame has no image, or there is no room for its mask in `/dev/shm`.
-    pub fn loan(&mut self, frame: &FrameHeader) -> Result<&mut [u8], WriteError> {
-        if frame.is_blank() {
-            return Err(WriteError::NoImage);
-        }
-        self.header = frame.of_mask();
-        let bytes = frame.width as usize * frame.height as usize;
-        Ok(self.images.loan(bytes)?)
-    }
-
-    /// Sends the mask on loan. `false`: it was lost, because waiting for a reader was given up.
-    ///
-    /// # Errors
-    /// There is nothing to send, or the transport failed.
-    pub fn send(&mut self) -> Result<bool, WriteError> {
-        self.images.send(self.header)
-    }
-
-    /// Whether its slots have room for a mask of so many bytes, as [`FrameWriter::has_room`].
-    pub fn has_room(&self, bytes: usize) -> bool {
-        self.images.has_room(bytes)
-    }
-
-    /// Whether it waits for slow readers, so that each of them has every mask.
-    pub fn is_lossless(&self) -> bool {
-        self.images.is_lossless()
     }
 }

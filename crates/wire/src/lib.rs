@@ -134,14 +134,14 @@ pub use error::{WireError, WriteError};
 pub use frame::{Frame, KeptFrame};
 pub use frame_reader::FrameReader;
 pub use holdings::holdings;
-pub use image_writer::{FrameWriter, MaskWriter, Stamp, Waiting};
+pub use image_writer::{DepthWriter, FrameWriter, MaskWriter, Stamp, Waiting};
 #[doc(inline)]
 pub use lariat_message::*;
 pub use leftovers::{Leftover, leftovers, remove_leftovers, shared_by_others};
 pub use owner::user_name;
 pub use reader::Reader;
 pub use receiver::{Message, Receiver, Woken, sleep_for_any};
-pub use rope::{FARTHEST, Motion, NoPrediction, Prediction, Rope, Track};
+pub use rope::{FARTHEST, Motion, NoPrediction, NoSpace, Prediction, Rope, Track};
 pub use roster::{Announcement, Member, control_socket, members};
 pub use seen::{Absent, Doubt, LastKnown, Seen};
 pub use shape::{Covariance, Jacobian, Nearest, NoShape, Shape};

@@ -7,8 +7,12 @@ use std::fmt;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::time::{Duration, Instant};
 
-use crate::rope::Moment;
-use crate::{Descriptors, Domain, Frame, Message, Motion, Receiver, Rig, WireError, now_ns};
+use crate::channel::DESCRIPTORS3;
+use crate::rope::{InSpace, Moment};
+use crate::{
+    Descriptors, Descriptors3, Domain, Frame, Message, Motion, Receiver, Rig, Trace, WireError,
+    now_ns,
+};
 use run::Runs;
 pub(crate) use run::WriterId;
 
@@ -24,7 +28,9 @@ pub struct Reader {
     // The message first, then its channel, then the domain: each lives in the next.
     newest: Option<Message<Descriptors>>,
     receiver: Receiver<Descriptors>,
-    _domain: Domain,
+    space: Option<Space>,
+    rig: Rig,
+    domain: Domain,
     runs: Runs,
     motion: Motion,
     coarse: bool,
@@ -67,12 +73,28 @@ impl Reader {
         Ok(Self {
             newest: None,
             receiver: Receiver::newest_descriptors(&domain, rig)?,
-            _domain: domain,
+            space: None,
+            rig: rig.clone(),
+            domain,
             runs: Runs::default(),
             motion: Motion::default(),
             coarse: false,
             min_confidence: 0.0,
         })
+    }
+
+    /// Reads where ropes are in space, too, for [`Rope::in_space`](crate::Rope::in_space): of a chain with a depth camera. One that has
+    /// none says so, rope by rope. Up to 12 readers of a rig do.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn follow_in_space(&mut self) -> Result<(), WireError> {
+        let receiver = Receiver::create_unwoken(&self.domain, &self.rig, &DESCRIPTORS3, None)?;
+        self.space = Some(Space {
+            held: None,
+            receiver,
+        });
+        Ok(())
     }
 
     /// What is known now, without waiting: of the newest message, whether it came just now or earlier.
@@ -176,6 +198,9 @@ impl Reader {
         }
         if is_new && let Some(message) = &self.newest {
             self.runs.follow(message.writer(), &message.trace);
+            if let Some(space) = &mut self.space {
+                space.follow(&message.trace)?;
+            }
         }
         Ok(is_new)
     }
@@ -194,7 +219,45 @@ impl Reader {
             coarse: self.coarse,
             min_confidence: self.min_confidence,
         };
-        Frame::new(message, moment, is_new)
+        let space = match (&self.space, trace) {
+            (None, _) => InSpace::NotFollowed,
+            (Some(space), Some(trace)) => space.of(trace),
+            (Some(_), None) => InSpace::None,
+        };
+        Frame::new(message, space, moment, is_new)
+    }
+}
+
+/// The descriptors in space, each of which is sent before those of the same frame.
+struct Space {
+    // The message before its channel.
+    held: Option<Message<Descriptors3>>,
+    receiver: Receiver<Descriptors3>,
+}
+
+impl Space {
+    /// Goes on to those of this frame, or to the first later ones.
+    fn follow(&mut self, trace: &Trace) -> Result<(), WireError> {
+        while self
+            .held
+            .as_ref()
+            .is_none_or(|held| held.trace.captured_ns < trace.captured_ns)
+        {
+            match self.receiver.next()? {
+                Some(next) => self.held = Some(next),
+                None => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// Those of this frame.
+    fn of(&self, trace: &Trace) -> InSpace<'_> {
+        let held = self.held.as_deref();
+        let is_its = |held: &&Descriptors3| {
+            (held.trace.sequence, held.trace.captured_ns) == (trace.sequence, trace.captured_ns)
+        };
+        held.filter(is_its).map_or(InSpace::None, InSpace::Message)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::channel::{Channel, DESCRIPTORS, Delivery, Payload};
 use crate::door::Held;
 use crate::reader::WriterId;
 use crate::ready::{self, Ear};
-use crate::{Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError};
+use crate::{Centerlines, Command, Descriptors, Descriptors3, Domain, FrameHeader, Rig, WireError};
 
 /// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
 pub struct Receiver<P: Payload + ?Sized> {
@@ -328,4 +328,5 @@ macro_rules! message_access {
 message_access!(Centerlines);
 message_access!(Command);
 message_access!(Descriptors);
+message_access!(Descriptors3);
 message_access!([u8]);

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use crate::shape::Growth;
 use crate::{
-    Centerline, CenterlinePoints, Descriptor, FitQuality, MAX_CONTROL_POINTS, NoShape, Shape, Unit,
+    Centerline, CenterlinePoints, Descriptor, Descriptor3, Descriptors3, FitQuality,
+    MAX_CONTROL_POINTS, NoShape, Shape, Unit,
 };
 
 /// Which rope: its number, which it keeps from frame to frame, and the run of the chain that gave it.
@@ -86,18 +87,49 @@ pub(crate) struct Moment {
 pub struct Rope<'a> {
     descriptor: &'a Descriptor,
     points: &'a CenterlinePoints,
+    space: InSpace<'a>,
     moment: Moment,
+}
+
+/// What the reader has of a frame in space.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum InSpace<'a> {
+    /// It does not ask.
+    NotFollowed,
+    /// Nothing came for this frame.
+    None,
+    /// What came.
+    Message(&'a Descriptors3),
+}
+
+/// Why it is not known where in space a rope is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NoSpace {
+    /// The reader does not ask for it.
+    #[error("this reader reads ropes in the image only: have it follow_in_space()")]
+    NotFollowed,
+    /// The chain says nothing of space.
+    #[error(
+        "the chain says nothing of space for this frame: it needs a depth camera (lariat run --calibration FILE --depth FILE)"
+    )]
+    NoDepth,
+    /// It says why not, or its numbers make no curve.
+    #[error(transparent)]
+    NoShape(#[from] NoShape),
 }
 
 impl<'a> Rope<'a> {
     pub(crate) fn new(
         descriptor: &'a Descriptor,
         points: &'a CenterlinePoints,
+        space: InSpace<'a>,
         moment: Moment,
     ) -> Self {
         Self {
             descriptor,
             points,
+            space,
             moment,
         }
     }
@@ -151,6 +183,32 @@ impl<'a> Rope<'a> {
     /// The chain describes ropes by points or by their center: there is no curve.
     pub fn shape(&self) -> Result<Shape<'a>, NoShape> {
         Shape::of(self.descriptor)
+    }
+
+    /// Its curve in space, in mm, by what the depth camera shows. What has no place there has no curve, and says why: nothing is
+    /// guessed. A rope that is lost is where it was.
+    ///
+    /// # Errors
+    /// The reader does not [follow in space](crate::Reader::follow_in_space), the chain has no depth camera, or it is not known
+    /// where the rope is.
+    pub fn in_space(&self) -> Result<Shape<'a, 3>, NoSpace> {
+        Ok(Shape::in_space(self.descriptor3()?)?)
+    }
+
+    /// All that the message in space says of it.
+    ///
+    /// # Errors
+    /// As [`in_space`](Self::in_space), but where the message says why not.
+    pub fn descriptor3(&self) -> Result<&'a Descriptor3, NoSpace> {
+        match self.space {
+            InSpace::NotFollowed => Err(NoSpace::NotFollowed),
+            InSpace::None => Err(NoSpace::NoDepth),
+            InSpace::Message(message) => {
+                let mut curves = message.curves().iter();
+                let own = curves.find(|curve| curve.track == self.descriptor.track);
+                own.ok_or(NoSpace::NoDepth)
+            }
+        }
     }
 
     /// Its control points, `[x, y]`: feature points and center too, where the chain describes ropes by those.

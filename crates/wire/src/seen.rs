@@ -6,7 +6,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 use crate::Rope;
-use crate::rope::Moment;
+use crate::rope::{InSpace, Moment};
 use crate::{CenterlinePoints, Descriptor, FitQuality, NoShape, Shape, Status};
 
 /// What is known of a rope.
@@ -48,6 +48,7 @@ impl<'a> Seen<'a> {
     /// What a message says of a rope.
     pub(crate) fn of(
         (descriptor, points): (&'a Descriptor, &'a CenterlinePoints),
+        space: InSpace<'a>,
         moment: Moment,
         max_age: Duration,
     ) -> Self {
@@ -58,7 +59,7 @@ impl<'a> Seen<'a> {
         let (Some(status), Some(fit)) = (descriptor.status(), descriptor.fit()) else {
             return Self::Absent(Absent::Unreadable);
         };
-        let rope = Rope::new(descriptor, points, moment);
+        let rope = Rope::new(descriptor, points, space, moment);
         let image_age = moment.now_ns.saturating_sub(moment.exposed_ns);
         let is_stale = u128::from(image_age) > max_age.as_nanos();
         // What is no number is no confidence.

@@ -16,8 +16,8 @@ pub use nearest::Nearest;
 use std::hint::black_box;
 use std::ops::Deref;
 
-use crate::{Descriptor, MAX_CONTROL_POINTS};
-use form::Form;
+use crate::{Descriptor, Descriptor3, MAX_CONTROL_POINTS, Place};
+use form::{Form, Functions};
 use inverse::Inverse;
 
 /// The curve of a descriptor: `f(ρ)`, ρ from 0 at the rope's first end to 1 at its last, in the message's unit.
@@ -36,17 +36,20 @@ use inverse::Inverse;
 /// assert_eq!(shape.tangent_at(0.5), Some([1.0, 0.0]));
 /// # Ok::<(), lariat_wire::NoShape>(())
 /// ```
+///
+/// Of a rope in space it is a `Shape<3>`: [`Shape::in_space`].
 #[derive(Debug, Clone, Copy)]
-pub struct Shape<'a> {
+pub struct Shape<'a, const D: usize = 2> {
     form: Form<'a>,
-    control_points: &'a [[f64; 2]],
-    covariances: &'a [[f64; 3]],
+    control_points: &'a [[f64; D]],
+    /// Of each control point the upper half of a symmetric matrix, row by row.
+    covariances: &'a [f64],
     /// N, the points that were fitted.
     samples: usize,
     closed: bool,
 }
 
-impl<'a> Shape<'a> {
+impl<'a> Shape<'a, 2> {
     /// The curve of this descriptor.
     ///
     /// # Errors
@@ -55,11 +58,17 @@ impl<'a> Shape<'a> {
         // Each is read once: a message may lie in shared memory, where its writer may have lost its wits.
         let [count, samples] =
             [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
-        let form = Form::of(descriptor, count, samples)?;
+        let functions = Functions {
+            basis: descriptor.basis(),
+            order: descriptor.order as usize,
+            weights: &descriptor.weights,
+            knots: &descriptor.knots,
+        };
+        let form = Form::of(functions, &descriptor.control_points, count, samples)?;
         Ok(Self {
             form,
             control_points: &descriptor.control_points[..count],
-            covariances: &descriptor.covariances[..count],
+            covariances: descriptor.covariances[..count].as_flattened(),
             samples,
             closed: matches!(form, Form::Fourier),
         })
@@ -69,68 +78,9 @@ impl<'a> Shape<'a> {
     pub(crate) fn moved(self, control_points: &'a [[f64; 2]], covariances: &'a [[f64; 3]]) -> Self {
         Self {
             control_points,
-            covariances,
+            covariances: covariances.as_flattened(),
             ..self
         }
-    }
-
-    /// What it is made of; of a closed rope the coefficients of its Fourier series.
-    pub fn control_points(&self) -> &'a [[f64; 2]] {
-        self.control_points
-    }
-
-    /// Whether it ends where it begins.
-    pub fn is_closed(&self) -> bool {
-        self.closed
-    }
-
-    /// The point at `rho`.
-    pub fn point_at(&self, rho: f64) -> [f64; 2] {
-        let [point] = self.jet(rho);
-        point
-    }
-
-    /// The point of the curve that is nearest to `point`: of ρ from 0 to 1.
-    pub fn nearest(&self, point: [f64; 2]) -> Nearest {
-        nearest::nearest(self, point)
-    }
-
-    /// `N` points of the curve at even steps of ρ: from its first end to its last, or once around a closed one.
-    pub fn points<const N: usize>(&self) -> [[f64; 2]; N] {
-        std::array::from_fn(|i| self.point_at(self.even_rho(i, N)))
-    }
-
-    /// The `i`-th of `count` values of ρ in even steps: from 0 to 1, or, once around, to one step before 1.
-    pub fn even_rho(&self, i: usize, count: usize) -> f64 {
-        match count {
-            _ if self.closed => i as f64 / count as f64,
-            0 | 1 => 0.0,
-            _ => i as f64 / (count - 1) as f64,
-        }
-    }
-
-    /// The velocity by ρ at `rho`: `f′(ρ)`.
-    pub fn derivative_at(&self, rho: f64) -> [f64; 2] {
-        let [_, velocity] = self.jet(rho);
-        velocity
-    }
-
-    /// The direction in which the curve goes at `rho`, of length 1. Where the curve stands still there (a cusp, control
-    /// points one upon the other), the one in which it goes on, or, at its end, comes; `None` if it is a point.
-    pub fn tangent_at(&self, rho: f64) -> Option<[f64; 2]> {
-        let [_, velocity, acceleration] = self.jet(rho);
-        let still = self.rounding();
-        let speed = norm(velocity);
-        if speed > still {
-            return Some(velocity.map(|c| c / speed));
-        }
-        let turn = norm(acceleration);
-        let sign = if rho >= 1.0 && !self.closed {
-            -1.0
-        } else {
-            1.0
-        };
-        (turn > 2.0 * self.rate() * still).then(|| acceleration.map(|c| sign * c / turn))
     }
 
     /// The direction across the curve at `rho`, of length 1: its tangent turned from the x axis towards the y axis, which in
@@ -148,16 +98,6 @@ impl<'a> Shape<'a> {
         (speed > self.rounding()).then(|| turning / speed.powi(3))
     }
 
-    /// How much the point at `rho` moves with each control point: `∂f(ρ)/∂sⱼ`, one number for each, the same for x and
-    /// y. With `s` moved by `ds`, the point moves by `Σⱼ Jⱼ dsⱼ`.
-    pub fn jacobian_at(&self, rho: f64) -> Jacobian {
-        let [values] = self.rows(rho);
-        Jacobian {
-            values,
-            count: self.control_points.len(),
-        }
-    }
-
     /// How uncertain all control points are together.
     pub fn covariance(&self) -> Covariance<'a> {
         Covariance::of(*self)
@@ -168,17 +108,131 @@ impl<'a> Shape<'a> {
     pub fn covariance_at(&self, rho: f64) -> [f64; 3] {
         self.covariance().of_point(rho)
     }
+}
+
+impl<'a> Shape<'a, 3> {
+    /// The curve of a rope in space.
+    ///
+    /// # Errors
+    /// It is not known where the rope is; or as [`Shape::of`].
+    pub fn in_space(descriptor: &'a Descriptor3) -> Result<Self, NoShape> {
+        // Each is read once, as above.
+        let [count, samples] =
+            [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
+        let place = descriptor.place().ok_or(NoShape::Unreadable)?;
+        if !matches!(place, Place::Known | Place::Before) || count == 0 {
+            return Err(NoShape::Nowhere(place));
+        }
+        let functions = Functions {
+            basis: descriptor.basis(),
+            order: descriptor.order as usize,
+            weights: &descriptor.weights,
+            knots: &descriptor.knots,
+        };
+        let form = Form::of(functions, &descriptor.control_points, count, samples)?;
+        Ok(Self {
+            form,
+            control_points: &descriptor.control_points[..count],
+            covariances: descriptor.covariances[..count].as_flattened(),
+            samples,
+            closed: matches!(form, Form::Fourier),
+        })
+    }
+
+    /// One by the radius of the circle that the curve follows at `rho`, 1/mm. `None` where it stands still.
+    pub fn curvature_at(&self, rho: f64) -> Option<f64> {
+        let [_, v, a] = self.jet(rho);
+        let speed = norm(v);
+        let turning = [1, 2, 0].map(|i| {
+            let j = (i + 1) % 3;
+            v[i] * a[j] - v[j] * a[i]
+        });
+        (speed > self.rounding()).then(|| norm(turning) / speed.powi(3))
+    }
+}
+
+impl<'a, const D: usize> Shape<'a, D> {
+    /// What it is made of; of a closed rope the coefficients of its Fourier series.
+    pub fn control_points(&self) -> &'a [[f64; D]] {
+        self.control_points
+    }
+
+    /// Whether it ends where it begins.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The point at `rho`.
+    pub fn point_at(&self, rho: f64) -> [f64; D] {
+        let [point] = self.jet(rho);
+        point
+    }
+
+    /// The point of the curve that is nearest to `point`: of ρ from 0 to 1.
+    pub fn nearest(&self, point: [f64; D]) -> Nearest<D> {
+        nearest::nearest(self, point)
+    }
+
+    /// `N` points of the curve at even steps of ρ: from its first end to its last, or once around a closed one.
+    pub fn points<const N: usize>(&self) -> [[f64; D]; N] {
+        std::array::from_fn(|i| self.point_at(self.even_rho(i, N)))
+    }
+
+    /// The `i`-th of `count` values of ρ in even steps: from 0 to 1, or, once around, to one step before 1.
+    pub fn even_rho(&self, i: usize, count: usize) -> f64 {
+        match count {
+            _ if self.closed => i as f64 / count as f64,
+            0 | 1 => 0.0,
+            _ => i as f64 / (count - 1) as f64,
+        }
+    }
+
+    /// The velocity by ρ at `rho`: `f′(ρ)`.
+    pub fn derivative_at(&self, rho: f64) -> [f64; D] {
+        let [_, velocity] = self.jet(rho);
+        velocity
+    }
+
+    /// The direction in which the curve goes at `rho`, of length 1. Where the curve stands still there (a cusp, control
+    /// points one upon the other), the one in which it goes on, or, at its end, comes; `None` if it is a point.
+    pub fn tangent_at(&self, rho: f64) -> Option<[f64; D]> {
+        let [_, velocity, acceleration] = self.jet(rho);
+        let still = self.rounding();
+        let speed = norm(velocity);
+        if speed > still {
+            return Some(velocity.map(|c| c / speed));
+        }
+        let turn = norm(acceleration);
+        let sign = if rho >= 1.0 && !self.closed {
+            -1.0
+        } else {
+            1.0
+        };
+        (turn > 2.0 * self.rate() * still).then(|| acceleration.map(|c| sign * c / turn))
+    }
+
+    /// How much the point at `rho` moves with each control point: `∂f(ρ)/∂sⱼ`, one number for each, the same for every
+    /// axis. With `s` moved by `ds`, the point moves by `Σⱼ Jⱼ dsⱼ`.
+    pub fn jacobian_at(&self, rho: f64) -> Jacobian {
+        let [values] = self.rows(rho);
+        Jacobian {
+            values,
+            count: self.control_points.len(),
+        }
+    }
 
     fn rows<const K: usize>(&self, rho: f64) -> rows::Rows<K> {
         rows::rows(&self.form, self.control_points.len(), rho)
     }
 
     /// The point and its derivatives by ρ.
-    fn jet<const K: usize>(&self, rho: f64) -> [[f64; 2]; K] {
+    fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {
         self.rows::<K>(rho).map(|row| {
-            let mut sum = [0.0; 2];
+            let mut sum = [0.0; D];
             for (value, point) in row.iter().zip(self.control_points) {
-                sum = [sum[0] + value * point[0], sum[1] + value * point[1]];
+                for (sum, c) in sum.iter_mut().zip(point) {
+                    *sum += value * c;
+                }
             }
             sum
         })
@@ -221,6 +275,6 @@ impl Deref for Jacobian {
     }
 }
 
-fn norm(v: [f64; 2]) -> f64 {
-    v[0].hypot(v[1])
+fn norm<const D: usize>(v: [f64; D]) -> f64 {
+    v.iter().fold(0.0, |norm: f64, &c| norm.hypot(c))
 }

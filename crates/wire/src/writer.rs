@@ -16,12 +16,13 @@ use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use crate::channel::{Channel, Delivery, FRAMES, MASKS, Payload};
+use crate::channel::{Channel, DEPTH, Delivery, FRAMES, MASKS, Payload};
 use crate::door::Held;
 use crate::patience::Meanwhile;
 use crate::ready::{self, Bell, Ear};
 use crate::{
-    Centerlines, Command, Descriptors, Domain, FrameHeader, Rig, WireError, memory, patience, quiet,
+    Centerlines, Command, Descriptors, Descriptors3, Domain, FrameHeader, Rig, WireError, memory,
+    patience, quiet,
 };
 
 /// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
@@ -96,6 +97,7 @@ macro_rules! message_writer {
 message_writer!(Centerlines);
 message_writer!(Command);
 message_writer!(Descriptors);
+message_writer!(Descriptors3);
 
 impl Writer<[u8]> {
     /// Becomes the writer of a rig's frames, of up to `largest` bytes each.
@@ -128,6 +130,16 @@ impl Writer<[u8]> {
         largest: usize,
     ) -> Result<Self, WireError> {
         Self::images(domain, rig, &MASKS, delivery, largest, 1, None)
+    }
+
+    /// Becomes the writer of a rig's depth images, of up to `largest` bytes each.
+    pub fn depths(
+        domain: &Domain,
+        rig: &Rig,
+        delivery: &Delivery,
+        largest: usize,
+    ) -> Result<Self, WireError> {
+        Self::images(domain, rig, &DEPTH, delivery, largest, 1, None)
     }
 
     /// `meanwhile`: what is done now and then while it waits for a slow reader.
@@ -362,4 +374,5 @@ macro_rules! slot_access {
 slot_access!(Centerlines);
 slot_access!(Command);
 slot_access!(Descriptors);
+slot_access!(Descriptors3);
 slot_access!([u8]);

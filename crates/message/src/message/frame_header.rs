@@ -51,6 +51,17 @@ impl FrameHeader {
         }
     }
 
+    /// What stands beside a depth image of this frame: `Gray16` of its own size, rows one after the other, with its trace.
+    pub const fn of_depth(&self, [width, height]: [u32; 2]) -> Self {
+        Self {
+            width,
+            height,
+            stride: 2 * width,
+            pixel_format: PixelFormat::Gray16 as u32,
+            ..*self
+        }
+    }
+
     /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
     pub fn image_bytes(&self) -> Option<usize> {
         let format = self.format()?;

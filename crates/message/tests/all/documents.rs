@@ -4,13 +4,14 @@ use std::fmt::Write;
 
 use lariat_message::fields::{Codes, Field, Layout, Meaning, Type};
 use lariat_message::{
-    Basis, CenterlinePoints, Centerlines, Command, Crossing, Curve, Descriptor, Descriptors,
-    FitQuality, FrameHeader, PixelFormat, SourceKind, Status, Trace, Unit,
+    Axes, Basis, CenterlinePoints, Centerlines, Command, Crossing, Curve, Descriptor, Descriptor3,
+    Descriptors, Descriptors3, FitQuality, FrameHeader, PixelFormat, Place, SourceKind, Status,
+    Trace, Unit,
 };
 
 use crate::{hold, plain};
 
-const MESSAGES: [&Layout; 9] = [
+const MESSAGES: [&Layout; 11] = [
     &Trace::LAYOUT,
     &FrameHeader::LAYOUT,
     &Curve::LAYOUT,
@@ -19,15 +20,19 @@ const MESSAGES: [&Layout; 9] = [
     &Descriptor::LAYOUT,
     &CenterlinePoints::LAYOUT,
     &Descriptors::LAYOUT,
+    &Descriptor3::LAYOUT,
+    &Descriptors3::LAYOUT,
     &Command::LAYOUT,
 ];
-const CODES: [&Codes; 6] = [
+const CODES: [&Codes; 8] = [
     &PixelFormat::CODES,
     &SourceKind::CODES,
     &Status::CODES,
     &FitQuality::CODES,
     &Basis::CODES,
     &Unit::CODES,
+    &Place::CODES,
+    &Axes::CODES,
 ];
 
 #[test]

@@ -26,6 +26,11 @@ impl<'a> Covariance<'a> {
         Self { shape }
     }
 
+    /// Each control point's own, `[xx, xy, yy]`.
+    fn each(&self) -> &'a [[f64; 3]] {
+        self.shape.covariances.as_chunks().0
+    }
+
     /// Whether it is that of plain least squares, or of its filter: right to rounding. If not (ridge, pinned ends, weights,
     /// a plane), each control point's own covariance is right, and how two of them hang together is that of the plain fit.
     /// Rational curves, whose weights err too, are never exact.
@@ -34,7 +39,7 @@ impl<'a> Covariance<'a> {
             return false;
         }
         Inverse::with(&self.shape, |inverse| {
-            let mut ratios = self.shape.covariances.iter().enumerate().map(|(j, d)| {
+            let mut ratios = self.each().iter().enumerate().map(|(j, d)| {
                 let even = d[1].abs() <= ROUNDING * d[0] && (d[0] - d[2]).abs() <= ROUNDING * d[0];
                 even.then(|| d[0] / inverse.variance(j))
             });
@@ -50,7 +55,7 @@ impl<'a> Covariance<'a> {
     /// # Panics
     /// If there is no such control point.
     pub fn block(&self, j: usize, k: usize) -> [[f64; 2]; 2] {
-        let [a, b] = [j, k].map(|i| root(self.shape.covariances[i]));
+        let [a, b] = [j, k].map(|i| root(self.each()[i]));
         let correlation = Inverse::with(&self.shape, |inverse| {
             let dot: f64 = inverse.row(j).iter().zip(inverse.row(k)).map(product).sum();
             dot / (inverse.variance(j) * inverse.variance(k)).sqrt()
@@ -88,7 +93,7 @@ impl<'a> Covariance<'a> {
         Inverse::with(&self.shape, |inverse| {
             // Σⱼₖ bⱼbₖ Dⱼ^½ cⱼₖ Dₖ^½ = Σ_c Y_c Y_cᵀ with Y_c = Σⱼ bⱼ Dⱼ^½ R⁻¹ⱼ_c/√Gⱼⱼ: a sum of squares, never negative.
             let mut columns = [[[0.0; 2]; 2]; crate::MAX_CONTROL_POINTS];
-            for (j, &covariance) in self.shape.covariances.iter().enumerate() {
+            for (j, &covariance) in self.each().iter().enumerate() {
                 let scale = values[j] / inverse.variance(j).sqrt();
                 let weighed = root(covariance).map(|row| row.map(|entry| scale * entry));
                 for (column, r) in columns.iter_mut().zip(inverse.row(j)) {

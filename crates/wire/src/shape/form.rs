@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use crate::{Basis, Descriptor, MAX_CONTROL_POINTS, MAX_POINTS};
+use crate::{Basis, MAX_CONTROL_POINTS, MAX_POINTS, Place};
 
 /// Which functions the control points weigh.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,15 @@ pub(super) enum Form<'a> {
     Fourier,
 }
 
+/// What a descriptor says of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Functions<'a> {
+    pub(super) basis: Option<Basis>,
+    pub(super) order: usize,
+    pub(super) weights: &'a [f64; MAX_CONTROL_POINTS],
+    pub(super) knots: &'a [f64; MAX_CONTROL_POINTS],
+}
+
 /// Why a descriptor has no curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum NoShape {
@@ -46,23 +55,30 @@ pub enum NoShape {
         "the descriptor's numbers make no curve: use the same release of lariat for every process on the rig"
     )]
     Unreadable,
+    /// It is not known where in space the rope is.
+    #[error("it is not known where in space the rope is: {}", .0.name())]
+    Nowhere(Place),
 }
 
 impl<'a> Form<'a> {
     /// Checks what was read of the descriptor, and reads and checks all else that the curve is made of.
-    pub(super) fn of(
-        descriptor: &'a Descriptor,
+    pub(super) fn of<const D: usize>(
+        functions: Functions<'a>,
+        control_points: &[[f64; D]; MAX_CONTROL_POINTS],
         count: usize,
         samples: usize,
     ) -> Result<Self, NoShape> {
-        let order = descriptor.order as usize;
-        let (Some(basis), true) = (
-            descriptor.basis(),
-            (1..=MAX_CONTROL_POINTS).contains(&count),
-        ) else {
+        let Functions {
+            order,
+            weights,
+            knots,
+            ..
+        } = functions;
+        let (Some(basis), true) = (functions.basis, (1..=MAX_CONTROL_POINTS).contains(&count))
+        else {
             return Err(NoShape::Unreadable);
         };
-        let coordinates = descriptor.control_points[..count].iter().flatten();
+        let coordinates = control_points[..count].iter().flatten();
         // Each evaluation goes through all points that were fitted.
         let is_fitted = (count..=MAX_POINTS).contains(&samples);
         if !coordinates.clone().all(|c| c.is_finite()) || !is_fitted {
@@ -72,10 +88,10 @@ impl<'a> Form<'a> {
             Basis::Bezier if count == order + 1 => Self::Bezier,
             Basis::BSpline if (1..count).contains(&order) => Self::BSpline {
                 degree: order,
-                inner: &descriptor.knots[..count - order - 1],
+                inner: &knots[..count - order - 1],
             },
             Basis::RationalBezier if count == order + 1 => Self::Rational {
-                weights: &descriptor.weights[..count],
+                weights: &weights[..count],
             },
             Basis::Fourier if count == 2 * order + 1 => Self::Fourier,
             Basis::FeaturePoints => return Err(NoShape::FeaturePoints),

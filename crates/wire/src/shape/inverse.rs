@@ -38,7 +38,7 @@ thread_local! {
 impl Inverse {
     /// Lends the inverse of a shape's `B`. It is worked out where the last two were others: for 9 control points and 120
     /// points some ten microseconds, and at first some kilobytes.
-    pub(super) fn with<T>(shape: &Shape, use_it: impl FnOnce(&Self) -> T) -> T {
+    pub(super) fn with<const D: usize, T>(shape: &Shape<D>, use_it: impl FnOnce(&Self) -> T) -> T {
         let key = Key::of(shape);
         LAST.with_borrow_mut(|last| {
             match last.iter().position(|(known, _)| *known == key) {
@@ -66,7 +66,7 @@ impl Inverse {
         self.row(j).iter().map(|r| r * r).sum()
     }
 
-    fn of(shape: &Shape) -> Self {
+    fn of<const D: usize>(shape: &Shape<D>) -> Self {
         let count = shape.control_points.len();
         let mut triangle = [[0.0; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS];
         for i in 0..shape.samples {
@@ -122,7 +122,7 @@ fn inverted(
 }
 
 impl Key {
-    fn of(shape: &Shape) -> Self {
+    fn of<const D: usize>(shape: &Shape<D>) -> Self {
         let (kind, degree, given) = match shape.form {
             Form::Bezier => (0, 0, &[][..]),
             Form::BSpline { degree, inner } => (1, degree, inner),

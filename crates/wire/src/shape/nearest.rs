@@ -12,18 +12,18 @@ const HALVINGS: usize = 52;
 
 /// Where a curve, or a line of points, is nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
+pub struct Nearest<const D: usize = 2> {
     /// Where along it.
     pub rho: f64,
     /// The point on it.
-    pub point: [f64; 2],
+    pub point: [f64; D],
     /// How far that is away.
     pub distance: f64,
 }
 
-impl Nearest {
-    pub(crate) fn to(point: [f64; 2], rho: f64, on: [f64; 2]) -> Self {
-        let distance = norm([on[0] - point[0], on[1] - point[1]]);
+impl<const D: usize> Nearest<D> {
+    pub(crate) fn to(point: [f64; D], rho: f64, on: [f64; D]) -> Self {
+        let distance = norm(between(on, point));
         Self {
             rho,
             point: on,
@@ -32,7 +32,12 @@ impl Nearest {
     }
 }
 
-pub(super) fn nearest(shape: &Shape, point: [f64; 2]) -> Nearest {
+/// From the second to the first.
+fn between<const D: usize>(to: [f64; D], from: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| to[k] - from[k])
+}
+
+pub(super) fn nearest<const D: usize>(shape: &Shape<D>, point: [f64; D]) -> Nearest<D> {
     let steps = LOOKS * shape.control_points.len().max(2);
     let closed = shape.closed;
     let look = |i: usize| {
@@ -47,12 +52,7 @@ pub(super) fn nearest(shape: &Shape, point: [f64; 2]) -> Nearest {
     for i in 0..=last {
         let after = look((i + 1).min(steps));
         let is_valley = here.distance <= before.distance && here.distance <= after.distance;
-        let [back, forth] = [before, after].map(|beside| {
-            norm([
-                beside.point[0] - here.point[0],
-                beside.point[1] - here.point[1],
-            ])
-        });
+        let [back, forth] = [before, after].map(|beside| norm(between(beside.point, here.point)));
         if is_valley && here.distance - back.max(forth) < nearest.distance {
             let step = 1.0 / steps as f64;
             let (mut from, mut to) = (here.rho - step, here.rho + step);
@@ -74,11 +74,16 @@ pub(super) fn nearest(shape: &Shape, point: [f64; 2]) -> Nearest {
 }
 
 /// Where in a bracket the way from the point meets the curve at a right angle, or an end of it.
-fn foot(shape: &Shape, point: [f64; 2], start: f64, [mut from, mut to]: [f64; 2]) -> f64 {
+fn foot<const D: usize>(
+    shape: &Shape<D>,
+    point: [f64; D],
+    start: f64,
+    [mut from, mut to]: [f64; 2],
+) -> f64 {
     let mut rho = start;
     for _ in 0..HALVINGS {
         let [at, velocity, acceleration] = shape.jet(rho);
-        let way = [at[0] - point[0], at[1] - point[1]];
+        let way = between(at, point);
         let slope = dot(way, velocity);
         match slope < 0.0 {
             true => from = rho,
@@ -98,6 +103,6 @@ fn foot(shape: &Shape, point: [f64; 2], start: f64, [mut from, mut to]: [f64; 2]
     rho
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
+fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
