@@ -355,6 +355,7 @@ mod tests {
         include_str!("../docs/running.md"),
         include_str!("../docs/service.md"),
         include_str!("../docs/servo.md"),
+        include_str!("../docs/space.md"),
         include_str!("../docs/unattended.md"),
         include_str!("../docs/view.md"),
     ];

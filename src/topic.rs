@@ -138,8 +138,10 @@ struct EchoArgs {
 enum ChannelName {
     Frames,
     Masks,
+    Depth,
     Centerlines,
     Descriptors,
+    Descriptors3,
     Truth,
 }
 
@@ -148,8 +150,10 @@ impl ChannelName {
         match self {
             Self::Frames => lariat_wire::FRAMES.name(),
             Self::Masks => lariat_wire::MASKS.name(),
+            Self::Depth => lariat_wire::DEPTH.name(),
             Self::Centerlines => lariat_wire::CENTERLINES.name(),
             Self::Descriptors => lariat_wire::DESCRIPTORS.name(),
+            Self::Descriptors3 => lariat_wire::DESCRIPTORS3.name(),
             Self::Truth => lariat_wire::TRUTH.name(),
         }
     }

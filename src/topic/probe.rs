@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use lariat_wire::{
-    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Descriptors, Domain, FRAMES, FrameHeader,
-    MASKS, Payload, Receiver, Rig, TRUTH, Trace, WireError, now_ns,
+    CENTERLINES, Centerlines, Channel, DEPTH, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3,
+    Domain, FRAMES, FrameHeader, MASKS, Payload, Receiver, Rig, TRUTH, Trace, WireError, now_ns,
 };
 
 use super::nap::Nap;
@@ -19,6 +19,7 @@ pub(super) enum Any<'a> {
     Image(&'a FrameHeader, &'a [u8]),
     Centerlines(&'a Centerlines),
     Descriptors(&'a Descriptors),
+    Descriptors3(&'a Descriptors3),
 }
 
 impl Any<'_> {
@@ -27,6 +28,7 @@ impl Any<'_> {
             Self::Image(header, _) => &header.trace,
             Self::Centerlines(message) => &message.trace,
             Self::Descriptors(message) => &message.trace,
+            Self::Descriptors3(message) => &message.trace,
         }
     }
 
@@ -36,6 +38,8 @@ impl Any<'_> {
             Self::Image(header, _) => header.is_blank(),
             Self::Centerlines(message) => message.width == 0,
             Self::Descriptors(message) => message.width == 0,
+            // It does not say.
+            Self::Descriptors3(_) => false,
         }
     }
 
@@ -45,6 +49,7 @@ impl Any<'_> {
             Self::Image(_, pixels) => size_of::<FrameHeader>() + pixels.len(),
             Self::Centerlines(_) => size_of::<Centerlines>(),
             Self::Descriptors(_) => size_of::<Descriptors>(),
+            Self::Descriptors3(_) => size_of::<Descriptors3>(),
         }
     }
 }
@@ -53,6 +58,7 @@ enum Reader {
     Images(Receiver<[u8]>),
     Centerlines(Receiver<Centerlines>),
     Descriptors(Receiver<Descriptors>),
+    Descriptors3(Receiver<Descriptors3>),
 }
 
 /// A reader of the channel that is looked at.
@@ -70,12 +76,16 @@ impl Probe {
         let reader = match place.channel {
             ChannelName::Frames => Reader::Images(open(domain, rig, &FRAMES, woken)?),
             ChannelName::Masks => Reader::Images(open(domain, rig, &MASKS, woken)?),
+            ChannelName::Depth => Reader::Images(open(domain, rig, &DEPTH, woken)?),
             ChannelName::Centerlines => {
                 Reader::Centerlines(open(domain, rig, &CENTERLINES, woken)?)
             }
             ChannelName::Truth => Reader::Centerlines(open(domain, rig, &TRUTH, woken)?),
             ChannelName::Descriptors => {
                 Reader::Descriptors(open(domain, rig, &DESCRIPTORS, woken)?)
+            }
+            ChannelName::Descriptors3 => {
+                Reader::Descriptors3(open(domain, rig, &DESCRIPTORS3, woken)?)
             }
         };
         Ok(Self {
@@ -100,6 +110,9 @@ impl Probe {
             Reader::Descriptors(reader) => reader
                 .next()?
                 .map(|message| see(Any::Descriptors(&message), now_ns())),
+            Reader::Descriptors3(reader) => reader
+                .next()?
+                .map(|message| see(Any::Descriptors3(&message), now_ns())),
         };
         self.came += usize::from(seen.is_some());
         Ok(seen)
@@ -118,6 +131,7 @@ impl Probe {
             Reader::Images(reader) => reader.sleep(deadline, stop),
             Reader::Centerlines(reader) => reader.sleep(deadline, stop),
             Reader::Descriptors(reader) => reader.sleep(deadline, stop),
+            Reader::Descriptors3(reader) => reader.sleep(deadline, stop),
         }
     }
 }

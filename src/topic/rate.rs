@@ -18,12 +18,12 @@ use super::watch::Meter;
 /// The counter and the stamp that the channel's writer gives its messages.
 fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     match channel {
-        // A mask has those of its frame.
-        ChannelName::Frames | ChannelName::Masks | ChannelName::Truth => {
+        // A mask and a depth image have those of their frame.
+        ChannelName::Frames | ChannelName::Masks | ChannelName::Depth | ChannelName::Truth => {
             (trace.captured, trace.captured_ns)
         }
         ChannelName::Centerlines => (trace.extracted, trace.extracted_ns),
-        ChannelName::Descriptors => (trace.fitted, trace.fitted_ns),
+        ChannelName::Descriptors | ChannelName::Descriptors3 => (trace.fitted, trace.fitted_ns),
     }
 }
 
@@ -42,7 +42,7 @@ impl Pace {
         }
         // Whoever makes masks need not make one of every frame, and does not count them.
         let sent = match channel {
-            ChannelName::Masks => 1,
+            ChannelName::Masks | ChannelName::Depth => 1,
             _ => count - count_before,
         };
         Some((sent, stamp_ns - before_ns))
@@ -52,7 +52,7 @@ impl Pace {
 /// A trace as if the frame's way ended with this channel: what a ledger then takes for lost behind the last stage is what
 /// was sent and not read here.
 fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
-    if channel == ChannelName::Masks {
+    if matches!(channel, ChannelName::Masks | ChannelName::Depth) {
         // Which were not made and which were not read cannot be told apart.
         let count = received + 1;
         return Trace {
@@ -66,7 +66,9 @@ fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
     }
     let (count, stamp_ns) = count_and_stamp(channel, trace);
     let extracted = match channel {
-        ChannelName::Centerlines | ChannelName::Descriptors => trace.extracted,
+        ChannelName::Centerlines | ChannelName::Descriptors | ChannelName::Descriptors3 => {
+            trace.extracted
+        }
         _ => count,
     };
     Trace {

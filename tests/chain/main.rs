@@ -16,6 +16,7 @@ mod rig;
 mod simulated;
 mod sink;
 mod sources;
+mod space;
 mod top;
 mod topic;
 mod users;

@@ -82,6 +82,7 @@
 //! sink counts it and does not time it. Before the first image there is nothing to be lost, and no blank frame.
 
 mod ahead;
+mod depth_files;
 mod follow;
 mod lent;
 mod mjpeg;
@@ -103,6 +104,7 @@ mod video;
 mod y4m;
 mod yuv;
 
+pub use depth_files::DepthFiles;
 pub use follow::FollowOptions;
 pub use lariat_drawn::{HandOptions, RenderOptions};
 pub use lent::{LentSlot, SlotKey};

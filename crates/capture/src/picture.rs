@@ -13,7 +13,7 @@ use crate::orientation;
 use crate::source::SourceError;
 
 /// Larger pictures are refused: more likely a broken head than a camera.
-const LARGEST_BYTES: u64 = 1 << 30;
+pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
 /// Enough of a file for its size to be known, in all but odd cases.
 const HEAD_BYTES: u64 = 64 << 10;
 

@@ -13,11 +13,12 @@ use crate::picture::{PICTURES, PictureDecoder, is_picture, names_a_picture, prob
 use crate::range::Frames;
 use crate::source::SourceError;
 
-/// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
-pub(crate) fn open_pictures(
+/// The files that pictures and folders mean, in the order given, a folder's in natural order; those of the range. And what
+/// there is to say of folders.
+pub(crate) fn chosen(
     paths: &[PathBuf],
     options: &FileOptions,
-) -> Result<Ahead, SourceError> {
+) -> Result<(Vec<PathBuf>, Vec<String>), SourceError> {
     let mut files = Vec::new();
     let mut warnings = Vec::new();
     for path in paths {
@@ -41,7 +42,16 @@ pub(crate) fn open_pictures(
         }
     }
     let frames = options.range.frames(options.fps)?;
-    let files = selected(files, frames)?;
+    Ok((selected(files, frames)?, warnings))
+}
+
+/// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
+pub(crate) fn open_pictures(
+    paths: &[PathBuf],
+    options: &FileOptions,
+) -> Result<Ahead, SourceError> {
+    let (files, warnings) = chosen(paths, options)?;
+    let frames = options.range.frames(options.fps)?;
     // A file whose head is broken is left in the sequence, to be lost when its turn comes.
     let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
     for layout in files.iter().filter_map(|file| probe(file).ok()) {

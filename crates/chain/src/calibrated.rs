@@ -3,7 +3,7 @@
 use crate::plane_file;
 use crate::settings;
 use anyhow::{Context, Result, bail};
-use lariat_camera::{Camera, Mapping, Plane};
+use lariat_camera::{Camera, DepthCalibration, Mapping, Plane, Pose};
 use lariat_wire::{Rig, Unit, members};
 use std::path::{Path, PathBuf};
 use toml::Table;
@@ -51,6 +51,38 @@ impl Calibrated {
             plane,
             unit,
         }))
+    }
+
+    /// The depth camera beside the colour one, and the colour camera's pose before the robot; `None` if the settings name none.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); no calibration of the colour camera.
+    pub fn depth(settings: &settings::Camera) -> Result<Option<(DepthCalibration, Option<Pose>)>> {
+        let read = |path: &Path, what: &str| {
+            crate::bounded::read_text(path)
+                .with_context(|| format!("cannot read {what} {}", path.display()))
+        };
+        let pose = match &settings.pose {
+            None => None,
+            Some(path) => {
+                let text = read(path, "the camera's pose")?;
+                let pose = Pose::from_yaml(&text).with_context(|| path.display().to_string())?;
+                Some(pose)
+            }
+        };
+        let Some(path) = &settings.depth else {
+            return Ok(None);
+        };
+        let Some(color) = &settings.calibration else {
+            bail!(
+                "depth needs the colour camera's own calibration, too: name it (--calibration FILE)"
+            );
+        };
+        let color = read_camera(color)?;
+        let text = read(path, "the depth camera's calibration")?;
+        let depth = DepthCalibration::from_yaml(&text, color)
+            .with_context(|| path.display().to_string())?;
+        Ok(Some((depth, pose)))
     }
 
     /// What points come in.

@@ -115,7 +115,15 @@ impl Settings {
     /// The files that are read, which no output may overwrite.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         let sources = self.capture.source.iter();
-        let files = [&self.camera.calibration, &self.camera.plane, &self.file];
+        let Camera {
+            calibration,
+            plane,
+            depth,
+            pose,
+            ..
+        } = &self.camera;
+        let beside = &self.capture.depth_images;
+        let files = [calibration, plane, depth, pose, beside, &self.file];
         let named = sources.chain(files.into_iter().flatten());
         named.map(PathBuf::as_path)
     }

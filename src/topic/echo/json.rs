@@ -29,6 +29,7 @@ impl Serialize for Line<'_> {
                 map.serialize_entry("bytes", &pixels.len())?;
             }
             Any::Centerlines(message) => write_fields(message, &[], &mut map)?,
+            Any::Descriptors3(message) => write_fields(message, &[], &mut map)?,
             Any::Descriptors(message) => {
                 write_fields(message, &["curves", "centerlines"], &mut map)?;
                 let points = message.centerlines();

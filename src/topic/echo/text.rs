@@ -2,8 +2,8 @@
 
 use lariat_sink::{Figure, Step};
 use lariat_wire::{
-    Basis, Centerlines, Curve, Descriptor, Descriptors, FitQuality, PixelFormat, SourceKind,
-    Status, Trace, Unit,
+    Axes, Basis, Centerlines, Curve, Descriptor, Descriptors, Descriptors3, FitQuality,
+    PixelFormat, Place, SourceKind, Status, Trace, Unit,
 };
 
 use crate::topic::probe::Any;
@@ -28,6 +28,7 @@ pub(super) fn paragraph(channel: &str, message: Any) -> String {
         }
         Any::Centerlines(message) => centerlines(message, &mut text),
         Any::Descriptors(message) => descriptors(message, &mut text),
+        Any::Descriptors3(message) => descriptors3(message, &mut text),
     }
     // What is known of ropes goes on without an image.
     if let (true, Any::Descriptors(message)) = (message.is_blank(), message) {
@@ -160,6 +161,38 @@ fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
     in_lines(curve.control_points().iter().copied(), text);
 }
 
+fn descriptors3(message: &Descriptors3, text: &mut String) {
+    if message.curves().is_empty() {
+        *text += "  no rope\n";
+    }
+    let axes = Axes::word(message.axes);
+    for curve in message.curves() {
+        let (track, status) = (curve.track, Status::word(curve.status));
+        let more = more(curve.closed, curve.border, curve.age_ns);
+        if curve.control_points().is_empty() {
+            let place = Place::word(curve.place);
+            add(
+                &format!("rope {track}: {status}{more}; in space: {place}"),
+                2,
+                text,
+            );
+            continue;
+        }
+        let sentence = format!(
+            "rope {track}: {status}{more}; {} of order {}, {}, {:.1} mm long, {:.1} wide, {} of {} points measured, {axes} axes",
+            Basis::word(curve.basis),
+            curve.order,
+            Place::word(curve.place),
+            curve.length,
+            curve.width,
+            curve.measured,
+            curve.points().len(),
+        );
+        add(&sentence, 2, text);
+        in_lines(curve.control_points().iter().copied(), text);
+    }
+}
+
 /// What is not so of most ropes.
 fn more(closed: u32, border: u32, age_ns: u64) -> String {
     let mut text = String::new();
@@ -179,8 +212,11 @@ fn more(closed: u32, border: u32, age_ns: u64) -> String {
 }
 
 /// Points, as many a line as fit.
-fn in_lines(points: impl Iterator<Item = [f64; 2]>, text: &mut String) {
-    let points = points.map(|[x, y]| format!("({x:.1}, {y:.1})"));
+fn in_lines<const D: usize>(points: impl Iterator<Item = [f64; D]>, text: &mut String) {
+    let points = points.map(|point| {
+        let numbers = point.map(|c| format!("{c:.1}"));
+        format!("({})", numbers.join(", "))
+    });
     let lines = flowed(points, layout::width().saturating_sub(4));
     *text += &format!("    {}\n", lines.replace('\n', "\n    "));
 }

@@ -25,6 +25,16 @@ impl<'a> FrameView<'a> {
         Self { header, bytes }
     }
 
+    /// What stands beside its bytes.
+    pub fn header(self) -> &'a FrameHeader {
+        self.header
+    }
+
+    /// Its bytes.
+    pub fn bytes(self) -> &'a [u8] {
+        self.bytes
+    }
+
     /// The frame as the extractor takes it.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 mod filters;
 mod place;
 mod ropes;
+mod space;
 mod steady;
 
 use crate::calibrated::Calibrated;
@@ -10,13 +11,15 @@ use crate::settings::{self, Settings};
 use anyhow::Result;
 use filters::Filters;
 use lariat_camera::Mapping;
-use lariat_fit::{Fit, Judged, Line};
+use lariat_fit::{Fit, Judged, Line, Prediction};
 use lariat_wire::{
     Basis, CenterlinePoints, Centerlines, Curve, Descriptor, Descriptors, FitQuality,
     MAX_CONTROL_POINTS, MAX_POINTS, Status, Unit,
 };
 use place::Placer;
 use steady::{Rope, RopeFitter};
+
+pub use space::SpaceFitter;
 
 use super::Warned;
 
@@ -119,7 +122,9 @@ impl CurveFitter {
         let mut count = 0;
         for curve in seen.curves() {
             let descriptor = &mut message.curves[count];
-            match self.describe(curve, seen.trace.exposed_ns, descriptor) {
+            let described = check_points(seen, curve)
+                .and_then(|()| self.describe(curve, seen.trace.exposed_ns, descriptor));
+            match described {
                 Ok(judged) => {
                     self.tell(judged, descriptor);
                     self.write_points(curve, &mut message.centerlines[count]);
@@ -164,8 +169,11 @@ impl CurveFitter {
             true => FitQuality::Good,
             false => FitQuality::Coarse,
         } as u32;
-        if let Some(filters) = &mut self.filters {
-            filters.apply(exposed_ns, fitter, descriptor);
+        if let Some(filters) = &mut self.filters
+            && descriptor.status() != Some(Status::Lost)
+            && let Some(now) = filters.take_in(exposed_ns, descriptor.track, fitter)
+        {
+            write_filtered(now, descriptor);
         }
         Ok(judged)
     }
@@ -231,6 +239,7 @@ impl CurveFitter {
             closed: curve.closed != 0,
             width,
             unit_per_px,
+            noise: 0.0,
             // A lost rope is where it was then.
             seen_ns: exposed_ns.saturating_sub(curve.age_ns),
         };
@@ -243,17 +252,53 @@ impl CurveFitter {
     }
 }
 
-/// Writes the fitted curve.
-fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
-    let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
-    descriptor.basis = match fit.basis {
+/// Whether a curve has as many points as its frame's first. Extract sends no others, and the algebra for each number of points
+/// takes milliseconds.
+///
+/// # Errors
+/// It has not.
+fn check_points(seen: &Centerlines, curve: &Curve) -> Result<()> {
+    let first = seen
+        .curves()
+        .first()
+        .map_or(0, |first| first.points().len());
+    if curve.points().len() != first {
+        anyhow::bail!(
+            "the curves of a frame have different numbers of points: use the same release for all stages"
+        );
+    }
+    Ok(())
+}
+
+/// Replaces control points by the filtered ones.
+fn write_filtered(now: &Prediction<2>, descriptor: &mut Descriptor) {
+    let count = now.control_points.len();
+    descriptor.filtered = 1;
+    descriptor.control_points[..count].copy_from_slice(&now.control_points);
+    descriptor.velocities[..count].copy_from_slice(&now.velocities_px_s);
+    let variances = now.covariance_px2.iter().step_by(count + 1);
+    // The filter has one covariance for both axes.
+    for (to, &variance) in descriptor.covariances.iter_mut().zip(variances) {
+        *to = [variance, 0.0, variance];
+    }
+}
+
+/// A basis's number in messages.
+fn basis(basis: lariat_fit::Basis) -> Basis {
+    match basis {
         lariat_fit::Basis::BSpline { .. } => Basis::BSpline,
         lariat_fit::Basis::RationalBezier { .. } => Basis::RationalBezier,
         lariat_fit::Basis::Fourier { .. } => Basis::Fourier,
         lariat_fit::Basis::FeaturePoints { .. } => Basis::FeaturePoints,
         lariat_fit::Basis::CenterOfMass => Basis::CenterOfMass,
         lariat_fit::Basis::Bezier { .. } => Basis::Bezier,
-    } as u32;
+    }
+}
+
+/// Writes the fitted curve.
+fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
+    let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
+    descriptor.basis = basis(fit.basis) as u32;
     descriptor.order = fit.basis.order() as u32;
     descriptor.count = count as u32;
     descriptor.rms = fit.rms_px;

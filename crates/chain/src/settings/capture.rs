@@ -40,6 +40,8 @@ pub struct Capture {
     pub follow: bool,
     /// Which of a recording's images are shown, if it has those of several cameras.
     pub topic: Option<String>,
+    /// Depth images beside pictures: a folder of them.
+    pub depth_images: Option<PathBuf>,
     /// What is asked of a camera.
     pub camera: CameraSettings,
 }
@@ -58,6 +60,7 @@ impl Default for Capture {
             range: Range::default(),
             follow: false,
             topic: None,
+            depth_images: None,
             camera: CameraSettings::default(),
         }
     }
@@ -106,19 +109,23 @@ impl Capture {
             truth_points: points as u32,
             ..defaults
         };
-        let files = FileOptions {
+        let mut source = Source::named(&self.source, self.file_options(), rendered);
+        if let Source::Recording(recording) = &mut source {
+            recording.topic.clone_from(&self.topic);
+        }
+        source
+    }
+
+    /// Which part of files is shown, and how.
+    pub fn file_options(&self) -> FileOptions {
+        FileOptions {
             range: self.range,
             looped: self.looped,
             fps: match self.pace() {
                 Pace::Fps(fps) => Some(fps),
                 Pace::Max => None,
             },
-        };
-        let mut source = Source::named(&self.source, files, rendered);
-        if let Source::Recording(recording) = &mut source {
-            recording.topic.clone_from(&self.topic);
         }
-        source
     }
 
     /// What frames in a pipe are, if no video.
@@ -163,6 +170,16 @@ impl Capture {
     /// Whether the source is a camera.
     pub fn is_camera(&self) -> bool {
         matches!(&self.source[..], [path] if names_a_camera(path))
+    }
+
+    /// Whether frames are pictures in files.
+    pub fn is_of_pictures(&self) -> bool {
+        let is_drawn = self.is_simulated() || self.source[..] == [PathBuf::from("rendered")];
+        let is_video = |path: &PathBuf| {
+            let ending = path.extension();
+            ending.is_some_and(|ending| ending.eq_ignore_ascii_case("y4m"))
+        };
+        !self.has_own_pace() && !is_drawn && !self.source.iter().any(is_video)
     }
 
     /// Whether a process of the user's writes the frames.

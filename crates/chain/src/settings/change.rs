@@ -55,6 +55,8 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
             Way::Anew(&[Stage::Capture, Stage::Extract])
         }
         ("extract", _) => Way::Live(Stage::Extract),
+        // Channels more, or less; and capture may know the depth camera's files by itself.
+        ("camera", "depth" | "depth_deadline_us") => Way::Anew(&[Stage::Capture, Stage::Fit]),
         ("fit" | "camera", _) => Way::Live(Stage::Fit),
         ("capture", "source") if all.iter().any(|s| s.capture.is_external()) => Way::Fixed,
         ("capture", _) if all.iter().all(|s| s.capture.is_external()) => Way::Chain,
@@ -154,7 +156,7 @@ impl Settings {
 pub fn settings_of(member: &Member) -> Result<Settings> {
     let mut table: toml::Table = member.settings.parse()?;
     if let Some(camera) = table.get_mut("camera").and_then(Value::as_table_mut) {
-        for key in ["calibration", "plane"] {
+        for key in ["calibration", "plane", "depth", "pose"] {
             if let Some(Value::String(path)) = camera.get_mut(key) {
                 *path = member.folder.join(&*path).to_string_lossy().into_owned();
             }

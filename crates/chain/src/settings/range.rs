@@ -135,6 +135,12 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
             "it chooses among the images of a recording: name one (.mcap) as the source".to_owned(),
         ));
     }
+    if capture.depth_images.is_some() && !capture.is_of_pictures() {
+        return Some((
+            "depth_images",
+            "depth images lie beside pictures, one for each: name a folder of pictures as the source".to_owned(),
+        ));
+    }
     if let Some(name) = capture.camera.pixel_format {
         let named = camera::pixel_format_value(&Some(name));
         if capture.is_camera() && name.code.is_none() {

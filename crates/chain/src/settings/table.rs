@@ -154,6 +154,10 @@ pub(super) const KEYS: &[Key] = keys! {
     capture.topic: Maybe("\"/left/image_raw\"", TEXT),
         "Which images of a recording are shown, if it has those of several cameras; `lariat info` lists them.",
         "--topic TOPIC", "capture trace", "Source", "Of a recording with several cameras, the images";
+    capture.depth_images: Maybe("\"depth/\"", PATH),
+        "Depth images beside the source's pictures: a folder of PNG files of 16 bits, one for each, in the same order. camera.depth\n\
+         says what they are.",
+        "--depth-images PATH", "capture", "Source", "Depth images beside the pictures: a folder";
     capture.camera.pixel_format: By(camera::pixel_format, camera::pixel_format_value, Takes::Text),
         "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.\n\
          Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, yuyv, uyvy, nv12, gray16, bayer_rggb8, ...",
@@ -197,6 +201,16 @@ pub(super) const KEYS: &[Key] = keys! {
         "What descriptors come in: \"px\" of the image (with a calibration, of one without distortion), or \"mm\" on the\n\
          plane. If not set, mm where a plane is named.",
         "--unit UNIT", SHAPES, "Millimetres", "What descriptors come in";
+    camera.depth: Maybe("\"depth.yaml\"", PATH),
+        "A depth camera beside the colour one: its calibration, its pose to the colour camera, and how it errs. Ropes are described in\n\
+         space, too, in mm, from the images on lariat/<rig>/depth.",
+        "--depth FILE", "capture fit", "Millimetres", "Depth camera beside the colour one: a YAML file";
+    camera.pose: Maybe("\"pose.yaml\"", PATH),
+        "Where the colour camera stands before the robot (hand-eye): rotation and translation_mm. Ropes in space are described in the\n\
+         robot's frame then, else in the camera's.",
+        "--pose FILE", "fit", "Millimetres", "Pose of the camera before the robot: a YAML file";
+    camera.depth_deadline as depth_deadline_us: MICROSECONDS,
+        "A frame whose depth image has not come this long after its capture is described without, in microseconds.";
 
     extract.mask: By(meaning::mask, meaning::mask_value, Takes::Toml),
         "What is rope. \"auto\" takes what differs from the background; \"network\" asks a small neural network, for ropes\n\

@@ -9,6 +9,7 @@ use lariat_extract::Region;
 use lariat_wire::Unit as Sent;
 use std::fmt;
 use std::path::PathBuf;
+use std::time::Duration;
 use toml::Value;
 
 /// What descriptors are to come in.
@@ -35,7 +36,7 @@ impl fmt::Display for Unit {
 }
 
 /// `[camera]`: lens and plane.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// The lens's calibration.
     pub calibration: Option<PathBuf>,
@@ -43,12 +44,34 @@ pub struct Camera {
     pub plane: Option<PathBuf>,
     /// Millimetres where a plane is named, if the user says nothing.
     pub unit: Option<Unit>,
+    /// The depth camera beside it.
+    pub depth: Option<PathBuf>,
+    /// Its pose before a robot.
+    pub pose: Option<PathBuf>,
+    /// How long after its capture a frame's depth image is waited for.
+    pub depth_deadline: Duration,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            calibration: None,
+            plane: None,
+            unit: None,
+            depth: None,
+            pose: None,
+            depth_deadline: Duration::from_millis(50),
+        }
+    }
 }
 
 impl Camera {
     /// What is wrong with the files it names.
     pub(super) fn problem(&self) -> Option<String> {
-        let error = Calibrated::load(self).err()?;
+        let load = Calibrated::load(self).map(|_| ());
+        let error = load
+            .and_then(|()| Calibrated::depth(self).map(|_| ()))
+            .err()?;
         Some(format!("{error:#}"))
     }
 }

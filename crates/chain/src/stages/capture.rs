@@ -3,9 +3,10 @@
 use std::os::fd::AsFd;
 
 use anyhow::Context;
-use lariat_capture::{Frame, FrameSource, Next, Source, SourceError, Until};
+use lariat_capture::{DepthFiles, Frame, FrameSource, Next, Source, SourceError, Until};
 use lariat_wire::{
-    Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
+    Centerlines, Command, CommandReader, Delivery, Domain, Slot, SourceKind, TRUTH, Trace, Writer,
+    now_ns,
 };
 
 use super::arrangement::precise_timer;
@@ -66,11 +67,13 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery)
         })
         .transpose()?;
+    let depths = Depths::open(settings, &station)?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
     let mut sender = Sender {
         lender: SlotLender::new(source, &frames)?,
         truth: truth.as_ref(),
+        depths,
         schedule: Schedule::new(
             &settings.capture,
             matches!(station.delivery, Delivery::Lossless { .. }),
@@ -150,6 +153,7 @@ fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameS
 struct Sender<'w> {
     lender: SlotLender<'w>,
     truth: Option<&'w Writer<Centerlines>>,
+    depths: Option<Depths>,
     schedule: Schedule,
     sent: Sent,
     /// What its numbers are ahead of the source's.
@@ -219,6 +223,10 @@ impl Sender<'_> {
                 self.lender.source.truth(&mut slot).then_some(slot)
             }
         };
+        let depth_slot = match &mut self.depths {
+            None => None,
+            Some(depths) => depths.slot(frame.sequence)?,
+        };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
         let after_ns = self.lender.source.due_after_ns();
@@ -243,7 +251,13 @@ impl Sender<'_> {
         };
         trace.set_restarts(0, self.restarts);
         station.heirloom.note(self.sent, frame.sequence);
-        *slot.header_mut() = frame_header(frame, self.lender.source.kind(), trace);
+        let header = frame_header(frame, self.lender.source.kind(), trace);
+        *slot.header_mut() = header;
+        // Whoever has the frame finds its depth.
+        if let Some(DepthSlot { size, mut slot }) = depth_slot {
+            *slot.header_mut() = header.of_depth(size);
+            slot.send()?;
+        }
         slot.send()?;
         if let Some(mut slot) = truth_slot {
             slot.trace = trace;
@@ -255,6 +269,55 @@ impl Sender<'_> {
         self.lender.lend()?;
         Ok(true)
     }
+}
+
+/// The depth images beside pictures.
+struct Depths {
+    images: DepthFiles,
+    writer: Writer<[u8]>,
+    missing: u64,
+}
+
+impl Depths {
+    /// `None` if there are none.
+    fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
+        let Some(folder) = &settings.capture.depth_images else {
+            return Ok(None);
+        };
+        let options = settings.capture.file_options();
+        let images = DepthFiles::open(std::slice::from_ref(folder), &options)?;
+        let Station {
+            domain,
+            rig,
+            delivery,
+            ..
+        } = station;
+        Ok(Some(Self {
+            writer: Writer::depths(domain, rig, delivery, images.bytes())?,
+            images,
+            missing: 0,
+        }))
+    }
+
+    /// The depth image of the frame of this number; `None` if it has none, which is said once and counted.
+    fn slot(&mut self, sequence: u64) -> anyhow::Result<Option<DepthSlot<'_>>> {
+        let mut slot = self.writer.frame_slot(self.images.bytes())?;
+        if let Err(why) = self.images.write(sequence, &mut slot) {
+            self.missing += 1;
+            if self.missing == 1 {
+                tracing::warn!("{why}");
+            }
+            return Ok(None);
+        }
+        let size = self.images.size();
+        Ok(Some(DepthSlot { size, slot }))
+    }
+}
+
+/// A depth image, to be sent.
+struct DepthSlot<'w> {
+    size: [u32; 2],
+    slot: Slot<'w, [u8]>,
 }
 
 /// Sleeps until a frame is due; `false` if a signal came.

@@ -1,11 +1,12 @@
 //! Extract as a process: frames in, centerlines out.
 
-use lariat_wire::{CENTERLINES, Centerlines, FRAMES, Writer, now_ns};
+use lariat_extract::Mask;
+use lariat_wire::{CENTERLINES, Centerlines, FRAMES, MASKS, Writer, now_ns};
 
+use super::companions::Companions;
 use super::estate::{self, Estate};
 use super::external::External;
 use super::heirloom::Progress;
-use super::masks::Masks;
 use super::status::Word;
 use super::{Came, Inbox, Station, Supervision};
 use crate::pipeline::{FrameExtractor, FrameView};
@@ -22,7 +23,15 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     if let Some(past) = estate::read(&station.heirloom) {
         extractor.go_on_after(past.past, &past.last);
     }
-    let mut masks = Masks::open(settings, &station)?;
+    let mut masks = match settings.extract.mask {
+        Mask::External => Some(Companions::open(
+            &MASKS,
+            ["mask", "mask_deadline_us"],
+            settings.extract.mask_deadline,
+            &station,
+        )?),
+        _ => None,
+    };
     let mut frames = Inbox::open(&station, &FRAMES, |frame| frame.header().trace.captured)?;
     let centerlines = Writer::<Centerlines>::create(
         &station.domain,
@@ -58,7 +67,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             None => None,
             // Nobody makes a mask of nothing.
             Some(_) if header.is_blank() => None,
-            Some(masks) => match masks.of(header, &station.stop)? {
+            Some(masks) => match masks.of(&header.trace, &station.stop)? {
                 Some(mask) => {
                     // Waiting for it was no work.
                     started_ns = now_ns();

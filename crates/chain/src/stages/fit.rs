@@ -1,14 +1,18 @@
-//! Fit as a process: centerlines in, descriptors out.
+//! Fit as a process: centerlines in, descriptors out; with depth images, descriptors in space, too.
 
 use std::panic::resume_unwind;
 
-use lariat_wire::{CENTERLINES, DESCRIPTORS, Descriptors, Writer, now_ns};
+use lariat_wire::{
+    CENTERLINES, Centerlines, DEPTH, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3, Writer,
+    now_ns,
+};
 
+use super::companions::Companions;
 use super::heirloom::Progress;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
 use crate::calibrated::Calibrated;
-use crate::pipeline::CurveFitter;
+use crate::pipeline::{CurveFitter, FrameView, SpaceFitter};
 use crate::settings::{Settings, Stage};
 
 /// Fits until a signal comes.
@@ -17,15 +21,22 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     // Its tables take 8 ms, in which the channels are opened.
     let made = settings.clone();
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
-    let mut calibrated = Calibrated::load(&settings.camera)?;
+    let read = |settings: &Settings| {
+        let camera = &settings.camera;
+        anyhow::Ok((Calibrated::load(camera)?, Calibrated::depth(camera)?))
+    };
+    let mut calibrated = read(settings)?;
     let changes = station.listen(settings, move |before, now| {
         // The files that `[camera]` names may be others under the same names.
-        let calibrated_now = Calibrated::load(&now.camera)?;
+        let calibrated_now = read(now)?;
         let is_ours = before.fit != now.fit || calibrated != calibrated_now;
-        let made = is_ours.then(|| CurveFitter::new(now)).transpose()?;
+        let made = is_ours
+            .then(|| anyhow::Ok((CurveFitter::new(now)?, SpaceFitter::new(now)?)))
+            .transpose()?;
         calibrated = calibrated_now;
         Ok(made)
     })?;
+    let mut space = Space::open(settings, &station)?;
     let mut centerlines = Inbox::open(&station, &CENTERLINES, |seen| seen.trace.extracted)?;
     let descriptors = Writer::<Descriptors>::create(
         &station.domain,
@@ -40,7 +51,15 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     station.ready()?;
     while let Some((message, started_ns)) = centerlines.receive(&station.stop)? {
         if let Some(changed) = station.change(&changes) {
-            curves = changed;
+            let in_space;
+            (curves, in_space) = changed;
+            if let (Some(space), Some(fitter)) = (&mut space, in_space) {
+                space.fitter = fitter;
+            }
+        }
+        // Before the descriptors, so that who has those finds these.
+        if let Some(space) = &mut space {
+            space.answer(&message, started_ns, sent.count + 1, &station)?;
         }
         let mut slot = descriptors.slot()?;
         slot.trace = message.trace;
@@ -58,4 +77,58 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     }
     station.status.say(Word::Sent(sent));
     Ok(())
+}
+
+/// The ropes in space, where there is a depth camera.
+struct Space {
+    fitter: SpaceFitter,
+    depths: Companions,
+    writer: Writer<Descriptors3>,
+}
+
+impl Space {
+    /// `None` if the settings name no depth camera.
+    fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
+        let Some(fitter) = SpaceFitter::new(settings)? else {
+            return Ok(None);
+        };
+        let words = ["depth image", "depth_deadline_us"];
+        let Station {
+            domain,
+            rig,
+            delivery,
+            ..
+        } = station;
+        Ok(Some(Self {
+            fitter,
+            depths: Companions::open(&DEPTH, words, settings.camera.depth_deadline, station)?,
+            writer: Writer::<Descriptors3>::create(domain, rig, &DESCRIPTORS3, delivery)?,
+        }))
+    }
+
+    fn answer(
+        &mut self,
+        seen: &Centerlines,
+        mut started_ns: u64,
+        fitted: u64,
+        station: &Station,
+    ) -> anyhow::Result<()> {
+        // There is none beside a frame without an image.
+        let depth = match seen.width {
+            0 => None,
+            _ => self.depths.of(&seen.trace, &station.stop)?,
+        };
+        if depth.is_some() {
+            started_ns = started_ns.max(now_ns());
+        }
+        let mut slot = self.writer.slot()?;
+        slot.trace = seen.trace;
+        slot.trace.fit_started_ns = started_ns;
+        slot.trace.settings = station.version;
+        let depth = depth.map(|image| FrameView::new(image.header(), image));
+        self.fitter.answer(seen, depth, &mut slot);
+        (slot.trace.fitted, slot.trace.fitted_ns) = (fitted, now_ns());
+        slot.send()?;
+        Ok(())
+    }
 }

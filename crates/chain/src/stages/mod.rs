@@ -4,12 +4,12 @@
 mod allocation;
 pub mod arrangement;
 pub mod capture;
+mod companions;
 pub(crate) mod estate;
 mod external;
 pub mod extract;
 pub mod fit;
 pub mod heirloom;
-mod masks;
 pub mod orders;
 pub mod sink;
 mod slot_lender;

@@ -2,22 +2,22 @@
 
 use super::ropes::Ropes;
 use crate::settings;
-use lariat_fit::{Filter, FilterOptions, Fitter, Noise, Weights};
-use lariat_wire::{Descriptor, MAX_CONTROL_POINTS, Status};
+use lariat_fit::{Filter, FilterOptions, Fitter, Noise, Prediction, Weights};
+use lariat_wire::MAX_CONTROL_POINTS;
 
-pub(super) struct Filters {
-    ropes: Ropes<Filter<2>>,
+pub(super) struct Filters<const D: usize = 2> {
+    ropes: Ropes<Filter<D>>,
     /// Whether the points of each fit all count the same, so that its residual variance says all of its noise.
     even: bool,
     covariance: Vec<f64>,
 }
 
-impl Filters {
+impl<const D: usize> Filters<D> {
     /// `unit_per_px`: how long a pixel is in the unit of the control points. What the filter is told in pixels is the same
     /// motion then.
     pub(super) fn new(
         settings: &settings::Fit,
-        fitters: [&Fitter; 2],
+        fitters: [&Fitter<D>; 2],
         unit_per_px: f64,
     ) -> anyhow::Result<Self> {
         let defaults = FilterOptions::default();
@@ -41,19 +41,14 @@ impl Filters {
         self.ropes.forget();
     }
 
-    /// Replaces a descriptor's control points by the filtered ones, if its rope is seen.
-    pub(super) fn apply(
+    /// The rope of this track as its filter has it, once that has taken in the last fit; `None` if it has nothing to say.
+    pub(super) fn take_in(
         &mut self,
         exposed_ns: u64,
-        fitter: &mut Fitter,
-        descriptor: &mut Descriptor,
-    ) {
-        if descriptor.status() == Some(Status::Lost) {
-            return;
-        }
-        let Ok(space) = fitter.last_space() else {
-            return;
-        };
+        track: u32,
+        fitter: &mut Fitter<D>,
+    ) -> Option<&Prediction<D>> {
+        let space = fitter.last_space().ok()?;
         let fit = fitter.last();
         let variance_px2 = fit.residual_variance;
         let noise = if self.even {
@@ -64,25 +59,13 @@ impl Filters {
             self.covariance.extend(factor.map(|c| variance_px2 * c));
             Noise::Covariance(&self.covariance)
         };
-        let track = descriptor.track;
         let filter = self.ropes.of_track(track, exposed_ns, Filter::forget);
         // A moment that is not later, as of a source that began anew: the rope is where it was measured.
         let step = filter.update(exposed_ns, &space, &fit.control_points, noise);
         if step.is_err() {
             filter.forget();
-            return;
+            return None;
         }
-        let Ok(now) = filter.predict(exposed_ns) else {
-            return;
-        };
-        let count = now.control_points.len();
-        descriptor.filtered = 1;
-        descriptor.control_points[..count].copy_from_slice(&now.control_points);
-        descriptor.velocities[..count].copy_from_slice(&now.velocities_px_s);
-        let variances = now.covariance_px2.iter().step_by(count + 1);
-        // The filter has one covariance for both axes.
-        for (to, &variance) in descriptor.covariances.iter_mut().zip(variances) {
-            *to = [variance, 0.0, variance];
-        }
+        filter.predict(exposed_ns).ok()
     }
 }

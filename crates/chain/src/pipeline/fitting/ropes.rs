@@ -51,6 +51,12 @@ impl<T> Ropes<T> {
         &mut ropes[index].of
     }
 
+    /// This rope's own, if it has been asked for and not given to another since.
+    pub(super) fn of_known(&self, track: u32) -> Option<&T> {
+        let known = self.ropes.iter().find(|rope| rope.track == Some(track));
+        known.map(|rope| &rope.of)
+    }
+
     /// Makes all of them forget their ropes, each when it is next asked for.
     pub(super) fn forget(&mut self) {
         for rope in &mut self.ropes {

@@ -2,7 +2,7 @@
 
 use super::ropes::Ropes;
 use crate::settings;
-use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, SteadySize};
+use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, SteadySize, Tolerance};
 
 /// A rope as fitting needs to know it.
 #[derive(Debug, Clone, Copy)]
@@ -12,28 +12,31 @@ pub(super) struct Rope {
     /// In the unit of its points, and how long a pixel is there.
     pub(super) width: f64,
     pub(super) unit_per_px: f64,
+    /// The standard deviation of its points in the worst direction, where that may be more than a pixel's: with it no curve is asked
+    /// to follow noise. 0 in the picture's plane.
+    pub(super) noise: f64,
     /// When it was seen so.
     pub(super) seen_ns: u64,
 }
 
 /// Fitters of open and of closed curves, and which size each rope's has.
-pub(super) struct RopeFitter {
+pub(super) struct RopeFitter<const D: usize = 2> {
     settings: settings::Fit,
-    pub(super) open: Fitter,
-    pub(super) closed: Fitter,
+    pub(super) open: Fitter<D>,
+    pub(super) closed: Fitter<D>,
     /// Of each rope's open and closed curves.
     sizes: Ropes<[SteadySize; 2]>,
     /// The rope that the last open curve was of.
     last_track: Option<u32>,
 }
 
-impl RopeFitter {
+impl<const D: usize> RopeFitter<D> {
     /// # Errors
     /// As [`Fitter::new`].
     pub(super) fn new(settings: &settings::Fit, points: usize) -> Result<Self, FitterError> {
         Ok(Self {
-            open: Fitter::new(settings.options(points, false))?,
-            closed: Fitter::new(settings.options(points, true))?,
+            open: Fitter::in_dimensions(settings.options(points, false))?,
+            closed: Fitter::in_dimensions(settings.options(points, true))?,
             settings: settings.clone(),
             sizes: Ropes::new(|place| {
                 Ok::<_, FitterError>([SteadySize::of(place), SteadySize::of(place)])
@@ -48,7 +51,7 @@ impl RopeFitter {
     }
 
     /// The fitter of such curves.
-    pub(super) fn fitter(&mut self, closed: bool) -> &mut Fitter {
+    pub(super) fn fitter(&mut self, closed: bool) -> &mut Fitter<D> {
         if closed {
             &mut self.closed
         } else {
@@ -66,12 +69,16 @@ impl RopeFitter {
     ///
     /// # Errors
     /// As [`Fitter::fit`].
-    pub(super) fn fit(&mut self, rope: Rope, line: &Line) -> Result<Judged, FitError> {
+    pub(super) fn fit(&mut self, rope: Rope, line: &Line<D>) -> Result<Judged, FitError> {
         if !rope.closed && self.last_track.replace(rope.track) != Some(rope.track) {
             self.open.forget();
         }
         let Rope { track, seen_ns, .. } = rope;
         let tolerance = self.settings.tolerance(rope.width, rope.unit_per_px);
+        let tolerance = Tolerance {
+            most: tolerance.most.max(2.5 * rope.noise),
+            all: tolerance.all.max(5.0 * rope.noise),
+        };
         let sizes = self.sizes.of_track(track, seen_ns, |sizes| {
             sizes.iter_mut().for_each(SteadySize::forget)
         });

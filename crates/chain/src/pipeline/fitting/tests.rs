@@ -329,7 +329,7 @@ fn on_the_plane(plane: &str, calibration: Option<&str>, fit: settings::Fit) -> C
         camera: settings::Camera {
             calibration: calibration.map(|text| file("camera.yaml", text)),
             plane: Some(file("plane.toml", plane)),
-            unit: None,
+            ..settings::Camera::default()
         },
         fit,
         ..Settings::default()

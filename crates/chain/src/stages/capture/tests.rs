@@ -177,6 +177,7 @@ fn with_sender(
     let reader = Receiver::create(&domain(), &station.rig, &FRAMES, None).expect("a reader");
     let changes = Orders::default().listen(&Settings::default(), |_, _| Ok(None));
     let sender = Sender {
+        depths: None,
         lender: SlotLender::new(source, &frames).expect("slots"),
         truth: None,
         // One frame in a hundred days: a frame that is paced would never come.

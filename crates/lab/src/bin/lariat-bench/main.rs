@@ -15,6 +15,7 @@ mod recording;
 mod reliability;
 mod right;
 mod rivals;
+mod space;
 mod time;
 
 use std::process::ExitCode;
@@ -51,6 +52,8 @@ enum Command {
     Day(day::Args),
     /// How fast recordings are written, beside dd
     Recording(recording::Args),
+    /// Ropes in space by a drawn depth camera, against the true axis
+    Space(space::Args),
     /// What is lost, flipped or exchanged over many frames of moving ropes
     Time(time::Args),
     /// What reading costs a control loop, and what control loops cost the chain
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Command::Families(args) => families::run(&args),
         Command::Day(args) => day::run(&args),
         Command::Recording(args) => recording::run(&args),
+        Command::Space(args) => space::run(&args),
         Command::Time(args) => time::run(&args),
         Command::Readers(args) => readers::run(&args),
         Command::ReadersPart(args) => readers::part(&args),

@@ -1,0 +1,438 @@
+//! Centerlines and depth images → the ropes' curves in space.
+//!
+//! Where a rope is comes from `lariat_camera::RopeDepth`: each point of its centerline, with its distance and how sure that is.
+//! The points are then set at equal steps in space and fitted as in the picture's plane, with three columns where there were two.
+//!
+//! **Covariances.** A point's error is an ellipsoid: across the ray what a pixel is there, along it what the depth is sure to.
+//! Where residuals are larger than that, all ellipsoids grow by as much. With `filter` each keeps its form, and shrinks as the filter's
+//! own variance does. What is bridged counts like what is measured, with the variance that it has.
+//!
+//! **What is not seen.** The lower strand of a crossing has no depth within the upper one's width (`covered`); nor has either where it
+//! is not known which is the upper. A rope that is lost from sight is where it was.
+
+mod covered;
+
+use super::Warned;
+use super::filters::Filters;
+use super::ropes::Ropes;
+use super::steady::{Rope, RopeFitter};
+use crate::calibrated::Calibrated;
+use crate::pipeline::FrameView;
+use crate::settings::{self, Settings};
+use anyhow::{Context, Result, bail};
+use covered::Covered;
+use lariat_camera::{DepthCalibration, DepthImage, NoDepth, Pose, RopeDepth, SeenRope};
+use lariat_fit::{Judged, Line, Prediction, Resampler, Spread, Square};
+use lariat_wire::{
+    Axes, Centerlines, Curve, Descriptor3, Descriptors3, FitQuality, MAX_CONTROL_POINTS,
+    MAX_POINTS, PixelFormat, Place, Status,
+};
+
+/// The standard deviation of a centerline's point in the picture, px, at least.
+const PIXEL_SIGMA: f64 = 0.3;
+/// How many neighboring points err alike, as the picture is smoothed and the depth camera's noise is shared.
+const ALIKE: f64 = 2.0;
+/// The standard deviation of an end along the rope in the picture, px; and of what its slope moves it by, as a share.
+const END_SIGMA_PX: f64 = 1.0;
+const SLOPE_SHARE: f64 = 0.4;
+/// Over how many points an end's slope is taken.
+const STEEP_OVER: usize = 4;
+
+/// Fits ropes in space.
+pub struct SpaceFitter {
+    settings: settings::Fit,
+    calibration: DepthCalibration,
+    /// From the colour camera's frame to that of what is sent.
+    pose: Option<Pose>,
+    depth: RopeDepth,
+    fitter: RopeFitter<3>,
+    filters: Option<Filters<3>>,
+    line: Resampler<3>,
+    covered: Covered,
+    points: Box<[[f64; 3]; MAX_POINTS]>,
+    /// The same at equal steps in space.
+    even: Box<[[f64; 3]; MAX_POINTS]>,
+    squares: Box<[Square<3>; MAX_POINTS]>,
+    even_squares: Box<[Square<3>; MAX_POINTS]>,
+    sigmas: Box<[f64; MAX_POINTS]>,
+    by_size: Box<[f64; MAX_POINTS]>,
+    measured: Box<[bool; MAX_POINTS]>,
+    hidden: Box<[bool; MAX_POINTS]>,
+    covariances: Box<[Square<3>; MAX_CONTROL_POINTS]>,
+    /// Where each rope was when it was last seen.
+    before: Ropes<Box<Descriptor3>>,
+    unreadable: Warned,
+    unplaced: Warned,
+}
+
+impl SpaceFitter {
+    /// Precomputes for the settings' number of points; `None` if they name no depth camera.
+    ///
+    /// # Errors
+    /// What they name cannot be read.
+    pub fn new(settings: &Settings) -> Result<Option<Self>> {
+        let Some((calibration, pose)) = Calibrated::depth(&settings.camera)? else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
+            depth: RopeDepth::new(calibration.camera),
+            fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
+            settings: settings.fit.clone(),
+            calibration,
+            pose,
+            filters: None,
+            line: Resampler::in_dimensions(),
+            covered: Covered::default(),
+            points: Box::new([[0.0; 3]; MAX_POINTS]),
+            even: Box::new([[0.0; 3]; MAX_POINTS]),
+            squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
+            even_squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
+            sigmas: Box::new([0.0; MAX_POINTS]),
+            by_size: Box::new([0.0; MAX_POINTS]),
+            measured: Box::new([false; MAX_POINTS]),
+            hidden: Box::new([false; MAX_POINTS]),
+            covariances: Box::new([[[0.0; 3]; 3]; MAX_CONTROL_POINTS]),
+            before: Ropes::new(|_| anyhow::Ok(Box::new(Descriptor3::EMPTY)))?,
+            unreadable: Warned::default(),
+            unplaced: Warned::default(),
+        }))
+    }
+
+    /// The ropes that come are others.
+    pub fn forget(&mut self) {
+        self.fitter.forget();
+        self.before.forget();
+        if let Some(filters) = &mut self.filters {
+            filters.forget();
+        }
+    }
+
+    /// Writes the curves of a frame's ropes into a message; its trace is left as it is. A rope that is nowhere is there without a
+    /// curve, with the reason. `depth`: the frame's depth image; `None`: none came.
+    pub fn answer(
+        &mut self,
+        seen: &Centerlines,
+        depth: Option<FrameView>,
+        message: &mut Descriptors3,
+    ) {
+        message.axes = match self.pose {
+            Some(_) => Axes::Robot,
+            None => Axes::Camera,
+        } as u32;
+        let image = depth.map(|view| self.image(seen, view)).transpose();
+        let image = image.map_err(|cause| self.unreadable.once(&cause));
+        let count = seen.curves().len();
+        message.count = count as u32;
+        for (i, to) in message.curves[..count].iter_mut().enumerate() {
+            let curve = &seen.curves()[i];
+            let place = match (curve.status(), &image) {
+                (Some(Status::Lost), _) => self.as_before(curve, to),
+                (_, Err(())) => Place::Unreadable,
+                (_, Ok(None)) => Place::NoImage,
+                (_, Ok(Some(image))) => self.place(seen, i, image, to),
+            };
+            write_rope(curve, to);
+            to.place = place as u32;
+            if !matches!(place, Place::Known | Place::Before) {
+                (to.count, to.samples, to.measured, to.filtered) = (0, 0, 0, 0);
+            }
+            if place == Place::Known {
+                let exposed_ns = seen.trace.exposed_ns;
+                let before = self.before.of_track(curve.track, exposed_ns, |_| {});
+                before.copy_meant(to);
+            }
+        }
+    }
+
+    /// A lost rope as it was; it has no other place.
+    fn as_before(&mut self, curve: &Curve, to: &mut Descriptor3) -> Place {
+        let before = (self.before).of_known(curve.track);
+        match before {
+            Some(before) => {
+                to.copy_meant(before);
+                to.filtered = 0;
+                Place::Before
+            }
+            None => Place::Unmeasured,
+        }
+    }
+
+    /// The depth image as it is read.
+    fn image<'a>(&self, seen: &Centerlines, view: FrameView<'a>) -> Result<DepthImage<'a>> {
+        let header = view.header();
+        if let Some([width, height]) = self.calibration.camera.color_size()
+            && [seen.width, seen.height] != [width, height]
+        {
+            bail!(
+                "the calibration is for frames of {width}×{height} pixels, and these have {}×{}: in space it must be the same",
+                seen.width,
+                seen.height
+            );
+        }
+        let [width, height] = self.calibration.size;
+        if [header.width, header.height] != [width, height]
+            || header.format() != Some(PixelFormat::Gray16)
+        {
+            bail!(
+                "the depth camera's calibration is for gray16 images of {width}×{height} pixels, and these are {} of {}×{}",
+                header.format().map_or("unknown", PixelFormat::name),
+                header.width,
+                header.height
+            );
+        }
+        let size = [width, height].map(|side| side as usize);
+        DepthImage::new(
+            view.bytes(),
+            size,
+            header.stride as usize,
+            self.calibration.kind,
+        )
+        .context("a depth image cannot be read")
+    }
+
+    /// Where a rope is, and its curve there.
+    fn place(
+        &mut self,
+        seen: &Centerlines,
+        i: usize,
+        image: &DepthImage,
+        to: &mut Descriptor3,
+    ) -> Place {
+        match self.describe(seen, i, image, to) {
+            Ok(_) => Place::Known,
+            Err(cause) => {
+                self.unplaced.once(&cause);
+                match cause.downcast_ref() {
+                    Some(NoDepth::Thin { .. }) => Place::Thin,
+                    Some(NoDepth::Unmeasured { .. } | NoDepth::Points) => Place::Unmeasured,
+                    _ => Place::Unreadable,
+                }
+            }
+        }
+    }
+
+    /// Describes the `i`-th curve.
+    ///
+    /// # Errors
+    /// It is nowhere, or cannot be fitted.
+    pub fn describe(
+        &mut self,
+        seen: &Centerlines,
+        i: usize,
+        image: &DepthImage,
+        to: &mut Descriptor3,
+    ) -> Result<Judged> {
+        let curve = &seen.curves()[i];
+        super::check_points(seen, curve)?;
+        let count = curve.points().len();
+        if count != self.fitter.points() {
+            self.fitter = RopeFitter::new(&self.settings, count)?;
+            self.filters = None;
+        }
+        let noise = self.locate(seen, i, image)?;
+        let width = median(&mut self.by_size[..count]);
+        let closed = curve.closed != 0;
+        let even = self.line.resample(&self.points[..count], closed)?;
+        self.even[..count].copy_from_slice(even);
+        let unit_per_px = self.line.length() / f64::from(curve.length_px).max(1.0);
+        for (k, hidden) in self.hidden[..count].iter_mut().enumerate() {
+            *hidden = self.line.between(k).iter().any(|&i| !self.measured[i]);
+        }
+        let rope = Rope {
+            track: curve.track,
+            closed,
+            width,
+            unit_per_px,
+            noise,
+            seen_ns: seen.trace.exposed_ns,
+        };
+        let line = Line {
+            points: &self.even[..count],
+            weights: None,
+            hidden: &self.hidden[..count],
+        };
+        let judged = self.fitter.fit(rope, &line)?;
+        for k in 0..count {
+            let [i, _] = self.line.between(k);
+            self.even_squares[k] = self.squares[i];
+        }
+        for (k, point) in self.even[..count].iter().enumerate() {
+            to.points[k] = point.map(|c| c as f32);
+            to.sigmas[k] = self.line.carry(k, &self.sigmas[..]) as f32;
+        }
+        to.samples = count as u32;
+        to.measured = self.measured[..count].iter().filter(|&&m| m).count() as u32;
+        (to.length, to.width) = (self.line.length(), width);
+        to.fit = match judged.is_good {
+            true => FitQuality::Good,
+            false => FitQuality::Coarse,
+        } as u32;
+        self.write_curve(closed, count, to);
+        self.filter(seen.trace.exposed_ns, closed, unit_per_px, curve.track, to)?;
+        Ok(judged)
+    }
+
+    /// Where the `i`-th curve's points are; their median standard deviation along the rays, mm.
+    fn locate(&mut self, seen: &Centerlines, i: usize, image: &DepthImage) -> Result<f64> {
+        let curve = &seen.curves()[i];
+        let count = curve.points().len();
+        let rope = SeenRope {
+            points: curve.points(),
+            widths_px: curve.widths_px(),
+            hidden: self.covered.of(seen, i),
+            closed: curve.closed != 0,
+            ends: ends(curve),
+        };
+        let places = self.depth.locate(image, &rope)?;
+        for (k, place) in places.iter().enumerate() {
+            let (mut ray, mut across) = (place.ray, transposed(place.by_pixel));
+            self.points[k] = place.point;
+            if let Some(pose) = &self.pose {
+                self.points[k] = pose.point(place.point);
+                ray = pose.way(ray);
+                across = across.map(|way| pose.way(way));
+            }
+            let pixel = PIXEL_SIGMA * PIXEL_SIGMA;
+            self.squares[k] = [0, 1, 2].map(|a| {
+                [0, 1, 2].map(|b| {
+                    let aside = across[0][a] * across[0][b] + across[1][a] * across[1][b];
+                    pixel * aside + place.variance * ray[a] * ray[b]
+                })
+            });
+            let length = ray.iter().map(|c| c * c).sum::<f64>().sqrt();
+            self.sigmas[k] = place.variance.sqrt() * length;
+            self.measured[k] = place.is_measured;
+            self.by_size[k] = self.sigmas[k];
+        }
+        let noise = median(&mut self.by_size[..count]);
+        for (to, place) in self.by_size.iter_mut().zip(places) {
+            *to = place.width_mm;
+        }
+        Ok(noise)
+    }
+
+    fn write_curve(&mut self, closed: bool, samples: usize, to: &mut Descriptor3) {
+        let fitter = self.fitter.fitter(closed);
+        let fit = fitter.last();
+        let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
+        to.basis = super::basis(fit.basis) as u32;
+        to.order = fit.basis.order() as u32;
+        to.count = count as u32;
+        (to.rms, to.max, to.filtered) = (fit.rms_px, fit.max_px, 0);
+        to.control_points[..count].copy_from_slice(&fit.control_points[..count]);
+        match fit.weights.get(..count) {
+            Some(weights) => to.weights[..count].copy_from_slice(weights),
+            None => to.weights[..count].fill(1.0),
+        }
+        to.velocities[..count].fill([0.0; 3]);
+        if let lariat_fit::Basis::BSpline { degree, .. } = fit.basis {
+            let inner = &fit.knots[degree + 1..count];
+            to.knots[..inner.len()].copy_from_slice(inner);
+        }
+        let spread = Spread {
+            squares: &self.even_squares[..samples],
+            ends: [0, samples - 1].map(|end| self.end_sigma(end, samples, to.width)),
+            alike: ALIKE,
+        };
+        let points = &self.even[..samples];
+        let fitter = self.fitter.fitter(closed);
+        fitter.spread(points, &spread, &mut self.covariances);
+        for (to, c) in to.covariances[..count].iter_mut().zip(&*self.covariances) {
+            *to = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+        }
+    }
+
+    /// How sure an end is along the rope, mm: by the pixels that show it, and by how steep it is, which moves it.
+    fn end_sigma(&self, end: usize, samples: usize, width: f64) -> f64 {
+        let eye = self.pose.map_or([0.0; 3], |pose| pose.point([0.0; 3]));
+        let inner = match end {
+            0 => STEEP_OVER.min(samples - 1),
+            last => last.saturating_sub(STEEP_OVER),
+        };
+        let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+        let at = self.even[end];
+        let (ray, way) = (between(at, eye), between(at, self.even[inner]));
+        let cosine = dot(ray, way) / (dot(ray, ray) * dot(way, way)).sqrt();
+        if !cosine.is_finite() {
+            return width;
+        }
+        let sine = (1.0 - cosine * cosine).max(0.01).sqrt();
+        let mm_per_px = dot(ray, ray).sqrt() / self.calibration.camera.color_focal_px();
+        let (by_pixels, by_slope) = (END_SIGMA_PX * mm_per_px, SLOPE_SHARE * 0.5 * width * cosine);
+        (by_pixels * by_pixels + by_slope * by_slope).sqrt() / sine
+    }
+
+    fn filter(
+        &mut self,
+        exposed_ns: u64,
+        closed: bool,
+        unit_per_px: f64,
+        track: u32,
+        to: &mut Descriptor3,
+    ) -> Result<()> {
+        if !self.settings.filter {
+            return Ok(());
+        }
+        let filters = match &mut self.filters {
+            Some(filters) => filters,
+            none => {
+                let fitters = [&self.fitter.open, &self.fitter.closed];
+                none.insert(Filters::new(&self.settings, fitters, unit_per_px)?)
+            }
+        };
+        let fitter = self.fitter.fitter(closed);
+        let Some(now) = filters.take_in(exposed_ns, track, fitter) else {
+            return Ok(());
+        };
+        let fit = fitter.last();
+        write_filtered(now, &fit.covariance_factor, fit.residual_variance, to);
+        Ok(())
+    }
+}
+
+/// Replaces control points by the filtered ones; each ellipsoid becomes as much smaller as the filter's variance is.
+fn write_filtered(
+    now: &Prediction<3>,
+    covariance_factor: &[f64],
+    variance: f64,
+    to: &mut Descriptor3,
+) {
+    let count = now.control_points.len();
+    to.filtered = 1;
+    to.control_points[..count].copy_from_slice(&now.control_points);
+    to.velocities[..count].copy_from_slice(&now.velocities_px_s);
+    for (j, covariance) in to.covariances[..count].iter_mut().enumerate() {
+        let measured = variance * covariance_factor[j * (count + 1)];
+        let share = now.covariance_px2[j * (count + 1)] / measured;
+        if share.is_finite() {
+            *covariance = covariance.map(|c| share * c);
+        }
+    }
+}
+
+/// Carries over what is known of the rope itself.
+fn write_rope(curve: &Curve, to: &mut Descriptor3) {
+    (to.track, to.status) = (curve.track, curve.status);
+    (to.closed, to.border) = (curve.closed, curve.border);
+    (to.confidence, to.age_ns) = (curve.confidence, curve.age_ns);
+}
+
+/// Which ends are seen: in the picture, and not under something.
+fn ends(curve: &Curve) -> [bool; 2] {
+    let last = curve.points().len().saturating_sub(1);
+    let at = [0, last];
+    [0, 1].map(|end| curve.closed == 0 && curve.border >> end & 1 == 0 && !curve.is_hidden(at[end]))
+}
+
+fn transposed(by_pixel: [[f64; 2]; 3]) -> [[f64; 3]; 2] {
+    [0, 1].map(|k| [0, 1, 2].map(|axis| by_pixel[axis][k]))
+}
+
+/// Of none 0. Sorts.
+fn median(values: &mut [f64]) -> f64 {
+    match values.len() {
+        0 => 0.0,
+        count => *values.select_nth_unstable_by(count / 2, f64::total_cmp).1,
+    }
+}

@@ -1,0 +1,106 @@
+//! Which points of a rope a strand lies over, so that a depth image shows that strand there.
+
+use lariat_wire::{Centerlines, Crossing, Curve, MAX_POINTS};
+
+/// How far beside the upper strand its own depth is still read, px of the colour image: a depth image's edges are mixed.
+const MARGIN_PX: f32 = 3.0;
+/// An order that is less sure than this is none: neither strand is read there.
+const SURE: f32 = 0.75;
+/// How far along the strands from their crossing is looked, in the upper one's widths.
+const ALONG: f32 = 8.0;
+
+/// Room for the answer.
+pub(super) struct Covered(Box<[bool; MAX_POINTS]>);
+
+impl Default for Covered {
+    fn default() -> Self {
+        Self(Box::new([false; MAX_POINTS]))
+    }
+}
+
+impl Covered {
+    /// Of each point of a frame's `i`-th curve whether it is covered, by a strand or by whatever extraction says.
+    pub(super) fn of(&mut self, seen: &Centerlines, i: usize) -> &[bool] {
+        let curve = &seen.curves()[i];
+        let count = curve.points().len();
+        let covered = &mut self.0[..count];
+        for (k, covered) in covered.iter_mut().enumerate() {
+            *covered = curve.is_hidden(k);
+        }
+        for crossing in seen.crossings() {
+            let [over, under] = [
+                (crossing.over, crossing.over_rho),
+                (crossing.under, crossing.under_rho),
+            ];
+            let is_sure = crossing.confidence >= SURE;
+            if under.0 as usize == i {
+                cover(seen, crossing, [over, under], covered);
+            }
+            if over.0 as usize == i && !is_sure {
+                cover(seen, crossing, [under, over], covered);
+            }
+        }
+        covered
+    }
+}
+
+/// Covers the points of the second strand within the first one's width. Each is a curve's number, and where on it.
+fn cover(
+    seen: &Centerlines,
+    crossing: &Crossing,
+    [above, below]: [(u32, f32); 2],
+    covered: &mut [bool],
+) {
+    let (Some(upper), Some(lower)) = (
+        seen.curves().get(above.0 as usize),
+        seen.curves().get(below.0 as usize),
+    ) else {
+        return;
+    };
+    let [top, at] = [place(upper, above.1), place(lower, below.1)];
+    let (Some(top), Some(at)) = (top, at) else {
+        return;
+    };
+    let width = upper.widths_px()[top];
+    let reach = 0.5 * width + MARGIN_PX;
+    let far = ALONG * width.max(1.0);
+    let is_near = |p: [f32; 2]| distance(p, crossing.at) < far;
+    for (k, &point) in lower.points().iter().enumerate() {
+        // Of one rope, what is nearer to the other strand along it is that strand.
+        let is_own = above.0 != below.0 || k.abs_diff(at) < k.abs_diff(top);
+        if !is_own || !is_near(point) {
+            continue;
+        }
+        let pairs = upper.points().windows(2).enumerate();
+        let mut strand = pairs.filter(|(j, pair)| {
+            let is_strand = above.0 != below.0 || j.abs_diff(top) < j.abs_diff(at);
+            is_strand && is_near(pair[0])
+        });
+        if strand.any(|(_, pair)| from_step(point, pair[0], pair[1]) < reach) {
+            covered[k] = true;
+        }
+    }
+}
+
+/// The point of a curve that is nearest to this ρ.
+fn place(curve: &Curve, rho: f32) -> Option<usize> {
+    let last = curve.points().len().checked_sub(1)?;
+    Some(((rho.clamp(0.0, 1.0) * last as f32).round() as usize).min(last))
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    let [x, y] = [a[0] - b[0], a[1] - b[1]];
+    (x * x + y * y).sqrt()
+}
+
+/// How far a point is from the way between two.
+fn from_step(point: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
+    let way = [b[0] - a[0], b[1] - a[1]];
+    let from = [point[0] - a[0], point[1] - a[1]];
+    let size = way[0] * way[0] + way[1] * way[1];
+    let share = match size > 0.0 {
+        true => ((from[0] * way[0] + from[1] * way[1]) / size).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    distance(point, [a[0] + share * way[0], a[1] + share * way[1]])
+}
