@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use lariat_record::{Losses, Record};
-use lariat_wire::{Centerlines, Descriptors, FrameHeader};
+use lariat_wire::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 /// A lariat in a folder of its own, so that what lies beside it is this test's.
 fn lariat_in(folder: &Path) -> PathBuf {
@@ -73,6 +73,7 @@ fn the_package_of_messages_has_those_of_recordings_and_all_that_they_are_made_of
     let mut meant = BTreeSet::new();
     for whole in [
         Descriptors::SCHEMA,
+        Descriptors3::SCHEMA,
         Centerlines::SCHEMA,
         FrameHeader::SCHEMA,
         Losses::SCHEMA,

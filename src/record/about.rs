@@ -15,9 +15,11 @@ use lariat_chain::recorded::versioned_name;
 use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings, version_line, version_of};
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
-const FILES: [(&str, &str, &str); 2] = [
+const FILES: [(&str, &str, &str); 4] = [
     ("calibration", "calibration.yaml", "application/yaml"),
     ("plane", "plane.toml", "application/toml"),
+    ("depth", "depth.yaml", "application/yaml"),
+    ("pose", "pose.yaml", "application/yaml"),
 ];
 
 /// How the recording is made.
@@ -76,9 +78,13 @@ impl Rig {
                 let called = |name: &str| versioned_name(name, version.unwrap_or(0));
                 attach_text(to, &called(FILE_NAME), settings.text())?;
                 let camera = &settings.camera;
-                for ((_, name, media_type), path) in
-                    FILES.iter().zip([&camera.calibration, &camera.plane])
-                {
+                let paths = [
+                    &camera.calibration,
+                    &camera.plane,
+                    &camera.depth,
+                    &camera.pose,
+                ];
+                for ((_, name, media_type), path) in FILES.iter().zip(paths) {
                     if let Some(path) = path {
                         attach_file(to, path, &called(name), media_type)?;
                     }

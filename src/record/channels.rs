@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use lariat_record::Recorder;
 use lariat_sink::Ledger;
 use lariat_wire::{
-    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Delivery, Descriptors, FRAMES, FrameHeader,
-    MASKS, Payload, Receiver, TRUTH, WireError, sleep_for_any,
+    CENTERLINES, Centerlines, Channel, DEPTH, DESCRIPTORS, DESCRIPTORS3, Delivery, Descriptors,
+    Descriptors3, FRAMES, FrameHeader, MASKS, Payload, Receiver, TRUTH, WireError, Woken,
+    sleep_for_any,
 };
 
 use super::looks::Looks;
@@ -20,6 +21,7 @@ const LOOKS_UP: Duration = Duration::from_millis(500);
 pub(crate) struct Channels {
     frames: Receiver<[u8]>,
     masks: Option<Receiver<[u8]>>,
+    space: Option<Space>,
     centerlines: Receiver<Centerlines>,
     truth: Receiver<Centerlines>,
     descriptors: Receiver<Descriptors>,
@@ -41,12 +43,13 @@ pub(crate) struct Seen {
 }
 
 impl Channels {
-    /// Becomes a reader of all, and of masks if there may be any.
-    pub(crate) fn open(station: &Station, masks: bool) -> Result<Self, WireError> {
+    /// Becomes a reader of all, and of masks and of what is in space if there may be any.
+    pub(crate) fn open(station: &Station, masks: bool, space: bool) -> Result<Self, WireError> {
         let lossless = matches!(station.delivery, Delivery::Lossless { .. });
         Ok(Self {
             frames: open(station, &FRAMES, lossless)?,
             masks: masks.then(|| open(station, &MASKS, lossless)).transpose()?,
+            space: space.then(|| Space::open(station, lossless)).transpose()?,
             centerlines: open(station, &CENTERLINES, lossless)?,
             truth: open(station, &TRUTH, lossless)?,
             descriptors: open(station, &DESCRIPTORS, true)?,
@@ -75,6 +78,16 @@ impl Channels {
         while let Some(mask) = self.masks.as_ref().map_or(Ok(None), Receiver::next)? {
             to.mask(mask.header(), &mask)?;
             seen.messages += 1;
+        }
+        if let Some(space) = &self.space {
+            while let Some(depth) = space.depths.next()? {
+                to.depth(depth.header(), &depth)?;
+                seen.messages += 1;
+            }
+            while let Some(descriptors) = space.descriptors.next()? {
+                to.descriptors3(&descriptors)?;
+                seen.messages += 1;
+            }
         }
         while let Some(truth) = self.truth.next()? {
             to.truth(&truth)?;
@@ -122,14 +135,40 @@ impl Channels {
             descriptors,
             ..
         } = self;
-        match &self.masks {
-            Some(masks) => sleep_for_any(
-                [frames, centerlines, truth, descriptors, masks],
-                until,
-                stop,
-            ),
-            None => sleep_for_any([frames, centerlines, truth, descriptors], until, stop),
-        }
+        // Who is not there is stood for by one who is.
+        let masks = self.masks.as_ref().unwrap_or(frames);
+        let (depths, in_space): (_, &dyn Woken) = match &self.space {
+            Some(space) => (&space.depths, &space.descriptors),
+            None => (frames, frames),
+        };
+        sleep_for_any(
+            [
+                frames,
+                centerlines,
+                truth,
+                descriptors,
+                masks,
+                depths,
+                in_space,
+            ],
+            until,
+            stop,
+        )
+    }
+}
+
+/// The channels of a rig with a depth camera.
+struct Space {
+    depths: Receiver<[u8]>,
+    descriptors: Receiver<Descriptors3>,
+}
+
+impl Space {
+    fn open(station: &Station, lossless: bool) -> Result<Self, WireError> {
+        Ok(Self {
+            depths: open(station, &DEPTH, lossless)?,
+            descriptors: open(station, &DESCRIPTORS3, lossless)?,
+        })
     }
 }
 

@@ -39,7 +39,8 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     // One that was started anew has not seen what was before.
     let from_start =
         supervised && !settings.capture.is_external() && station.heirloom.progress().restarts == 0;
-    let channels = Channels::open(&station, masks)?;
+    let space = !supervised || settings.camera.depth.is_some();
+    let channels = Channels::open(&station, masks, space)?;
     let recorder = begin(settings, file)?;
     let mut reel = Reel {
         channels,
@@ -218,6 +219,8 @@ impl Reel {
             dropped_descriptors: drops.descriptors,
             dropped_truth: drops.truth,
             dropped_masks: drops.masks,
+            dropped_depths: drops.depths,
+            dropped_descriptors3: drops.descriptors3,
         };
         if losses == self.losses && !last {
             return Ok(());

@@ -89,6 +89,8 @@ fn dropped(drops: Drops) -> String {
         (drops.descriptors, "descriptors"),
         (drops.truth, "true centerlines"),
         (drops.masks, "masks"),
+        (drops.depths, "depth images"),
+        (drops.descriptors3, "descriptors in space"),
     ];
     listed(counts).map_or("nothing was dropped".to_owned(), |list| {
         format!("dropped as there was no room or time for them: {list}")

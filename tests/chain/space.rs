@@ -1,5 +1,6 @@
 //! Ropes in space: pictures and depth images of drawn ropes in folders, through the chain's processes, to a reader in space.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -136,6 +137,46 @@ fn a_lifted_rope_comes_out_where_it_is() {
     let ended = chain.end();
     assert!(ended.status.success(), "{}", ended.stderr);
     drop(reader);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_recording_has_every_depth_image_and_what_was_made_of_it_and_replays_as_any() {
+    let bench = Bench::new();
+    drawn(&bench);
+    let beside = ["--depth-images", "depth", "--depth", "depth.yaml"];
+    let recorded = ["--lossless", "--frames", "20", "--record", "run.mcap"];
+    let output = bench.run(&[&["run"], &SOURCE[..], &beside, &recorded].concat());
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let bytes = fs::read(bench.path("run.mcap")).unwrap();
+    let mut counts = BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).expect("a recording") {
+        let topic = message.expect("a message").channel.topic.clone();
+        *counts.entry(topic).or_insert(0) += 1;
+    }
+    for topic in [
+        "image",
+        "depth",
+        "depth_image",
+        "descriptors3",
+        "descriptors",
+    ] {
+        assert_eq!(
+            counts.get(&format!("/default/{topic}")),
+            Some(&20),
+            "{topic}: {counts:?}"
+        );
+    }
+    let output = bench.run(&["replay", "run.mcap", "--check"]);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     bench.assert_nothing_is_left();
 }
 

@@ -34,9 +34,11 @@
 //! | `/R/frames` | `lariat_msgs/msg/FrameHeader` | `captured_ns` |
 //! | `/R/image` | `sensor_msgs/msg/Image`, tight rows; or `CompressedImage` | `captured_ns` |
 //! | `/R/masks`, `/R/mask_image` | as the two above; PNG where images are compressed | `captured_ns` |
+//! | `/R/depth`, `/R/depth_image` | as the first two, `mono16`, as it is; not read again | `captured_ns` |
 //! | `/R/truth` | `lariat_msgs/msg/Centerlines` | `captured_ns` |
 //! | `/R/centerlines` | `lariat_msgs/msg/Centerlines` | `extracted_ns` |
 //! | `/R/descriptors` | `lariat_msgs/msg/Descriptors` | `fitted_ns` |
+//! | `/R/descriptors3` | `lariat_msgs/msg/Descriptors3`; not read again | `fitted_ns` |
 //! | `/R/annotations/ropes`, `/R/annotations/control_points` | `foxglove_msgs/msg/ImageAnnotations`, half a pixel on: it counts from the corner | as what they draw |
 //! | `/R/losses` | `lariat_msgs/msg/Losses`: each second in which something was lost, and last | now |
 //!

@@ -27,6 +27,10 @@ pub struct Losses {
     pub dropped_truth: u64,
     /// Masks likewise.
     pub dropped_masks: u64,
+    /// Depth images likewise.
+    pub dropped_depths: u64,
+    /// Descriptors in space likewise.
+    pub dropped_descriptors3: u64,
 }
 
 fields!(Losses {
@@ -40,5 +44,7 @@ fields!(Losses {
     dropped_descriptors,
     dropped_truth,
     dropped_masks,
+    dropped_depths,
+    dropped_descriptors3,
 });
 record!(Losses, schema!("lariat_msgs/msg/Losses", "Losses.msg"));

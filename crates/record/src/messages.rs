@@ -1,7 +1,7 @@
 //! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
 
 use lariat_message::fields::{self, Field, Meaning, Message, Place, Value};
-use lariat_message::{Centerlines, Descriptors, FrameHeader, MAX_POINTS};
+use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader, MAX_POINTS};
 
 use crate::cdr::{Cdr, CdrError, Decoder, Encoder};
 use crate::schema::{Schema, schema};
@@ -51,7 +51,7 @@ macro_rules! cdr {
         }
     )+};
 }
-cdr!(FrameHeader, Centerlines, Descriptors);
+cdr!(FrameHeader, Centerlines, Descriptors, Descriptors3);
 
 record!(
     FrameHeader,
@@ -83,6 +83,19 @@ record!(
         "lariat_msgs/PointF32" = "PointF32.msg",
         "lariat_msgs/PointF64" = "PointF64.msg",
         "lariat_msgs/Covariance" = "Covariance.msg"
+    )
+);
+
+record!(
+    Descriptors3,
+    schema!(
+        "lariat_msgs/msg/Descriptors3",
+        "Descriptors3.msg",
+        "lariat_msgs/Trace" = "Trace.msg",
+        "lariat_msgs/Descriptor3" = "Descriptor3.msg",
+        "lariat_msgs/Point3F32" = "Point3F32.msg",
+        "lariat_msgs/Point3F64" = "Point3F64.msg",
+        "lariat_msgs/Covariance3" = "Covariance3.msg"
     )
 );
 

@@ -124,6 +124,7 @@ impl Channel {
                 moment.losses.at_ns
             }
             Topic::Masks | Topic::MaskImage | Topic::MaskPicture | Topic::Truth => return None,
+            Topic::Depth | Topic::DepthImage | Topic::Descriptors3 => return None,
         };
         Some(clock.wall_ns(at_ns))
     }

@@ -52,7 +52,13 @@ impl RecordedSettings {
         let folder = tempfile::tempdir().with_context(about)?;
         // Where these files were is not where they are now.
         if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
-            for (key, name) in [("calibration", CALIBRATION), ("plane", PLANE)] {
+            let files = [
+                ("calibration", CALIBRATION),
+                ("plane", PLANE),
+                ("depth", "depth.yaml"),
+                ("pose", "pose.yaml"),
+            ];
+            for (key, name) in files {
                 if camera.contains_key(key) {
                     let path = folder.path().join(name);
                     let of_version = text_of(recording, &versioned_name(name, version))?;
@@ -67,6 +73,10 @@ impl RecordedSettings {
                     camera.insert(key.to_owned(), path.to_string_lossy().into_owned().into());
                 }
             }
+        }
+        // They lay beside pictures, and the recording is no folder of those.
+        if let Some(capture) = table.get_mut("capture").and_then(toml::Value::as_table_mut) {
+            capture.remove("depth_images");
         }
         let path = folder.path().join(SETTINGS);
         std::fs::write(&path, table.to_string()).with_context(about)?;

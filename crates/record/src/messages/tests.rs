@@ -1,7 +1,9 @@
 //! Every message comes back to the bit, and hostile bytes are errors.
 
 use lariat_message::fields::Type;
-use lariat_message::{CenterlinePoints, Crossing, Curve, Descriptor, MAX_CURVES, Trace, Unit};
+use lariat_message::{
+    CenterlinePoints, Crossing, Curve, Descriptor, Descriptor3, MAX_CURVES, Trace, Unit,
+};
 use proptest::prelude::*;
 
 use super::*;
@@ -211,6 +213,7 @@ fn every_schema_names_the_definitions_it_needs() {
         FrameHeader::SCHEMA,
         Centerlines::SCHEMA,
         Descriptors::SCHEMA,
+        Descriptors3::SCHEMA,
         crate::Losses::SCHEMA,
         crate::IMAGE,
         crate::COMPRESSED_IMAGE,
@@ -228,9 +231,12 @@ fn every_schema_names_the_definitions_it_needs() {
 }
 
 /// Its name in a schema.
-fn type_name(of: &Type) -> String {
-    let (element, shape) = of.element();
+fn type_name(field: &Field) -> String {
+    let (element, shape) = field.of.element();
     let name = match (element, &shape[..]) {
+        (Type::F64, [.., 3]) if field.name != "covariances" => "lariat_msgs/Point3F64".to_owned(),
+        (Type::F32, [.., 3]) => "lariat_msgs/Point3F32".to_owned(),
+        (Type::F64, [.., 6]) => "lariat_msgs/Covariance3".to_owned(),
         (Type::F32, [.., 2]) => "lariat_msgs/PointF32".to_owned(),
         (Type::F64, [.., 2]) => "lariat_msgs/PointF64".to_owned(),
         (Type::F64, [.., 3]) => "lariat_msgs/Covariance".to_owned(),
@@ -272,7 +278,7 @@ fn definition(message: &dyn Message) -> Vec<String> {
             if bytes.len() > 4 {
                 let of = match field.meaning {
                     Meaning::Hidden => format!("bool[<={MAX_POINTS}]"),
-                    _ => type_name(&field.of),
+                    _ => type_name(field),
                 };
                 said.push(format!("{of} {}", field.name));
             }
@@ -304,7 +310,9 @@ fn every_schema_says_the_fields_that_are_written() {
         Centerlines,
         Descriptor,
         CenterlinePoints,
-        Descriptors
+        Descriptors,
+        Descriptor3,
+        Descriptors3
     );
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lariat_message::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 use super::error::RecordingError;
 use super::index::{Definition, Index, Listed};
@@ -25,10 +25,11 @@ pub(super) enum Kind {
 }
 
 /// Lariat's own kinds of messages, and what to call them.
-const OWN: [(Schema, &str); 4] = [
+const OWN: [(Schema, &str); 5] = [
     (FrameHeader::SCHEMA, "frames"),
     (Centerlines::SCHEMA, "centerlines"),
     (Descriptors::SCHEMA, "descriptors"),
+    (Descriptors3::SCHEMA, "descriptors3"),
     (Losses::SCHEMA, "losses"),
 ];
 
@@ -166,11 +167,14 @@ fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
     let kind = if *schema == FrameHeader::SCHEMA.name {
         match last {
             "masks" => Kind::MaskHeader,
+            // Written for other programs, and not read.
+            "depth" => return None,
             _ => Kind::FrameHeader,
         }
     } else if *schema == IMAGE.name {
         match last {
             "mask_image" => Kind::MaskImage,
+            "depth_image" => return None,
             _ => Kind::Image,
         }
     } else if *schema == COMPRESSED_IMAGE.name {

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use lariat_message::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 use super::clock::Clock;
 use super::error::WriteError;
@@ -58,12 +58,17 @@ pub struct Drops {
     pub truth: u64,
     /// Masks.
     pub masks: u64,
+    /// Depth images.
+    pub depths: u64,
+    /// Descriptors in space.
+    pub descriptors3: u64,
 }
 
 impl Drops {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.frames + self.centerlines + self.descriptors + self.truth + self.masks
+        let images = self.frames + self.masks + self.depths;
+        images + self.centerlines + self.descriptors + self.descriptors3 + self.truth
     }
 }
 
@@ -180,6 +185,27 @@ impl Recorder {
         Ok(())
     }
 
+    /// Records a depth image.
+    ///
+    /// # Errors
+    /// The recording has ended.
+    pub fn depth(&mut self, header: &FrameHeader, bytes: &[u8]) -> Result<(), Ended> {
+        let whole = self.image([Topic::Depth, Topic::DepthImage], header, bytes)?;
+        self.drops.depths += u64::from(!whole);
+        Ok(())
+    }
+
+    /// Records what fit made of it.
+    ///
+    /// # Errors
+    /// The recording has ended.
+    pub fn descriptors3(&mut self, shapes: &Descriptors3) -> Result<(), Ended> {
+        let at = (shapes.trace.sequence, shapes.trace.fitted_ns);
+        let recorded = self.small(Topic::Descriptors3, at, |cdr| shapes.encode(cdr))?;
+        self.drops.descriptors3 += u64::from(!recorded);
+        Ok(())
+    }
+
     /// Records what extract saw, and how it is drawn.
     ///
     /// # Errors
@@ -234,6 +260,8 @@ impl Recorder {
             dropped_descriptors: self.drops.descriptors,
             dropped_truth: self.drops.truth,
             dropped_masks: self.drops.masks,
+            dropped_depths: self.drops.depths,
+            dropped_descriptors3: self.drops.descriptors3,
             ..*links
         };
         let mut cdr = self.intake.buffer_waited_for(0)?;

@@ -1,6 +1,6 @@
 //! What a recording's topics are called, and what is on each.
 
-use lariat_message::{Centerlines, Descriptors, FrameHeader};
+use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 use crate::{ANNOTATIONS, COMPRESSED_IMAGE, IMAGE, Losses, Record, Schema};
 
@@ -32,11 +32,17 @@ pub enum Topic {
     ControlPoints,
     /// What was lost so far.
     Losses,
+    /// What stands beside each depth image.
+    Depth,
+    /// The depth images' pixels as they are.
+    DepthImage,
+    /// What fit made of them.
+    Descriptors3,
 }
 
 impl Topic {
     /// All of them, each at the place of its number.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Frames,
         Self::Image,
         Self::Picture,
@@ -49,6 +55,9 @@ impl Topic {
         Self::Ropes,
         Self::ControlPoints,
         Self::Losses,
+        Self::Depth,
+        Self::DepthImage,
+        Self::Descriptors3,
     ];
 
     /// Its name on a rig.
@@ -64,6 +73,9 @@ impl Topic {
             Self::Ropes => "annotations/ropes",
             Self::ControlPoints => "annotations/control_points",
             Self::Losses => "losses",
+            Self::Depth => "depth",
+            Self::DepthImage => "depth_image",
+            Self::Descriptors3 => "descriptors3",
         };
         format!("/{rig}/{name}")
     }
@@ -71,13 +83,14 @@ impl Topic {
     /// What its messages are.
     pub const fn schema(self) -> Schema {
         match self {
-            Self::Frames | Self::Masks => FrameHeader::SCHEMA,
-            Self::Image | Self::MaskImage => IMAGE,
+            Self::Frames | Self::Masks | Self::Depth => FrameHeader::SCHEMA,
+            Self::Image | Self::MaskImage | Self::DepthImage => IMAGE,
             Self::Picture | Self::MaskPicture => COMPRESSED_IMAGE,
             Self::Centerlines | Self::Truth => Centerlines::SCHEMA,
             Self::Descriptors => Descriptors::SCHEMA,
             Self::Ropes | Self::ControlPoints => ANNOTATIONS,
             Self::Losses => Losses::SCHEMA,
+            Self::Descriptors3 => Descriptors3::SCHEMA,
         }
     }
 }
