@@ -10,6 +10,7 @@ mod centerlines;
 mod command;
 mod curve;
 mod descriptors;
+mod descriptors3;
 mod edit;
 mod frame;
 mod front;
@@ -21,6 +22,7 @@ mod words;
 pub use centerlines::centerlines;
 pub use command::command;
 pub use descriptors::descriptors;
+pub use descriptors3::descriptors3;
 pub use frame::frame;
 pub use front::front;
 pub use words::words;
@@ -29,8 +31,9 @@ pub use words::words;
 pub type Target = fn(&[u8]);
 
 /// All of them, by the names of their fuzz targets and of the folders of their seeds.
-pub const TARGETS: [(&str, Target); 6] = [
+pub const TARGETS: [(&str, Target); 7] = [
     ("descriptors", descriptors),
+    ("descriptors3", descriptors3),
     ("centerlines", centerlines),
     ("frame", frame),
     ("command", command),

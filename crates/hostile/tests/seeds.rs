@@ -82,6 +82,11 @@ fn descriptors() {
 }
 
 #[test]
+fn descriptors3() {
+    hold("descriptors3", 1000);
+}
+
+#[test]
 fn centerlines() {
     hold("centerlines", 60);
 }

@@ -24,12 +24,22 @@ use crate::stop::Stop;
 /// Told to stop, a frame's mask is waited for no longer than this: the few frames that are left then end in time.
 const AFTER_STOP: Duration = Duration::from_secs(1);
 
+/// How they are spoken of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Words {
+    /// What one of them is called.
+    pub(super) what: &'static str,
+    /// What becomes of a frame that has none.
+    pub(super) without: &'static str,
+    /// The setting that says how long one is waited for.
+    pub(super) setting: &'static str,
+}
+
 /// What a rig has beside its frames.
 pub(super) struct Companions {
     reader: Receiver<[u8]>,
     channel: String,
-    /// What one of them is called, and the setting that says how long it is waited for.
-    words: [&'static str; 2],
+    words: Words,
     deadline: Duration,
     /// The newest that came. It may be for a frame that is still to come.
     held: Option<Message<[u8]>>,
@@ -37,10 +47,10 @@ pub(super) struct Companions {
 }
 
 impl Companions {
-    /// Becomes a reader of them. `words`: what one of them is called, and the setting that says how long it is waited for.
+    /// Becomes a reader of them.
     pub(super) fn open(
         channel: &'static Channel<[u8]>,
-        words: [&'static str; 2],
+        words: Words,
         deadline: Duration,
         station: &Station,
     ) -> anyhow::Result<Self> {
@@ -73,9 +83,13 @@ impl Companions {
         }
         // Said once: a fault of every frame would fill the screen.
         if !found && self.late == 1 {
-            let [what, setting] = self.words;
+            let Words {
+                what,
+                without,
+                setting,
+            } = self.words;
             tracing::warn!(
-                "frame {} has no {what}: none came within {:?} of its capture, or a later frame's came first. Is a \
+                "frame {} {without}: no {what} of it came within {:?} of its capture, or a later frame's came first. Is a \
                  process running that writes {}, and is {setting} long enough for it?",
                 frame.sequence,
                 self.deadline,

@@ -3,7 +3,7 @@
 use lariat_extract::Mask;
 use lariat_wire::{CENTERLINES, Centerlines, FRAMES, MASKS, Writer, now_ns};
 
-use super::companions::Companions;
+use super::companions::{Companions, Words};
 use super::estate::{self, Estate};
 use super::external::External;
 use super::heirloom::Progress;
@@ -26,7 +26,11 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let mut masks = match settings.extract.mask {
         Mask::External => Some(Companions::open(
             &MASKS,
-            ["mask", "mask_deadline_us"],
+            Words {
+                what: "mask",
+                without: "was skipped",
+                setting: "mask_deadline_us",
+            },
             settings.extract.mask_deadline,
             &station,
         )?),

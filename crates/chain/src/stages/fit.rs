@@ -7,7 +7,7 @@ use lariat_wire::{
     now_ns,
 };
 
-use super::companions::Companions;
+use super::companions::{Companions, Words};
 use super::heirloom::Progress;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
@@ -92,7 +92,11 @@ impl Space {
         let Some(fitter) = SpaceFitter::new(settings)? else {
             return Ok(None);
         };
-        let words = ["depth image", "depth_deadline_us"];
+        let words = Words {
+            what: "depth image",
+            without: "is described in the image only",
+            setting: "depth_deadline_us",
+        };
         let Station {
             domain,
             rig,

@@ -121,15 +121,15 @@ impl SpaceFitter {
         } as u32;
         let image = depth.map(|view| self.image(seen, view)).transpose();
         let image = image.map_err(|cause| self.unreadable.once(&cause));
-        let count = seen.curves().len();
-        message.count = count as u32;
-        for (i, to) in message.curves[..count].iter_mut().enumerate() {
-            let curve = &seen.curves()[i];
+        // Once: what lies in shared memory may be another a moment later.
+        let curves = seen.curves();
+        message.count = curves.len() as u32;
+        for (i, (curve, to)) in curves.iter().zip(&mut message.curves).enumerate() {
             let place = match (curve.status(), &image) {
                 (Some(Status::Lost), _) => self.as_before(curve, to),
                 (_, Err(())) => Place::Unreadable,
                 (_, Ok(None)) => Place::NoImage,
-                (_, Ok(Some(image))) => self.place(seen, i, image, to),
+                (_, Ok(Some(image))) => self.place(seen, (i, curve), image, to),
             };
             write_rope(curve, to);
             to.place = place as u32;
@@ -194,11 +194,11 @@ impl SpaceFitter {
     fn place(
         &mut self,
         seen: &Centerlines,
-        i: usize,
+        curve: (usize, &Curve),
         image: &DepthImage,
         to: &mut Descriptor3,
     ) -> Place {
-        match self.describe(seen, i, image, to) {
+        match self.describe(seen, curve, image, to) {
             Ok(_) => Place::Known,
             Err(cause) => {
                 self.unplaced.once(&cause);
@@ -211,25 +211,24 @@ impl SpaceFitter {
         }
     }
 
-    /// Describes the `i`-th curve.
+    /// Describes a frame's curve, the `i`-th.
     ///
     /// # Errors
     /// It is nowhere, or cannot be fitted.
-    pub fn describe(
+    fn describe(
         &mut self,
         seen: &Centerlines,
-        i: usize,
+        (i, curve): (usize, &Curve),
         image: &DepthImage,
         to: &mut Descriptor3,
     ) -> Result<Judged> {
-        let curve = &seen.curves()[i];
         super::check_points(seen, curve)?;
         let count = curve.points().len();
         if count != self.fitter.points() {
             self.fitter = RopeFitter::new(&self.settings, count)?;
             self.filters = None;
         }
-        let noise = self.locate(seen, i, image)?;
+        let noise = self.locate(seen, (i, curve), image)?;
         let width = median(&mut self.by_size[..count]);
         let closed = curve.closed != 0;
         let even = self.line.resample(&self.points[..count], closed)?;
@@ -273,13 +272,17 @@ impl SpaceFitter {
     }
 
     /// Where the `i`-th curve's points are; their median standard deviation along the rays, mm.
-    fn locate(&mut self, seen: &Centerlines, i: usize, image: &DepthImage) -> Result<f64> {
-        let curve = &seen.curves()[i];
+    fn locate(
+        &mut self,
+        seen: &Centerlines,
+        (i, curve): (usize, &Curve),
+        image: &DepthImage,
+    ) -> Result<f64> {
         let count = curve.points().len();
         let rope = SeenRope {
             points: curve.points(),
             widths_px: curve.widths_px(),
-            hidden: self.covered.of(seen, i),
+            hidden: self.covered.of(seen, i, curve),
             closed: curve.closed != 0,
             ends: ends(curve),
         };

@@ -20,8 +20,7 @@ impl Default for Covered {
 
 impl Covered {
     /// Of each point of a frame's `i`-th curve whether it is covered, by a strand or by whatever extraction says.
-    pub(super) fn of(&mut self, seen: &Centerlines, i: usize) -> &[bool] {
-        let curve = &seen.curves()[i];
+    pub(super) fn of(&mut self, seen: &Centerlines, i: usize, curve: &Curve) -> &[bool] {
         let count = curve.points().len();
         let covered = &mut self.0[..count];
         for (k, covered) in covered.iter_mut().enumerate() {
@@ -61,11 +60,13 @@ fn cover(
     let (Some(top), Some(at)) = (top, at) else {
         return;
     };
-    let width = upper.widths_px()[top];
+    let Some(&width) = upper.widths_px().get(top) else {
+        return;
+    };
     let reach = 0.5 * width + MARGIN_PX;
     let far = ALONG * width.max(1.0);
     let is_near = |p: [f32; 2]| distance(p, crossing.at) < far;
-    for (k, &point) in lower.points().iter().enumerate() {
+    for (k, (&point, covered)) in lower.points().iter().zip(covered).enumerate() {
         // Of one rope, what is nearer to the other strand along it is that strand.
         let is_own = above.0 != below.0 || k.abs_diff(at) < k.abs_diff(top);
         if !is_own || !is_near(point) {
@@ -77,7 +78,7 @@ fn cover(
             is_strand && is_near(pair[0])
         });
         if strand.any(|(_, pair)| from_step(point, pair[0], pair[1]) < reach) {
-            covered[k] = true;
+            *covered = true;
         }
     }
 }
