@@ -1,0 +1,411 @@
+//! The other side: what comes is written to the rig's channels here, with its stamps on this machine's clock.
+//!
+//! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves (`Seen::Stale`).
+//! Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`] makes its session anew, whatever the cause: a cut
+//! link, a process that was killed, an address that moved.
+
+mod controller;
+mod link;
+
+use std::os::fd::AsFd;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+use anyhow::{Context, Result};
+use lariat_chain::stop::Stop;
+use lariat_wire::{
+    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Delivery, Descriptors, Domain, NoShape, Rig,
+    Shape, TRUTH, Trace, WireError, Writer, now_ns,
+};
+use zenoh::qos::Priority;
+
+use crate::args::{Also, Args, Place};
+use crate::clock::Offset;
+use crate::datagram::{Datagram, Incoming, Kind, Outgoing, Refused};
+use crate::inbox::{Arrived, Inbox};
+use crate::key::{self, Side};
+use crate::pack::unpack;
+use crate::question::{Answer, Question, bit};
+use crate::say;
+use crate::session::{Open, Way, Wire, parts};
+use crate::stamps::Stamps;
+use link::{Link, Took};
+
+/// How often it is asked.
+const ASK_NS: u64 = 50_000_000;
+/// Unanswered for so long, the session is made anew: eight questions.
+const SILENCE_NS: u64 = 8 * ASK_NS;
+/// A new session has so long until its first answer.
+const FIRST_NS: u64 = 2 * SILENCE_NS;
+/// Between two tries to connect.
+const RETRY_NS: u64 = 100_000_000;
+/// How often it is written down how it is, and how often a writer is tried for that another process is.
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// What the thread that sends commands needs of this one.
+#[derive(Default)]
+struct Upward {
+    wire: Option<Wire>,
+    /// The other side's process, and its clock.
+    near: Option<(u64, Offset)>,
+}
+
+/// Carries for as long as no signal comes.
+///
+/// # Errors
+/// The domain cannot be joined.
+pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
+    let stop = Stop::on_signals()?;
+    let domain = Domain::open()?;
+    let key = args.key()?;
+    let outgoing = Arc::new(Outgoing::new(
+        key::random_number()?,
+        key.as_ref(),
+        Side::Far,
+        &args.rig,
+    ));
+    let upward = Arc::new(Mutex::new(Upward::default()));
+    let (controller_stop, mut stopper) = Stop::by_another()?;
+    let controller = {
+        let (rig, outgoing, upward) = (args.rig.clone(), outgoing.clone(), upward.clone());
+        thread::Builder::new()
+            .name("controller".into())
+            .spawn(move || controller::run(&rig, &outgoing, &upward, &controller_stop))
+            .context("no thread could be started")?
+    };
+    let mut far = Far::new(
+        args,
+        &domain,
+        Incoming::new(key, Side::Near, &args.rig),
+        outgoing,
+        upward,
+    );
+    let carried = far.carry(place, &stop);
+    stopper.stop();
+    let commands = controller.join().unwrap_or_default();
+    println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
+    println!("refused {} messages; sent {commands} commands", far.refused);
+    carried
+}
+
+/// The rig's channels, and what is known of the other side.
+struct Far<'a> {
+    rig: &'a Rig,
+    domain: &'a Domain,
+    also: u8,
+    outgoing: Arc<Outgoing>,
+    upward: Arc<Mutex<Upward>>,
+    incoming: Incoming,
+    link: Link,
+    descriptors: Written<Descriptors>,
+    centerlines: Written<Centerlines>,
+    truth: Written<Centerlines>,
+    refused: u64,
+    said: Option<Refused>,
+    datagram: Vec<u8>,
+}
+
+impl<'a> Far<'a> {
+    fn new(
+        args: &'a Args,
+        domain: &'a Domain,
+        incoming: Incoming,
+        outgoing: Arc<Outgoing>,
+        upward: Arc<Mutex<Upward>>,
+    ) -> Self {
+        Self {
+            rig: &args.rig,
+            domain,
+            also: args.also.iter().fold(0, |bits, also| bits | bit(*also)),
+            outgoing,
+            upward,
+            incoming,
+            link: Link::default(),
+            descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
+            centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
+            truth: Written::new(&TRUTH, Centerlines::EMPTY),
+            refused: 0,
+            said: None,
+            datagram: Vec::new(),
+        }
+    }
+
+    /// One session after the other.
+    fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
+        let inbox = Arc::new(Inbox::new().context("the system has no descriptor left")?);
+        let mut announcement = None;
+        let mut is_silent = None;
+        while !stop.asked() {
+            let opened = Wire::open(Open::Connect, &place.to_string(), Way::Up, self.rig);
+            let Ok(wire) = opened else {
+                if !std::mem::replace(is_silent.get_or_insert(false), true) {
+                    say(&format!(
+                        "nobody answers at {place} yet: `lariat bridge --listen` on the camera's machine"
+                    ));
+                }
+                self.open_channels();
+                stop.sleep_until(now_ns() + RETRY_NS);
+                continue;
+            };
+            let heard = inbox.clone();
+            wire.hear(Way::Down, self.rig, move |at_ns, sample| {
+                heard.put(at_ns, parts(sample))
+            })?;
+            self.upward().wire = Some(wire.clone());
+            let has_answered = self.listen(&wire, &inbox, stop, |far, is_first| {
+                if is_first && is_silent != Some(false) {
+                    is_silent = Some(false);
+                    say(&format!("rig {} of {place} is here", far.rig));
+                }
+                far.announce(place, &mut announcement);
+            });
+            *self.upward() = Upward::default();
+            wire.close();
+            if has_answered && !stop.asked() {
+                is_silent = Some(true);
+                say(&format!(
+                    "{place} is silent: {}",
+                    self.link.sentence(now_ns())
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks and takes what comes, until a signal or a silence; whether there was an answer. `every_second` is told of the first answer, and then each second.
+    fn listen(
+        &mut self,
+        wire: &Wire,
+        inbox: &Inbox,
+        stop: &Stop,
+        mut every_second: impl FnMut(&mut Self, bool),
+    ) -> bool {
+        let mut arrived = Arrived::default();
+        let mut ask_due_ns = now_ns();
+        let mut silent_ns = ask_due_ns + FIRST_NS;
+        let mut second_due_ns = 0;
+        let mut has_answered = false;
+        while !stop.asked() && now_ns() < silent_ns {
+            inbox.sleep(ask_due_ns.min(silent_ns), stop.as_fd());
+            while inbox.next(&mut arrived) {
+                if self.take(&mut arrived) {
+                    silent_ns = now_ns() + SILENCE_NS;
+                    let is_first = !std::mem::replace(&mut has_answered, true);
+                    if is_first || now_ns() >= second_due_ns {
+                        second_due_ns = now_ns() + SECOND_NS;
+                        every_second(self, is_first);
+                    }
+                }
+            }
+            if now_ns() >= ask_due_ns {
+                ask_due_ns = (ask_due_ns + ASK_NS).max(now_ns());
+                self.open_channels();
+                self.ask(wire);
+            }
+        }
+        has_answered
+    }
+
+    fn ask(&mut self, wire: &Wire) {
+        let Ok(token) = key::random_number() else {
+            return;
+        };
+        let also = self.also;
+        self.outgoing.write(Kind::Ask, &mut self.datagram, |to| {
+            Question { token, also }.write(to)
+        });
+        self.link.ask(token, now_ns());
+        wire.put(&self.datagram, Priority::RealTime);
+    }
+
+    /// Takes a datagram; whether it was an answer.
+    fn take(&mut self, arrived: &mut Arrived) -> bool {
+        let at_ns = arrived.at_ns;
+        let datagram = match self.incoming.read(&mut arrived.bytes) {
+            Ok(datagram) => datagram,
+            Err(cause) => {
+                refuse(cause, &mut self.refused, &mut self.said);
+                return false;
+            }
+        };
+        if datagram.kind == Kind::Answer {
+            let took = Answer::read(datagram.says).map_or(Took::No, |answer| {
+                self.link.answer(datagram.process, &answer, at_ns)
+            });
+            if took == Took::Another {
+                say("two bridges send this rig: the one that was there first is gone by");
+            }
+            if took == Took::Yes {
+                let near = self.link.near();
+                self.upward().near = near;
+            }
+            return took == Took::Yes;
+        }
+        let Some(offset) = self.link.receive(&datagram) else {
+            return false;
+        };
+        let taken = match datagram.kind {
+            Kind::Descriptors => self.descriptors.take(&datagram, &offset, at_ns),
+            Kind::Centerlines => self.centerlines.take(&datagram, &offset, at_ns),
+            Kind::Truth => self.truth.take(&datagram, &offset, at_ns),
+            _ => None,
+        };
+        if taken.is_none() {
+            refuse(Refused::Nonsense, &mut self.refused, &mut self.said);
+        }
+        false
+    }
+
+    /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one.
+    fn open_channels(&mut self) {
+        self.descriptors.open(self.domain, self.rig);
+        if self.also & bit(Also::Centerlines) != 0 {
+            self.centerlines.open(self.domain, self.rig);
+        }
+        if self.also & bit(Also::Truth) != 0 {
+            self.truth.open(self.domain, self.rig);
+        }
+    }
+
+    /// Writes down how it is, for `lariat topic delay` and `top`.
+    fn announce(&mut self, place: &Place, announcement: &mut Option<lariat_wire::Announcement>) {
+        let settings = self.link.settings(place, now_ns());
+        // Nothing depends on it.
+        match announcement {
+            Some(announcement) => drop(announcement.renew(&settings)),
+            None => *announcement = self.domain.announce(self.rig, "bridge", &settings).ok(),
+        }
+    }
+
+    fn upward(&self) -> std::sync::MutexGuard<'_, Upward> {
+        self.upward.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn refuse(cause: Refused, refused: &mut u64, said: &mut Option<Refused>) {
+    *refused += 1;
+    if said.replace(cause) != Some(cause) {
+        say(&cause.to_string());
+    }
+}
+
+/// A message that can be taken from the wire to a channel.
+trait Carried: lariat_wire::Payload + lariat_wire::fields::Message {
+    fn trace_mut(&mut self) -> &mut Trace;
+    /// Whether readers could take it for what it says.
+    fn is_sound(&self) -> bool;
+    /// Writes what is meant of it to the channel.
+    fn send(&self, to: &Writer<Self>) -> Result<(), WireError>;
+    fn write(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<Self>,
+    ) -> Result<Writer<Self>, WireError>;
+}
+
+macro_rules! carried {
+    ($message:ident, |$read:ident| $is_sound:expr) => {
+        impl Carried for $message {
+            fn trace_mut(&mut self) -> &mut Trace {
+                &mut self.trace
+            }
+
+            fn is_sound(&self) -> bool {
+                let $read = self;
+                $is_sound
+            }
+
+            fn send(&self, to: &Writer<Self>) -> Result<(), WireError> {
+                let mut slot = to.slot()?;
+                slot.copy_meant(self);
+                slot.send()?;
+                Ok(())
+            }
+
+            fn write(
+                domain: &Domain,
+                rig: &Rig,
+                channel: &Channel<Self>,
+            ) -> Result<Writer<Self>, WireError> {
+                Writer::<$message>::create(domain, rig, channel, &Delivery::NewestWins)
+            }
+        }
+    };
+}
+// As readers check: what has no curve though it says that it has one is none, nor is a code that this release does not know.
+carried!(Descriptors, |read| read.unit().is_some()
+    && read.curves().iter().all(|curve| {
+        Shape::of(curve).err() != Some(NoShape::Unreadable)
+            && curve.status().is_some()
+            && curve.fit().is_some()
+    }));
+carried!(Centerlines, |read| {
+    let count = read.curves().len();
+    read.curves().iter().all(|curve| curve.status().is_some())
+        && read
+            .crossings()
+            .iter()
+            .all(|crossing| (crossing.over.max(crossing.under) as usize) < count)
+});
+
+/// A channel that is written here.
+struct Written<M: Carried + 'static> {
+    channel: &'static Channel<M>,
+    writer: Option<Writer<M>>,
+    message: Box<M>,
+    stamps: Stamps,
+    tried_ns: u64,
+    said: Option<String>,
+}
+
+impl<M: Carried> Written<M> {
+    fn new(channel: &'static Channel<M>, empty: M) -> Self {
+        Self {
+            channel,
+            writer: None,
+            message: Box::new(empty),
+            stamps: Stamps::default(),
+            tried_ns: 0,
+            said: None,
+        }
+    }
+
+    /// Becomes the channel's writer, unless it is; readers that came since the last message are given it.
+    fn open(&mut self, domain: &Domain, rig: &Rig) {
+        if let Some(writer) = &self.writer {
+            let welcomed = writer.welcome();
+            return self.note(welcomed);
+        }
+        let now_ns = now_ns();
+        if self.tried_ns > 0 && now_ns.saturating_sub(self.tried_ns) < SECOND_NS {
+            return;
+        }
+        self.tried_ns = now_ns;
+        let made = M::write(domain, rig, self.channel).map(|writer| self.writer = Some(writer));
+        self.note(made);
+    }
+
+    /// Writes what a datagram says; `None`: it is no such message.
+    fn take(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<()> {
+        unpack(&mut *self.message, datagram.says).ok()?;
+        self.message.is_sound().then_some(())?;
+        self.stamps.set(self.message.trace_mut(), offset, at_ns);
+        if let Some(writer) = &self.writer {
+            let sent = self.message.send(writer);
+            self.note(sent);
+        }
+        Some(())
+    }
+
+    /// What went wrong is said once, and the channel is written anew.
+    fn note(&mut self, done: Result<(), WireError>) {
+        let cause = done.err().map(|cause| cause.to_string());
+        if let Some(cause) = &cause {
+            self.writer = None;
+            if self.said.as_ref() != Some(cause) {
+                say(cause);
+            }
+            self.said = Some(cause.clone());
+        }
+    }
+}

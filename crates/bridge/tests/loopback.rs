@@ -1,0 +1,497 @@
+//! Both sides of a bridge as processes, each in a domain of its own, over the loopback and over a relay that delays, loses and reorders: what comes is what was
+//! sent, stamps are right to the stated bound, sent = received + lost, nothing goes back in time, each side may be killed, commands come back and never late, and only who has the
+//! key is heard.
+
+#[path = "../examples/wire/relay.rs"]
+mod relay;
+#[path = "../examples/wire/rope.rs"]
+mod rope;
+
+use std::io::Read;
+use std::net::UdpSocket;
+use std::path::PathBuf;
+use std::process::{Child, Command as Process, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use lariat_wire::{
+    COMMANDS, Command, CommandReader, DESCRIPTORS, Delivery, Descriptors, Domain, Reader, Receiver,
+    Rig, Seen, Writer, now_ns,
+};
+use relay::{Relay, Weather};
+
+/// Nothing takes so long that goes on at all.
+const PATIENCE: Duration = Duration::from_secs(20);
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lariat-bridge");
+
+/// A side of a bridge.
+struct Side {
+    process: Child,
+    said: JoinHandle<String>,
+}
+
+impl Side {
+    fn start(domain: &str, words: &[&str]) -> Self {
+        let mut process = Process::new(PROGRAM)
+            .args(["--rig", "cell"])
+            .args(words)
+            .env("LARIAT_DOMAIN", domain)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("a process");
+        let (mut out, mut errors) = (
+            process.stdout.take().expect("piped"),
+            process.stderr.take().expect("piped"),
+        );
+        let said = thread::spawn(move || {
+            let mut said = String::new();
+            let _ = errors.read_to_string(&mut said);
+            let _ = out.read_to_string(&mut said);
+            said
+        });
+        Self { process, said }
+    }
+
+    /// Ends it as Ctrl-C does; what it said.
+    fn end(mut self) -> String {
+        let pid = rustix::process::Pid::from_child(&self.process);
+        rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it is ours");
+        let status = self.process.wait().expect("it is ours");
+        let said = self.said.join().expect("text");
+        assert!(status.success(), "{status}: {said}");
+        said
+    }
+
+    fn kill(mut self) {
+        self.process.kill().expect("it is ours");
+        self.process.wait().expect("it is ours");
+    }
+}
+
+/// Two domains, and a port.
+struct Place {
+    near: String,
+    far: String,
+    port: u16,
+}
+
+impl Place {
+    fn new() -> Self {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let name = format!(
+            "{}-{}",
+            std::process::id(),
+            COUNT.fetch_add(1, Ordering::Relaxed)
+        );
+        Self {
+            near: format!("bn{name}"),
+            far: format!("bf{name}"),
+            port: free_port(),
+        }
+    }
+
+    fn at(port: u16) -> String {
+        format!("udp/127.0.0.1:{port}")
+    }
+
+    fn listen(&self, more: &[&str]) -> Side {
+        let at = Self::at(self.port);
+        Side::start(&self.near, &[&["--listen", &at], more].concat())
+    }
+
+    /// `port`: the relay's, if there is one.
+    fn connect(&self, port: u16, more: &[&str]) -> Side {
+        let at = Self::at(port);
+        Side::start(&self.far, &[&["--connect", &at], more].concat())
+    }
+
+    fn near(&self) -> Domain {
+        Domain::named(&self.near).expect("a domain")
+    }
+
+    fn far(&self) -> Domain {
+        Domain::named(&self.far).expect("a domain")
+    }
+}
+
+/// Nothing is left behind.
+impl Drop for Place {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            return;
+        }
+        let left = std::fs::read_dir("/dev/shm").expect("a folder");
+        let left = left.flatten().map(|entry| entry.file_name());
+        let ours = |name: &str| name.contains(&self.near) || name.contains(&self.far);
+        let left: Vec<_> = left
+            .filter(|name| name.to_str().is_some_and(ours))
+            .collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
+fn free_port() -> u16 {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    socket.local_addr().expect("a port").port()
+}
+
+fn rig() -> Rig {
+    "cell".parse().expect("a name")
+}
+
+/// A relay to a port, for as long as it is kept.
+struct Relayed {
+    port: u16,
+    wanted: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Relayed {
+    fn start(to: u16, weather: Weather) -> Self {
+        let (port, wanted) = (free_port(), Arc::new(AtomicBool::new(true)));
+        let [at, to] = [port, to].map(|port| ([127, 0, 0, 1], port).into());
+        let mut relay = Relay::new(at, to, weather, 3).expect("a port");
+        let wants = wanted.clone();
+        let thread = thread::spawn(move || {
+            relay
+                .run(|| wants.load(Ordering::Relaxed))
+                .expect("sockets");
+        });
+        Self {
+            port,
+            wanted,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Relayed {
+    fn drop(&mut self) {
+        self.wanted.store(false, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A chain's end: sends a rope 100 times a second, in a thread of its own, until it is dropped.
+struct Chain {
+    wanted: Arc<AtomicBool>,
+    thread: Option<JoinHandle<u64>>,
+}
+
+impl Chain {
+    fn start(place: &Place) -> Self {
+        let wanted = Arc::new(AtomicBool::new(true));
+        let (wants, name) = (wanted.clone(), place.near.clone());
+        let thread = thread::spawn(move || {
+            let domain = Domain::named(&name).expect("a domain");
+            let writer =
+                Writer::<Descriptors>::create(&domain, &rig(), &DESCRIPTORS, &Delivery::NewestWins);
+            let (writer, mut count) = (writer.expect("the only one"), 0);
+            while wants.load(Ordering::Relaxed) {
+                thread::sleep(Duration::from_millis(10));
+                count += 1;
+                let mut slot = writer.slot().expect("a slot");
+                rope::write(&mut slot, count, now_ns());
+                slot.send().expect("sent");
+            }
+            count
+        });
+        Self {
+            wanted,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Chain {
+    fn drop(&mut self) {
+        self.wanted.store(false, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The next messages of a reader; all that waits is taken, in its order.
+fn take(
+    reader: &Receiver<Descriptors>,
+    mut see: impl FnMut(&Descriptors),
+    mut wanted: impl FnMut() -> bool,
+) {
+    let deadline = Instant::now() + PATIENCE;
+    while wanted() {
+        assert!(Instant::now() < deadline, "nothing comes");
+        let look_up = Instant::now() + Duration::from_millis(100);
+        reader.sleep(Some(look_up), None).expect("a reader");
+        while let Some(message) = reader.next().expect("a reader") {
+            see(&message);
+        }
+    }
+}
+
+/// The number behind a word in what was said.
+fn number(said: &str, before: &str) -> u64 {
+    let rest = said
+        .split(before)
+        .last()
+        .filter(|rest| rest.len() < said.len());
+    let digits = rest.unwrap_or_else(|| panic!("no {before:?} in {said}"));
+    let digits = digits.split(|c: char| !c.is_ascii_digit()).next();
+    digits.and_then(|digits| digits.parse().ok()).expect(said)
+}
+
+#[test]
+fn what_comes_is_what_was_sent_with_stamps_right_to_the_stated_bound() {
+    let place = Place::new();
+    let sides = (place.listen(&[]), place.connect(place.port, &[]));
+    let domain = place.far();
+    let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
+    let chain = Chain::start(&place);
+    let (mut count, mut off_ns, mut last) = (0, 0, 0);
+    let mut expected = Box::new(Descriptors::EMPTY);
+    let see = |message: &Descriptors| {
+        let written_ns = rope::written_ns(message);
+        rope::write(&mut expected, message.trace.fitted, written_ns);
+        let ours = &mut expected.curves[0];
+        assert_eq!(message.curves[0].control_points(), ours.control_points());
+        assert_eq!(message.curves[0].covariances(), ours.covariances());
+        assert_eq!(message.curves[0].inner_knots(), ours.inner_knots());
+        let points = [message, &expected].map(|message| message.centerlines[0].points());
+        for (came, sent) in points[0].iter().zip(points[1]) {
+            assert!(came.iter().zip(sent).all(|(a, b)| (a - b).abs() < 0.01));
+        }
+        assert_eq!(points[0].len(), points[1].len());
+        // One machine, one clock: what a stamp is off by is known.
+        off_ns = off_ns.max(message.trace.exposed_ns.abs_diff(written_ns));
+        assert!(message.trace.fitted > last);
+        last = message.trace.fitted;
+        count += 1;
+    };
+    let until = Instant::now() + Duration::from_millis(1500);
+    take(&reader, see, || Instant::now() < until);
+    assert!(count > 50, "{count}");
+    // Best known at the end: what the first stamps were off by, it is not told of.
+    let said = sides.1.end();
+    assert!(
+        off_ns < 5_000_000 + 1000 * number(&said, "± "),
+        "{off_ns}: {said}"
+    );
+    let near = sides.0.end();
+    assert_eq!(number(&said, " lost "), 0, "{said}");
+    assert!(
+        number(&near, "sent ") >= number(&said, "received "),
+        "{near}"
+    );
+    drop((reader, domain, chain));
+}
+
+#[test]
+fn losses_are_exact_and_nothing_goes_back_in_time_over_a_link_that_delays_loses_and_reorders() {
+    let place = Place::new();
+    let weather = Weather {
+        delay: Duration::from_millis(20),
+        jitter: Duration::from_millis(30),
+        lost_of_1000: 20,
+    };
+    let relay = Relayed::start(place.port, weather);
+    let sides = (place.listen(&[]), place.connect(relay.port, &[]));
+    let domain = place.far();
+    let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
+    let chain = Chain::start(&place);
+    let (mut count, mut last) = (0, (0, 0));
+    let see = |message: &Descriptors| {
+        let at = (message.trace.fitted, message.trace.exposed_ns);
+        assert!(at.0 > last.0 && at.1 > last.1, "{at:?} after {last:?}");
+        // Both ways take 50 ms at most, so that no stamp is off by more than half of the way there and back.
+        assert!(at.1.abs_diff(rope::written_ns(message)) < 100_000_000);
+        last = at;
+        count += 1;
+    };
+    let until = Instant::now() + Duration::from_secs(3);
+    take(&reader, see, || Instant::now() < until);
+    // What is under way arrives, and an answer says how many there were.
+    drop(chain);
+    let until = Instant::now() + Duration::from_millis(300);
+    take(&reader, |_| count += 1, || Instant::now() < until);
+    let (far, near) = (sides.1.end(), sides.0.end());
+    let [sent, received, lost] = ["lost; sent ", "received ", " lost "].map(|word| match word {
+        "lost; sent " => number(&far, "cell: sent "),
+        word => number(&far, word),
+    });
+    assert_eq!(sent, received + lost, "{far}");
+    assert_eq!(received, count, "{far}");
+    assert_eq!(sent, number(&near, "cell: sent "), "{near} {far}");
+    assert!(lost > 0 && received > lost, "{far}");
+    drop((reader, domain));
+}
+
+#[test]
+fn either_side_may_be_killed_and_readers_go_on_by_themselves() {
+    let place = Place::new();
+    // The other side is there first.
+    let mut far = place.connect(place.port, &[]);
+    let mut reader = Reader::open_in(place.far(), &rig()).expect("a reader");
+    let chain = Chain::start(&place);
+    let mut near = place.listen(&[]);
+    let max_age = Duration::from_millis(200);
+    let until = |reader: &mut Reader, is_wanted: fn(&Seen) -> bool| {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let look_up = Instant::now() + Duration::from_millis(50);
+            let seen = reader.wait(look_up).expect("a reader").only_rope(max_age);
+            if is_wanted(&seen) {
+                break;
+            }
+            assert!(Instant::now() < deadline, "{seen}");
+        }
+    };
+    let is_fresh = |seen: &Seen| matches!(seen, Seen::Fresh(_));
+    let is_stale = |seen: &Seen| matches!(seen, Seen::Stale(_));
+    until(&mut reader, is_fresh);
+    for _ in 0..2 {
+        near.kill();
+        until(&mut reader, is_stale);
+        near = place.listen(&[]);
+        until(&mut reader, is_fresh);
+        far.kill();
+        until(&mut reader, is_stale);
+        far = place.connect(place.port, &[]);
+        until(&mut reader, is_fresh);
+    }
+    far.end();
+    near.end();
+    drop((reader, chain));
+}
+
+#[test]
+fn commands_come_back_and_never_late() {
+    for (delay_ms, is_given) in [(1, true), (80, false)] {
+        let place = Place::new();
+        let weather = Weather {
+            delay: Duration::from_millis(delay_ms),
+            ..Weather::default()
+        };
+        let relay = Relayed::start(place.port, weather);
+        let near = place.listen(&["--command-age", "50ms"]);
+        let far = place.connect(relay.port, &[]);
+        let robot = CommandReader::open(place.near(), &rig()).expect("a reader");
+        let domain = place.far();
+        let controller =
+            Writer::<Command>::create(&domain, &rig(), &COMMANDS, &Delivery::NewestWins)
+                .expect("the only one");
+        let mut given = Vec::new();
+        let until = Instant::now()
+            + if is_given {
+                PATIENCE
+            } else {
+                Duration::from_secs(2)
+            };
+        for count in 1.. {
+            if given.len() >= 10 || Instant::now() > until {
+                break;
+            }
+            let mut slot = controller.slot().expect("a slot");
+            *slot = Command {
+                count,
+                sent_ns: now_ns(),
+                grippers: 1,
+                velocities: [[count as f64, 0.0, 0.0]; 2],
+                ..Command::default()
+            };
+            slot.send().expect("sent");
+            thread::sleep(Duration::from_millis(10));
+            while let Some(command) = robot.next().expect("a reader") {
+                assert_eq!(command.velocities()[0][0], command.count as f64);
+                given.push(command.count);
+            }
+        }
+        assert_eq!(given.is_empty(), !is_given, "{given:?}");
+        assert!(given.is_sorted_by(|a, b| a < b), "{given:?}");
+        far.end();
+        let said = near.end();
+        assert_eq!(number(&said, "given, ") > 0, !is_given, "{said}");
+        assert_eq!(said.contains("--command-age"), !is_given, "{said}");
+        drop((robot, controller, domain));
+    }
+}
+
+/// A file with a key.
+fn key(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("lariat-bridge-{name}-{}", std::process::id()));
+    let made = Process::new(PROGRAM).arg("--make-key").arg(&path).status();
+    assert!(made.expect("a process").success());
+    path
+}
+
+#[test]
+fn only_who_has_the_key_is_heard() {
+    let keys = [key("one"), key("other")];
+    let words = keys
+        .each_ref()
+        .map(|key| ["--key", key.to_str().expect("text")]);
+    for (near_words, far_words, why) in [
+        (&words[0][..], &words[0][..], None),
+        (&words[0], &words[1], Some("another key")),
+        (&words[0], &[], Some("--key FILE")),
+        (&[], &words[0], Some("--key FILE")),
+    ] {
+        let place = Place::new();
+        let (near, far) = (
+            place.listen(near_words),
+            place.connect(place.port, far_words),
+        );
+        let domain = place.far();
+        let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
+        let chain = Chain::start(&place);
+        let mut count = 0;
+        let until = Instant::now() + Duration::from_millis(1200);
+        match why {
+            None => {
+                let came = std::cell::Cell::new(false);
+                take(&reader, |_| came.set(true), || !came.get());
+            }
+            Some(_) => take(&reader, |_| count += 1, || Instant::now() < until),
+        }
+        assert_eq!(count, 0);
+        let said = far.end() + &near.end();
+        assert!(why.is_none_or(|why| said.contains(why)), "{said}");
+        drop((reader, domain, chain));
+    }
+    for key in keys {
+        std::fs::remove_file(key).expect("it is ours");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_a_sentence() {
+    for (words, code, sentence) in [
+        (&["--listen", "udp/0.0.0.0:7447"][..], 2, "--make-key"),
+        (&["--connect", "udp/192.0.2.1:7447"], 2, "--insecure"),
+        (&["--listen", "tcp/127.0.0.1:7447"], 2, "udp/192.168"),
+        (
+            &["--listen", "udp/192.0.2.1:7447", "--insecure"],
+            1,
+            "cannot be listened",
+        ),
+        (
+            &["--connect", "udp/127.0.0.1:7447", "--key", "/nowhere"],
+            1,
+            "/nowhere",
+        ),
+    ] {
+        let place = Place::new();
+        let done = Process::new(PROGRAM)
+            .args(words)
+            .env("LARIAT_DOMAIN", &place.near)
+            .output();
+        let done = done.expect("a process");
+        let said = String::from_utf8_lossy(&done.stderr);
+        assert_eq!(done.status.code(), Some(code), "{said}");
+        assert!(said.contains(sentence), "{said}");
+    }
+}
