@@ -26,6 +26,7 @@ use crate::inbox::{Arrived, Inbox};
 use crate::key::{self, Side};
 use crate::pack::unpack;
 use crate::question::{Answer, Question, bit};
+use crate::refusals::Refusals;
 use crate::say;
 use crate::session::{Open, Way, Wire, parts};
 use crate::stamps::Stamps;
@@ -84,7 +85,10 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     stopper.stop();
     let commands = controller.join().unwrap_or_default();
     println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
-    println!("refused {} messages; sent {commands} commands", far.refused);
+    println!(
+        "refused {} messages; sent {commands} commands",
+        far.refusals.count()
+    );
     carried
 }
 
@@ -100,8 +104,7 @@ struct Far<'a> {
     descriptors: Written<Descriptors>,
     centerlines: Written<Centerlines>,
     truth: Written<Centerlines>,
-    refused: u64,
-    said: Option<Refused>,
+    refusals: Refusals,
     datagram: Vec<u8>,
 }
 
@@ -124,8 +127,7 @@ impl<'a> Far<'a> {
             descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
             centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
             truth: Written::new(&TRUTH, Centerlines::EMPTY),
-            refused: 0,
-            said: None,
+            refusals: Refusals::default(),
             datagram: Vec::new(),
         }
     }
@@ -224,7 +226,7 @@ impl<'a> Far<'a> {
         let datagram = match self.incoming.read(&mut arrived.bytes) {
             Ok(datagram) => datagram,
             Err(cause) => {
-                refuse(cause, &mut self.refused, &mut self.said);
+                self.refusals.add(cause);
                 return false;
             }
         };
@@ -251,7 +253,7 @@ impl<'a> Far<'a> {
             _ => None,
         };
         if taken.is_none() {
-            refuse(Refused::Nonsense, &mut self.refused, &mut self.said);
+            self.refusals.add(Refused::Nonsense);
         }
         false
     }
@@ -279,13 +281,6 @@ impl<'a> Far<'a> {
 
     fn upward(&self) -> std::sync::MutexGuard<'_, Upward> {
         self.upward.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-fn refuse(cause: Refused, refused: &mut u64, said: &mut Option<Refused>) {
-    *refused += 1;
-    if said.replace(cause) != Some(cause) {
-        say(&cause.to_string());
     }
 }
 

@@ -23,6 +23,7 @@
 //! | `session` | zenoh: its settings, its keys |
 //! | `key`, `datagram`, `pack`, `question` | what goes over the wire, from the outside in. Pure |
 //! | `clock`, `stamps`, `tally` | the other clock, stamps by it, counts of what came. Pure |
+//! | `refusals` | what was refused, and that it is not said too often |
 //! | `inbox`, `channel` | from zenoh's threads to those with channels; a channel that is read while it is written |
 //! | `near`, `near/robot` | the camera's side: messages out, answers, commands in |
 //! | `far`, `far/link`, `far/controller` | the other: questions, messages in, what is known of the near side, commands out |
@@ -37,6 +38,7 @@ mod key;
 mod near;
 mod pack;
 mod question;
+mod refusals;
 mod session;
 mod stamps;
 mod tally;

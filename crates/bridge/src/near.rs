@@ -7,7 +7,7 @@ mod robot;
 use std::iter;
 use std::os::fd::AsFd;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -27,6 +27,7 @@ use crate::inbox::{Arrived, Inbox};
 use crate::key::{self, Side};
 use crate::pack::pack;
 use crate::question::{Answer, Question, bit};
+use crate::refusals::Refusals;
 use crate::say;
 use crate::session::{Open, Way, Wire, parts};
 use robot::Robot;
@@ -47,8 +48,7 @@ struct Heard {
     asked_ns: AtomicU64,
     also: AtomicU8,
     questions: AtomicU64,
-    refused: AtomicU64,
-    said: Mutex<Option<Refused>>,
+    refusals: Mutex<Refusals>,
 }
 
 impl Heard {
@@ -104,11 +104,11 @@ impl Heard {
     }
 
     fn refuse(&self, cause: Refused) {
-        self.refused.fetch_add(1, Ordering::Relaxed);
-        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        if said.replace(cause) != Some(cause) {
-            say(&cause.to_string());
-        }
+        self.refusals().add(cause);
+    }
+
+    fn refusals(&self) -> MutexGuard<'_, Refusals> {
+        self.refusals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -128,8 +128,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         asked_ns: AtomicU64::new(0),
         also: AtomicU8::new(0),
         questions: AtomicU64::new(0),
-        refused: AtomicU64::new(0),
-        said: Mutex::new(None),
+        refusals: Mutex::default(),
     });
     let wire = Wire::open(Open::Listen, &place.to_string(), Way::Down, rig)
         .with_context(|| format!("it cannot be listened on {place}"))?;
@@ -165,7 +164,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         heard.outgoing.sent(Kind::Centerlines),
         heard.outgoing.sent(Kind::Truth),
         heard.questions.load(Ordering::Relaxed),
-        heard.refused.load(Ordering::Relaxed),
+        heard.refusals().count(),
     );
     if let Ok(commands) = commands {
         println!("{commands}");

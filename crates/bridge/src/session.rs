@@ -55,7 +55,8 @@ impl Wire {
             Open::Listen => (place.as_str(), ""),
             Open::Connect => ("", place.as_str()),
         };
-        // A transport of which nothing is heard is given up after 2 s: by then the far side has long made another.
+        // A transport of which nothing is heard is given up after 2 s: by then the far side has long made another. As many descriptors wait for zenoh's thread as it
+        // can keep, should that have no core for a while: two, which it keeps by itself, are 2 ms of a camera of 1000 Hz.
         let config = Config::from_json5(&format!(
             "{{ mode: 'peer',
                 listen: {{ endpoints: [{listen}], timeout_ms: 0, exit_on_failure: true }},
@@ -64,7 +65,7 @@ impl Wire {
                 scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }},
                 transport: {{
                     unicast: {{ open_timeout: 400, accept_timeout: 1000 }},
-                    link: {{ tx: {{ lease: 2000, keep_alive: 4 }} }} }} }}"
+                    link: {{ tx: {{ lease: 2000, keep_alive: 4, queue: {{ size: {{ real_time: 16 }} }} }} }} }} }}"
         ));
         let session = zenoh::open(config.map_err(told)?).wait().map_err(told)?;
         Ok(Self {

@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
-//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON
+//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 100 ms
 //! wire serve udp|tcp ADDRESS:PORT         sends back what comes
 //! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
 //! wire relay LISTEN TO DELAY_US JITTER_US LOST_OF_1000
@@ -93,7 +93,7 @@ fn read(rig: &Rig, patience: Duration) -> Result<()> {
     let domain = Domain::open()?;
     let reader = Receiver::descriptors(&domain, rig)?;
     let (mut late_ns, mut off_ns) = (Vec::new(), Vec::new());
-    let (mut back, mut last, mut gap_ns, mut arrived_ns) = (0, None, 0, 0);
+    let (mut back, mut last, mut gaps_ms, mut arrived_ns) = (0, None, Vec::new(), 0);
     let mut heard = Instant::now() + Duration::from_secs(20);
     while Instant::now() < heard {
         reader.sleep(Some(heard), None)?;
@@ -108,16 +108,16 @@ fn read(rig: &Rig, patience: Duration) -> Result<()> {
                 last.is_some_and(|(fitted, exposed_ns)| at.0 <= fitted || at.1 <= exposed_ns),
             );
             last = Some(at);
-            if arrived_ns > 0 {
-                gap_ns = gap_ns.max(now_ns - arrived_ns);
+            let gap_ms = now_ns.saturating_sub(arrived_ns) / 1_000_000;
+            if arrived_ns > 0 && gap_ms > 100 {
+                gaps_ms.push(gap_ms);
             }
             arrived_ns = now_ns;
         }
     }
     println!(
-        "{{{}, \"back\": {back}, \"longest_gap_ms\": {}, \"stamps_off\": {{{}}}}}",
+        "{{{}, \"back\": {back}, \"gaps_ms\": {gaps_ms:?}, \"stamps_off\": {{{}}}}}",
         figures(&mut late_ns),
-        gap_ns / 1_000_000,
         figures(&mut off_ns)
     );
     Ok(())

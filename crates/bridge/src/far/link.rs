@@ -152,7 +152,7 @@ impl Link {
     /// The same as the settings of a process, for the roster.
     pub(super) fn settings(&self, place: &Place, now_ns: u64) -> String {
         let [[sent, received], ..] = self.totals();
-        let bound_us = self.bound_us(now_ns).unwrap_or(f64::NAN);
+        let bound_us = self.bound_us(now_ns).unwrap_or(f64::INFINITY);
         format!(
             "[bridge]\nconnect = \"{place}\"\nclock_bound_us = {bound_us:.1}\nsent = {sent}\nreceived = {received}\nlost = {}\n",
             sent - received
