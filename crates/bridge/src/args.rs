@@ -37,6 +37,9 @@ pub(crate) struct Args {
         conflicts_with = "listen"
     )]
     pub(crate) also: Vec<Also>,
+    /// With --connect: also carry so many frames a second, as JPEG, on the port behind --connect's
+    #[arg(long, value_name = "RATE", value_parser = rate, conflicts_with = "listen")]
+    pub(crate) frames: Option<f64>,
     /// With --listen: a command that is older than this when it comes is dropped
     #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration::parse)]
     pub(crate) command_age: Duration,
@@ -66,6 +69,11 @@ const EXAMPLES: &str = "Examples:
   lariat bridge --connect udp/camera.local:7447 --rig cell --key cell.key       on the other";
 
 impl Args {
+    /// How long it is from one frame to the next that is asked for, ms; 0 if none are.
+    pub(crate) fn frames_ms(&self) -> u16 {
+        self.frames.map_or(0, |rate| (1000.0 / rate).round() as u16)
+    }
+
     /// The key; `None` if there is none, and that is safe or wanted.
     ///
     /// # Errors
@@ -85,6 +93,13 @@ impl Args {
     }
 }
 
+/// Frames a second.
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok();
+    let rate = rate.filter(|rate| (0.1..=60.0).contains(rate));
+    rate.ok_or_else(|| "choose a rate from 0.1 to 60".into())
+}
+
 /// Where to listen, or to connect to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
@@ -93,6 +108,15 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    /// Where frames go: the port behind it; `None` if there is none.
+    pub(crate) fn of_frames(&self) -> Option<Self> {
+        let port = self.port.checked_add(1)?;
+        Some(Self {
+            port,
+            ..self.clone()
+        })
+    }
+
     /// Whether nothing that is sent there leaves the machine. A name that is not known leaves it.
     fn is_loopback(&self) -> bool {
         let host = self.host.trim_start_matches('[').trim_end_matches(']');

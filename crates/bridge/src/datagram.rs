@@ -39,16 +39,19 @@ pub(crate) enum Kind {
     Truth = 4,
     /// From the far side.
     Command = 5,
+    /// From the near side: a part of a frame.
+    Picture = 6,
 }
 
 impl Kind {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::Ask,
         Self::Answer,
         Self::Descriptors,
         Self::Centerlines,
         Self::Truth,
         Self::Command,
+        Self::Picture,
     ];
 }
 

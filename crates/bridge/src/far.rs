@@ -6,6 +6,7 @@
 
 mod controller;
 mod link;
+mod pictures;
 
 use std::os::fd::AsFd;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -74,6 +75,17 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             .spawn(move || controller::run(&rig, &outgoing, &upward, &controller_stop))
             .context("no thread could be started")?
     };
+    let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
+    let pictures = match args.frames_ms() {
+        0 => None,
+        _ => {
+            let (rig, place, upward) = (args.rig.clone(), place.clone(), upward.clone());
+            let incoming = Incoming::new(key.clone(), Side::Near, &rig);
+            let run = move || pictures::run(&rig, &place, incoming, &upward, &pictures_stop);
+            let thread = thread::Builder::new().name("pictures".into()).spawn(run);
+            Some(thread.context("no thread could be started")?)
+        }
+    };
     let mut far = Far::new(
         args,
         &domain,
@@ -83,10 +95,12 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     );
     let carried = far.carry(place, &stop);
     stopper.stop();
+    pictures_stopper.stop();
     let commands = controller.join().unwrap_or_default();
+    let frames = pictures.map_or(0, |thread| thread.join().unwrap_or_default());
     println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
     println!(
-        "refused {} messages; sent {commands} commands",
+        "took {frames} frames; refused {} messages; sent {commands} commands",
         far.refusals.count()
     );
     carried
@@ -97,6 +111,7 @@ struct Far<'a> {
     rig: &'a Rig,
     domain: &'a Domain,
     also: u8,
+    frames_ms: u16,
     outgoing: Arc<Outgoing>,
     upward: Arc<Mutex<Upward>>,
     incoming: Incoming,
@@ -120,6 +135,7 @@ impl<'a> Far<'a> {
             rig: &args.rig,
             domain,
             also: args.also.iter().fold(0, |bits, also| bits | bit(*also)),
+            frames_ms: args.frames_ms(),
             outgoing,
             upward,
             incoming,
@@ -212,9 +228,14 @@ impl<'a> Far<'a> {
         let Ok(token) = key::random_number() else {
             return;
         };
-        let also = self.also;
+        let (also, frames_ms) = (self.also, self.frames_ms);
         self.outgoing.write(Kind::Ask, &mut self.datagram, |to| {
-            Question { token, also }.write(to)
+            Question {
+                token,
+                also,
+                frames_ms,
+            }
+            .write(to)
         });
         self.link.ask(token, now_ns());
         wire.put(&self.datagram, Priority::RealTime);

@@ -31,6 +31,7 @@ pub(crate) enum Side {
 }
 
 /// The key that both sides share.
+#[derive(Clone)]
 pub(crate) struct Key([u8; KEY]);
 
 impl Key {

@@ -21,15 +21,16 @@
 //! |---|---|
 //! | `args` | the command line, and what is safe |
 //! | `session` | zenoh: its settings, its keys |
-//! | `key`, `datagram`, `pack`, `question` | what goes over the wire, from the outside in. Pure |
+//! | `key`, `datagram`, `pack`, `question`, `chunks` | what goes over the wire, from the outside in. Pure |
 //! | `clock`, `stamps`, `tally` | the other clock, stamps by it, counts of what came. Pure |
 //! | `refusals` | what was refused, and that it is not said too often |
 //! | `inbox`, `channel` | from zenoh's threads to those with channels; a channel that is read while it is written |
-//! | `near`, `near/robot` | the camera's side: messages out, answers, commands in |
-//! | `far`, `far/link`, `far/controller` | the other: questions, messages in, what is known of the near side, commands out |
+//! | `near`, `near/robot`, `near/pictures` | the camera's side: messages out, answers; commands in; frames out |
+//! | `far`, `far/link`, `far/controller`, `far/pictures` | the other: questions, messages in, what is known of the near side; commands out; frames in |
 
 mod args;
 mod channel;
+mod chunks;
 mod clock;
 mod datagram;
 mod far;

@@ -2,11 +2,12 @@
 //!
 //! Questions are answered in zenoh's own thread, at once: each µs that an answer waits there is a µs of doubt about the clock. Nothing is sent while nobody asks.
 
+mod pictures;
 mod robot;
 
 use std::iter;
 use std::os::fd::AsFd;
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -47,6 +48,8 @@ struct Heard {
     /// When a question came last, 0 before the first, and what was asked for beside descriptors.
     asked_ns: AtomicU64,
     also: AtomicU8,
+    /// How long it is from one frame to the next that is asked for, ms; 0 for none.
+    frames_ms: AtomicU16,
     questions: AtomicU64,
     refusals: Mutex<Refusals>,
 }
@@ -56,6 +59,12 @@ impl Heard {
     fn is_asked(&self, now_ns: u64) -> bool {
         let asked_ns = self.asked_ns.load(Ordering::Relaxed);
         asked_ns > 0 && now_ns.saturating_sub(asked_ns) < ASKS_NS
+    }
+
+    /// How long it is from one frame to the next that is asked for; `None` if none is.
+    fn frames_ns(&self, now_ns: u64) -> Option<u64> {
+        let period_ms = self.frames_ms.load(Ordering::Relaxed);
+        (period_ms > 0 && self.is_asked(now_ns)).then_some(u64::from(period_ms) * 1_000_000)
     }
 
     /// Takes what came, in zenoh's thread.
@@ -79,6 +88,9 @@ impl Heard {
                     self.first.put(at_ns, iter::empty());
                 }
                 self.also.fetch_or(question.also, Ordering::Relaxed);
+                if question.frames_ms > 0 {
+                    self.frames_ms.store(question.frames_ms, Ordering::Relaxed);
+                }
                 self.questions.fetch_add(1, Ordering::Relaxed);
                 let sent = [Kind::Descriptors, Kind::Centerlines, Kind::Truth]
                     .map(|kind| self.outgoing.sent(kind));
@@ -127,6 +139,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         first: Inbox::new().context("the system has no descriptor left")?,
         asked_ns: AtomicU64::new(0),
         also: AtomicU8::new(0),
+        frames_ms: AtomicU16::new(0),
         questions: AtomicU64::new(0),
         refusals: Mutex::default(),
     });
@@ -149,6 +162,14 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             .spawn(robot)
             .context("no thread could be started")?
     };
+    let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
+    let pictures = {
+        let (heard, rig, place) = (heard.clone(), rig.clone(), place.clone());
+        thread::Builder::new()
+            .name("pictures".into())
+            .spawn(move || pictures::run(&rig, &place, &heard, &pictures_stop))
+            .context("no thread could be started")?
+    };
     let mut sender = Sender::new(&heard, &wire);
     while !stop.asked() {
         sender.look(&domain, args);
@@ -156,13 +177,15 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         sender.send();
     }
     stopper.stop();
-    let commands = robot.join();
+    pictures_stopper.stop();
+    let (commands, pictures) = (robot.join(), pictures.join());
     wire.close();
     println!(
-        "rig {rig}: sent {} descriptors, {} centerlines, {} truths; answered {} questions; refused {}",
+        "rig {rig}: sent {} descriptors, {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
         heard.outgoing.sent(Kind::Descriptors),
         heard.outgoing.sent(Kind::Centerlines),
         heard.outgoing.sent(Kind::Truth),
+        pictures.unwrap_or_default(),
         heard.questions.load(Ordering::Relaxed),
         heard.refusals().count(),
     );
@@ -213,6 +236,7 @@ impl<'h> Sender<'h> {
             });
             if !is_asked {
                 self.heard.also.store(0, Ordering::Relaxed);
+                self.heard.frames_ms.store(0, Ordering::Relaxed);
             }
         }
         self.is_asked = is_asked;

@@ -9,6 +9,8 @@ pub(crate) struct Question {
     pub(crate) token: u64,
     /// A bit each: what is wanted beside descriptors.
     pub(crate) also: u8,
+    /// How long it is to be from one frame to the next, ms; 0: none are wanted.
+    pub(crate) frames_ms: u16,
 }
 
 /// Of the near side.
@@ -32,14 +34,16 @@ impl Question {
     pub(crate) fn write(&self, to: &mut Vec<u8>) {
         to.extend(self.token.to_le_bytes());
         to.push(self.also);
+        to.extend(self.frames_ms.to_le_bytes());
     }
 
     pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
         let (token, rest) = bytes.split_first_chunk()?;
-        let [also] = rest.try_into().ok()?;
+        let [also, period @ ..]: [u8; 3] = rest.try_into().ok()?;
         Some(Self {
             token: u64::from_le_bytes(*token),
             also,
+            frames_ms: u16::from_le_bytes(period),
         })
     }
 }
@@ -83,6 +87,7 @@ mod tests {
         let question = Question {
             token: u64::MAX - 1,
             also: bit(Also::Truth),
+            frames_ms: 40,
         };
         let answer = Answer {
             token: 1,

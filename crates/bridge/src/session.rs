@@ -1,6 +1,6 @@
 //! zenoh: a session that listens or connects, and nothing else: no scouting, no gossip, no shared memory.
 //!
-//! Everything that goes one way goes under one key: `lariat/<rig>/descriptors` from the camera's machine, `lariat/<rig>/commands` back. Over plain UDP zenoh's own declarations
+//! Everything that goes one way goes under one key: `lariat/<rig>/descriptors` from the camera's machine, `lariat/<rig>/commands` back. (Frames have a session of their own.) Over plain UDP zenoh's own declarations
 //! may be lost like any datagram, and are not sent again: a subscription that never arrived would be silence for ever. With one key, answers to questions come only if
 //! descriptors would; and who hears no answer makes its session anew (`far`), which declares everything anew.
 
@@ -18,6 +18,8 @@ pub(crate) enum Way {
     Down,
     /// To it.
     Up,
+    /// From it, on the session of frames.
+    Pictures,
 }
 
 impl Way {
@@ -25,6 +27,7 @@ impl Way {
         let channel = match self {
             Self::Down => "descriptors",
             Self::Up => "commands",
+            Self::Pictures => "frames",
         };
         KeyExpr::new(format!("lariat/{rig}/{channel}")).map_err(told)
     }

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use lariat_wire::{
     CENTERLINES, COMMANDS, Centerlines, Command, CommandReader, DESCRIPTORS, Delivery, Descriptors,
-    Domain, Reader, Receiver, Rig, Seen, TRUTH, Writer, now_ns,
+    Domain, FRAMES, FrameHeader, PixelFormat, Reader, Receiver, Rig, Seen, TRUTH, Writer, now_ns,
 };
 use relay::{Relay, Weather};
 
@@ -468,6 +468,58 @@ fn centerlines_and_the_truth_come_where_they_are_asked_for() {
     far.end();
     near.end();
     drop((readers, writers, here, there, chain));
+}
+
+#[test]
+fn frames_come_where_they_are_asked_for() {
+    let place = Place::new();
+    let near = place.listen(&[]);
+    let far = place.connect(place.port, &["--frames", "20"]);
+    let (here, there) = (place.far(), place.near());
+    let (width, height) = (160, 120);
+    let bytes = 3 * (width * height) as usize;
+    let color = |at: usize| [(at % 160) as u8, (at / 160) as u8, 90];
+    let writer = Writer::<[u8]>::frames(&there, &rig(), &Delivery::NewestWins, bytes);
+    let writer = writer.expect("the only one");
+    let reader = Receiver::create_unwoken(&here, &rig(), &FRAMES, None).expect("a reader");
+    let (mut came, mut sequence, mut last) = (0, 0, 0);
+    let deadline = Instant::now() + PATIENCE;
+    while came < 3 {
+        assert!(Instant::now() < deadline, "no frames come");
+        sequence += 1;
+        let mut slot = writer.frame_slot(bytes).expect("a slot");
+        for (at, pixel) in slot.chunks_exact_mut(3).enumerate() {
+            pixel.copy_from_slice(&color(at));
+        }
+        let header = slot.header_mut();
+        *header = FrameHeader {
+            width,
+            height,
+            stride: 3 * width,
+            pixel_format: PixelFormat::Rgb8 as u32,
+            ..FrameHeader::default()
+        };
+        (header.trace.sequence, header.trace.exposed_ns) = (sequence, now_ns());
+        slot.send().expect("sent");
+        thread::sleep(Duration::from_millis(20));
+        while let Some(frame) = reader.next().expect("a reader") {
+            let header = frame.header();
+            assert_eq!((header.width, header.height), (width, height));
+            assert!(header.trace.sequence > last);
+            last = header.trace.sequence;
+            // A JPEG's.
+            let off = frame.chunks_exact(3).enumerate().map(|(at, pixel)| {
+                let off = |i: usize| u32::from(pixel[i].abs_diff(color(at)[i]));
+                off(0) + off(1) + off(2)
+            });
+            let off: u32 = off.sum();
+            assert!(off / (width * height) < 9, "{off}");
+            came += 1;
+        }
+    }
+    far.end();
+    near.end();
+    drop((reader, writer, here, there));
 }
 
 /// A file with a key.

@@ -3,6 +3,7 @@
 //!
 //! ```sh
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
+//! wire frames RIG HZ SECONDS              pictures of 1280 x 1024
 //! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 100 ms
 //! wire serve udp|tcp ADDRESS:PORT         sends back what comes
 //! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
@@ -17,7 +18,10 @@ use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::{Duration, Instant};
 
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer, now_ns};
+use lariat_wire::{
+    DESCRIPTORS, Delivery, Descriptors, Domain, FrameHeader, PixelFormat, Receiver, Rig, Writer,
+    now_ns,
+};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -26,6 +30,7 @@ fn main() -> Result<()> {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words[..] {
         ["write", rig, hz, count] => write(&rig.parse()?, hz.parse()?, count.parse()?),
+        ["frames", rig, hz, seconds] => frames(&rig.parse()?, hz.parse()?, seconds.parse()?),
         ["read", rig, seconds] => read(&rig.parse()?, Duration::from_secs_f64(seconds.parse()?)),
         ["serve", "udp", at] => serve_udp(at),
         ["serve", "tcp", at] => serve_tcp(at),
@@ -86,6 +91,37 @@ fn write(rig: &Rig, hz: f64, count: u64) -> Result<()> {
     }
     // What is under way is still to be read.
     std::thread::sleep(Duration::from_millis(700));
+    Ok(())
+}
+
+fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
+    let (width, height) = (1280, 1024);
+    let bytes = 3 * (width * height) as usize;
+    let domain = Domain::open()?;
+    let writer = Writer::<[u8]>::frames(&domain, rig, &Delivery::NewestWins, bytes)?;
+    let mut beat = Beat::new(hz);
+    for count in 0..(hz * seconds) as u64 {
+        beat.wait();
+        let mut slot = writer.frame_slot(bytes)?;
+        for (at, pixel) in slot.chunks_exact_mut(3).enumerate() {
+            // Some texture, so that a JPEG of it is as large as of a camera's picture.
+            let grain = (at as u64 * 0x9e37_79b9 >> 16 & 15) as u8;
+            pixel.copy_from_slice(&[
+                grain + (at % 160) as u8,
+                grain + count as u8 / 2,
+                90 + grain,
+            ]);
+        }
+        *slot.header_mut() = FrameHeader {
+            width,
+            height,
+            stride: 3 * width,
+            pixel_format: PixelFormat::Rgb8 as u32,
+            ..FrameHeader::default()
+        };
+        slot.header_mut().trace.exposed_ns = now_ns();
+        slot.send()?;
+    }
     Ok(())
 }
 
