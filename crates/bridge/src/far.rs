@@ -255,14 +255,14 @@ impl<'a> Far<'a> {
             let took = Answer::read(datagram.says).map_or(Took::No, |answer| {
                 self.link.answer(datagram.process, &answer, at_ns)
             });
-            if took == Took::Another {
+            if took == Took::Both {
                 say("two bridges send this rig: the one that was there first is gone by");
             }
-            if took == Took::Yes {
+            if took != Took::No {
                 let near = self.link.near();
                 self.upward().near = near;
             }
-            return took == Took::Yes;
+            return took != Took::No;
         }
         let Some(offset) = self.link.receive(&datagram) else {
             return false;

@@ -312,6 +312,13 @@ fn losses_are_exact_and_nothing_goes_back_in_time_over_a_link_that_delays_loses_
     let sides = (place.listen(&[]), place.connect(relay.port, &[]));
     let domain = place.far();
     let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
+    // Once there was an answer, all that is sent is known of.
+    let deadline = Instant::now() + PATIENCE;
+    take(
+        &reader,
+        |_| {},
+        || said_bound_us(&place.far).is_none() && Instant::now() < deadline,
+    );
     let chain = Chain::start(&place);
     let (mut count, mut last) = (0, (0, 0));
     let see = |message: &Descriptors| {

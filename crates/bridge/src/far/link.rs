@@ -21,8 +21,8 @@ pub(super) enum Took {
     Yes,
     /// It is to no question of ours, or to an older one.
     No,
-    /// It is another's than the one who is there.
-    Another,
+    /// It is of the one who is there, though another one answered, too.
+    Both,
 }
 
 /// The process at the other end.
@@ -40,7 +40,9 @@ pub(super) struct Link {
     /// Questions without an answer, from the oldest on.
     asked: VecDeque<(u64, u64)>,
     near: Option<Near>,
-    said_another: bool,
+    /// Another one has answered since the one who is there did last; and whether that was told.
+    is_rivalled: bool,
+    has_told: bool,
     /// What was sent and received by those who were there before.
     before: [[u64; 2]; 3],
 }
@@ -70,8 +72,8 @@ impl Link {
         match &self.near {
             Some(near) if near.process == process => {}
             Some(near) if lives(near) => {
-                let is_said = std::mem::replace(&mut self.said_another, true);
-                return if is_said { Took::No } else { Took::Another };
+                self.is_rivalled = true;
+                return Took::No;
             }
             _ => self.change(process, heard),
         }
@@ -88,12 +90,16 @@ impl Link {
         for (tally, sent) in near.tallies.iter_mut().zip(answer.sent) {
             tally.tell(sent);
         }
+        if std::mem::take(&mut self.is_rivalled) && !std::mem::replace(&mut self.has_told, true) {
+            return Took::Both;
+        }
         Took::Yes
     }
 
     /// Another process is there now.
     fn change(&mut self, process: u64, now_ns: u64) {
         self.before = self.totals();
+        self.is_rivalled = false;
         self.near = Some(Near {
             process,
             clock: Clock::default(),
@@ -209,13 +215,15 @@ mod tests {
             assert!(link.receive(&datagram(7, count)).is_some());
         }
         link.ask(2, START);
-        assert_eq!(
-            link.answer(8, &answer(2, START, 90), START + 20),
-            Took::Another
-        );
-        link.ask(3, START);
-        assert_eq!(link.answer(8, &answer(3, START, 90), START + 30), Took::No);
-        let later = START + SILENCE_NS;
+        assert_eq!(link.answer(8, &answer(2, START, 90), START + 20), Took::No);
+        // Both live, which is told once.
+        for (token, told) in [(3, Took::Both), (5, Took::Yes)] {
+            link.ask(token, START);
+            assert_eq!(link.answer(7, &answer(token, START, 4), START + 25), told);
+            link.ask(9, START);
+            assert_eq!(link.answer(8, &answer(9, START, 90), START + 30), Took::No);
+        }
+        let later = START + 25 + SILENCE_NS;
         link.ask(4, later);
         assert_eq!(
             link.answer(8, &answer(4, START, 100), later + 10),
