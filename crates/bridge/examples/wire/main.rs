@@ -4,7 +4,7 @@
 //! ```sh
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
 //! wire frames RIG HZ SECONDS              pictures of 1280 x 1024
-//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 100 ms
+//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 40 ms
 //! wire serve udp|tcp ADDRESS:PORT         sends back what comes
 //! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
 //! wire relay LISTEN TO DELAY_US JITTER_US LOST_OF_1000
@@ -145,7 +145,7 @@ fn read(rig: &Rig, patience: Duration) -> Result<()> {
             );
             last = Some(at);
             let gap_ms = now_ns.saturating_sub(arrived_ns) / 1_000_000;
-            if arrived_ns > 0 && gap_ms > 100 {
+            if arrived_ns > 0 && gap_ms > 40 {
                 gaps_ms.push(gap_ms);
             }
             arrived_ns = now_ns;

@@ -14,6 +14,8 @@ use crate::tally::Tally;
 
 /// A controller that has said nothing for so long has let go: another one may take over, here or there.
 const LETS_GO_NS: u64 = 1_000_000_000;
+/// So many are remembered, so that none of their commands comes twice.
+const CONTROLLERS: usize = 16;
 /// How often it is said what was dropped.
 const SAY_NS: u64 = 1_000_000_000;
 
@@ -30,7 +32,8 @@ pub(super) struct Robot {
     /// This process's random number: who commands it has heard of it.
     process: u64,
     most_age_ns: u64,
-    controller: Option<Controller>,
+    /// The last to be obeyed comes first.
+    controllers: Vec<Controller>,
     done: Done,
     said_ns: u64,
     said: Option<String>,
@@ -74,7 +77,7 @@ impl Robot {
             rig: rig.clone(),
             process,
             most_age_ns: u64::try_from(most_age.as_nanos()).unwrap_or(u64::MAX),
-            controller: None,
+            controllers: Vec::new(),
             done: Done::default(),
             said_ns: 0,
             said: None,
@@ -104,22 +107,22 @@ impl Robot {
                     Judged::Refused => self.done.refused += 1,
                 }
             }
-            let is_over =
-                |controller: &Controller| now_ns().saturating_sub(controller.heard_ns) > LETS_GO_NS;
-            if self.controller.as_ref().is_none_or(is_over) {
-                self.let_go();
+            if !self.is_held(now_ns()) {
                 writer = None;
             }
         }
-        self.let_go();
+        self.done.lost += self
+            .controllers
+            .iter()
+            .map(|one| one.tally.lost())
+            .sum::<u64>();
         self.done
     }
 
-    fn let_go(&mut self) {
-        self.done.lost += self
-            .controller
-            .take()
-            .map_or(0, |controller| controller.tally.lost());
+    /// Whether a controller has the robot.
+    fn is_held(&self, now_ns: u64) -> bool {
+        let newest = self.controllers.first();
+        newest.is_some_and(|one| now_ns.saturating_sub(one.heard_ns) <= LETS_GO_NS)
     }
 
     /// What is to be done with what came: sender, its count, whom it means, the command on this machine's clock.
@@ -140,23 +143,35 @@ impl Robot {
         {
             return Judged::Refused;
         }
-        let controller = match &mut self.controller {
-            Some(controller) if controller.process == process => controller,
-            // The robot has one at a time.
-            Some(_) => return Judged::Refused,
-            empty => empty.insert(Controller {
-                process,
-                heard_ns: now_ns,
-                tally: Tally::default(),
-            }),
-        };
-        controller.heard_ns = now_ns;
-        if !controller.tally.receive(count) {
+        let at = self
+            .controllers
+            .iter()
+            .position(|one| one.process == process);
+        // The robot has one at a time.
+        if self.is_held(now_ns) && at != Some(0) {
+            return Judged::Refused;
+        }
+        let mut tally = at.map_or_else(Tally::default, |at| self.controllers[at].tally);
+        if !tally.receive(count) {
             return Judged::Refused;
         }
         let age_ns = now_ns.saturating_sub(command.sent_ns);
         if age_ns > self.most_age_ns {
+            // It was heard, but nobody has the robot by what is old.
+            if let Some(at) = at {
+                self.controllers[at].tally = tally;
+            }
             return Judged::Old(age_ns);
+        }
+        at.map(|at| self.controllers.remove(at));
+        let heard = Controller {
+            process,
+            heard_ns: now_ns,
+            tally,
+        };
+        self.controllers.insert(0, heard);
+        if self.controllers.len() > CONTROLLERS {
+            self.done.lost += self.controllers.pop().map_or(0, |one| one.tally.lost());
         }
         // What claims to be of the future is of now.
         command.sent_ns = command.sent_ns.min(now_ns);
@@ -271,8 +286,31 @@ mod tests {
             robot.judge(&bytes(1, 10, 5, &new), NOW),
             Judged::Give(_)
         ));
-        robot.let_go();
-        assert_eq!(robot.done.lost, 2);
+        // Another one may take over when the first has let go, and no old command of that one is taken for a new one.
+        let later = NOW + LETS_GO_NS + 1;
+        let mut old = command(later);
+        assert_eq!(robot.judge(&bytes(1, 10, 5, &old), later), Judged::Refused);
+        old.sent_ns = NOW;
+        assert!(matches!(
+            robot.judge(&bytes(3, 1, 5, &old), later),
+            Judged::Old(_)
+        ));
+        assert!(matches!(
+            robot.judge(&bytes(2, 1, 5, &command(later)), later),
+            Judged::Give(_)
+        ));
+        assert_eq!(
+            robot.judge(&bytes(1, 11, 5, &command(later)), later),
+            Judged::Refused
+        );
+        assert_eq!(
+            robot
+                .controllers
+                .iter()
+                .map(|one| one.tally.lost())
+                .sum::<u64>(),
+            2
+        );
     }
 
     #[test]
