@@ -1,6 +1,7 @@
 //! A picture in datagrams, each small enough that what comes behind it waits a tenth of a millisecond at most on a link of 100 Mbit/s. Pure.
 //!
-//! Each is `picture (u32), the how many-th of it (u16), of how many (u16)`, then bytes. One that is lost, or comes out of order, takes its picture along: the next one wins.
+//! Each is `picture (u32), the how many-th of it (u16), of how many (u16)`, then bytes. One that is lost, or comes out of order, takes its picture
+//! along: the next one wins.
 
 /// Bytes of a picture in one datagram.
 const CHUNK: usize = 1100;

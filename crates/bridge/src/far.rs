@@ -1,12 +1,13 @@
 //! The other side: what comes is written to the rig's channels here, with its stamps on this machine's clock.
 //!
-//! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves (`Seen::Stale`).
-//! Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`] makes its session anew, whatever the cause: a cut
-//! link, a process that was killed, an address that moved.
+//! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves
+//! (`Seen::Stale`). Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`]
+//! makes its session anew, whatever the cause: a cut link, a process that was killed, an address that moved.
 
 mod controller;
 mod link;
 mod pictures;
+mod written;
 
 use std::os::fd::AsFd;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,24 +15,20 @@ use std::thread;
 
 use anyhow::{Context, Result};
 use lariat_chain::stop::Stop;
-use lariat_wire::{
-    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Delivery, Descriptors, Domain, NoShape, Rig,
-    Shape, TRUTH, Trace, WireError, Writer, now_ns,
-};
+use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, Rig, TRUTH, now_ns};
 use zenoh::qos::Priority;
 
 use crate::args::{Also, Args, Place};
 use crate::clock::Offset;
-use crate::datagram::{Datagram, Incoming, Kind, Outgoing, Refused};
+use crate::datagram::{Incoming, Kind, Outgoing, Refused};
 use crate::inbox::{Arrived, Inbox};
 use crate::key::{self, Side};
-use crate::pack::unpack;
 use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
 use crate::session::{Open, Way, Wire, parts};
-use crate::stamps::Stamps;
 use link::{Link, Took};
+use written::Written;
 
 /// How often it is asked.
 const ASK_NS: u64 = 50_000_000;
@@ -41,7 +38,7 @@ const SILENCE_NS: u64 = 8 * ASK_NS;
 const FIRST_NS: u64 = 2 * SILENCE_NS;
 /// Between two tries to connect.
 const RETRY_NS: u64 = 100_000_000;
-/// How often it is written down how it is, and how often a writer is tried for that another process is.
+/// How often it is written down how it is.
 const SECOND_NS: u64 = 1_000_000_000;
 
 /// What the thread that sends commands needs of this one.
@@ -302,126 +299,5 @@ impl<'a> Far<'a> {
 
     fn upward(&self) -> std::sync::MutexGuard<'_, Upward> {
         self.upward.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// A message that can be taken from the wire to a channel.
-trait Carried: lariat_wire::Payload + lariat_wire::fields::Message {
-    fn trace_mut(&mut self) -> &mut Trace;
-    /// Whether readers could take it for what it says.
-    fn is_sound(&self) -> bool;
-    /// Writes what is meant of it to the channel.
-    fn send(&self, to: &Writer<Self>) -> Result<(), WireError>;
-    fn write(
-        domain: &Domain,
-        rig: &Rig,
-        channel: &Channel<Self>,
-    ) -> Result<Writer<Self>, WireError>;
-}
-
-macro_rules! carried {
-    ($message:ident, |$read:ident| $is_sound:expr) => {
-        impl Carried for $message {
-            fn trace_mut(&mut self) -> &mut Trace {
-                &mut self.trace
-            }
-
-            fn is_sound(&self) -> bool {
-                let $read = self;
-                $is_sound
-            }
-
-            fn send(&self, to: &Writer<Self>) -> Result<(), WireError> {
-                let mut slot = to.slot()?;
-                slot.copy_meant(self);
-                slot.send()?;
-                Ok(())
-            }
-
-            fn write(
-                domain: &Domain,
-                rig: &Rig,
-                channel: &Channel<Self>,
-            ) -> Result<Writer<Self>, WireError> {
-                Writer::<$message>::create(domain, rig, channel, &Delivery::NewestWins)
-            }
-        }
-    };
-}
-// As readers check: what has no curve though it says that it has one is none, nor is a code that this release does not know.
-carried!(Descriptors, |read| read.unit().is_some()
-    && read.curves().iter().all(|curve| {
-        Shape::of(curve).err() != Some(NoShape::Unreadable)
-            && curve.status().is_some()
-            && curve.fit().is_some()
-    }));
-carried!(Centerlines, |read| {
-    let count = read.curves().len();
-    read.curves().iter().all(|curve| curve.status().is_some())
-        && read
-            .crossings()
-            .iter()
-            .all(|crossing| (crossing.over.max(crossing.under) as usize) < count)
-});
-
-/// A channel that is written here.
-struct Written<M: Carried + 'static> {
-    channel: &'static Channel<M>,
-    writer: Option<Writer<M>>,
-    message: Box<M>,
-    stamps: Stamps,
-    tried_ns: u64,
-    said: Option<String>,
-}
-
-impl<M: Carried> Written<M> {
-    fn new(channel: &'static Channel<M>, empty: M) -> Self {
-        Self {
-            channel,
-            writer: None,
-            message: Box::new(empty),
-            stamps: Stamps::default(),
-            tried_ns: 0,
-            said: None,
-        }
-    }
-
-    /// Becomes the channel's writer, unless it is; readers that came since the last message are given it.
-    fn open(&mut self, domain: &Domain, rig: &Rig) {
-        if let Some(writer) = &self.writer {
-            let welcomed = writer.welcome();
-            return self.note(welcomed);
-        }
-        let now_ns = now_ns();
-        if self.tried_ns > 0 && now_ns.saturating_sub(self.tried_ns) < SECOND_NS {
-            return;
-        }
-        self.tried_ns = now_ns;
-        let made = M::write(domain, rig, self.channel).map(|writer| self.writer = Some(writer));
-        self.note(made);
-    }
-
-    /// Writes what a datagram says; `None`: it is no such message.
-    fn take(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<()> {
-        unpack(&mut *self.message, datagram.says).ok()?;
-        self.message.is_sound().then_some(())?;
-        self.stamps.set(self.message.trace_mut(), offset, at_ns);
-        if let Some(writer) = &self.writer {
-            let sent = self.message.send(writer);
-            self.note(sent);
-        }
-        Some(())
-    }
-
-    /// What went wrong is said once, and the channel is written anew.
-    fn note(&mut self, done: Result<(), WireError>) {
-        let cause = done.err().map(|cause| cause.to_string());
-        if let Some(cause) = &cause {
-            self.writer = None;
-            if self.said.as_ref() != Some(cause) {
-                say(cause);
-            }
-            self.said = Some(cause.clone());
-        }
     }
 }

@@ -1,8 +1,8 @@
 //! The key that both sides share, and what follows from it.
 //!
-//! A file with 64 hexadecimal digits, for its owner alone: `lariat bridge --make-key FILE` writes one. From it each process derives a key of its own for what it sends (HKDF-SHA-256
-//! over its random number of 64 bits, its side and the rig), so that its counts are nonces that no other process uses, and what one side
-//! sent is not taken for the other's.
+//! A file with 64 hexadecimal digits, for its owner alone: `lariat bridge --make-key FILE` writes one. From it each process derives a key of its own
+//! for what it sends (HKDF-SHA-256 over its random number of 64 bits, its side and the rig), so that its counts are nonces that no other process
+//! uses, and what one side sent is not taken for the other's.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};

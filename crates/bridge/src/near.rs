@@ -1,6 +1,7 @@
 //! The camera's side: what the rig says goes out, questions are answered, and commands come in.
 //!
-//! Questions are answered in zenoh's own thread, at once: each µs that an answer waits there is a µs of doubt about the clock. Nothing is sent while nobody asks.
+//! Questions are answered in zenoh's own thread, at once: each µs that an answer waits there is a µs of doubt about the clock. Nothing is sent while
+//! nobody asks.
 
 mod pictures;
 mod robot;

@@ -14,7 +14,7 @@
 //!
 //! So **all but the points of the centerline and its widths come back to the bit**, and those to 1/131070 of the rope's extent (a rope across 1000 px:
 //! 0.008 px, where extraction is off by 0.03). A cubic of nine control points with its 120 points is 1.1 kB, which goes into one datagram of an Ethernet;
-//! as a struct of shared memory all ropes are 200 times that.
+//! the struct of shared memory, with room for 24 ropes, is 120 times that.
 
 use lariat_wire::MAX_POINTS;
 use lariat_wire::fields::{self, Message, Place, Value};

@@ -1,8 +1,9 @@
 //! zenoh: a session that listens or connects, and nothing else: no scouting, no gossip, no shared memory.
 //!
-//! Everything that goes one way goes under one key: `lariat/<rig>/descriptors` from the camera's machine, `lariat/<rig>/commands` back. (Frames have a session of their own.) Over plain UDP zenoh's own declarations
-//! may be lost like any datagram, and are not sent again: a subscription that never arrived would be silence for ever. With one key, answers to questions come only if
-//! descriptors would; and who hears no answer makes its session anew (`far`), which declares everything anew.
+//! Everything that goes one way goes under one key: `lariat/<rig>/descriptors` from the camera's machine, `lariat/<rig>/commands` back. (Frames have
+//! a session of their own.) Over plain UDP zenoh's own declarations may be lost like any datagram, and are not sent again: a subscription that never
+//! arrived would be silence for ever. With one key, answers to questions come only if descriptors would; and who hears no answer makes its session
+//! anew (`far`), which declares everything anew.
 
 use anyhow::{Result, anyhow};
 use lariat_wire::{Rig, now_ns};
@@ -58,9 +59,10 @@ impl Wire {
             Open::Listen => (place.as_str(), ""),
             Open::Connect => ("", place.as_str()),
         };
-        // A transport of which nothing is heard is given up after 2 s: by then the far side has long made another. As many descriptors wait for zenoh's thread as it
-        // can keep, should that have no core for a while: two, which it keeps by itself, are 2 ms of a camera of 1000 Hz. (Its transport of low latency sends from the thread that
-        // asks for it, and saves a third of the way. But it sends each declaration by itself, and on a link that reorders one without the other is no subscription.)
+        // A transport of which nothing is heard is given up after 2 s: by then the far side has long made another. As many descriptors wait for
+        // zenoh's thread as it can keep, should that have no core for a while: two, which it keeps by itself, are 2 ms of a camera of 1000 Hz. (Its
+        // transport of low latency sends from the thread that asks for it, and saves a third of the way. But it sends each declaration by itself, and
+        // on a link that reorders one without the other is no subscription.)
         let config = Config::from_json5(&format!(
             "{{ mode: 'peer',
                 listen: {{ endpoints: [{listen}], timeout_ms: 0, exit_on_failure: true }},

@@ -1,5 +1,5 @@
-//! What `tests/bridge/run` measures with: a rope's writer and reader on either side of a bridge, a bare ping of as many bytes over UDP and TCP, and a relay with
-//! delay, jitter and loss.
+//! What `tests/bridge/run` measures with: a rope's writer and reader on either side of a bridge, a bare ping of as many bytes over UDP and TCP, and a
+//! relay with delay, jitter and loss.
 //!
 //! ```sh
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
@@ -105,7 +105,7 @@ fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
         let mut slot = writer.frame_slot(bytes)?;
         for (at, pixel) in slot.chunks_exact_mut(3).enumerate() {
             // Some texture, so that a JPEG of it is as large as of a camera's picture.
-            let grain = (at as u64 * 0x9e37_79b9 >> 16 & 15) as u8;
+            let grain = (((at as u64 * 0x9e37_79b9) >> 16) & 15) as u8;
             pixel.copy_from_slice(&[
                 grain + (at % 160) as u8,
                 grain + count as u8 / 2,
