@@ -386,6 +386,30 @@ fn either_side_may_be_killed_and_readers_go_on_by_themselves() {
 }
 
 #[test]
+fn several_machines_read_one_camera() {
+    let place = Place::new();
+    let other = Place::new();
+    let near = place.listen(&[]);
+    let places = [&place, &other];
+    let far = places.map(|of| of.connect(place.port, &[]));
+    let domains = places.map(Place::far);
+    let readers = domains
+        .each_ref()
+        .map(|domain| Receiver::descriptors(domain, &rig()).expect("a reader"));
+    let chain = Chain::start(&place);
+    for reader in &readers {
+        let came = std::cell::Cell::new(0);
+        take(reader, |_| came.set(came.get() + 1), || came.get() < 20);
+    }
+    for side in far {
+        let said = side.end();
+        assert!(!said.contains("two bridges"), "{said}");
+    }
+    near.end();
+    drop((readers, domains, chain));
+}
+
+#[test]
 fn commands_come_back_and_never_late() {
     for (delay_ms, most_age, is_given) in [(1, "10s", true), (80, "50ms", false)] {
         let place = Place::new();
