@@ -16,9 +16,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use lariat_chain::stop::Stop;
 use lariat_wire::fields::Message;
-use lariat_wire::{
-    CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, Payload, TRUTH, now_ns,
-};
+use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, TRUTH, now_ns};
 use zenoh::qos::Priority;
 use zenoh::sample::Sample;
 
@@ -180,10 +178,12 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     stopper.stop();
     pictures_stopper.stop();
     let (commands, pictures) = (robot.join(), pictures.join());
+    let missed = sender.missed;
     wire.close();
     println!(
-        "rig {rig}: sent {} descriptors, {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
+        "rig {rig}: sent {} descriptors (and missed {}), {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
         heard.outgoing.sent(Kind::Descriptors),
+        missed,
         heard.outgoing.sent(Kind::Centerlines),
         heard.outgoing.sent(Kind::Truth),
         pictures.unwrap_or_default(),
@@ -205,6 +205,9 @@ struct Sender<'h> {
     truth: Read<Centerlines>,
     checked: Option<Instant>,
     is_asked: bool,
+    /// Fit's count of the last descriptors, and how many had no room to wait until they were read.
+    fitted: Option<u64>,
+    missed: u64,
     datagram: Vec<u8>,
 }
 
@@ -218,6 +221,8 @@ impl<'h> Sender<'h> {
             truth: Read::new(&TRUTH, Woken::No),
             checked: None,
             is_asked: false,
+            fitted: None,
+            missed: 0,
             datagram: Vec::new(),
         }
     }
@@ -239,6 +244,10 @@ impl<'h> Sender<'h> {
                 self.heard.also.store(0, Ordering::Relaxed);
                 self.heard.frames_ms.store(0, Ordering::Relaxed);
             }
+        }
+        if is_asked != self.is_asked {
+            // What is sent meanwhile is for nobody.
+            self.fitted = None;
         }
         self.is_asked = is_asked;
         let also = self.heard.also.load(Ordering::Relaxed);
@@ -269,55 +278,42 @@ impl<'h> Sender<'h> {
 
     /// Sends what waits: descriptors before all else.
     fn send(&mut self) {
-        let Self {
-            heard,
-            wire,
-            datagram,
-            ..
-        } = self;
-        send(
-            &mut self.descriptors,
-            Kind::Descriptors,
-            Priority::RealTime,
-            heard,
-            wire,
-            datagram,
-        );
-        send(
-            &mut self.centerlines,
-            Kind::Centerlines,
-            Priority::Data,
-            heard,
-            wire,
-            datagram,
-        );
-        send(
-            &mut self.truth,
-            Kind::Truth,
-            Priority::Data,
-            heard,
-            wire,
-            datagram,
-        );
+        while let Some(message) = self.descriptors.next() {
+            let fitted = message.trace.fitted;
+            self.missed += missed(self.fitted.replace(fitted), fitted);
+            self.put(&*message, Kind::Descriptors, Priority::RealTime);
+        }
+        while let Some(message) = self.centerlines.next() {
+            self.put(&*message, Kind::Centerlines, Priority::Data);
+        }
+        while let Some(message) = self.truth.next() {
+            self.put(&*message, Kind::Truth, Priority::Data);
+        }
+    }
+
+    fn put(&mut self, message: &dyn Message, kind: Kind, priority: Priority) {
+        let outgoing = &self.heard.outgoing;
+        outgoing.write(kind, &mut self.datagram, |to| pack(message, to));
+        self.wire.put(&self.datagram, priority);
     }
 }
 
-/// Sends what waits on a channel.
-fn send<M>(
-    from: &mut Read<M>,
-    kind: Kind,
-    priority: Priority,
-    heard: &Heard,
-    wire: &Wire,
-    datagram: &mut Vec<u8>,
-) where
-    M: Payload + Message,
-    lariat_wire::Message<M>: std::ops::Deref<Target = M>,
-{
-    while let Some(message) = from.next() {
-        heard
-            .outgoing
-            .write(kind, datagram, |to| pack(&*message, to));
-        wire.put(datagram, priority);
+/// How many messages of a run of the chain lie between two of its fit's counts.
+fn missed(last: Option<u64>, next: u64) -> u64 {
+    let last = last.filter(|last| *last < next);
+    last.map_or(0, |last| next - last - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::missed;
+
+    #[test]
+    fn what_was_overwritten_is_missed_and_a_chain_that_begins_anew_is_not() {
+        assert_eq!(
+            [(None, 9), (Some(9), 10), (Some(9), 13), (Some(9), 1)]
+                .map(|(last, next)| missed(last, next)),
+            [0, 0, 3, 0]
+        );
     }
 }
