@@ -26,9 +26,20 @@ use relay::{Relay, Weather};
 const PATIENCE: Duration = Duration::from_secs(20);
 const PROGRAM: &str = env!("CARGO_BIN_EXE_lariat-bridge");
 
+/// A process that ends with its test, however that ends.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Ended already, or of no use to anyone.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// A side of a bridge.
 struct Side {
-    process: Child,
+    process: Running,
     said: JoinHandle<String>,
 }
 
@@ -52,22 +63,24 @@ impl Side {
             let _ = out.read_to_string(&mut said);
             said
         });
-        Self { process, said }
+        Self {
+            process: Running(process),
+            said,
+        }
     }
 
     /// Ends it as Ctrl-C does; what it said.
     fn end(mut self) -> String {
-        let pid = rustix::process::Pid::from_child(&self.process);
+        let pid = rustix::process::Pid::from_child(&self.process.0);
         rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it is ours");
-        let status = self.process.wait().expect("it is ours");
+        let status = self.process.0.wait().expect("it is ours");
         let said = self.said.join().expect("text");
         assert!(status.success(), "{status}: {said}");
         said
     }
 
-    fn kill(mut self) {
-        self.process.kill().expect("it is ours");
-        self.process.wait().expect("it is ours");
+    fn kill(self) {
+        drop(self.process);
     }
 }
 
