@@ -13,6 +13,7 @@ use clap_complete::Shell;
 use lariat_capture::names_a_camera;
 use tracing::Level;
 
+use crate::beside::{self, Words};
 use crate::calibrate::{self, CalibrateArgs};
 use crate::config_command::{self, ConfigArgs};
 use crate::devices::{self, DevicesArgs};
@@ -24,7 +25,6 @@ use crate::man::{self, ManArgs};
 use crate::pick::{self, PickArgs};
 use crate::record::{self, RecordArgs};
 use crate::replay::{self, ReplayArgs};
-use crate::ros2::{self, Ros2Args};
 use crate::service::{self, ServiceArgs};
 use crate::set::{self, RestartArgs, SetArgs};
 use crate::snapshot::{self, SnapshotArgs};
@@ -130,7 +130,9 @@ enum Command {
     /// What passes on the channels of a running chain
     Topic(TopicArgs),
     /// A rig in a ROS 2 graph, by lariat-ros2, a program of its own
-    Ros2(Ros2Args),
+    Ros2(Words),
+    /// A rig on another machine, by lariat-bridge, a program of its own
+    Bridge(Words),
     /// Writes, checks and shows lariat.toml
     Config(ConfigArgs),
     /// What of this machine makes lariat slower than it could be, and what to type
@@ -204,7 +206,8 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Top(args)) => top::run(&args),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
-        Some(Command::Ros2(args)) => ros2::run(&args),
+        Some(Command::Ros2(words)) => beside::run("ros2", &words),
+        Some(Command::Bridge(words)) => beside::run("bridge", &words),
         Some(Command::Config(args)) => config_command::run(args),
         Some(Command::Doctor(args)) => doctor::run(args),
         Some(Command::Service(args)) => service::run(args),
@@ -337,6 +340,7 @@ mod tests {
         include_str!("../README.md"),
         include_str!("../CONTRIBUTING.md"),
         include_str!("../ARCHITECTURE.md"),
+        include_str!("../docs/bridge.md"),
         include_str!("../docs/cameras.md"),
         include_str!("../docs/control.md"),
         include_str!("../docs/curves.md"),

@@ -3,6 +3,7 @@
 #[macro_use]
 extern crate lariat_chain;
 
+mod beside;
 mod calibrate;
 mod cli;
 mod config_command;
@@ -18,7 +19,6 @@ mod pick;
 mod record;
 mod recording;
 mod replay;
-mod ros2;
 mod service;
 mod set;
 mod snapshot;

@@ -1,5 +1,5 @@
-//! `lariat ros2`: which program it becomes, with which words, and what it says where there is none. The program itself is held
-//! against other nodes of a graph by `tests/ros2/run`. And the package of its messages (`ros/lariat_msgs`), which has none of its own.
+//! `lariat ros2` and `lariat bridge`: which program each becomes, with which words, and what it says where there is none. The programs themselves are held
+//! by `tests/ros2/run`, and by `crates/bridge/tests` and `tests/bridge/run`. And the package of its messages (`ros/lariat_msgs`), which has none of its own.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,33 +18,36 @@ fn lariat_in(folder: &Path) -> PathBuf {
 }
 
 /// A program that says its name and its words, and ends with 3.
-fn program(folder: &Path, name: &str) {
-    let path = folder.join("lariat-ros2");
+fn program(folder: &Path, file: &str, name: &str) {
+    let path = folder.join(file);
     fs::write(&path, format!("#!/bin/sh\necho {name} \"$@\"\nexit 3\n")).expect("a script");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
 }
 
 #[test]
-fn it_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
-    let [home, path] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
-    let lariat = lariat_in(home.path());
-    let words = ["--rig", "a", "--ros-args", "-r", "__ns:=/cell", "--", "-x"];
-    let run = || {
-        Command::new(&lariat)
-            .arg("ros2")
-            .args(words)
-            .env("PATH", path.path())
-            .assert()
-    };
-    let refused = run().code(1).get_output().stderr.clone();
-    let said = String::from_utf8(refused).expect("text");
-    assert!(said.contains("cargo install --path crates/ros2"), "{said}");
+fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
+    for command in ["ros2", "bridge"] {
+        let [home, path] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        let lariat = lariat_in(home.path());
+        let words = ["--rig", "a", "--ros-args", "-r", "__ns:=/cell", "--", "-x"];
+        let run = || {
+            Command::new(&lariat)
+                .arg(command)
+                .args(words)
+                .env("PATH", path.path())
+                .assert()
+        };
+        let refused = run().code(1).get_output().stderr.clone();
+        let said = String::from_utf8(refused).expect("text");
+        let how = format!("cargo install --path crates/{command}");
+        assert!(said.contains(&how), "{said}");
 
-    for (folder, name) in [(&path, "path"), (&home, "beside")] {
-        program(folder.path(), name);
-        run()
-            .code(3)
-            .stdout(format!("{name} {}\n", words.join(" ")));
+        for (folder, name) in [(&path, "path"), (&home, "beside")] {
+            program(folder.path(), &format!("lariat-{command}"), name);
+            run()
+                .code(3)
+                .stdout(format!("{name} {}\n", words.join(" ")));
+        }
     }
 }
 

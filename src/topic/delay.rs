@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 use lariat_sink::{Figure, Step, Times};
-use lariat_wire::Rig;
+use lariat_wire::{Rig, members};
 use serde::{Serialize, Serializer};
+use toml::Table;
 
 use super::probe::Any;
 use super::watch::Meter;
@@ -57,6 +58,24 @@ struct Figures<'a> {
     channel: &'static str,
     messages: u64,
     latency_us: Steps<'a>,
+    /// Of a rig that a bridge brings here: by how much its stamps may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock_bound_us: Option<f64>,
+}
+
+/// By how much the stamps of a rig may be off, µs, because a bridge brings it here from a machine with a clock of its own: what that one says
+/// in the roster. `None` for a rig of this machine.
+fn clock_bound_us(rig: &Rig) -> Option<f64> {
+    let members = members().ok()?;
+    let mut members = members.iter();
+    let bridge = members.find(|member| member.rig == rig.as_str() && member.stage == "bridge")?;
+    bound_in(&bridge.settings)
+}
+
+fn bound_in(settings: &str) -> Option<f64> {
+    let settings: Table = settings.parse().ok()?;
+    let us = settings.get("bridge")?.get("clock_bound_us")?.as_float();
+    us.filter(|us| us.is_finite())
 }
 
 /// An object with a key a step, in the order of the way.
@@ -121,6 +140,7 @@ impl Meter for Delay {
                 channel: lariat_wire::DESCRIPTORS.name(),
                 messages: self.messages,
                 latency_us: Steps(&self.steps),
+                clock_bound_us: clock_bound_us(rig),
             };
             return Ok(serde_json::to_string(&figures)? + "\n");
         }
@@ -149,7 +169,32 @@ impl Meter for Delay {
             let label = format!("{indent}{label}");
             text += &format!("{label:<20} {p50:>6} {p90:>6} {p99:>6} {p999:>6} {max:>6}\n");
         }
+        if let Some(us) = clock_bound_us(rig) {
+            text += &format!(
+                "± {} µs of clock: a bridge brings this rig from another machine\n",
+                Figure(Some(us))
+            );
+        }
         text.push('\n');
         Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bound_in;
+
+    #[test]
+    fn the_bound_is_what_the_bridge_says_and_nothing_else() {
+        let said = "[bridge]\nconnect = \"udp/camera:7447\"\nclock_bound_us = 40.0\nsent = 3\n";
+        assert_eq!(bound_in(said), Some(40.0));
+        for other in [
+            "",
+            "clock_bound_us = 40.0",
+            "[bridge]\nclock_bound_us = inf",
+            "[",
+        ] {
+            assert_eq!(bound_in(other), None, "{other}");
+        }
     }
 }

@@ -81,6 +81,9 @@ pub struct ServoArgs {
     /// Overwrite files that are there already
     #[arg(long)]
     force: bool,
+    /// The controller is in this domain, and a bridge between it and the chain, of the rig servo
+    #[arg(long, value_name = "NAME", hide = true)]
+    controller_domain: Option<String>,
 }
 
 fn fps(text: &str) -> Result<f64, String> {
@@ -113,7 +116,8 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
         let mut outcomes = Vec::new();
         for seed in args.first_seed..args.first_seed + args.seeds {
             let filmed = is_filmed && film.is_none();
-            let Some(driven) = case.drive(seed, &target, args.time, filmed, &stop)? else {
+            let domain = args.controller_domain.as_deref();
+            let Some(driven) = case.drive(seed, &target, args.time, filmed, domain, &stop)? else {
                 return Ok(ExitCode::FAILURE);
             };
             eprintln!("lariat: {}", case.said(&driven.outcome));

@@ -233,6 +233,7 @@ impl Case {
         target: &Target,
         time: Duration,
         filmed: bool,
+        controller_domain: Option<&str>,
         stop: &Stop,
     ) -> Result<Option<Driven>> {
         let folder = tempfile::tempdir().context("no room for a rope's files")?;
@@ -274,6 +275,7 @@ impl Case {
                 delay_ms: self.delay_ms,
                 period_s: 1.0 / self.fps,
             },
+            controller_domain,
             time,
             folder: folder.path(),
             filmed,

@@ -31,6 +31,8 @@ pub(super) struct Episode<'a> {
     /// What the chain is started with, beside its rig.
     pub(super) chain: Vec<String>,
     pub(super) job: Job,
+    /// The controller's domain, where that is another than the chain's.
+    pub(super) controller_domain: Option<&'a str>,
     /// The case is closed after so long in any case.
     pub(super) time: Duration,
     /// Where its files are put.
@@ -71,8 +73,13 @@ impl Episode<'_> {
         };
         let job = self.folder.join("job.json");
         self.job.write(&job)?;
-        let mut controller = Process::start("controller", &self.controller(&job), self.folder)?;
-        let mut chain = Process::start("run", &self.chain_arguments(), self.folder)?;
+        let mut controller = Process::start(
+            "controller",
+            &self.controller(&job),
+            self.controller_domain,
+            self.folder,
+        )?;
+        let mut chain = Process::start("run", &self.chain_arguments(), None, self.folder)?;
         let errors = self.judge(&mut sights, &mut [&mut chain, &mut controller], stop)?;
         let doing = controller.end();
         chain.end();
@@ -174,7 +181,12 @@ struct Process {
 }
 
 impl Process {
-    fn start(name: &'static str, arguments: &[String], folder: &Path) -> Result<Self> {
+    fn start(
+        name: &'static str,
+        arguments: &[String],
+        domain: Option<&str>,
+        folder: &Path,
+    ) -> Result<Self> {
         let starting = || format!("`lariat {name}` could not be started");
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
         let said = folder.join(format!("{name}.out"));
@@ -183,6 +195,7 @@ impl Process {
             Command::new(itself)
                 .arg(name)
                 .args(arguments)
+                .envs(domain.map(|name| ("LARIAT_DOMAIN", name)))
                 .stdin(Stdio::null())
                 .stdout(File::create(&said).with_context(starting)?)
                 .stderr(File::create(&complained).with_context(starting)?),

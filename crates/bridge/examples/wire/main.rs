@@ -1,0 +1,255 @@
+//! What `tests/bridge/run` measures with: a rope's writer and reader on either side of a bridge, a bare ping of as many bytes over UDP and TCP, and a
+//! relay with delay, jitter and loss.
+//!
+//! ```sh
+//! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
+//! wire frames RIG HZ SECONDS              pictures of 1280 x 1024
+//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 40 ms
+//! wire serve udp|tcp ADDRESS:PORT         sends back what comes
+//! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
+//! wire relay LISTEN TO DELAY_US JITTER_US LOST_OF_1000
+//! ```
+
+mod relay;
+mod rope;
+
+use std::error::Error;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::time::{Duration, Instant};
+
+use lariat_wire::{
+    DESCRIPTORS, Delivery, Descriptors, Domain, FrameHeader, PixelFormat, Receiver, Rig, Writer,
+    now_ns,
+};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+fn main() -> Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words[..] {
+        ["write", rig, hz, count] => write(&rig.parse()?, hz.parse()?, count.parse()?),
+        ["frames", rig, hz, seconds] => frames(&rig.parse()?, hz.parse()?, seconds.parse()?),
+        ["read", rig, seconds] => read(&rig.parse()?, Duration::from_secs_f64(seconds.parse()?)),
+        ["serve", "udp", at] => serve_udp(at),
+        ["serve", "tcp", at] => serve_tcp(at),
+        ["ping", how, to, bytes, hz, count] => ping(
+            how,
+            to.parse()?,
+            bytes.parse()?,
+            hz.parse()?,
+            count.parse()?,
+        ),
+        ["relay", listens, to, delay_us, jitter_us, lost_of_1000] => {
+            let weather = relay::Weather {
+                delay: Duration::from_micros(delay_us.parse()?),
+                jitter: Duration::from_micros(jitter_us.parse()?),
+                lost_of_1000: lost_of_1000.parse()?,
+            };
+            Ok(relay::Relay::new(listens.parse()?, to.parse()?, weather, 1)?.run(|| true)?)
+        }
+        _ => Err("see the head of examples/wire/main.rs".into()),
+    }
+}
+
+/// One every so often, without drifting.
+struct Beat {
+    due: Instant,
+    period: Duration,
+}
+
+impl Beat {
+    fn new(hz: f64) -> Self {
+        Self {
+            due: Instant::now(),
+            period: Duration::from_secs_f64(1.0 / hz),
+        }
+    }
+
+    fn wait(&mut self) {
+        std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
+        self.due += self.period;
+    }
+}
+
+fn write(rig: &Rig, hz: f64, count: u64) -> Result<()> {
+    let domain = Domain::open()?;
+    let writer = Writer::<Descriptors>::create(&domain, rig, &DESCRIPTORS, &Delivery::NewestWins)?;
+    // The bridge takes it up within its look.
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while writer.readers() == 0 && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    let mut beat = Beat::new(hz);
+    for count in 1..=count {
+        beat.wait();
+        let mut slot = writer.slot()?;
+        rope::write(&mut slot, count, now_ns());
+        slot.send()?;
+    }
+    // What is under way is still to be read.
+    std::thread::sleep(Duration::from_millis(700));
+    Ok(())
+}
+
+fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
+    let (width, height) = (1280, 1024);
+    let bytes = 3 * (width * height) as usize;
+    let domain = Domain::open()?;
+    let writer = Writer::<[u8]>::frames(&domain, rig, &Delivery::NewestWins, bytes)?;
+    let mut beat = Beat::new(hz);
+    for count in 0..(hz * seconds) as u64 {
+        beat.wait();
+        let mut slot = writer.frame_slot(bytes)?;
+        for (at, pixel) in slot.chunks_exact_mut(3).enumerate() {
+            // Some texture, so that a JPEG of it is as large as of a camera's picture.
+            let grain = (((at as u64 * 0x9e37_79b9) >> 16) & 15) as u8;
+            pixel.copy_from_slice(&[
+                grain + (at % 160) as u8,
+                grain + count as u8 / 2,
+                90 + grain,
+            ]);
+        }
+        *slot.header_mut() = FrameHeader {
+            width,
+            height,
+            stride: 3 * width,
+            pixel_format: PixelFormat::Rgb8 as u32,
+            ..FrameHeader::default()
+        };
+        slot.header_mut().trace.exposed_ns = now_ns();
+        slot.send()?;
+    }
+    Ok(())
+}
+
+fn read(rig: &Rig, patience: Duration) -> Result<()> {
+    let domain = Domain::open()?;
+    let reader = Receiver::descriptors(&domain, rig)?;
+    let (mut late_ns, mut off_ns) = (Vec::new(), Vec::new());
+    let (mut back, mut last, mut gaps_ms, mut arrived_ns) = (0, None, Vec::new(), 0);
+    let mut heard = Instant::now() + Duration::from_secs(20);
+    while Instant::now() < heard {
+        reader.sleep(Some(heard), None)?;
+        let now_ns = now_ns();
+        while let Some(message) = reader.next()? {
+            heard = Instant::now() + patience;
+            let written_ns = rope::written_ns(&message);
+            late_ns.push(now_ns.saturating_sub(written_ns));
+            off_ns.push(message.trace.exposed_ns.abs_diff(written_ns));
+            let at = (message.trace.fitted, message.trace.exposed_ns);
+            back += u64::from(
+                last.is_some_and(|(fitted, exposed_ns)| at.0 <= fitted || at.1 <= exposed_ns),
+            );
+            last = Some(at);
+            let gap_ms = now_ns.saturating_sub(arrived_ns) / 1_000_000;
+            if arrived_ns > 0 && gap_ms > 40 {
+                gaps_ms.push(gap_ms);
+            }
+            arrived_ns = now_ns;
+        }
+    }
+    println!(
+        "{{{}, \"back\": {back}, \"gaps_ms\": {gaps_ms:?}, \"stamps_off\": {{{}}}}}",
+        figures(&mut late_ns),
+        figures(&mut off_ns)
+    );
+    Ok(())
+}
+
+/// Percentiles in µs.
+fn figures(ns: &mut [u64]) -> String {
+    ns.sort_unstable();
+    let at = |share: f64| match ns.len() {
+        0 => "null".into(),
+        count => format!(
+            "{:.1}",
+            ns[((count - 1) as f64 * share).round() as usize] as f64 * 1e-3
+        ),
+    };
+    format!(
+        "\"count\": {}, \"p50_us\": {}, \"p99_us\": {}, \"p999_us\": {}, \"max_us\": {}",
+        ns.len(),
+        at(0.5),
+        at(0.99),
+        at(0.999),
+        at(1.0)
+    )
+}
+
+fn serve_udp(at: &str) -> Result<()> {
+    let socket = UdpSocket::bind(at)?;
+    let mut buffer = [0; 65536];
+    loop {
+        let (length, from) = socket.recv_from(&mut buffer)?;
+        socket.send_to(&buffer[..length], from)?;
+    }
+}
+
+fn serve_tcp(at: &str) -> Result<()> {
+    let listener = TcpListener::bind(at)?;
+    loop {
+        let (mut stream, _) = listener.accept()?;
+        stream.set_nodelay(true)?;
+        let mut buffer = [0; 65536];
+        while let Ok(length @ 1..) = stream.read(&mut buffer) {
+            stream.write_all(&buffer[..length])?;
+        }
+    }
+}
+
+/// There and back, with so many bytes each way; what did not come within 2 s is lost. Each carries when it left, so that many may be under way.
+fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<()> {
+    let mut message = vec![0; bytes.max(8)];
+    let socket = UdpSocket::bind("0.0.0.0:0")?;
+    let stream = match how {
+        "tcp" => Some(TcpStream::connect(to)?),
+        _ => None,
+    };
+    match &stream {
+        Some(stream) => {
+            stream.set_nodelay(true)?;
+            stream.set_read_timeout(Some(Duration::from_secs(2)))?;
+        }
+        None => {
+            socket.connect(to)?;
+            socket.set_read_timeout(Some(Duration::from_secs(2)))?;
+        }
+    }
+    let mut back_ns = std::thread::scope(|scope| {
+        let length = message.len();
+        let (stream, socket) = (&stream, &socket);
+        let reads = scope.spawn(move || {
+            let (mut buffer, mut back_ns) = (vec![0; length], Vec::new());
+            while (back_ns.len() as u64) < count {
+                let came = match stream {
+                    Some(stream) => (&*stream).read_exact(&mut buffer).is_ok(),
+                    None => socket.recv(&mut buffer).is_ok(),
+                };
+                if !came {
+                    break;
+                }
+                let left_ns = u64::from_le_bytes(std::array::from_fn(|i| buffer[i]));
+                back_ns.push(now_ns() - left_ns);
+            }
+            back_ns
+        });
+        let mut beat = Beat::new(hz);
+        for _ in 0..count {
+            beat.wait();
+            message[..8].copy_from_slice(&now_ns().to_le_bytes());
+            let sent = match stream {
+                Some(stream) => (&*stream).write_all(&message),
+                None => socket.send(&message).map(drop),
+            };
+            if sent.is_err() {
+                break;
+            }
+        }
+        reads.join().unwrap_or_default()
+    });
+    println!("{{{}}}", figures(&mut back_ns));
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! A relay of UDP datagrams that delays, loses and so reorders them, each by a number from a seed.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+/// What becomes of datagrams, either way.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Weather {
+    /// Each is under way for so long at least.
+    pub(crate) delay: Duration,
+    /// And for up to so long more, each by itself: later ones overtake earlier ones.
+    pub(crate) jitter: Duration,
+    /// As many of a thousand are lost.
+    pub(crate) lost_of_1000: u64,
+}
+
+/// A datagram under way: when it is due, the how many-th it is, from whom, and whether it goes up.
+type UnderWay = Reverse<(Instant, u64, SocketAddr, bool, Vec<u8>)>;
+
+/// A relay: whoever sends to where it listens is one who is relayed, by a socket of its own.
+pub(crate) struct Relay {
+    listens: UdpSocket,
+    to: SocketAddr,
+    weather: Weather,
+    random: u64,
+    count: u64,
+    clients: HashMap<SocketAddr, UdpSocket>,
+    under_way: BinaryHeap<UnderWay>,
+}
+
+impl Relay {
+    /// # Errors
+    /// It cannot be listened there.
+    pub(crate) fn new(
+        listens: SocketAddr,
+        to: SocketAddr,
+        weather: Weather,
+        seed: u64,
+    ) -> io::Result<Self> {
+        let listens = UdpSocket::bind(listens)?;
+        listens.set_nonblocking(true)?;
+        Ok(Self {
+            listens,
+            to,
+            weather,
+            random: seed,
+            count: 0,
+            clients: HashMap::new(),
+            under_way: BinaryHeap::new(),
+        })
+    }
+
+    /// Relays until it is not wanted any more, which is looked at every 50 ms.
+    ///
+    /// # Errors
+    /// A socket fails.
+    pub(crate) fn run(&mut self, wanted: impl Fn() -> bool) -> io::Result<()> {
+        let mut buffer = vec![0; 65536];
+        while wanted() {
+            self.sleep();
+            while let Ok((length, from)) = self.listens.recv_from(&mut buffer) {
+                if !self.clients.contains_key(&from) {
+                    let up = UdpSocket::bind("0.0.0.0:0")?;
+                    up.connect(self.to)?;
+                    up.set_nonblocking(true)?;
+                    self.clients.insert(from, up);
+                }
+                self.take(from, true, &buffer[..length]);
+            }
+            let clients: Vec<SocketAddr> = self.clients.keys().copied().collect();
+            for client in clients {
+                while let Ok(length) = self.clients[&client].recv(&mut buffer) {
+                    self.take(client, false, &buffer[..length]);
+                }
+            }
+            let now = Instant::now();
+            while self
+                .under_way
+                .peek()
+                .is_some_and(|Reverse((due, ..))| *due <= now)
+            {
+                let Some(Reverse((_, _, client, is_up, bytes))) = self.under_way.pop() else {
+                    break;
+                };
+                // Who is not there loses it.
+                let _ = match is_up {
+                    true => self.clients[&client].send(&bytes),
+                    false => self.listens.send_to(&bytes, client),
+                };
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, client: SocketAddr, is_up: bool, bytes: &[u8]) {
+        let lost = self.next() % 1000 < self.weather.lost_of_1000;
+        let jitter_ns = self.weather.jitter.as_nanos() as u64;
+        let more = Duration::from_nanos(self.next() % (jitter_ns + 1));
+        if !lost {
+            self.count += 1;
+            let due = Instant::now() + self.weather.delay + more;
+            self.under_way
+                .push(Reverse((due, self.count, client, is_up, bytes.to_vec())));
+        }
+    }
+
+    fn next(&mut self) -> u64 {
+        self.random = self
+            .random
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        self.random >> 20
+    }
+
+    /// Until a datagram comes or is due.
+    fn sleep(&self) {
+        let mut sockets = vec![PollFd::from_borrowed_fd(
+            self.listens.as_fd(),
+            PollFlags::IN,
+        )];
+        sockets.extend(
+            self.clients
+                .values()
+                .map(|client| PollFd::from_borrowed_fd(client.as_fd(), PollFlags::IN)),
+        );
+        let due = self
+            .under_way
+            .peek()
+            .map(|Reverse((due, ..))| due.saturating_duration_since(Instant::now()));
+        let left = due.unwrap_or(Duration::MAX).min(Duration::from_millis(50));
+        let left = Timespec {
+            tv_sec: 0,
+            tv_nsec: left.subsec_nanos() as _,
+        };
+        let _ = poll(&mut sockets, Some(&left));
+    }
+}

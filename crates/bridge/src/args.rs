@@ -1,0 +1,234 @@
+//! What can be asked, and whether it is safe.
+
+use std::fmt;
+use std::net::ToSocketAddrs;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+use anyhow::Result;
+use clap::{ArgGroup, Parser, ValueEnum};
+use lariat_chain::exit::wrong_use;
+use lariat_chain::settings::duration;
+use lariat_wire::Rig;
+
+use crate::key::Key;
+
+/// A rig on another machine: its descriptors over the network, with their ages
+#[derive(Debug, Parser)]
+#[command(name = "lariat bridge", version, after_help = EXAMPLES)]
+#[command(group(ArgGroup::new("place").required(true).args(["listen", "connect", "make_key"])))]
+pub(crate) struct Args {
+    /// On the camera's machine: where the other side connects to
+    #[arg(long, value_name = "udp/ADDRESS:PORT")]
+    pub(crate) listen: Option<Place>,
+    /// On the other machine: where the camera's listens
+    #[arg(long, value_name = "udp/HOST:PORT")]
+    pub(crate) connect: Option<Place>,
+    /// The rig, of the same name on both sides
+    #[arg(long, value_name = "NAME", default_value = "default")]
+    pub(crate) rig: Rig,
+    /// With --connect: also carry these, behind the descriptors
+    #[arg(
+        long,
+        value_name = "CHANNELS",
+        value_enum,
+        value_delimiter = ',',
+        conflicts_with = "listen"
+    )]
+    pub(crate) also: Vec<Also>,
+    /// With --connect: also carry so many frames a second, as JPEG, on the port behind --connect's
+    #[arg(long, value_name = "RATE", value_parser = rate, conflicts_with = "listen")]
+    pub(crate) frames: Option<f64>,
+    /// With --listen: a command that is older than this when it comes is dropped
+    #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration::parse)]
+    pub(crate) command_age: Duration,
+    /// The file with the key that both sides share
+    #[arg(long, value_name = "FILE", conflicts_with = "insecure")]
+    key: Option<PathBuf>,
+    /// Let anyone on the network read the descriptors, forge them, and move the simulated robot
+    #[arg(long)]
+    insecure: bool,
+    /// Make a key, in a new file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) make_key: Option<PathBuf>,
+}
+
+/// What is carried beside descriptors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Also {
+    /// What extract saw
+    Centerlines,
+    /// The true centerlines of rendered frames
+    Truth,
+}
+
+const EXAMPLES: &str = "Examples:
+  lariat bridge --make-key cell.key                                             once, then copied to the other machine
+  lariat bridge --listen udp/0.0.0.0:7447 --rig cell --key cell.key             on the camera's machine
+  lariat bridge --connect udp/camera.local:7447 --rig cell --key cell.key       on the other";
+
+impl Args {
+    /// How long it is from one frame to the next that is asked for, ms; 0 if none are.
+    pub(crate) fn frames_ms(&self) -> u16 {
+        self.frames.map_or(0, |rate| (1000.0 / rate).round() as u16)
+    }
+
+    /// The key; `None` if there is none, and that is safe or wanted.
+    ///
+    /// # Errors
+    /// It cannot be read, or what is said leaves the machine and there is none.
+    pub(crate) fn key(&self) -> Result<Option<Key>> {
+        if let Some(path) = &self.key {
+            return Ok(Some(Key::read(path)?));
+        }
+        let place = self.listen.as_ref().or(self.connect.as_ref());
+        if !self.insecure && place.is_some_and(|place| !place.is_loopback()) {
+            wrong_use!(
+                "what the bridge says would leave this machine for all to read and to forge: make a key with `lariat bridge \
+                 --make-key FILE`, copy it to the other side, and give both --key FILE; or say --insecure"
+            );
+        }
+        Ok(None)
+    }
+}
+
+/// Frames a second.
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok();
+    let rate = rate.filter(|rate| (0.1..=60.0).contains(rate));
+    rate.ok_or_else(|| "choose a rate from 0.1 to 60".into())
+}
+
+/// Where to listen, or to connect to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place {
+    host: String,
+    port: u16,
+}
+
+impl Place {
+    /// Where frames go: the port behind it; `None` if there is none.
+    pub(crate) fn of_frames(&self) -> Option<Self> {
+        let port = self.port.checked_add(1)?;
+        Some(Self {
+            port,
+            ..self.clone()
+        })
+    }
+
+    /// Whether nothing that is sent there leaves the machine. A name that is not known leaves it.
+    fn is_loopback(&self) -> bool {
+        let host = self.host.trim_start_matches('[').trim_end_matches(']');
+        let found = (host, self.port).to_socket_addrs();
+        found.is_ok_and(|mut found| {
+            found.len() > 0 && found.all(|address| address.ip().is_loopback())
+        })
+    }
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let said = text
+            .strip_prefix("udp/")
+            .and_then(|place| place.rsplit_once(':'));
+        let port = said
+            .and_then(|(_, port)| port.parse().ok())
+            .filter(|port| *port > 0);
+        match (said, port) {
+            // zenoh has settings of its own behind ? and #.
+            (Some((host, _)), Some(port))
+                if !host.is_empty() && !host.contains(['?', '#', '/', '"', '\\']) =>
+            {
+                Ok(Self {
+                    host: host.to_owned(),
+                    port,
+                })
+            }
+            _ => Err("write udp/, an address or a name, and a port: udp/192.168.1.20:7447".into()),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "udp/{}:{}", self.host, self.port)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_an_address_and_a_port() {
+        for text in ["udp/0.0.0.0:7447", "udp/[::1]:1", "udp/camera.local:65535"] {
+            let place: Place = text.parse().expect(text);
+            assert_eq!(place.to_string(), text);
+        }
+        for text in [
+            "",
+            "udp/",
+            "tcp/127.0.0.1:7447",
+            "127.0.0.1:7447",
+            "udp/127.0.0.1",
+            "udp/:7447",
+            "udp/a:0",
+            "udp/a:65536",
+            "udp/a:7447#iface=eth0",
+            "udp/a?rel=1:7",
+        ] {
+            assert!(
+                text.parse::<Place>()
+                    .is_err_and(|cause| cause.contains("udp/192")),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_leaves_the_machine_wants_a_key_or_a_word() {
+        let args = |words: &str| {
+            Args::try_parse_from(["bridge"].into_iter().chain(words.split(' '))).expect("words")
+        };
+        for words in [
+            "--listen udp/127.0.0.1:7447",
+            "--connect udp/[::1]:7447",
+            "--connect udp/localhost:7447",
+            "--listen udp/0.0.0.0:7447 --insecure",
+        ] {
+            assert!(args(words).key().is_ok_and(|key| key.is_none()), "{words}");
+        }
+        for words in [
+            "--listen udp/0.0.0.0:7447",
+            "--connect udp/10.0.0.1:7447",
+            "--listen udp/[::]:7447",
+            "--connect udp/nowhere.invalid:7447",
+        ] {
+            assert!(
+                args(words)
+                    .key()
+                    .is_err_and(|error| error.to_string().contains("--make-key")),
+                "{words}"
+            );
+        }
+        assert!(
+            args("--connect udp/127.0.0.1:1 --key /nowhere")
+                .key()
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn one_side_is_asked_for() {
+        for words in [
+            &["bridge"][..],
+            &["bridge", "--listen", "udp/a:1", "--connect", "udp/a:1"],
+            &["bridge", "--listen", "udp/a:1", "--also", "truth"],
+        ] {
+            assert!(Args::try_parse_from(words).is_err());
+        }
+    }
+}

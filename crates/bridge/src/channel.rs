@@ -1,0 +1,80 @@
+//! A channel of the rig here, read for as long as somebody writes it.
+
+use lariat_wire::{Channel, Domain, Message, Payload, Receiver, Rig, WireError};
+
+/// Whether a reader is woken by each message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Woken {
+    Yes,
+    /// It looks when something else wakes it; not on a `--lossless` channel, whose writer would wait for it.
+    No,
+}
+
+/// A reader that comes and goes with its writer: one that stayed would keep the channel as it was.
+pub(crate) struct Read<P: Payload + ?Sized + 'static> {
+    channel: &'static Channel<P>,
+    woken: Woken,
+    receiver: Option<Receiver<P>>,
+    said: Option<String>,
+}
+
+impl<P: Payload + ?Sized> Read<P> {
+    pub(crate) fn new(channel: &'static Channel<P>, woken: Woken) -> Self {
+        Self {
+            channel,
+            woken,
+            receiver: None,
+            said: None,
+        }
+    }
+
+    /// Takes it up if it is wanted and written, and lets go of it if not. What hinders is said once.
+    pub(crate) fn follow(&mut self, domain: &Domain, rig: &Rig, wanted: bool) {
+        let state = if wanted {
+            domain.channel(rig, self.channel.name())
+        } else {
+            None
+        };
+        // Of another version nobody's ends are known: opening it says so.
+        let written =
+            state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()));
+        let opened = match (written, &self.receiver, self.woken) {
+            (None, ..) => {
+                self.receiver = None;
+                Ok(())
+            }
+            (Some(_), Some(_), _) => Ok(()),
+            (Some(_), None, Woken::Yes) => Receiver::create(domain, rig, self.channel, None)
+                .map(|new| self.receiver = Some(new)),
+            (Some(state), None, Woken::No) if state.lossless => Ok(()),
+            (Some(_), None, Woken::No) => Receiver::create_unwoken(domain, rig, self.channel, None)
+                .map(|new| self.receiver = Some(new)),
+        };
+        self.say(opened.err());
+    }
+
+    /// The reader, while there is a writer.
+    pub(crate) fn receiver(&self) -> Option<&Receiver<P>> {
+        self.receiver.as_ref()
+    }
+
+    /// The oldest message that waits. A reader that fails is let go of, and taken up anew when it is [followed](Self::follow) next.
+    pub(crate) fn next(&mut self) -> Option<Message<P>> {
+        match self.receiver.as_ref()?.next() {
+            Ok(message) => message,
+            Err(cause) => {
+                self.receiver = None;
+                self.say(Some(cause));
+                None
+            }
+        }
+    }
+
+    fn say(&mut self, cause: Option<WireError>) {
+        let cause = cause.map(|cause| cause.to_string());
+        if cause.is_some() && cause != self.said {
+            crate::say(cause.as_deref().unwrap_or_default());
+        }
+        self.said = cause;
+    }
+}

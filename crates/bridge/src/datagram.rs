@@ -1,0 +1,327 @@
+//! A datagram: who sent it, the how many-th of its kind it is, and what it says, sealed if there is a key.
+//!
+//! ```text
+//!  0  'l' 'b'      2  version 1      3  kind, and 128 if it is sealed      4  the messages' versions, hashed
+//!  8  the sender's random number (u64)            16  how many of this kind it has sent, this one included (u64)
+//! 24  what it says …                              then 16 bytes of tag if it is sealed (ChaCha20-Poly1305, the head held to)
+//! ```
+//!
+//! Numbers are little endian. The nonce is kind and count, under a key that only this sender has: no nonce comes twice, and counts that only go up are the
+//! window for replays. That a sender lives, and is not a recording of one, is for the receiver to ask.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use lariat_wire::{Centerlines, Command, Descriptors, Rig};
+use thiserror::Error;
+
+use crate::key::{Key, Seal, Side};
+
+const MAGIC: [u8; 3] = *b"lb\x01";
+const SEALED: u8 = 0x80;
+/// Bytes before what a datagram says.
+pub(crate) const HEAD: usize = 24;
+/// Bytes that a datagram has beside what it says.
+#[cfg(test)]
+pub(crate) const OVERHEAD: usize = HEAD + crate::key::TAG;
+/// So many senders are known at a time.
+const SENDERS: usize = 16;
+
+/// What a datagram is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// From the far side: what time is it?
+    Ask = 0,
+    /// From the near side: so late.
+    Answer = 1,
+    /// From the near side, as what follows.
+    Descriptors = 2,
+    Centerlines = 3,
+    Truth = 4,
+    /// From the far side.
+    Command = 5,
+    /// From the near side: a part of a frame.
+    Picture = 6,
+}
+
+impl Kind {
+    const ALL: [Self; 7] = [
+        Self::Ask,
+        Self::Answer,
+        Self::Descriptors,
+        Self::Centerlines,
+        Self::Truth,
+        Self::Command,
+        Self::Picture,
+    ];
+}
+
+/// Why a datagram is not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub(crate) enum Refused {
+    #[error("something else than a bridge sends there")]
+    Foreign,
+    #[error("the other side is of another release of lariat: use the same on both")]
+    Release,
+    #[error(
+        "the other side seals what it sends, and this one has no key: give both the same --key FILE"
+    )]
+    NoKey,
+    #[error(
+        "the other side does not seal what it sends, and this one has a key: give both the same --key FILE"
+    )]
+    Open,
+    #[error(
+        "what comes is sealed with another key, for another rig, or was changed on its way: give both sides the same --key FILE and --rig"
+    )]
+    Seal,
+    #[error(
+        "a message makes no sense, and is not passed on: use the same release of lariat on both sides"
+    )]
+    Nonsense,
+}
+
+/// The versions of all messages, as one number.
+fn versions() -> u32 {
+    let names = [
+        Descriptors::LAYOUT.type_name,
+        Centerlines::LAYOUT.type_name,
+        Command::LAYOUT.type_name,
+    ];
+    // FNV-1a.
+    let bytes = names.iter().flat_map(|name| name.bytes());
+    bytes.fold(0x811c_9dc5, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    })
+}
+
+fn nonce(kind: u8, count: [u8; 8]) -> [u8; 12] {
+    let mut nonce = [0; 12];
+    nonce[0] = kind;
+    nonce[4..].copy_from_slice(&count);
+    nonce
+}
+
+/// What one process sends.
+pub(crate) struct Outgoing {
+    process: u64,
+    seal: Option<Seal>,
+    sent: [AtomicU64; Kind::ALL.len()],
+}
+
+impl Outgoing {
+    /// `process`: its random number.
+    pub(crate) fn new(process: u64, key: Option<&Key>, side: Side, rig: &Rig) -> Self {
+        Self {
+            process,
+            seal: key.map(|key| key.of(process, side, rig)),
+            sent: Default::default(),
+        }
+    }
+
+    /// This process's random number.
+    pub(crate) fn process(&self) -> u64 {
+        self.process
+    }
+
+    /// How many of a kind were sent.
+    pub(crate) fn sent(&self, kind: Kind) -> u64 {
+        self.sent[kind as usize].load(Ordering::Relaxed)
+    }
+
+    /// Makes the next datagram of a kind; `say` writes what it says behind what stands in the buffer.
+    pub(crate) fn write(&self, kind: Kind, datagram: &mut Vec<u8>, say: impl FnOnce(&mut Vec<u8>)) {
+        let count = (1 + self.sent[kind as usize].fetch_add(1, Ordering::Relaxed)).to_le_bytes();
+        datagram.clear();
+        datagram.extend(MAGIC);
+        datagram.push(kind as u8 | if self.seal.is_some() { SEALED } else { 0 });
+        datagram.extend(versions().to_le_bytes());
+        datagram.extend(self.process.to_le_bytes());
+        datagram.extend(count);
+        say(datagram);
+        if let Some(seal) = &self.seal {
+            seal.close(nonce(kind as u8, count), datagram, HEAD);
+        }
+    }
+}
+
+/// A datagram that was sent by one who has the key.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Datagram<'d> {
+    /// The sender's random number.
+    pub(crate) process: u64,
+    pub(crate) kind: Kind,
+    /// How many of this kind it had sent.
+    pub(crate) count: u64,
+    pub(crate) says: &'d [u8],
+}
+
+/// What the processes of the other side send.
+pub(crate) struct Incoming {
+    key: Option<Key>,
+    from: Side,
+    rig: Rig,
+    /// The last to be heard of comes first.
+    seals: Vec<(u64, Seal)>,
+}
+
+impl Incoming {
+    pub(crate) fn new(key: Option<Key>, from: Side, rig: &Rig) -> Self {
+        Self {
+            key,
+            from,
+            rig: rig.clone(),
+            seals: Vec::with_capacity(SENDERS),
+        }
+    }
+
+    /// Reads a datagram, and opens it where it lies.
+    ///
+    /// # Errors
+    /// It is not taken, and why.
+    pub(crate) fn read<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Datagram<'d>, Refused> {
+        let Some((head, _)) = datagram.split_first_chunk::<HEAD>() else {
+            return Err(Refused::Foreign);
+        };
+        let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| head[at + i]));
+        let (process, count) = (number(8), number(16));
+        let kind = Kind::ALL
+            .into_iter()
+            .find(|kind| *kind as u8 == head[3] & !SEALED);
+        let is_sealed = head[3] & SEALED != 0;
+        let is_ours = head[4..8] == versions().to_le_bytes();
+        if head[..2] != MAGIC[..2] {
+            return Err(Refused::Foreign);
+        }
+        let (Some(kind), true, true) = (kind, head[2] == MAGIC[2], is_ours) else {
+            return Err(Refused::Release);
+        };
+        let says = match (&self.key, is_sealed) {
+            (None, true) => return Err(Refused::NoKey),
+            (Some(_), false) => return Err(Refused::Open),
+            (None, false) => &datagram[HEAD..],
+            (Some(key), true) => {
+                let known = self.seals.iter().position(|(known, _)| *known == process);
+                let (seal, is_new) = match known {
+                    Some(at) => (self.seals.remove(at).1, false),
+                    None => (key.of(process, self.from, &self.rig), true),
+                };
+                let says = seal.open(nonce(kind as u8, count.to_le_bytes()), datagram, HEAD);
+                // One that has not the key must not push out those that have.
+                if says.is_some() || !is_new {
+                    self.seals.truncate(SENDERS - 1);
+                    self.seals.insert(0, (process, seal));
+                }
+                says.ok_or(Refused::Seal)?
+            }
+        };
+        Ok(Datagram {
+            process,
+            kind,
+            count,
+            says,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn rig() -> Rig {
+        "cell".parse().expect("a name")
+    }
+
+    fn key(name: &str) -> (Key, Key) {
+        let path: PathBuf =
+            std::env::temp_dir().join(format!("lariat-datagram-{name}-{}", std::process::id()));
+        Key::make(&path).expect("made");
+        let [one, other] = [0, 1].map(|_| Key::read(&path).expect("read"));
+        std::fs::remove_file(path).expect("it is ours");
+        (one, other)
+    }
+
+    #[test]
+    fn a_datagram_says_who_sent_it_and_the_how_many_th_it_is() {
+        let (ours, theirs) = key("says");
+        for (ours, theirs) in [(None, None), (Some(ours), Some(theirs))] {
+            let outgoing = Outgoing::new(77, ours.as_ref(), Side::Near, &rig());
+            let mut incoming = Incoming::new(theirs, Side::Near, &rig());
+            let mut bytes = Vec::new();
+            for count in 1..=3 {
+                outgoing.write(Kind::Descriptors, &mut bytes, |to| to.extend(b"rope"));
+                let read = incoming.read(&mut bytes).expect("ours");
+                assert_eq!(
+                    read,
+                    Datagram {
+                        process: 77,
+                        kind: Kind::Descriptors,
+                        count,
+                        says: b"rope"
+                    }
+                );
+            }
+            assert_eq!(
+                (outgoing.sent(Kind::Descriptors), outgoing.sent(Kind::Truth)),
+                (3, 0)
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_not_ours_is_refused_and_said_why() {
+        let (ours, theirs) = key("refused");
+        let (other, _) = key("other");
+        let mut bytes = Vec::new();
+        let sealed = Outgoing::new(1, Some(&ours), Side::Near, &rig());
+        let open = Outgoing::new(1, None, Side::Near, &rig());
+        let mut with_key = Incoming::new(Some(theirs), Side::Near, &rig());
+        let mut without = Incoming::new(None, Side::Near, &rig());
+        open.write(Kind::Ask, &mut bytes, |_| {});
+        assert_eq!(with_key.read(&mut bytes), Err(Refused::Open));
+        sealed.write(Kind::Ask, &mut bytes, |_| {});
+        assert_eq!(without.read(&mut bytes.clone()), Err(Refused::NoKey));
+        assert_eq!(
+            Incoming::new(Some(other), Side::Near, &rig()).read(&mut bytes.clone()),
+            Err(Refused::Seal)
+        );
+        assert!(with_key.read(&mut bytes.clone()).is_ok());
+        // A side does not take its own words for the other's.
+        assert_eq!(with_key.read(&mut [0; 7]), Err(Refused::Foreign));
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1;
+            assert!(with_key.read(&mut changed).is_err(), "{at}");
+        }
+        open.write(Kind::Ask, &mut bytes, |_| {});
+        bytes[2] += 1;
+        assert_eq!(without.read(&mut bytes), Err(Refused::Release));
+        open.write(Kind::Ask, &mut bytes, |_| {});
+        bytes[4] ^= 1;
+        assert_eq!(without.read(&mut bytes), Err(Refused::Release));
+        for length in 0..HEAD {
+            assert_eq!(without.read(&mut vec![b'l'; length]), Err(Refused::Foreign));
+        }
+    }
+
+    #[test]
+    fn as_many_senders_as_like_are_read_by_turns() {
+        let (ours, theirs) = key("many");
+        let mut incoming = Incoming::new(Some(theirs), Side::Far, &rig());
+        let senders: Vec<_> = (0..40)
+            .map(|i| Outgoing::new(i, Some(&ours), Side::Far, &rig()))
+            .collect();
+        let mut bytes = Vec::new();
+        for count in 1..=3 {
+            for sender in &senders {
+                sender.write(Kind::Command, &mut bytes, |to| to.push(9));
+                let read = incoming.read(&mut bytes).expect("ours");
+                assert_eq!(
+                    (read.process, read.count, read.says),
+                    (sender.process(), count, &[9][..])
+                );
+            }
+        }
+        assert!(incoming.seals.len() <= SENDERS);
+    }
+}

@@ -1,0 +1,303 @@
+//! The other side: what comes is written to the rig's channels here, with its stamps on this machine's clock.
+//!
+//! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves
+//! (`Seen::Stale`). Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`]
+//! makes its session anew, whatever the cause: a cut link, a process that was killed, an address that moved.
+
+mod controller;
+mod link;
+mod pictures;
+mod written;
+
+use std::os::fd::AsFd;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+use anyhow::{Context, Result};
+use lariat_chain::stop::Stop;
+use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, Rig, TRUTH, now_ns};
+use zenoh::qos::Priority;
+
+use crate::args::{Also, Args, Place};
+use crate::clock::Offset;
+use crate::datagram::{Incoming, Kind, Outgoing, Refused};
+use crate::inbox::{Arrived, Inbox};
+use crate::key::{self, Side};
+use crate::question::{Answer, Question, bit};
+use crate::refusals::Refusals;
+use crate::say;
+use crate::session::{Open, Way, Wire, parts};
+use link::{Link, Took};
+use written::Written;
+
+/// How often it is asked.
+const ASK_NS: u64 = 50_000_000;
+/// Unanswered for so long, the session is made anew: eight questions.
+const SILENCE_NS: u64 = 8 * ASK_NS;
+/// A new session has so long until its first answer.
+const FIRST_NS: u64 = 2 * SILENCE_NS;
+/// Between two tries to connect.
+const RETRY_NS: u64 = 100_000_000;
+/// How often it is written down how it is.
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// What the thread that sends commands needs of this one.
+#[derive(Default)]
+struct Upward {
+    wire: Option<Wire>,
+    /// The other side's process, and its clock.
+    near: Option<(u64, Offset)>,
+}
+
+/// Carries for as long as no signal comes.
+///
+/// # Errors
+/// The domain cannot be joined.
+pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
+    let stop = Stop::on_signals()?;
+    let domain = Domain::open()?;
+    let key = args.key()?;
+    let outgoing = Arc::new(Outgoing::new(
+        key::random_number()?,
+        key.as_ref(),
+        Side::Far,
+        &args.rig,
+    ));
+    let upward = Arc::new(Mutex::new(Upward::default()));
+    let (controller_stop, mut stopper) = Stop::by_another()?;
+    let controller = {
+        let (rig, outgoing, upward) = (args.rig.clone(), outgoing.clone(), upward.clone());
+        thread::Builder::new()
+            .name("controller".into())
+            .spawn(move || controller::run(&rig, &outgoing, &upward, &controller_stop))
+            .context("no thread could be started")?
+    };
+    let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
+    let pictures = match args.frames_ms() {
+        0 => None,
+        _ => {
+            let (rig, place, upward) = (args.rig.clone(), place.clone(), upward.clone());
+            let incoming = Incoming::new(key.clone(), Side::Near, &rig);
+            let run = move || pictures::run(&rig, &place, incoming, &upward, &pictures_stop);
+            let thread = thread::Builder::new().name("pictures".into()).spawn(run);
+            Some(thread.context("no thread could be started")?)
+        }
+    };
+    let mut far = Far::new(
+        args,
+        &domain,
+        Incoming::new(key, Side::Near, &args.rig),
+        outgoing,
+        upward,
+    );
+    let carried = far.carry(place, &stop);
+    stopper.stop();
+    pictures_stopper.stop();
+    let commands = controller.join().unwrap_or_default();
+    let frames = pictures.map_or(0, |thread| thread.join().unwrap_or_default());
+    println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
+    println!(
+        "took {frames} frames; refused {} messages; sent {commands} commands",
+        far.refusals.count()
+    );
+    carried
+}
+
+/// The rig's channels, and what is known of the other side.
+struct Far<'a> {
+    rig: &'a Rig,
+    domain: &'a Domain,
+    also: u8,
+    frames_ms: u16,
+    outgoing: Arc<Outgoing>,
+    upward: Arc<Mutex<Upward>>,
+    incoming: Incoming,
+    link: Link,
+    descriptors: Written<Descriptors>,
+    centerlines: Written<Centerlines>,
+    truth: Written<Centerlines>,
+    refusals: Refusals,
+    datagram: Vec<u8>,
+}
+
+impl<'a> Far<'a> {
+    fn new(
+        args: &'a Args,
+        domain: &'a Domain,
+        incoming: Incoming,
+        outgoing: Arc<Outgoing>,
+        upward: Arc<Mutex<Upward>>,
+    ) -> Self {
+        Self {
+            rig: &args.rig,
+            domain,
+            also: args.also.iter().fold(0, |bits, also| bits | bit(*also)),
+            frames_ms: args.frames_ms(),
+            outgoing,
+            upward,
+            incoming,
+            link: Link::default(),
+            descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
+            centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
+            truth: Written::new(&TRUTH, Centerlines::EMPTY),
+            refusals: Refusals::default(),
+            datagram: Vec::new(),
+        }
+    }
+
+    /// One session after the other.
+    fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
+        let inbox = Arc::new(Inbox::new().context("the system has no descriptor left")?);
+        let mut announcement = None;
+        let mut is_silent = None;
+        while !stop.asked() {
+            let opened = Wire::open(Open::Connect, &place.to_string(), Way::Up, self.rig);
+            let Ok(wire) = opened else {
+                if !std::mem::replace(is_silent.get_or_insert(false), true) {
+                    say(&format!(
+                        "nobody answers at {place} yet: `lariat bridge --listen` on the camera's machine"
+                    ));
+                }
+                self.open_channels();
+                stop.sleep_until(now_ns() + RETRY_NS);
+                continue;
+            };
+            let heard = inbox.clone();
+            wire.hear(Way::Down, self.rig, move |at_ns, sample| {
+                heard.put(at_ns, parts(sample))
+            })?;
+            self.upward().wire = Some(wire.clone());
+            let has_answered = self.listen(&wire, &inbox, stop, |far, is_first| {
+                if is_first && is_silent != Some(false) {
+                    is_silent = Some(false);
+                    say(&format!("rig {} of {place} is here", far.rig));
+                }
+                far.announce(place, &mut announcement);
+            });
+            *self.upward() = Upward::default();
+            wire.close();
+            if has_answered && !stop.asked() {
+                is_silent = Some(true);
+                say(&format!(
+                    "{place} is silent: {}",
+                    self.link.sentence(now_ns())
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks and takes what comes, until a signal or a silence; whether there was an answer. `every_second` is told of the first answer, and then each second.
+    fn listen(
+        &mut self,
+        wire: &Wire,
+        inbox: &Inbox,
+        stop: &Stop,
+        mut every_second: impl FnMut(&mut Self, bool),
+    ) -> bool {
+        let mut arrived = Arrived::default();
+        let mut ask_due_ns = now_ns();
+        let mut silent_ns = ask_due_ns + FIRST_NS;
+        let mut second_due_ns = 0;
+        let mut has_answered = false;
+        while !stop.asked() && now_ns() < silent_ns {
+            inbox.sleep(ask_due_ns.min(silent_ns), stop.as_fd());
+            while inbox.next(&mut arrived) {
+                if self.take(&mut arrived) {
+                    silent_ns = now_ns() + SILENCE_NS;
+                    let is_first = !std::mem::replace(&mut has_answered, true);
+                    if is_first || now_ns() >= second_due_ns {
+                        second_due_ns = now_ns() + SECOND_NS;
+                        every_second(self, is_first);
+                    }
+                }
+            }
+            if now_ns() >= ask_due_ns {
+                ask_due_ns = (ask_due_ns + ASK_NS).max(now_ns());
+                self.open_channels();
+                self.ask(wire);
+            }
+        }
+        has_answered
+    }
+
+    fn ask(&mut self, wire: &Wire) {
+        let Ok(token) = key::random_number() else {
+            return;
+        };
+        let (also, frames_ms) = (self.also, self.frames_ms);
+        self.outgoing.write(Kind::Ask, &mut self.datagram, |to| {
+            Question {
+                token,
+                also,
+                frames_ms,
+            }
+            .write(to)
+        });
+        self.link.ask(token, now_ns());
+        wire.put(&self.datagram, Priority::RealTime);
+    }
+
+    /// Takes a datagram; whether it was an answer.
+    fn take(&mut self, arrived: &mut Arrived) -> bool {
+        let at_ns = arrived.at_ns;
+        let datagram = match self.incoming.read(&mut arrived.bytes) {
+            Ok(datagram) => datagram,
+            Err(cause) => {
+                self.refusals.add(cause);
+                return false;
+            }
+        };
+        if datagram.kind == Kind::Answer {
+            let took = Answer::read(datagram.says).map_or(Took::No, |answer| {
+                self.link.answer(datagram.process, &answer, at_ns)
+            });
+            if took == Took::Both {
+                say("two bridges send this rig: the one that was there first is gone by");
+            }
+            if took != Took::No {
+                let near = self.link.near();
+                self.upward().near = near;
+            }
+            return took != Took::No;
+        }
+        let Some(offset) = self.link.receive(&datagram) else {
+            return false;
+        };
+        let taken = match datagram.kind {
+            Kind::Descriptors => self.descriptors.take(&datagram, &offset, at_ns),
+            Kind::Centerlines => self.centerlines.take(&datagram, &offset, at_ns),
+            Kind::Truth => self.truth.take(&datagram, &offset, at_ns),
+            _ => None,
+        };
+        if taken.is_none() {
+            self.refusals.add(Refused::Nonsense);
+        }
+        false
+    }
+
+    /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one.
+    fn open_channels(&mut self) {
+        self.descriptors.open(self.domain, self.rig);
+        if self.also & bit(Also::Centerlines) != 0 {
+            self.centerlines.open(self.domain, self.rig);
+        }
+        if self.also & bit(Also::Truth) != 0 {
+            self.truth.open(self.domain, self.rig);
+        }
+    }
+
+    /// Writes down how it is, for `lariat topic delay` and `top`.
+    fn announce(&mut self, place: &Place, announcement: &mut Option<lariat_wire::Announcement>) {
+        let settings = self.link.settings(place, now_ns());
+        // Nothing depends on it.
+        match announcement {
+            Some(announcement) => drop(announcement.renew(&settings)),
+            None => *announcement = self.domain.announce(self.rig, "bridge", &settings).ok(),
+        }
+    }
+
+    fn upward(&self) -> std::sync::MutexGuard<'_, Upward> {
+        self.upward.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

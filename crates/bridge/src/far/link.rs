@@ -1,0 +1,250 @@
+//! What is known of the other side: which process it is, its clock, what it sent and what of it came. Pure: it is told the times.
+
+use std::collections::VecDeque;
+
+use crate::args::Place;
+use crate::clock::{Clock, Offset, RoundTrip};
+use crate::datagram::{Datagram, Kind};
+use crate::question::Answer;
+use crate::tally::Tally;
+
+use super::SILENCE_NS;
+
+/// Questions that may be under way: those of 1.6 s.
+const ASKED: usize = 32;
+/// The channels that are counted.
+const COUNTED: [Kind; 3] = [Kind::Descriptors, Kind::Centerlines, Kind::Truth];
+
+/// Whether an answer was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Took {
+    Yes,
+    /// It is to no question of ours, or to an older one.
+    No,
+    /// It is of the one who is there, though another one answered, too.
+    Both,
+}
+
+/// The process at the other end.
+#[derive(Debug)]
+struct Near {
+    process: u64,
+    clock: Clock,
+    answered_ns: u64,
+    tallies: [Tally; 3],
+}
+
+/// The link to the other side.
+#[derive(Debug, Default)]
+pub(super) struct Link {
+    /// Questions without an answer, from the oldest on.
+    asked: VecDeque<(u64, u64)>,
+    near: Option<Near>,
+    /// Another one has answered since the one who is there did last; and whether that was told.
+    is_rivalled: bool,
+    has_told: bool,
+    /// What was sent and received by those who were there before.
+    before: [[u64; 2]; 3],
+}
+
+impl Link {
+    /// A question leaves.
+    pub(super) fn ask(&mut self, token: u64, now_ns: u64) {
+        if self.asked.len() == ASKED {
+            self.asked.pop_front();
+        }
+        self.asked.push_back((token, now_ns));
+    }
+
+    /// An answer came at a moment here.
+    pub(super) fn answer(&mut self, process: u64, answer: &Answer, heard: u64) -> Took {
+        let Some(at) = self
+            .asked
+            .iter()
+            .position(|(token, _)| *token == answer.token)
+        else {
+            return Took::No;
+        };
+        let (_, asked) = self.asked[at];
+        // An answer that overtook another's is not overtaken again: those before it are let go of.
+        self.asked.drain(..=at);
+        let lives = |near: &Near| heard.saturating_sub(near.answered_ns) < SILENCE_NS / 2;
+        match &self.near {
+            Some(near) if near.process == process => {}
+            Some(near) if lives(near) => {
+                self.is_rivalled = true;
+                return Took::No;
+            }
+            _ => self.change(process, heard),
+        }
+        let Some(near) = &mut self.near else {
+            return Took::No;
+        };
+        near.answered_ns = heard;
+        near.clock.add(RoundTrip {
+            asked,
+            got: answer.got_ns,
+            sent: answer.answered_ns,
+            heard,
+        });
+        for (tally, sent) in near.tallies.iter_mut().zip(answer.sent) {
+            tally.tell(sent);
+        }
+        if std::mem::take(&mut self.is_rivalled) && !std::mem::replace(&mut self.has_told, true) {
+            return Took::Both;
+        }
+        Took::Yes
+    }
+
+    /// Another process is there now.
+    fn change(&mut self, process: u64, now_ns: u64) {
+        self.before = self.totals();
+        self.is_rivalled = false;
+        self.near = Some(Near {
+            process,
+            clock: Clock::default(),
+            answered_ns: now_ns,
+            tallies: Default::default(),
+        });
+    }
+
+    /// Counts a datagram; the clock of its sender if it is to be taken: it is of the process that answers, and newer than what came before.
+    pub(super) fn receive(&mut self, datagram: &Datagram) -> Option<Offset> {
+        let at = COUNTED.iter().position(|kind| *kind == datagram.kind)?;
+        let near = self
+            .near
+            .as_mut()
+            .filter(|near| near.process == datagram.process)?;
+        let offset = near.clock.offset()?;
+        near.tallies[at].receive(datagram.count).then_some(offset)
+    }
+
+    /// The process at the other end, and its clock.
+    pub(super) fn near(&self) -> Option<(u64, Offset)> {
+        let near = self.near.as_ref()?;
+        Some((near.process, near.clock.offset()?))
+    }
+
+    /// Of each channel, how many were sent since this process is there, and how many of them received.
+    fn totals(&self) -> [[u64; 2]; 3] {
+        let mut totals = self.before;
+        if let Some(near) = &self.near {
+            for ([sent, received], tally) in totals.iter_mut().zip(&near.tallies) {
+                *sent += tally.sent();
+                *received += tally.received();
+            }
+        }
+        totals
+    }
+
+    /// By how much stamps may be off, µs.
+    fn bound_us(&self, now_ns: u64) -> Option<f64> {
+        Some(self.near()?.1.bound_ns(now_ns) * 1e-3)
+    }
+
+    /// What came of what was sent, and how well the clock is known.
+    pub(super) fn sentence(&self, now_ns: u64) -> String {
+        let [[sent, received], ..] = self.totals();
+        let clock = match self.bound_us(now_ns) {
+            Some(bound_us) => format!("the clock is known to ± {bound_us:.0} µs"),
+            None => "the clock is not known".into(),
+        };
+        format!(
+            "sent {sent} = received {received} + lost {}; {clock}",
+            sent - received
+        )
+    }
+
+    /// The same as the settings of a process, for the roster.
+    pub(super) fn settings(&self, place: &Place, now_ns: u64) -> String {
+        let [[sent, received], ..] = self.totals();
+        let bound_us = self.bound_us(now_ns).unwrap_or(f64::INFINITY);
+        format!(
+            "[bridge]\nconnect = \"{place}\"\nclock_bound_us = {bound_us:.1}\nsent = {sent}\nreceived = {received}\nlost = {}\n",
+            sent - received
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: u64 = 1_000_000_000;
+
+    fn answer(token: u64, at_ns: u64, sent: u64) -> Answer {
+        Answer {
+            token,
+            got_ns: at_ns,
+            answered_ns: at_ns,
+            sent: [sent, 0, 0],
+        }
+    }
+
+    fn datagram(process: u64, count: u64) -> Datagram<'static> {
+        Datagram {
+            process,
+            kind: Kind::Descriptors,
+            count,
+            says: &[],
+        }
+    }
+
+    #[test]
+    fn only_who_answers_our_own_questions_is_heard() {
+        let mut link = Link::default();
+        assert!(link.receive(&datagram(7, 1)).is_none());
+        link.ask(55, START);
+        // A recording of another conversation.
+        assert_eq!(link.answer(7, &answer(54, START, 0), START + 10), Took::No);
+        assert!(link.receive(&datagram(7, 1)).is_none());
+        assert_eq!(link.answer(7, &answer(55, START, 0), START + 10), Took::Yes);
+        assert!(link.receive(&datagram(7, 1)).is_some());
+        // No answer counts twice.
+        assert_eq!(link.answer(7, &answer(55, START, 0), START + 10), Took::No);
+        assert!(link.receive(&datagram(8, 2)).is_none());
+        assert!(link.receive(&datagram(7, 1)).is_none());
+    }
+
+    #[test]
+    fn another_process_takes_over_when_the_first_is_silent_and_counts_go_on() {
+        let mut link = Link::default();
+        link.ask(1, START);
+        assert_eq!(link.answer(7, &answer(1, START, 0), START + 10), Took::Yes);
+        for count in [1, 2, 4] {
+            assert!(link.receive(&datagram(7, count)).is_some());
+        }
+        link.ask(2, START);
+        assert_eq!(link.answer(8, &answer(2, START, 90), START + 20), Took::No);
+        // Both live, which is told once.
+        for (token, told) in [(3, Took::Both), (5, Took::Yes)] {
+            link.ask(token, START);
+            assert_eq!(link.answer(7, &answer(token, START, 4), START + 25), told);
+            link.ask(9, START);
+            assert_eq!(link.answer(8, &answer(9, START, 90), START + 30), Took::No);
+        }
+        let later = START + 25 + SILENCE_NS;
+        link.ask(4, later);
+        assert_eq!(
+            link.answer(8, &answer(4, START, 100), later + 10),
+            Took::Yes
+        );
+        assert!(link.receive(&datagram(7, 5)).is_none());
+        assert!(link.receive(&datagram(8, 102)).is_some());
+        assert!(
+            link.sentence(later)
+                .starts_with("sent 6 = received 4 + lost 2; the clock is known to ± ")
+        );
+    }
+
+    #[test]
+    fn questions_are_forgotten() {
+        let mut link = Link::default();
+        for token in 0..=ASKED as u64 {
+            link.ask(token, START + token);
+        }
+        assert_eq!(link.answer(7, &answer(0, START, 0), START + 100), Took::No);
+        assert_eq!(link.answer(7, &answer(9, START, 0), START + 100), Took::Yes);
+        assert_eq!(link.answer(7, &answer(8, START, 0), START + 100), Took::No);
+    }
+}

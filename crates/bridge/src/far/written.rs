@@ -1,0 +1,136 @@
+//! A channel that is written here: messages from the wire, checked as readers check, with their stamps on this machine's clock.
+
+use lariat_wire::{
+    Centerlines, Channel, Delivery, Descriptors, Domain, NoShape, Rig, Shape, Trace, WireError,
+    Writer, now_ns,
+};
+
+use crate::clock::Offset;
+use crate::datagram::Datagram;
+use crate::pack::unpack;
+use crate::say;
+use crate::stamps::Stamps;
+
+/// How often a writer is tried for that another process is.
+const RETRY_NS: u64 = 1_000_000_000;
+
+/// A message that can be taken from the wire to a channel.
+pub(super) trait Carried: lariat_wire::Payload + lariat_wire::fields::Message {
+    fn trace_mut(&mut self) -> &mut Trace;
+    /// Whether readers could take it for what it says.
+    fn is_sound(&self) -> bool;
+    /// Writes what is meant of it to the channel.
+    fn send(&self, to: &Writer<Self>) -> Result<(), WireError>;
+    fn write(
+        domain: &Domain,
+        rig: &Rig,
+        channel: &Channel<Self>,
+    ) -> Result<Writer<Self>, WireError>;
+}
+
+macro_rules! carried {
+    ($message:ident, |$read:ident| $is_sound:expr) => {
+        impl Carried for $message {
+            fn trace_mut(&mut self) -> &mut Trace {
+                &mut self.trace
+            }
+
+            fn is_sound(&self) -> bool {
+                let $read = self;
+                $is_sound
+            }
+
+            fn send(&self, to: &Writer<Self>) -> Result<(), WireError> {
+                let mut slot = to.slot()?;
+                slot.copy_meant(self);
+                slot.send()?;
+                Ok(())
+            }
+
+            fn write(
+                domain: &Domain,
+                rig: &Rig,
+                channel: &Channel<Self>,
+            ) -> Result<Writer<Self>, WireError> {
+                Writer::<$message>::create(domain, rig, channel, &Delivery::NewestWins)
+            }
+        }
+    };
+}
+// As readers check: what has no curve though it says that it has one is none, nor is a code that this release does not know.
+carried!(Descriptors, |read| read.unit().is_some()
+    && read.curves().iter().all(|curve| {
+        Shape::of(curve).err() != Some(NoShape::Unreadable)
+            && curve.status().is_some()
+            && curve.fit().is_some()
+    }));
+carried!(Centerlines, |read| {
+    let count = read.curves().len();
+    read.curves().iter().all(|curve| curve.status().is_some())
+        && read
+            .crossings()
+            .iter()
+            .all(|crossing| (crossing.over.max(crossing.under) as usize) < count)
+});
+
+/// A channel that is written here.
+pub(super) struct Written<M: Carried + 'static> {
+    channel: &'static Channel<M>,
+    writer: Option<Writer<M>>,
+    message: Box<M>,
+    stamps: Stamps,
+    tried_ns: u64,
+    said: Option<String>,
+}
+
+impl<M: Carried> Written<M> {
+    pub(super) fn new(channel: &'static Channel<M>, empty: M) -> Self {
+        Self {
+            channel,
+            writer: None,
+            message: Box::new(empty),
+            stamps: Stamps::default(),
+            tried_ns: 0,
+            said: None,
+        }
+    }
+
+    /// Becomes the channel's writer, unless it is; readers that came since the last message are given it.
+    pub(super) fn open(&mut self, domain: &Domain, rig: &Rig) {
+        if let Some(writer) = &self.writer {
+            let welcomed = writer.welcome();
+            return self.note(welcomed);
+        }
+        let now_ns = now_ns();
+        if self.tried_ns > 0 && now_ns.saturating_sub(self.tried_ns) < RETRY_NS {
+            return;
+        }
+        self.tried_ns = now_ns;
+        let made = M::write(domain, rig, self.channel).map(|writer| self.writer = Some(writer));
+        self.note(made);
+    }
+
+    /// Writes what a datagram says; `None`: it is no such message.
+    pub(super) fn take(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<()> {
+        unpack(&mut *self.message, datagram.says).ok()?;
+        self.message.is_sound().then_some(())?;
+        self.stamps.set(self.message.trace_mut(), offset, at_ns);
+        if let Some(writer) = &self.writer {
+            let sent = self.message.send(writer);
+            self.note(sent);
+        }
+        Some(())
+    }
+
+    /// What went wrong is said once, and the channel is written anew.
+    fn note(&mut self, done: Result<(), WireError>) {
+        let cause = done.err().map(|cause| cause.to_string());
+        if let Some(cause) = &cause {
+            self.writer = None;
+            if self.said.as_ref() != Some(cause) {
+                say(cause);
+            }
+            self.said = Some(cause.clone());
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! `lariat-bridge`: a rig of lariat on another machine, over zenoh.
+//!
+//! On the camera's machine it is a reader of the rig, on the other the writer of a rig of the same name: every reader there works unchanged. What
+//! goes over the wire is what is meant of each message, in one datagram: UDP, best effort, the newest wins, zenoh's highest priority, express.
+//!
+//! # Why zenoh over plain UDP, sealed here
+//!
+//! zenoh 1.10 has three ways over UDP. `quic` sends again what was lost, and holds up what comes behind it. `quic/…?rel=0` (QUIC's datagrams, RFC
+//! 9221) does not, but its datagrams obey congestion control, which takes 2 % of loss for a full link: at 50 ms each way its window is then some 9
+//! datagrams a round trip (`1.22 / √p`, Mathis and others 1997), 90 a second, and what does not fit into it waits in a queue of a megabyte, from which the oldest goes last.
+//! A camera of 200 Hz would come late, where lost frames were the lesser evil. It wants a certificate for each machine, too. Plain `udp` sends a
+//! datagram when it is told to and has no security. So each datagram is sealed here, with a key that both sides share: ChaCha20-Poly1305 of `ring`,
+//! which zenoh brings along (`key`, `datagram`). What it does not hide: that a bridge is there, when it sends and how much. What it does not stop:
+//! someone on the network who floods the port.
+//!
+//! # Losses
+//!
+//! Descriptors carry the counts of capture, extract and fit, by which every reader's ledger finds what was lost before it: on the other side what the
+//! wire lost is in the row behind fit. A row of its own would need a count of the bridge in each message's trace, a new version of every message, for
+//! all who have no bridge. So the bridge counts by itself (`tally`), exactly, and says so when it ends, when the link is silent, and in the roster
+//! each second.
+//!
+//! | | |
+//! |---|---|
+//! | `args` | the command line, and what is safe |
+//! | `session` | zenoh: its settings, its keys |
+//! | `key`, `datagram`, `pack`, `question`, `chunks` | what goes over the wire, from the outside in. Pure |
+//! | `clock`, `stamps`, `tally` | the other clock, stamps by it, counts of what came. Pure |
+//! | `refusals` | what was refused, and that it is not said too often |
+//! | `inbox`, `channel` | from zenoh's threads to those with channels; a channel that is read while it is written |
+//! | `near`, `near/robot`, `near/pictures` | the camera's side: messages out, answers; commands in; frames out |
+//! | `far`, `far/link`, `far/written`, `far/controller`, `far/pictures` | the other: questions; what is known of the near side; messages in; commands out; frames in |
+
+mod args;
+mod channel;
+mod chunks;
+mod clock;
+mod datagram;
+mod far;
+mod inbox;
+mod key;
+mod near;
+mod pack;
+mod question;
+mod refusals;
+mod session;
+mod stamps;
+mod tally;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use args::Args;
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("{error:#}"));
+            lariat_chain::exit::code(&error)
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<()> {
+    match (&args.make_key, &args.listen, &args.connect) {
+        (Some(path), ..) => key::Key::make(path),
+        (_, Some(place), _) => near::run(args, place),
+        (.., Some(place)) => far::run(args, place),
+        // The command line asks for one of them.
+        (None, None, None) => Ok(()),
+    }
+}
+
+/// Says a sentence on standard error.
+fn say(sentence: &str) {
+    eprintln!("lariat-bridge: {sentence}");
+}

@@ -1,0 +1,327 @@
+//! Commands that come in, as the rig's own: never late, never twice, from one controller at a time.
+
+use std::fmt;
+use std::os::fd::AsFd;
+use std::time::Duration;
+
+use lariat_chain::stop::Stop;
+use lariat_wire::{COMMANDS, Command, Delivery, Domain, Rig, WireError, Writer, now_ns};
+
+use crate::inbox::{Arrived, Inbox};
+use crate::pack::unpack;
+use crate::say;
+use crate::tally::Tally;
+
+/// A controller that has said nothing for so long has let go: another one may take over, here or there.
+const LETS_GO_NS: u64 = 1_000_000_000;
+/// So many are remembered, so that none of their commands comes twice.
+const CONTROLLERS: usize = 16;
+/// How often it is said what was dropped.
+const SAY_NS: u64 = 1_000_000_000;
+
+/// Who commands, and what became of what it said.
+struct Controller {
+    process: u64,
+    heard_ns: u64,
+    tally: Tally,
+}
+
+/// The rig's commands, written while a far controller gives some.
+pub(super) struct Robot {
+    rig: Rig,
+    /// This process's random number: who commands it has heard of it.
+    process: u64,
+    most_age_ns: u64,
+    /// The last to be obeyed comes first.
+    controllers: Vec<Controller>,
+    done: Done,
+    said_ns: u64,
+    said: Option<String>,
+}
+
+/// What became of commands.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Done {
+    given: u64,
+    old: u64,
+    lost: u64,
+    refused: u64,
+}
+
+impl fmt::Display for Done {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            given,
+            old,
+            lost,
+            refused,
+        } = self;
+        write!(
+            f,
+            "commands: {given} given, {old} too old, {lost} lost, {refused} refused"
+        )
+    }
+}
+
+/// A command that is to be given, or why it is not.
+#[derive(Debug, PartialEq)]
+enum Judged {
+    Give(Command),
+    Old(u64),
+    Refused,
+}
+
+impl Robot {
+    pub(super) fn new(rig: &Rig, process: u64, most_age: Duration) -> Self {
+        Self {
+            rig: rig.clone(),
+            process,
+            most_age_ns: u64::try_from(most_age.as_nanos()).unwrap_or(u64::MAX),
+            controllers: Vec::new(),
+            done: Done::default(),
+            said_ns: 0,
+            said: None,
+        }
+    }
+
+    /// Gives the commands that come, until it is told to stop.
+    pub(super) fn obey(mut self, inbox: &Inbox, stop: &Stop) -> Done {
+        let domain = match Domain::open() {
+            Ok(domain) => domain,
+            Err(cause) => {
+                say(&format!("no commands are taken: {cause}"));
+                return self.done;
+            }
+        };
+        let mut writer = None;
+        let mut arrived = Arrived::default();
+        while !stop.asked() {
+            inbox.sleep(now_ns() + LETS_GO_NS / 4, stop.as_fd());
+            while inbox.next(&mut arrived) {
+                match self.judge(&arrived.bytes, now_ns()) {
+                    Judged::Give(command) => self.give(&domain, &mut writer, &command),
+                    Judged::Old(age_ns) => {
+                        self.done.old += 1;
+                        self.say_old(age_ns);
+                    }
+                    Judged::Refused => self.done.refused += 1,
+                }
+            }
+            if !self.is_held(now_ns()) {
+                writer = None;
+            }
+        }
+        self.done.lost += self
+            .controllers
+            .iter()
+            .map(|one| one.tally.lost())
+            .sum::<u64>();
+        self.done
+    }
+
+    /// Whether a controller has the robot.
+    fn is_held(&self, now_ns: u64) -> bool {
+        let newest = self.controllers.first();
+        newest.is_some_and(|one| now_ns.saturating_sub(one.heard_ns) <= LETS_GO_NS)
+    }
+
+    /// What is to be done with what came: sender, its count, whom it means, the command on this machine's clock.
+    fn judge(&mut self, bytes: &[u8], now_ns: u64) -> Judged {
+        let mut command = Command::default();
+        let Some((numbers, packed)) = bytes.split_first_chunk::<24>() else {
+            return Judged::Refused;
+        };
+        let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| numbers[8 * at + i]));
+        let [process, count, meant] = [number(0), number(1), number(2)];
+        if meant != self.process
+            || unpack(&mut command, packed).is_err()
+            || !command
+                .velocities()
+                .as_flattened()
+                .iter()
+                .all(|v| v.is_finite())
+        {
+            return Judged::Refused;
+        }
+        let at = self
+            .controllers
+            .iter()
+            .position(|one| one.process == process);
+        // The robot has one at a time.
+        if self.is_held(now_ns) && at != Some(0) {
+            return Judged::Refused;
+        }
+        let mut tally = at.map_or_else(Tally::default, |at| self.controllers[at].tally);
+        if !tally.receive(count) {
+            return Judged::Refused;
+        }
+        let age_ns = now_ns.saturating_sub(command.sent_ns);
+        if age_ns > self.most_age_ns {
+            // It was heard, but nobody has the robot by what is old.
+            if let Some(at) = at {
+                self.controllers[at].tally = tally;
+            }
+            return Judged::Old(age_ns);
+        }
+        at.map(|at| self.controllers.remove(at));
+        let heard = Controller {
+            process,
+            heard_ns: now_ns,
+            tally,
+        };
+        self.controllers.insert(0, heard);
+        if self.controllers.len() > CONTROLLERS {
+            self.done.lost += self.controllers.pop().map_or(0, |one| one.tally.lost());
+        }
+        // What claims to be of the future is of now.
+        command.sent_ns = command.sent_ns.min(now_ns);
+        command.exposed_ns = command.exposed_ns.min(now_ns);
+        Judged::Give(command)
+    }
+
+    fn give(&mut self, domain: &Domain, writer: &mut Option<Writer<Command>>, command: &Command) {
+        let give = || -> Result<(), WireError> {
+            let writer = match writer {
+                Some(writer) => writer,
+                empty => empty.insert(Writer::<Command>::create(
+                    domain,
+                    &self.rig,
+                    &COMMANDS,
+                    &Delivery::NewestWins,
+                )?),
+            };
+            let mut slot = writer.slot()?;
+            *slot = *command;
+            slot.send()?;
+            Ok(())
+        };
+        let cause = give().err().map(|cause| cause.to_string());
+        match &cause {
+            None => self.done.given += 1,
+            Some(_) => self.done.refused += 1,
+        }
+        if cause.is_some() && cause != self.said {
+            say(cause.as_deref().unwrap_or_default());
+        }
+        self.said = cause;
+    }
+
+    fn say_old(&mut self, age_ns: u64) {
+        let now_ns = now_ns();
+        if now_ns.saturating_sub(self.said_ns) > SAY_NS {
+            self.said_ns = now_ns;
+            say(&format!(
+                "a command came {:.1} ms after it was given, and was dropped, as all older than {:.1} ms are ({} so far): --command-age sets that",
+                age_ns as f64 * 1e-6,
+                self.most_age_ns as f64 * 1e-6,
+                self.done.old
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pack::pack;
+
+    const NOW: u64 = 10_000_000_000;
+
+    fn robot() -> Robot {
+        Robot::new(&Rig::default(), 5, Duration::from_millis(100))
+    }
+
+    fn bytes(process: u64, count: u64, meant: u64, command: &Command) -> Vec<u8> {
+        let mut bytes: Vec<u8> = [process, count, meant]
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
+        pack(command, &mut bytes);
+        bytes
+    }
+
+    fn command(sent_ns: u64) -> Command {
+        Command {
+            count: 1,
+            sent_ns,
+            grippers: 1,
+            velocities: [[1.0, 2.0, 3.0]; 2],
+            ..Command::default()
+        }
+    }
+
+    #[test]
+    fn an_old_command_is_dropped_and_a_new_one_given() {
+        let mut robot = robot();
+        let given = |judged| matches!(judged, Judged::Give(_));
+        assert!(given(
+            robot.judge(&bytes(1, 1, 5, &command(NOW - 100_000_000)), NOW)
+        ));
+        assert_eq!(
+            robot.judge(&bytes(1, 2, 5, &command(NOW - 100_000_001)), NOW),
+            Judged::Old(100_000_001)
+        );
+        // What claims to be of the future is of now.
+        match robot.judge(&bytes(1, 3, 5, &command(NOW + 50)), NOW) {
+            Judged::Give(command) => assert_eq!(command.sent_ns, NOW),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn no_command_comes_twice_or_for_another_or_from_another() {
+        let mut robot = robot();
+        let new = command(NOW);
+        assert!(matches!(
+            robot.judge(&bytes(1, 7, 5, &new), NOW),
+            Judged::Give(_)
+        ));
+        for (process, count, meant) in [(1, 7, 5), (1, 6, 5), (1, 8, 4), (2, 1, 5)] {
+            assert_eq!(
+                robot.judge(&bytes(process, count, meant, &new), NOW),
+                Judged::Refused
+            );
+        }
+        assert!(matches!(
+            robot.judge(&bytes(1, 10, 5, &new), NOW),
+            Judged::Give(_)
+        ));
+        // Another one may take over when the first has let go, and no old command of that one is taken for a new one.
+        let later = NOW + LETS_GO_NS + 1;
+        let mut old = command(later);
+        assert_eq!(robot.judge(&bytes(1, 10, 5, &old), later), Judged::Refused);
+        old.sent_ns = NOW;
+        assert!(matches!(
+            robot.judge(&bytes(3, 1, 5, &old), later),
+            Judged::Old(_)
+        ));
+        assert!(matches!(
+            robot.judge(&bytes(2, 1, 5, &command(later)), later),
+            Judged::Give(_)
+        ));
+        assert_eq!(
+            robot.judge(&bytes(1, 11, 5, &command(later)), later),
+            Judged::Refused
+        );
+        assert_eq!(
+            robot
+                .controllers
+                .iter()
+                .map(|one| one.tally.lost())
+                .sum::<u64>(),
+            2
+        );
+    }
+
+    #[test]
+    fn what_is_no_command_is_refused() {
+        let mut robot = robot();
+        let mut wrong = command(NOW);
+        wrong.velocities[0][1] = f64::NAN;
+        assert_eq!(robot.judge(&bytes(1, 1, 5, &wrong), NOW), Judged::Refused);
+        let whole = bytes(1, 1, 5, &command(NOW));
+        for length in 0..whole.len() {
+            assert_eq!(robot.judge(&whole[..length], NOW), Judged::Refused);
+        }
+    }
+}

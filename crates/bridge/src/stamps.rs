@@ -1,0 +1,116 @@
+//! Stamps of one clock as another has them: each of a message's, by the same offset.
+
+use lariat_wire::Trace;
+
+use crate::clock::Offset;
+
+/// Turns the stamps of a frame's way into this machine's, and lets none go back behind those of a frame before it.
+#[derive(Debug, Default)]
+pub(crate) struct Stamps {
+    /// Of the last frame: when it was taken, there and here.
+    last: Option<(u64, u64)>,
+}
+
+impl Stamps {
+    /// Sets all stamps of a trace. Nothing that arrived at `arrived_ns` is of later.
+    pub(crate) fn set(&mut self, trace: &mut Trace, offset: &Offset, arrived_ns: u64) {
+        let there = trace.exposed_ns;
+        let mut exposed_ns = offset.here(there).min(arrived_ns);
+        // What is known of the clocks gets better, and moves: two frames stay in their order, whatever it moves by.
+        if let Some((last_there, last_here)) = self.last
+            && there > last_there
+        {
+            exposed_ns = exposed_ns.max(last_here.saturating_add(1));
+        }
+        self.last = Some((there, exposed_ns));
+        let Trace {
+            captured_ns,
+            extract_started_ns,
+            extracted_ns,
+            fit_started_ns,
+            fitted_ns,
+            ..
+        } = trace;
+        for stamp in [
+            captured_ns,
+            extract_started_ns,
+            extracted_ns,
+            fit_started_ns,
+            fitted_ns,
+        ] {
+            // 0: not known.
+            if *stamp > 0 {
+                let after = i128::from(*stamp) - i128::from(there);
+                let here = i128::from(exposed_ns) + after;
+                *stamp = u64::try_from(here.max(1))
+                    .unwrap_or(u64::MAX)
+                    .min(arrived_ns);
+            }
+        }
+        trace.exposed_ns = if there > 0 { exposed_ns } else { 0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::{Clock, RoundTrip};
+
+    /// There it is `ahead` ns later than here, known to `doubt`.
+    fn offset(ahead: u64, doubt: u64) -> Offset {
+        let mut clock = Clock::default();
+        let asked = 1_000_000_000;
+        clock.add(RoundTrip {
+            asked,
+            got: asked + doubt + ahead,
+            sent: asked + doubt + ahead,
+            heard: asked + 2 * doubt,
+        });
+        clock.offset().expect("known")
+    }
+
+    fn trace(exposed_ns: u64) -> Trace {
+        Trace {
+            exposed_ns,
+            captured_ns: exposed_ns + 100,
+            fitted_ns: exposed_ns + 900,
+            ..Trace::EMPTY
+        }
+    }
+
+    #[test]
+    fn every_stamp_is_set_by_the_same_and_what_is_not_known_stays_so() {
+        let mut stamps = Stamps::default();
+        let mut trace = trace(6_000_001_000);
+        stamps.set(&mut trace, &offset(5_000_000_000, 10), 1_000_002_500);
+        assert_eq!(
+            (trace.exposed_ns, trace.captured_ns, trace.fitted_ns),
+            (1_000_001_000, 1_000_001_100, 1_000_001_900)
+        );
+        assert_eq!(trace.extracted_ns, 0);
+    }
+
+    #[test]
+    fn no_stamp_is_of_later_than_its_arrival() {
+        let mut stamps = Stamps::default();
+        let mut trace = trace(6_000_001_000);
+        stamps.set(&mut trace, &offset(5_000_000_000, 10), 1_000_001_050);
+        assert_eq!(
+            (trace.exposed_ns, trace.captured_ns, trace.fitted_ns),
+            (1_000_001_000, 1_000_001_050, 1_000_001_050)
+        );
+    }
+
+    #[test]
+    fn frames_stay_in_their_order_when_the_offset_moves() {
+        let mut stamps = Stamps::default();
+        let (mut first, mut second) = (trace(6_000_001_000), trace(6_000_002_000));
+        stamps.set(&mut first, &offset(5_000_000_000, 10), u64::MAX);
+        stamps.set(&mut second, &offset(5_000_005_000, 10), u64::MAX);
+        assert!(second.exposed_ns > first.exposed_ns);
+        // A chain that was started anew on a machine that was, too.
+        let mut third = trace(5_900_000_000);
+        stamps.set(&mut third, &offset(5_000_000_000, 10), u64::MAX);
+        assert_eq!(third.exposed_ns, 900_000_000);
+    }
+}
