@@ -15,6 +15,7 @@ use crate::graph::{Graph, Topic, in_ros};
 use crate::health::Health;
 use crate::incoming::Incoming;
 use crate::messages::{self, Header, Scale};
+use crate::parameters::Parameters;
 use crate::pictures::Pictures;
 use crate::rig::{Channels, Wanted};
 
@@ -60,13 +61,15 @@ fn serve(args: &Args, domain: &Domain, stop: &Stop) -> Result<Ended> {
     let mut channels = Channels::new(domain, &args.rig);
     while !stop.asked() {
         if channels.is_check_due() {
-            if !graph.is_alive() {
-                return Ok(Ended::WithTheGraph);
-            }
             channels.check(node.wanted(&graph));
         }
         channels.sleep(stop);
-        node.every_second(&graph, channels.is_open());
+        if node.is_second_over() {
+            if !graph.is_alive() {
+                return Ok(Ended::WithTheGraph);
+            }
+            node.every_second(&graph, channels.is_open());
+        }
         while let Some(message) = channels.next() {
             node.take(&mut graph, &mut channels, &message)?;
             if stop.asked() || channels.is_check_due() {
@@ -93,6 +96,7 @@ struct Outgoing<'a> {
     pictures: Pictures,
     health: Health,
     lens: Lens,
+    parameters: Parameters,
     incoming: Incoming,
     clock: Clock,
     second_due_ns: u64,
@@ -152,6 +156,7 @@ impl<'a> Outgoing<'a> {
             pictures: Pictures::new(args.jpeg_quality),
             health: Health::new(),
             lens: Lens::default(),
+            parameters: Parameters::default(),
             incoming,
             clock: Clock::now(),
             second_due_ns: 0,
@@ -308,14 +313,16 @@ impl<'a> Outgoing<'a> {
         }
     }
 
-    /// Diagnostics, and the clock's offset, which the keepers of the time of day move.
+    fn is_second_over(&self) -> bool {
+        now_ns() >= self.second_due_ns
+    }
+
+    /// Diagnostics, parameters, and the clock's offset, which the keepers of the time of day move.
     fn every_second(&mut self, graph: &Graph, is_open: bool) {
         let now_ns = now_ns();
-        if now_ns < self.second_due_ns {
-            return;
-        }
         self.second_due_ns = now_ns + SECOND_NS;
         self.incoming.look(graph);
+        self.parameters.look(&self.args.rig, graph, now_ns);
         if graph.is_heard(&self.camera_info) {
             self.lens.look(&self.args.rig);
         }
