@@ -60,7 +60,8 @@ chroot "$image" lariat config check /etc/lariat/cell.toml
 say "the package of lariat ros2, beside it"
 cp "$out"/lariat-ros2_*.deb "$image/srv/"
 chroot "$image" sh -ec 'dpkg --install /srv/lariat-ros2_*.deb'
-inside "$entry" ros2 --help | grep '^Usage: lariat ros2'
+# It is found, and says what is wrong itself.
+{ inside "$entry" ros2 --domain-id 999 2>&1 || true; } | grep 'the domain 999 is too large'
 
 say "the wheel, in a new environment"
 export LARIAT_DOMAIN=pack-wheel
