@@ -496,7 +496,11 @@ def latency(count):
         for turn in (1, 2):
             print(f"latency, image to points, turn {turn}: lariat {measured(rig, rig.points, '/camera/image_raw')}; bare rclpy {measured(rig, answered, '/bare/image_raw')}")
         bare.terminate()
-        bare.wait()
+        try:
+            bare.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            # rclpy may hang as it ends.
+            bare.kill()
 
 
 def bare():
