@@ -61,15 +61,13 @@ fn serve(args: &Args, domain: &Domain, stop: &Stop) -> Result<Ended> {
     let mut channels = Channels::new(domain, &args.rig);
     while !stop.asked() {
         if channels.is_check_due() {
-            channels.check(node.wanted(&graph));
-        }
-        channels.sleep(stop);
-        if node.is_second_over() {
             if !graph.is_alive() {
                 return Ok(Ended::WithTheGraph);
             }
-            node.every_second(&graph, channels.is_open());
+            channels.check(node.wanted(&graph));
         }
+        channels.sleep(stop);
+        node.every_second(&graph, channels.is_open());
         while let Some(message) = channels.next() {
             node.take(&mut graph, &mut channels, &message)?;
             if stop.asked() || channels.is_check_due() {
@@ -251,7 +249,8 @@ impl<'a> Outgoing<'a> {
             let known = self.paths.iter().position(|path| path.track == rope.track);
             let place = match known {
                 Some(place) => place,
-                None if self.paths.len() < MOST_PATHS => {
+                // RustDDS 0.15 waits for itself where a writer is made and its threads have ended.
+                None if self.paths.len() < MOST_PATHS && graph.is_alive() => {
                     let name = format!("{}/path/rope_{}", self.prefix, rope.track);
                     let topic = graph.publisher(&name, "nav_msgs", "Path")?;
                     self.paths.push(Path {
@@ -313,13 +312,12 @@ impl<'a> Outgoing<'a> {
         }
     }
 
-    fn is_second_over(&self) -> bool {
-        now_ns() >= self.second_due_ns
-    }
-
     /// Diagnostics, parameters, and the clock's offset, which the keepers of the time of day move.
     fn every_second(&mut self, graph: &Graph, is_open: bool) {
         let now_ns = now_ns();
+        if now_ns < self.second_due_ns {
+            return;
+        }
         self.second_due_ns = now_ns + SECOND_NS;
         self.incoming.look(graph);
         self.parameters.look(&self.args.rig, graph, now_ns);

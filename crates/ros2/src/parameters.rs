@@ -29,6 +29,8 @@ const LOOK_NS: u64 = 5_000_000_000;
 pub(crate) fn options(rig: &Rig) -> NodeOptions {
     let (rig, own) = (rig.clone(), thread::current().id());
     NodeOptions::new()
+        // What it has to say goes to standard error; each writer of RustDDS wakes it now and then.
+        .enable_rosout(false)
         // Which there are, and of which type, the chain says.
         .allow_undeclared_parameters(true)
         .parameter_set_action(Box::new(move |name, value| {
