@@ -197,6 +197,7 @@ impl<'a> Outgoing<'a> {
     ) -> Result<()> {
         self.health.take(message, now_ns());
         self.say_unit(message);
+        self.make_paths(graph, message)?;
         let exposed_ns = message.trace.exposed_ns;
         // Of an image that came with a stamp, that one to the last digit.
         let original_ns = self.incoming.originals().of(exposed_ns);
@@ -221,7 +222,7 @@ impl<'a> Outgoing<'a> {
             messages::points(message, &header, buffer);
             graph.send(&mut self.points, buffer);
         }
-        self.send_paths(graph, message, &header)?;
+        self.send_paths(graph, message, &header);
         let seen = channels.centerlines_of(sequence);
         let buffer = &mut self.buffer;
         if graph.is_heard(&self.markers) {
@@ -235,12 +236,9 @@ impl<'a> Outgoing<'a> {
         Ok(())
     }
 
-    fn send_paths(
-        &mut self,
-        graph: &mut Graph,
-        message: &Descriptors,
-        header: &Header,
-    ) -> Result<()> {
+    /// Makes the topics of ropes that are seen for the first time: before anything is sent, so that who is sent something finds a process that
+    /// makes nothing more.
+    fn make_paths(&mut self, graph: &mut Graph, message: &Descriptors) -> Result<()> {
         let now_ns = now_ns();
         for rope in message.curves() {
             if rope.status() == Some(Status::Lost) {
@@ -262,17 +260,24 @@ impl<'a> Outgoing<'a> {
                 }
                 None => continue,
             };
-            let path = &mut self.paths[place];
-            path.seen_ns = now_ns;
-            if graph.is_heard(&path.topic)
+            self.paths[place].seen_ns = now_ns;
+        }
+        self.paths
+            .retain(|path| now_ns.saturating_sub(path.seen_ns) < PATH_ENDS_NS);
+        Ok(())
+    }
+
+    fn send_paths(&mut self, graph: &Graph, message: &Descriptors, header: &Header) {
+        for rope in message.curves() {
+            let known = self.paths.iter_mut().find(|path| path.track == rope.track);
+            if rope.status() != Some(Status::Lost)
+                && let Some(path) = known
+                && graph.is_heard(&path.topic)
                 && messages::path(rope, Scale::of(message), header, &mut self.buffer)
             {
                 graph.send(&mut path.topic, &self.buffer);
             }
         }
-        self.paths
-            .retain(|path| now_ns.saturating_sub(path.seen_ns) < PATH_ENDS_NS);
-        Ok(())
     }
 
     fn send_pictures(
