@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes what is given to others, in target/packaging: a Debian package and a wheel. Needs a Rust toolchain, python3 with venv,
+# Makes what is given to others, in target/packaging: two Debian packages and a wheel. Needs a Rust toolchain, python3 with venv,
 # dpkg and strip; cargo-deb and maturin are fetched if they are not there. How they are installed: docs/install.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -27,10 +27,20 @@ strip -o "$lariat" target/release/lariat
 "$lariat" completions zsh >"$share/zsh/vendor-completions/_lariat"
 "$lariat" completions fish >"$share/fish/vendor_completions.d/lariat.fish"
 "$lariat" service install --root "$root"
-packaging/licences.py --notices --no-default-features >"$share/doc/lariat/notices"
+packaging/licences.py --notices lariat --no-default-features >"$share/doc/lariat/notices"
 cp CHANGELOG.md "$share/doc/lariat/NEWS"
 gzip -9n "$share"/doc/lariat/*
 cargo deb --locked --no-build --no-strip --output "$out"
+
+# `lariat ros2`, for who has a robot's graph: what it is built of nobody else installs.
+ros2=crates/ros2/Cargo.toml
+cargo build --release --locked --manifest-path "$ros2" --target-dir target/ros2
+root=$out/ros2
+mkdir -p "$root"/usr/{bin,share/doc/lariat-ros2}
+strip -o "$root/usr/bin/lariat-ros2" target/ros2/release/lariat-ros2
+packaging/licences.py --notices lariat-ros2 --manifest-path "$ros2" >"$root/usr/share/doc/lariat-ros2/notices"
+gzip -9n "$root"/usr/share/doc/lariat-ros2/*
+cargo deb --locked --no-build --no-strip --manifest-path "$ros2" --output "$out"
 
 # The module, and the command beside it: maturin puts the files of this folder where pip has its scripts. Only here, as who
 # builds the module from its sources need not build the command.

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """What licences the crates have that lariat is made of.
 
-    packaging/licences.py             complains of those that are not on the list below (part of .ci/run)
-    packaging/licences.py --notices   prints the texts that go with a binary, whose licences ask for that
+    packaging/licences.py                     complains of those that are not on the list below (part of .ci/run)
+    packaging/licences.py --notices PACKAGE   prints the texts that go with its binary, whose licences ask for that
+
+Words behind that are cargo's, such as --no-default-features.
 """
 
 import json
@@ -18,6 +20,8 @@ ALLOWED = {
     "Apache-2.0 WITH LLVM-exception",
     "BSD-2-Clause",
     "BSD-3-Clause",
+    # Wants the sentence that stands in packaging/debian/copyright and in the README.
+    "IJG",
     "ISC",
     "MIT",
     "Unicode-3.0",
@@ -80,7 +84,9 @@ def is_allowed(expression):
 
 
 def check():
-    packages = crates([])["packages"]
+    # `lariat-ros2` is locked for itself.
+    both = [crates(words)["packages"] for words in ([], ["--manifest-path", "crates/ros2/Cargo.toml"])]
+    packages = {package["id"]: package for packages in both for package in packages}.values()
     wrong = []
     for package in packages:
         name, licence = f"{package['name']} {package['version']}", package["license"]
@@ -93,12 +99,12 @@ def check():
     print(f"{len(packages)} crates, all of licences on the list")
 
 
-def notices(words):
+def notices(product, words):
     """The texts in the packages of what is linked into the binary, equal ones once."""
     metadata = crates(words)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    linked, waiting = set(), [p["id"] for p in packages.values() if p["name"] == "lariat"]
+    linked, waiting = set(), [p["id"] for p in packages.values() if p["name"] == product]
     while waiting:
         node = waiting.pop()
         if node not in linked:
@@ -117,7 +123,7 @@ def notices(words):
             owners.setdefault(path.read_text(errors="replace").strip(), []).append(name)
         if not texts:
             owners.setdefault("(Its package has no text of its own.)", []).append(name)
-    print("lariat is made with these crates, each under its licence.")
+    print(f"{product} is made with these crates, each under its licence.")
     for text, names in sorted(owners.items(), key=lambda owner: owner[1]):
         print(f"\n{'=' * 80}\n{chr(10).join(dict.fromkeys(names))}\n{'-' * 80}\n{text}")
 
@@ -126,7 +132,7 @@ if __name__ == "__main__":
     match sys.argv[1:]:
         case []:
             check()
-        case ["--notices", *words]:
-            notices(words)
+        case ["--notices", product, *words]:
+            notices(product, words)
         case _:
             sys.exit(__doc__)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what packaging/build.sh made, and uses it: the Debian package in a bare Debian, by the steps of the Containerfile; the
+# Installs what packaging/build.sh made, and uses it: the Debian packages in a bare Debian, by the steps of the Containerfile; the
 # wheel in a new environment of Python; and one beside the other, as a container and a program outside it. As root, with
 # debootstrap, unshare, and python3 with venv.
 #   packaging/test.sh [FOLDER OF A BARE DEBIAN, if there is one]
@@ -57,6 +57,12 @@ chroot "$image" lariat service install --rig cell | tee "$work/said"
 grep -q "the package's unit" "$work/said"
 chroot "$image" lariat config check /etc/lariat/cell.toml
 
+say "the package of lariat ros2, beside it"
+cp "$out"/lariat-ros2_*.deb "$image/srv/"
+chroot "$image" sh -ec 'dpkg --install /srv/lariat-ros2_*.deb'
+# It is found, and says what is wrong itself.
+{ inside "$entry" ros2 --domain-id 999 2>&1 || true; } | grep 'the domain 999 is too large'
+
 say "the wheel, in a new environment"
 export LARIAT_DOMAIN=pack-wheel
 python3 -m venv "$work/python"
@@ -87,8 +93,8 @@ PYTHON
 wait "$chain" || fail "the chain failed: $(cat "$work/chain")"
 
 say "taken away again"
-chroot "$image" dpkg --remove lariat
-for path in usr/bin/lariat usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
+chroot "$image" dpkg --remove lariat-ros2 lariat
+for path in usr/bin/lariat usr/bin/lariat-ros2 usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
     [ ! -e "$image/$path" ] || fail "$path is left"
 done
 [ -e "$image/etc/lariat/cell.toml" ] || fail "the settings are gone"

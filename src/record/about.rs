@@ -12,7 +12,9 @@ use toml::{Table, Value};
 
 use super::STAGE;
 use lariat_chain::recorded::versioned_name;
-use lariat_chain::settings::{COMPRESSIONS, FILE_NAME, IMAGES, Settings, version_line, version_of};
+use lariat_chain::settings::{
+    COMPRESSIONS, Camera, FILE_NAME, IMAGES, Settings, settings_of, version_line, version_of,
+};
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
 const FILES: [(&str, &str, &str); 4] = [
@@ -60,6 +62,8 @@ pub(super) enum Rig {
         name: String,
         /// What was said last.
         said: Option<String>,
+        /// Its fit, likewise.
+        fit: Option<Member>,
     },
 }
 
@@ -67,6 +71,17 @@ impl Rig {
     /// The chain's settings have changed.
     pub(super) fn change(&mut self, settings: Settings) {
         *self = Self::Ours(Box::new(settings));
+    }
+
+    /// Lens and plane of the rig, and the version of the settings that names them, as far as is known.
+    pub(super) fn camera(&self) -> Option<(u32, Camera)> {
+        match self {
+            Self::Ours(settings) => Some((settings.version, settings.camera.clone())),
+            Self::Theirs { fit, .. } => {
+                let fit = fit.as_ref()?;
+                Some((version_of(&fit.settings), settings_of(fit).ok()?.camera))
+            }
+        }
     }
 
     /// Puts the settings into the recording, if they are known and others than before: under their version's name, if others
@@ -91,9 +106,10 @@ impl Rig {
                 }
                 Ok(())
             }
-            Self::Theirs { name, said } => {
+            Self::Theirs { name, said, fit } => {
                 let stages = members().unwrap_or_default();
                 let stages = stages.iter().filter(|member| member.rig == *name);
+                *fit = stages.clone().find(|member| member.stage == "fit").cloned();
                 let newest = stages.clone().map(|member| version_of(&member.settings));
                 let version = newest.max().unwrap_or(0);
                 let (settings, folder) = joined(stages);

@@ -3,6 +3,7 @@
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
+use lariat_camera::Mapping;
 use lariat_record::Recorder;
 use lariat_sink::Ledger;
 use lariat_wire::{
@@ -12,6 +13,7 @@ use lariat_wire::{
 };
 
 use super::looks::Looks;
+use lariat_chain::places::pixel;
 use lariat_chain::stages::Station;
 
 /// A lossless recorder is woken for every message, and looks this often at what else it was asked.
@@ -58,12 +60,13 @@ impl Channels {
         })
     }
 
-    /// Records all that waits.
+    /// Records all that waits. `places`: from the picture to where descriptors have their points, if that is not the picture.
     pub(crate) fn drain(
         &mut self,
         to: &mut Recorder,
         ledger: &mut Ledger,
         last: &mut Counters,
+        mut places: impl FnMut(&Descriptors) -> Option<Mapping>,
     ) -> anyhow::Result<Seen> {
         let mut seen = Seen::default();
         // What is largest, and has the least room to wait, first.
@@ -103,7 +106,10 @@ impl Channels {
             seen.begun |= last.fitted.begins_with(descriptors.trace.fitted);
             seen.settings = seen.settings.max(Some(descriptors.trace.settings));
             ledger.received(&descriptors.trace, lariat_wire::now_ns());
-            to.descriptors(&descriptors)?;
+            let places = places(&descriptors);
+            to.descriptors(&descriptors, |point| {
+                pixel(&descriptors, places.as_ref(), point)
+            })?;
             seen.messages += 1;
         }
         seen.messages += seen.frames;

@@ -12,14 +12,16 @@ use lariat_record::{
     Clock, Ended, Existing, Flushed, Head, Losses, Options, Recorder, RingOptions, Writer,
 };
 use lariat_sink::{FinalCounts, Ledger};
-use lariat_wire::{FRAMES, now_ns};
+use lariat_wire::{Descriptors, FRAMES, now_ns};
 use signal_hook::consts::SIGUSR1;
 
 use super::about::{self, Rig};
 use super::channels::{Channels, Counters};
 use super::{STAGE, report};
+use lariat_chain::calibrated::Calibrated;
+use lariat_chain::places::Places;
 use lariat_chain::run_files::check_recording;
-use lariat_chain::settings::Settings;
+use lariat_chain::settings::{Camera, Settings};
 use lariat_chain::stages::orders::Changes;
 use lariat_chain::stages::status::{LastWord, Word};
 use lariat_chain::stages::{Station, Supervision, arrangement};
@@ -48,6 +50,8 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
         ledger: Ledger::new(from_start),
         counters: Counters::default(),
         rig: rig(settings, supervised),
+        camera: None,
+        places: Places::default(),
         losses: Losses::default(),
         losses_due: Instant::now(),
         frames: 0,
@@ -59,7 +63,7 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
         if station.heirloom.progress().restarts == 0 {
             reel.recorder.begins_with_the_rig();
         }
-        reel.rig.attach(&mut reel.recorder, true)?;
+        reel.attach(true)?;
     }
     let flush = flush_on_signal(settings)?;
     station.ready()?;
@@ -86,6 +90,7 @@ fn rig(settings: &Settings, supervised: bool) -> Rig {
     Rig::Theirs {
         name: settings.run.rig.clone(),
         said: None,
+        fit: None,
     }
 }
 
@@ -137,6 +142,9 @@ struct Reel {
     ledger: Ledger,
     counters: Counters,
     rig: Rig,
+    /// The rig's lens and plane, with the version of the settings that names them; and the way to them that was used last.
+    camera: Option<(u32, Camera)>,
+    places: Places<u32>,
     /// What was last written down.
     losses: Losses,
     losses_due: Instant,
@@ -168,23 +176,30 @@ impl Reel {
                 recorder,
                 ledger,
                 counters,
+                camera,
+                places,
                 ..
             } = self;
-            let seen = channels.drain(recorder, ledger, counters)?;
+            let places = |shapes: &Descriptors| {
+                let (version, camera) = camera.as_ref()?;
+                let load = |_: &u32| Calibrated::load(camera);
+                (*version == shapes.trace.settings).then(|| places.of(shapes, *version, load))?
+            };
+            let seen = channels.drain(recorder, ledger, counters, places)?;
             self.frames += seen.frames;
             if seen.messages > 0 {
                 self.first.get_or_insert_with(Instant::now);
             }
             if seen.begun && !supervised {
                 self.version = seen.settings.unwrap_or(0);
-                self.rig.attach(&mut self.recorder, true)?;
+                self.attach(true)?;
             } else if !supervised && seen.settings > Some(self.version) {
                 self.version = seen.settings.unwrap_or(0);
-                self.rig.attach(&mut self.recorder, false)?;
+                self.attach(false)?;
             }
             if let Some(changed) = station.change(changes) {
                 self.rig.change(changed);
-                self.rig.attach(&mut self.recorder, false)?;
+                self.attach(false)?;
             }
             if let Some(flush) = flush
                 && flush.swap(false, Ordering::Relaxed)
@@ -202,6 +217,13 @@ impl Reel {
             }
             self.channels.sleep(station, deadline)?;
         }
+    }
+
+    /// Puts the rig's settings into the recording, and goes by them.
+    fn attach(&mut self, is_first: bool) -> Result<(), Ended> {
+        self.rig.attach(&mut self.recorder, is_first)?;
+        self.camera = self.rig.camera();
+        Ok(())
     }
 
     /// Writes down what was lost, if it is more than before, or it is the last time.

@@ -7,6 +7,7 @@ use lariat_record::{CompressedImageRecord, ImageRecord, Losses, Record};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader};
 use rustix::process::Signal;
 
+use crate::annotations::assert_polygons_end_where_ropes_do;
 use crate::recording::Recording;
 use crate::rig::{Bench, send};
 use crate::rings::{Own, wait_until_announced};
@@ -105,6 +106,31 @@ fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {
             assert_eq!(shape.control_points(), &fit.control_points[..]);
         }
     }
+}
+
+#[test]
+fn control_points_in_millimetres_are_drawn_where_the_rope_is_seen() {
+    let bench = Bench::new();
+    let slant = "homography = [[0.5, 0.1, 20], [0.02, 0.6, 10], [1e-5, 4e-4, 1]]\n";
+    std::fs::write(bench.path("plane.toml"), slant).unwrap();
+    let flags = ["run", "--lossless", "--fps", "max", "--frames", "20"];
+    let ended = bench.run(
+        &[
+            &flags[..],
+            &["--plane", "plane.toml", "--record", "mm.mcap"],
+        ]
+        .concat(),
+    );
+    assert!(ended.status.success(), "{ended:?}");
+    let recording = Recording::read(&bench.path("mm.mcap"));
+    assert_eq!(recording.count("annotations/control_points"), 20);
+    let mut seen = Box::new(Centerlines::EMPTY);
+    let drawn = recording.of("annotations/control_points");
+    for (message, drawn) in recording.of("centerlines").iter().zip(drawn) {
+        seen.decode(&message.cdr).unwrap();
+        assert_polygons_end_where_ropes_do(&drawn.cdr, &seen);
+    }
+    bench.assert_nothing_is_left();
 }
 
 #[test]

@@ -5,6 +5,7 @@
 #[path = "../chain/rig.rs"]
 mod rig;
 
+mod annotations;
 mod contents;
 mod faults;
 mod recording;

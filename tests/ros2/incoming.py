@@ -24,6 +24,8 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2
 
@@ -281,6 +283,19 @@ def files():
         print(f"compressed images: {len(messages)} published, taken, lost and refused: {counts}")
 
 
+def jpegs():
+    """The pictures of one rig, JPEGs, are the frames of another: the same rope with the same stamps."""
+    with Rig(["--source", "rendered", "--fps", "10"], []) as one:
+        with Rig(["--source", "external"], ["--image", f"/lariat/{one.name}/image/compressed"]) as other:
+            both = lambda: one.spin(0.05) or [stamp for stamp in other.points if stamp in one.points]
+            other.until(lambda: len(both()) > 20, "points of JPEGs")
+            far = max(apart(xy(one.points[stamp][1]), xy(other.points[stamp][1])) for stamp in both())
+            assert far < 2, f"points are {far:.2f} px from those of the picture itself"
+            other.values()
+            assert other.count("images", "refused") == 0, other.said()
+            print(f"JPEGs: {len(both())} of a rig's pictures are another's frames, their points at most {far:.2f} px off")
+
+
 def masks():
     """A mask is its image's by the stamp, whichever comes first: the images here show nothing."""
     settings = tempfile.NamedTemporaryFile("w", suffix=".toml")
@@ -411,8 +426,43 @@ def calibration():
             assert "camera_matrix" in path.read_text()
             assert "the chain goes by it now" in rig.said() and "not calibrated" in rig.said(), rig.said()
             info.k[0] = 700.0
-            rig.until(lambda: come() and "has changed" in rig.said(), "a word on another calibration")
-            print("camera_info: the calibration is the chain's, and comes back number by number")
+            rig.until(lambda: come() and said[-1].k[0] == 700.0, "another calibration while it runs")
+            print("camera_info: the calibration is the chain's, comes back number by number, and so does another one later")
+
+
+def parameters():
+    """The chain's settings are the node's parameters: what is set the chain takes or refuses, and what is changed elsewhere is seen."""
+    with Rig(["--source", "rendered"], []) as rig:
+        client = AsyncParameterClient(rig.node, f"/lariat_{rig.name}")
+        rig.until(client.services_are_ready, "parameter services")
+
+        def answer(future):
+            rig.until(future.done, "an answer")
+            return future.result()
+
+        def value(name):
+            return parameter_value_to_python(answer(client.get_parameters([name])).values[0])
+
+        def results(name, value):
+            return answer(client.set_parameters([Parameter(name, value=value)])).results[0]
+
+        rig.until(lambda: "fit.filter" in answer(client.list_parameters([], 0)).result.names, "the chain's settings")
+        names = answer(client.list_parameters([], 0)).result.names
+        assert len(answer(client.get_parameters(names)).values) == len(names) > 20
+        assert value("extract.points") == 120 and value("fit.filter") is False, (value("extract.points"), value("fit.filter"))
+        for name, wanted in (("fit.order", 6), ("fit.filter", True), ("fit.order", "auto"), ("fit.order", 6)):
+            said = results(name, wanted)
+            assert said.successful and value(name) == wanted, (name, wanted, said)
+        echo = [LARIAT, "topic", "echo", "descriptors", "--once", "--json", "--rig", rig.name]
+        order = lambda: json.loads(subprocess.run(echo, check=True, capture_output=True, text=True, timeout=30).stdout)["curves"][0]["order"]
+        rig.until(lambda: order() == 6, "curves of the order that was set")
+        for name, wrong, word in (("fit.order", 99, "31"), ("fit.ordre", 6, "fit.order"), ("run.hang_s", 3.0, "lariat set"), ("fit.order", "6\nfit.filter=false", "one line"), ("fit.order", None, "not deleted")):
+            said = results(name, wrong)
+            assert not said.successful and word in said.reason, (name, wrong, said)
+            assert value("fit.order") == 6
+        subprocess.run([LARIAT, "set", "--rig", rig.name, "extract.ropes=2"], check=True, capture_output=True, timeout=30)
+        rig.until(lambda: value("extract.ropes") == 2, "what was set elsewhere")
+        print("parameters: the chain takes what is set, refuses what is wrong with its own words, and what it is told elsewhere is seen")
 
 
 def latency(count):
@@ -446,7 +496,11 @@ def latency(count):
         for turn in (1, 2):
             print(f"latency, image to points, turn {turn}: lariat {measured(rig, rig.points, '/camera/image_raw')}; bare rclpy {measured(rig, answered, '/bare/image_raw')}")
         bare.terminate()
-        bare.wait()
+        try:
+            bare.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            # rclpy may hang as it ends.
+            bare.kill()
 
 
 def bare():
@@ -471,7 +525,7 @@ def main():
         return bare()
     count, *parts = sys.argv[1:]
     rclpy.init()
-    for part in (images, files, masks, stopped, grippers, calibration, latency):
+    for part in (images, files, jpegs, masks, stopped, grippers, calibration, parameters, latency):
         if not parts or part.__name__ in parts:
             part(*([int(count)] if part in (images, latency) else []))
     rclpy.shutdown()

@@ -6,6 +6,8 @@
 #[path = "../chain/rig.rs"]
 mod rig;
 
+#[path = "../record/annotations.rs"]
+mod annotations;
 mod page;
 mod viewing;
 

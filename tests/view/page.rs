@@ -3,11 +3,13 @@
 use std::net::TcpStream;
 use std::time::Duration;
 
+use rustix::process::Signal;
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
+use crate::rig::{Bench, Running};
 use crate::viewing::Viewing;
 
 /// Longer than anything here takes.
@@ -95,6 +97,25 @@ impl Page {
             }
         }
     }
+}
+
+/// A chain with our own page, which has been shown a moment.
+pub(crate) fn shown(bench: &Bench, flags: &[&str]) -> (Running, Viewing, Page) {
+    let mut chain = bench.start(&[&["--rig", "cell", "--seed", "3"], flags].concat());
+    chain.wait_for_frames();
+    let viewing = Viewing::start(bench, &["--rig", "cell"]);
+    let own = viewing.url.trim_end_matches('/').to_owned();
+    let mut page = Page::open(&viewing.url, Some(&own), PROTOCOL).expect("it is let in");
+    page.ask();
+    page.moment();
+    (chain, viewing, page)
+}
+
+/// Ends both.
+pub(crate) fn end(chain: Running, viewing: Viewing) {
+    viewing.end();
+    chain.signal_chain(Signal::INT);
+    assert!(chain.end().status.success());
 }
 
 /// A moment's message: what was said of it, its picture, and the mask in it.

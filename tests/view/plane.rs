@@ -3,11 +3,10 @@
 use std::time::Instant;
 
 use lariat_chain::settings::Settings;
-use rustix::process::Signal;
 use serde_json::{Value, json};
 
-use crate::page::{PATIENCE, PROTOCOL, Page, assert_curves_lie_on_the_rope};
-use crate::rig::{Bench, Running};
+use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope, end, shown};
+use crate::rig::Bench;
 use crate::viewing::Viewing;
 
 /// Pixels of the rendered rope's pictures and where they would be on a table that is seen at a slant, in mm.
@@ -48,24 +47,6 @@ pub(crate) fn make_plane(bench: &Bench, file: &str, more: &[&str]) {
     ];
     let made = bench.run(&[&command, more].concat());
     assert!(made.status.success(), "{made:?}");
-}
-
-/// A chain with its page, which has been shown a moment.
-fn shown(bench: &Bench, flags: &[&str]) -> (Running, Viewing, Page) {
-    let mut chain = bench.start(&[&["--rig", "cell", "--seed", "3"], flags].concat());
-    chain.wait_for_frames();
-    let viewing = Viewing::start(bench, &["--rig", "cell"]);
-    let own = viewing.url.trim_end_matches('/').to_owned();
-    let mut page = Page::open(&viewing.url, Some(&own), PROTOCOL).expect("it is let in");
-    page.ask();
-    page.moment();
-    (chain, viewing, page)
-}
-
-fn end(chain: Running, viewing: Viewing) {
-    viewing.end();
-    chain.signal_chain(Signal::INT);
-    assert!(chain.end().status.success());
 }
 
 /// The next moment whose lengths are in this unit.

@@ -1,22 +1,16 @@
 //! What a page changes: colours that are picked, settings, and pictures that are dropped.
 
-use rustix::process::Signal;
 use serde_json::json;
 use tungstenite::Message;
 
-use crate::page::{PROTOCOL, Page, asked};
+use crate::page::{Page, asked, end, shown};
 use crate::rig::Bench;
-use crate::viewing::Viewing;
 
 #[test]
 fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
     let bench = Bench::new();
     std::fs::write(bench.path("lariat.toml"), "# mine\n[fit]\nfilter = true\n").expect("written");
-    let mut chain = bench.start(&["--rig", "cell"]);
-    chain.wait_for_frames();
-    let viewing = Viewing::start(&bench, &["--rig", "cell"]);
-    let own = viewing.url.trim_end_matches('/');
-    let mut page = Page::open(&viewing.url, Some(own), PROTOCOL).expect("it is let in");
+    let (chain, viewing, mut page) = shown(&bench, &[]);
     page.ask();
     let (said, _) = page.moment();
     let on_rope = &said["ropes"][0]["points"][60];
@@ -67,8 +61,13 @@ fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
         kept,
         "# mine\n[fit]\nfilter = true\n\n[extract]\nropes = 2\nmask = \"network\"\n"
     );
+    end(chain, viewing);
+}
 
-    // A picture file is traced; what is none is said to be none.
+#[test]
+fn a_picture_that_is_dropped_is_traced() {
+    let bench = Bench::new();
+    let (chain, viewing, mut page) = shown(&bench, &[]);
     let picture =
         std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png")).expect("there");
     page.0.send(Message::binary(picture)).expect("sent");
@@ -84,16 +83,17 @@ fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
         }
     };
     assert!(why.contains("no picture"), "{why}");
+    end(chain, viewing);
+}
 
-    // One that does not say that it is our own page may look only.
-    let mut other = Page::of(&viewing);
-    other.ask();
-    other.moment();
+#[test]
+fn one_that_does_not_say_that_it_is_our_own_page_may_look_only() {
+    let bench = Bench::new();
+    let (chain, viewing, _) = shown(&bench, &[]);
+    let mut page = Page::of(&viewing);
     for wish in ["set", "keep"] {
-        let refused = other.wish(json!({"wish": wish, "changes": ["extract.ropes=3"]}));
+        let refused = page.wish(json!({"wish": wish, "changes": ["extract.ropes=3"]}));
         assert!(refused.expect_err("refused").contains("may not change"));
     }
-    viewing.end();
-    chain.signal_chain(Signal::INT);
-    assert!(chain.end().status.success());
+    end(chain, viewing);
 }

@@ -48,6 +48,7 @@ pub mod notify;
 pub mod output;
 pub mod picture;
 pub mod pipeline;
+pub mod places;
 pub mod plane_file;
 pub mod recorded;
 pub mod run_files;

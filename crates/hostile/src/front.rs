@@ -52,8 +52,8 @@ fn opened(protocol: &str, input: &mut Input) -> Vec<u8> {
     while !input.is_empty() {
         let [kind, length] = input.bytes();
         let payload = input.take(length.into());
-        // Most are whole texts.
-        sent.push(if kind < 192 { 0x81 } else { kind });
+        // Half are whole texts; the others are what their first byte says: whole files, pings, what there is not.
+        sent.push(if kind < 128 { 0x81 } else { kind });
         match payload.len() {
             short @ ..126 => sent.push(0x80 | short as u8),
             long => {

@@ -1,6 +1,6 @@
 //! What Foxglove draws over the image: the ropes as they were seen, and the curves that stand for them.
 
-use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Unit};
+use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status};
 
 use crate::cdr::{Cdr, Encoder};
 use crate::images::put_time;
@@ -36,56 +36,54 @@ fn color(track: u32) -> Color {
     [red, green, blue, 1.0]
 }
 
-/// A message that something is drawn from.
-#[derive(Debug, Clone, Copy)]
-pub enum Annotated<'a> {
-    /// The centerlines as lines, what is hidden in gray, a ring around each crossing, a number at each rope.
-    Centerlines(&'a Centerlines),
-    /// The control polygons, of curves in pixels of the image.
-    Descriptors(&'a Descriptors),
+/// Writes `foxglove_msgs/ImageAnnotations` into a buffer, which is emptied first: the centerlines as lines, what is hidden in gray,
+/// a ring around each crossing, a word at each rope's start. `stamp_ns`: when the image was taken, in nanoseconds of Unix time.
+pub fn encode_ropes(seen: &Centerlines, stamp_ns: u64, into: &mut Vec<u8>) {
+    let to = &mut Encoder::new(into);
+    to.byte_count(seen.crossings().len());
+    for crossing in seen.crossings() {
+        let over = seen.curves().get(crossing.over as usize);
+        let width_px = over.map_or(10.0, |rope| f64::from(rope.width_px));
+        put_circle(to, stamp_ns, crossing.at.map(f64::from), 2.0 * width_px);
+    }
+    to.byte_count(seen.curves().len());
+    for rope in seen.curves() {
+        put_rope(to, stamp_ns, rope);
+    }
+    to.byte_count(seen.curves().len());
+    for rope in seen.curves() {
+        put_label(to, stamp_ns, rope);
+    }
 }
 
-/// Writes `foxglove_msgs/ImageAnnotations` into a buffer, which is emptied first. `stamp_ns`: when the image was taken, in
-/// nanoseconds of Unix time.
-pub fn encode_annotations(of: Annotated, stamp_ns: u64, into: &mut Vec<u8>) {
+/// The same of the control polygons. `pixel`: where in the image a point of the descriptors is seen; a polygon that is not seen
+/// whole is left out.
+pub fn encode_control_points(
+    shapes: &Descriptors,
+    pixel: impl Fn([f64; 2]) -> Option<[f64; 2]>,
+    stamp_ns: u64,
+    into: &mut Vec<u8>,
+) {
     let to = &mut Encoder::new(into);
-    match of {
-        Annotated::Centerlines(seen) => {
-            to.byte_count(seen.crossings().len());
-            for crossing in seen.crossings() {
-                let over = seen.curves().get(crossing.over as usize);
-                let width_px = over.map_or(10.0, |rope| f64::from(rope.width_px));
-                put_circle(to, stamp_ns, crossing.at.map(f64::from), 2.0 * width_px);
-            }
-            to.byte_count(seen.curves().len());
-            for rope in seen.curves() {
-                put_rope(to, stamp_ns, rope);
-            }
-            to.byte_count(seen.curves().len());
-            for rope in seen.curves() {
-                put_label(to, stamp_ns, rope);
-            }
-        }
-        Annotated::Descriptors(shapes) => {
+    to.byte_count(0);
+    let is_seen = |shape: &&Descriptor| {
+        has_polygon(shape) && shape.control_points().iter().all(|p| pixel(*p).is_some())
+    };
+    to.byte_count(2 * shapes.curves().iter().filter(is_seen).count());
+    for shape in shapes.curves().iter().filter(is_seen) {
+        let points = shape.control_points().iter();
+        let color = color(shape.track);
+        for (kind, thickness_px) in [(LINE_STRIP, 1.0), (POINTS, 5.0)] {
+            put_time(to, stamp_ns);
+            kind.put(to);
+            put_points(to, points.clone().map(|p| pixel(*p).unwrap_or_default()));
+            color.put(to);
             to.byte_count(0);
-            let drawn =
-                |shape: &&Descriptor| shapes.unit() == Some(Unit::Pixel) && has_polygon(shape);
-            to.byte_count(2 * shapes.curves().iter().filter(drawn).count());
-            for shape in shapes.curves().iter().filter(drawn) {
-                let color = color(shape.track);
-                for (kind, thickness_px) in [(LINE_STRIP, 1.0), (POINTS, 5.0)] {
-                    put_time(to, stamp_ns);
-                    kind.put(to);
-                    put_points(to, shape.control_points().iter().copied());
-                    color.put(to);
-                    to.byte_count(0);
-                    NONE.put(to);
-                    put_thickness(to, thickness_px);
-                }
-            }
-            to.byte_count(0);
+            NONE.put(to);
+            put_thickness(to, thickness_px);
         }
     }
+    to.byte_count(0);
 }
 
 /// Whether the control points lie about the curve.

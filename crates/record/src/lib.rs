@@ -1,7 +1,7 @@
 //! Recordings: what a chain saw and said, in MCAP files that ROS 2 and Foxglove read too.
 //!
 //! Every message is CDR, as ROS 2 has it, and its schema stands in the file. Each [`Record`] is one kind of message, both
-//! ways; images and what is drawn over them are in the field's own schemas ([`ImageRecord`], [`encode_annotations`]).
+//! ways; images and what is drawn over them are in the field's own schemas ([`ImageRecord`], [`encode_ropes`]).
 //!
 //! # Recording
 //!
@@ -96,7 +96,7 @@ mod reading;
 mod schema;
 mod writing;
 
-pub use annotations::{ANNOTATIONS, Annotated, encode_annotations};
+pub use annotations::{ANNOTATIONS, encode_control_points, encode_ropes};
 pub use cdr::{Cdr, CdrError, Decoder, Encoder};
 pub use images::{
     COMPRESSED_IMAGE, CompressedImageRecord, IMAGE, ImageRecord, encode_compressed_image,

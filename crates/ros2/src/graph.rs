@@ -1,5 +1,6 @@
 //! The node, its publishers and its subscriptions.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
@@ -9,12 +10,13 @@ use anyhow::{Context as _, Result, anyhow};
 use ros2_client::dds::rustdds::{DomainParticipantBuilder, Topic as RosTopic};
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::{
-    Context, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile,
+    Context, MessageTypeName, Name, Node, NodeName, ParameterValue, Publisher, QosProfile,
     Subscription,
 };
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
 use crate::args::{Args, Names};
+use crate::parameters;
 
 /// Messages that a reliable publisher keeps for those who missed some: two seconds at 30 in one.
 const KEPT: usize = 64;
@@ -68,7 +70,7 @@ impl Graph {
         let node_name = NodeName::new(namespace, name)
             .map_err(|e| anyhow!("{namespace} and {name} are no names for a node: {e}"))?;
         let mut node = context
-            .new_node(node_name, NodeOptions::new())
+            .new_node(node_name, parameters::options(&args.rig))
             .map_err(|e| anyhow!("{e}"))
             .with_context(about)?;
         let spin = node
@@ -143,6 +145,25 @@ impl Graph {
             .map_err(|e| anyhow!("{e}"))
             .with_context(|| failure(name))?;
         Ok((topic, node))
+    }
+
+    /// Makes the parameters these; those that are so already stay.
+    pub(crate) fn set_parameters(&self, all: BTreeMap<String, ParameterValue>) {
+        let Some(node) = &self.node else {
+            return;
+        };
+        for known in node.list_parameters() {
+            // What ROS has for every node is no setting.
+            if known.contains('.') && !all.contains_key(&known) {
+                node.undeclare_parameter(&known);
+            }
+        }
+        for (name, value) in all {
+            if node.get_parameter(&name).as_ref() != Some(&value) {
+                // Whatever the chain says is taken.
+                let _ = node.set_parameter(&name, value);
+            }
+        }
     }
 
     /// The types by which nodes publish a topic of this whole name, such as `sensor_msgs::msg::dds_::Image_`.

@@ -13,6 +13,7 @@
 //! | `pictures` | a frame as JPEG, with and without the ropes drawn on it |
 //! | `health` | what diagnostics say |
 //! | `outgoing` | from the rig to the graph, message by message |
+//! | `parameters` | the chain's settings as the node's parameters |
 //! | `incoming/` | from the graph to the rig: images, masks, velocities of grippers, the camera's calibration |
 
 mod args;
@@ -21,6 +22,7 @@ mod health;
 mod incoming;
 mod messages;
 mod outgoing;
+mod parameters;
 mod pictures;
 mod rig;
 

@@ -15,6 +15,7 @@ use crate::graph::{Graph, Topic, in_ros};
 use crate::health::Health;
 use crate::incoming::Incoming;
 use crate::messages::{self, Header, Scale};
+use crate::parameters::Parameters;
 use crate::pictures::Pictures;
 use crate::rig::{Channels, Wanted};
 
@@ -93,6 +94,7 @@ struct Outgoing<'a> {
     pictures: Pictures,
     health: Health,
     lens: Lens,
+    parameters: Parameters,
     incoming: Incoming,
     clock: Clock,
     second_due_ns: u64,
@@ -152,6 +154,7 @@ impl<'a> Outgoing<'a> {
             pictures: Pictures::new(args.jpeg_quality),
             health: Health::new(),
             lens: Lens::default(),
+            parameters: Parameters::default(),
             incoming,
             clock: Clock::now(),
             second_due_ns: 0,
@@ -194,6 +197,7 @@ impl<'a> Outgoing<'a> {
     ) -> Result<()> {
         self.health.take(message, now_ns());
         self.say_unit(message);
+        self.make_paths(graph, message)?;
         let exposed_ns = message.trace.exposed_ns;
         // Of an image that came with a stamp, that one to the last digit.
         let original_ns = self.incoming.originals().of(exposed_ns);
@@ -218,7 +222,7 @@ impl<'a> Outgoing<'a> {
             messages::points(message, &header, buffer);
             graph.send(&mut self.points, buffer);
         }
-        self.send_paths(graph, message, &header)?;
+        self.send_paths(graph, message, &header);
         let seen = channels.centerlines_of(sequence);
         let buffer = &mut self.buffer;
         if graph.is_heard(&self.markers) {
@@ -232,12 +236,9 @@ impl<'a> Outgoing<'a> {
         Ok(())
     }
 
-    fn send_paths(
-        &mut self,
-        graph: &mut Graph,
-        message: &Descriptors,
-        header: &Header,
-    ) -> Result<()> {
+    /// Makes the topics of ropes that are seen for the first time: before anything is sent, so that who is sent something finds a process that
+    /// makes nothing more.
+    fn make_paths(&mut self, graph: &mut Graph, message: &Descriptors) -> Result<()> {
         let now_ns = now_ns();
         for rope in message.curves() {
             if rope.status() == Some(Status::Lost) {
@@ -246,7 +247,8 @@ impl<'a> Outgoing<'a> {
             let known = self.paths.iter().position(|path| path.track == rope.track);
             let place = match known {
                 Some(place) => place,
-                None if self.paths.len() < MOST_PATHS => {
+                // RustDDS 0.15 waits for itself where a writer is made and its threads have ended.
+                None if self.paths.len() < MOST_PATHS && graph.is_alive() => {
                     let name = format!("{}/path/rope_{}", self.prefix, rope.track);
                     let topic = graph.publisher(&name, "nav_msgs", "Path")?;
                     self.paths.push(Path {
@@ -258,17 +260,24 @@ impl<'a> Outgoing<'a> {
                 }
                 None => continue,
             };
-            let path = &mut self.paths[place];
-            path.seen_ns = now_ns;
-            if graph.is_heard(&path.topic)
+            self.paths[place].seen_ns = now_ns;
+        }
+        self.paths
+            .retain(|path| now_ns.saturating_sub(path.seen_ns) < PATH_ENDS_NS);
+        Ok(())
+    }
+
+    fn send_paths(&mut self, graph: &Graph, message: &Descriptors, header: &Header) {
+        for rope in message.curves() {
+            let known = self.paths.iter_mut().find(|path| path.track == rope.track);
+            if rope.status() != Some(Status::Lost)
+                && let Some(path) = known
+                && graph.is_heard(&path.topic)
                 && messages::path(rope, Scale::of(message), header, &mut self.buffer)
             {
                 graph.send(&mut path.topic, &self.buffer);
             }
         }
-        self.paths
-            .retain(|path| now_ns.saturating_sub(path.seen_ns) < PATH_ENDS_NS);
-        Ok(())
     }
 
     fn send_pictures(
@@ -308,7 +317,7 @@ impl<'a> Outgoing<'a> {
         }
     }
 
-    /// Diagnostics, and the clock's offset, which the keepers of the time of day move.
+    /// Diagnostics, parameters, and the clock's offset, which the keepers of the time of day move.
     fn every_second(&mut self, graph: &Graph, is_open: bool) {
         let now_ns = now_ns();
         if now_ns < self.second_due_ns {
@@ -316,6 +325,7 @@ impl<'a> Outgoing<'a> {
         }
         self.second_due_ns = now_ns + SECOND_NS;
         self.incoming.look(graph);
+        self.parameters.look(&self.args.rig, graph, now_ns);
         if graph.is_heard(&self.camera_info) {
             self.lens.look(&self.args.rig);
         }

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use lariat_chain::calibrated::Calibrated;
+use lariat_chain::places::Places;
 use lariat_chain::recorded::{Decoder, Gather, Pixels, RecordedSettings};
 use lariat_record::{Entry, Losses, Place, Recording, Span};
 use lariat_wire::{Centerlines, Descriptors, Trace};
 
 use crate::moment::{Image, Moment};
-use crate::places::Places;
 use crate::status::{Film as Told, Reporter};
 
 /// How long it is looked through for its latencies before the page is served.

@@ -10,8 +10,8 @@ use std::os::fd::AsFd;
 use std::time::Duration;
 
 use lariat_record::{
-    Annotated, Clock, ENCODING, Record, SCHEMA_ENCODING, Topic, encode_annotations,
-    encode_compressed_image, encode_image,
+    Clock, ENCODING, Record, SCHEMA_ENCODING, Topic, encode_compressed_image,
+    encode_control_points, encode_image, encode_ropes,
 };
 use lariat_wire::{Rig, Trace};
 use serde::Deserialize;
@@ -112,11 +112,11 @@ impl Channel {
             }
             Topic::Ropes => {
                 let seen = moment.centerlines.as_deref()?;
-                encode_annotations(Annotated::Centerlines(seen), stamp_ns, into);
+                encode_ropes(seen, stamp_ns, into);
                 trace.extracted_ns
             }
             Topic::ControlPoints => {
-                encode_annotations(Annotated::Descriptors(shapes), stamp_ns, into);
+                encode_control_points(shapes, |point| moment.pixel(point), stamp_ns, into);
                 trace.fitted_ns
             }
             Topic::Losses => {

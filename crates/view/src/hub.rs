@@ -8,6 +8,7 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use lariat_chain::places::Places;
 use lariat_record::Losses;
 use lariat_wire::{
     CENTERLINES, Centerlines, Channel, Descriptors, Domain, FRAMES, Message, Payload, Receiver,
@@ -19,7 +20,6 @@ use crate::gather::Gatherer;
 use crate::moment::{Image, Moment};
 use crate::notices::Notices;
 use crate::pace::Pace;
-use crate::places::Places;
 use crate::status::Reporter;
 
 /// From one status to the next.

@@ -34,7 +34,6 @@ mod pace;
 mod page;
 mod peer;
 mod picture;
-mod places;
 mod processes;
 mod recent;
 mod server;

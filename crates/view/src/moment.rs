@@ -3,6 +3,7 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use lariat_camera::{Jacobian, Mapping};
+use lariat_chain::places;
 use lariat_record::Losses;
 use lariat_sink::points_along;
 use lariat_wire::{
@@ -64,6 +65,11 @@ impl Moment {
             rgb: OnceLock::new(),
             jpegs: Mutex::default(),
         }
+    }
+
+    /// Where in the picture a point of the descriptors is seen; `None` if it is not, or not known.
+    pub(crate) fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
+        places::pixel(&self.descriptors, self.places.as_ref(), point)
     }
 
     /// The pixels, red, green and blue.
@@ -153,17 +159,8 @@ impl<'a> Said<'a> {
         let shapes = &moment.descriptors;
         let seen = moment.centerlines.as_deref();
         let is_of_image = shapes.unit() == Some(Unit::Pixel);
-        let seen_at = |point| match &moment.places {
-            Some(places) => Seen::through(places, point),
-            None => is_of_image.then_some(Seen {
-                at: point,
-                way: None,
-            }),
-        };
-        let seen_at = |point: [f64; 2]| match point.iter().all(|x| x.is_finite()) {
-            true => seen_at(point),
-            false => None,
-        };
+        let places = moment.places.as_ref();
+        let seen_at = |point| Seen::new(moment.pixel(point)?, places);
         let curve_of = |track| {
             let mut curves = seen.into_iter().flat_map(Centerlines::curves);
             curves.find(|curve| curve.track == track)
@@ -285,9 +282,11 @@ struct Seen {
 }
 
 impl Seen {
-    /// `None`: it is not seen.
-    fn through(places: &Mapping, point: [f64; 2]) -> Option<Self> {
-        let at = places.pixel(point)?;
+    /// At a pixel; `None`: it has no place.
+    fn new(at: [f64; 2], places: Option<&Mapping>) -> Option<Self> {
+        let Some(places) = places else {
+            return Some(Self { at, way: None });
+        };
         let way = places.place(at).ok()?.jacobian;
         let [[a, b], [c, d]] = way;
         let determinant = a * d - b * c;

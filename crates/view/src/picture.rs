@@ -1,12 +1,13 @@
 //! A frame as a JPEG, no larger than it is shown.
 
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use lariat_chain::pipeline::FrameView;
 use lariat_wire::FrameHeader;
 
 /// Lines over the picture are drawn apart from it, so that it need not be sharper than this.
 const QUALITY: u8 = 82;
+/// Nor have a color for each pixel: four have one together, as in most JPEGs.
+const SAMPLING: SamplingFactor = SamplingFactor::F_2_2;
 /// How many times smaller a picture is made at most.
 const MOST_SMALLER: u32 = 8;
 
@@ -47,15 +48,12 @@ impl Rgb {
                 &smaller
             }
         };
+        let [width, height] = [picture.width, picture.height].map(u16::try_from);
         let mut jpeg = Vec::new();
-        JpegEncoder::new_with_quality(&mut jpeg, QUALITY)
-            .write_image(
-                &picture.pixels,
-                picture.width,
-                picture.height,
-                ExtendedColorType::Rgb8,
-            )
-            .ok()?;
+        let mut encoder = Encoder::new(&mut jpeg, QUALITY);
+        encoder.set_sampling_factor(SAMPLING);
+        let pixels = &picture.pixels;
+        (encoder.encode(pixels, width.ok()?, height.ok()?, ColorType::Rgb)).ok()?;
         Some(jpeg)
     }
 

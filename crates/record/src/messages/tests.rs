@@ -7,7 +7,7 @@ use lariat_message::{
 use proptest::prelude::*;
 
 use super::*;
-use crate::{Annotated, CdrError, encode_annotations};
+use crate::{CdrError, encode_control_points};
 
 /// Numbers without end, each another.
 struct Numbers(u64);
@@ -318,23 +318,29 @@ fn every_schema_says_the_fields_that_are_written() {
 
 #[test]
 fn annotations_hold_the_control_points_from_the_pixel_s_corner() {
-    let sent = descriptors(2, 4, 1);
+    let mut sent = descriptors(3, 4, 1);
+    // Points are seen a pixel to the right; one of the second rope is not.
+    sent.curves[1].control_points[2] = [f64::NAN; 2];
+    let pixel = |[x, y]: [f64; 2]| x.is_finite().then_some([x + 1.0, y]);
     let mut cdr = Vec::new();
-    encode_annotations(Annotated::Descriptors(&sent), 3_000_000_007, &mut cdr);
+    encode_control_points(&sent, pixel, 3_000_000_007, &mut cdr);
     let mut from = Decoder::new(&cdr).unwrap();
     assert_eq!(from.value::<u32>(), Ok(0), "circles");
     assert_eq!(
         from.value::<u32>(),
         Ok(4),
-        "a line and its points for each rope"
+        "a line and its points for each rope that is seen whole"
     );
-    for shape in [0, 0, 1, 1].map(|i| &sent.curves[i]) {
+    for shape in [0, 0, 2, 2].map(|i| &sent.curves[i]) {
         assert_eq!(from.value::<i32>(), Ok(3));
         assert_eq!(from.value::<u32>(), Ok(7));
         assert!(matches!(from.value::<u8>(), Ok(1 | 3)));
         let mut points = [[0.0; 2]; 8];
         assert_eq!(from.rows(&mut points, 1), Ok(4));
-        let expected = shape.control_points().iter().map(|p| p.map(|c| c + 0.5));
+        let expected = shape
+            .control_points()
+            .iter()
+            .map(|[x, y]| [x + 1.5, y + 0.5]);
         assert!(expected.eq(points[..4].iter().copied()));
         from.value::<[f64; 4]>().unwrap();
         assert_eq!(from.value::<u32>(), Ok(0), "colors of segments");

@@ -18,7 +18,7 @@ use super::ring::{self, Flushed};
 use super::thread;
 use super::topic::Topic;
 use super::writer::{Head, Writer, Written};
-use crate::{Annotated, Losses, Record, encode_annotations, encode_image};
+use crate::{Losses, Record, encode_control_points, encode_image, encode_ropes};
 
 /// How messages are recorded.
 #[derive(Debug, Clone)]
@@ -217,22 +217,26 @@ impl Recorder {
         self.drops.centerlines += u64::from(!recorded);
         let stamp_ns = self.options.clock.wall_ns(seen.trace.exposed_ns);
         self.small(Topic::Ropes, at, |cdr| {
-            encode_annotations(Annotated::Centerlines(seen), stamp_ns, cdr);
+            encode_ropes(seen, stamp_ns, cdr);
         })?;
         Ok(())
     }
 
-    /// Records what fit made of it, and how it is drawn.
+    /// Records what fit made of it, and how it is drawn. `pixel`: where in the image a point of it is seen.
     ///
     /// # Errors
     /// The recording has ended.
-    pub fn descriptors(&mut self, shapes: &Descriptors) -> Result<(), Ended> {
+    pub fn descriptors(
+        &mut self,
+        shapes: &Descriptors,
+        pixel: impl Fn([f64; 2]) -> Option<[f64; 2]>,
+    ) -> Result<(), Ended> {
         let at = (shapes.trace.sequence, shapes.trace.fitted_ns);
         let recorded = self.small(Topic::Descriptors, at, |cdr| shapes.encode(cdr))?;
         self.drops.descriptors += u64::from(!recorded);
         let stamp_ns = self.options.clock.wall_ns(shapes.trace.exposed_ns);
         self.small(Topic::ControlPoints, at, |cdr| {
-            encode_annotations(Annotated::Descriptors(shapes), stamp_ns, cdr);
+            encode_control_points(shapes, pixel, stamp_ns, cdr);
         })?;
         Ok(())
     }

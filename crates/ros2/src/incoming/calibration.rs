@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use lariat_camera::Camera;
@@ -17,13 +18,16 @@ use super::trouble::Tally;
 /// By this a file is known to be one of ours, which may be replaced.
 const MARK: &str = "# Written by lariat ros2";
 
-/// What is done with the first calibration that comes.
+/// Another calibration is taken no sooner after one than this: it is written, and the chain reads it.
+const APART: Duration = Duration::from_secs(1);
+
+/// What is done with the calibrations that come.
 pub(super) struct Calibration {
     topic: String,
     rig: Rig,
     path: PathBuf,
-    /// As text: what came is taken once.
-    taken: Option<String>,
+    /// As text: what came is taken once. And when.
+    taken: Option<(String, Instant)>,
     tally: Arc<Tally>,
     said: Option<String>,
 }
@@ -41,18 +45,16 @@ impl Calibration {
         }
     }
 
-    /// Takes the first calibration, and says whether a later one is another.
+    /// Takes the first calibration, and each that is another than the one before. One that comes too soon is passed over: a camera
+    /// says its own with every picture.
     pub(super) fn take(&mut self, info: &CameraInfo) {
         let done = yaml(info).and_then(|text| match &self.taken {
-            None => {
+            Some((taken, at)) if *taken == text || at.elapsed() < APART => Ok(()),
+            _ => {
                 self.put(&text)?;
-                self.taken = Some(text);
+                self.taken = Some((text, Instant::now()));
                 Ok(())
             }
-            Some(taken) if *taken == text => Ok(()),
-            Some(_) => bail!(
-                "the camera's calibration has changed, and the first one still holds: start `lariat ros2` anew to take it"
-            ),
         });
         match done {
             Ok(()) => self.tally.take(),

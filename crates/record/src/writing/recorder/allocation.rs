@@ -26,7 +26,7 @@ fn a_frame_allocates_nothing_once_warm() {
         recorder.mask(&header(count), &pixels).unwrap();
         recorder.centerlines(&seen).unwrap();
         recorder.truth(&truth).unwrap();
-        recorder.descriptors(&shapes).unwrap();
+        recorder.descriptors(&shapes, Some).unwrap();
         recorder.losses(&Losses::default()).unwrap();
         // Three frames wait at a time.
         if count % 3 == 0 {

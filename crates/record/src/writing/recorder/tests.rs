@@ -97,7 +97,7 @@ fn everything_comes_back_from_the_file_as_it_was() {
         recorder.truth(&centerlines(count)).unwrap();
         shapes.trace = centerlines(count).trace;
         shapes.trace.fitted_ns = 4000 * count;
-        recorder.descriptors(&shapes).unwrap();
+        recorder.descriptors(&shapes, Some).unwrap();
     }
     recorder.losses(&Losses::default()).unwrap();
     assert_eq!(recorder.drops(), Drops::default());

@@ -1,14 +1,14 @@
 //! Where in the picture points are that were sent in millimetres, or in pixels without distortion: back through plane and lens.
 
+use crate::calibrated::Calibrated;
+use crate::settings::{settings_of, version_of};
 use anyhow::Result;
 use lariat_camera::Mapping;
-use lariat_chain::calibrated::Calibrated;
-use lariat_chain::settings::{settings_of, version_of};
 use lariat_wire::{Descriptors, Member, Unit};
 
 /// The way that was asked for last, by what it comes from, and by the pictures' size.
 #[derive(Debug)]
-pub(crate) struct Places<K>(Option<(K, [u32; 2], Option<Mapping>)>);
+pub struct Places<K>(Option<(K, [u32; 2], Option<Mapping>)>);
 
 impl<K> Default for Places<K> {
     fn default() -> Self {
@@ -19,7 +19,7 @@ impl<K> Default for Places<K> {
 impl<K: PartialEq> Places<K> {
     /// From the picture to where descriptors have their points; `None` if that is the picture, or not known. `load`: reads lens and
     /// plane that `key` stands for.
-    pub(crate) fn of(
+    pub fn of(
         &mut self,
         shapes: &Descriptors,
         key: K,
@@ -44,10 +44,20 @@ impl<K: PartialEq> Places<K> {
 
 impl Places<Member> {
     /// By what a rig's fit says of itself, if that is what it went by when it made these.
-    pub(crate) fn of_rig(&mut self, shapes: &Descriptors, fit: Option<&Member>) -> Option<Mapping> {
+    pub fn of_rig(&mut self, shapes: &Descriptors, fit: Option<&Member>) -> Option<Mapping> {
         let fit = fit.filter(|fit| version_of(&fit.settings) == shapes.trace.settings)?;
         self.of(shapes, fit.clone(), |fit| {
             Calibrated::load(&settings_of(fit)?.camera)
         })
+    }
+}
+
+/// Where a point of descriptors is seen; `None` if it is not, or not known. `places`: the way there from the picture, if that is
+/// not where the points are.
+pub fn pixel(shapes: &Descriptors, places: Option<&Mapping>, point: [f64; 2]) -> Option<[f64; 2]> {
+    let is_number = point.iter().all(|x| x.is_finite());
+    match places {
+        Some(places) => places.pixel(point).filter(|_| is_number),
+        None => (is_number && shapes.unit() == Some(Unit::Pixel)).then_some(point),
     }
 }

@@ -1,0 +1,167 @@
+//! The chain's settings as the node's parameters: `ros2 param set` is what `lariat set` is.
+//!
+//! What holds the chain knows: a client's word is the chain's to take or refuse, and what was changed elsewhere is looked for. A setting
+//! that is not set is no parameter.
+//!
+//! Only what the chain takes between two frames: RustDDS 0.15 sends no answer of a service that is larger than a datagram (it writes the
+//! answer's address with a byte too many where a message is sent in fragments: an `Option` is written, not what is in it), and one with
+//! the values of all settings would be.
+
+use std::collections::BTreeMap;
+use std::thread;
+
+use anyhow::{Context, Result, bail, ensure};
+use lariat_chain::control::{Asked, ask};
+use lariat_chain::settings::version_of;
+use lariat_wire::{Rig, members};
+use ros2_client::{NodeOptions, ParameterValue};
+use toml::{Table, Value};
+
+use crate::graph::Graph;
+
+/// The sections that are taken between two frames.
+const SECTIONS: [&str; 3] = ["extract", "fit", "camera"];
+/// How often it is looked whether they were changed elsewhere.
+const LOOK_NS: u64 = 5_000_000_000;
+
+/// What makes a client's parameters the chain's settings. The thread that calls this is the one that knows what holds:
+/// what it sets itself is not asked of the chain.
+pub(crate) fn options(rig: &Rig) -> NodeOptions {
+    let (rig, own) = (rig.clone(), thread::current().id());
+    NodeOptions::new()
+        // What it has to say goes to standard error; each writer of RustDDS wakes it now and then.
+        .enable_rosout(false)
+        // Which there are, and of which type, the chain says.
+        .allow_undeclared_parameters(true)
+        .parameter_set_action(Box::new(move |name, value| {
+            if thread::current().id() == own {
+                return Ok(());
+            }
+            set(&rig, name, value).map_err(|cause| format!("{cause:#}"))
+        }))
+}
+
+/// Has the chain take a setting.
+fn set(rig: &Rig, name: &str, value: &ParameterValue) -> Result<()> {
+    let section = name.split_once('.').map_or(name, |(section, _)| section);
+    ensure!(
+        SECTIONS.contains(&section),
+        "the node's parameters are the settings of extract, fit and camera: `lariat set` changes others"
+    );
+    let change = format!("{name}={}", text(value)?);
+    ensure!(
+        !change.contains(char::is_control),
+        "a setting is one line, such as fit.order=6"
+    );
+    ask(rig.as_str(), &Asked::Set(vec![change]))?;
+    Ok(())
+}
+
+/// What the node's parameters were made of last.
+#[derive(Default)]
+pub(crate) struct Parameters {
+    /// The process of the fit, and the version of its settings.
+    known: Option<(u32, u32)>,
+    due_ns: u64,
+}
+
+impl Parameters {
+    /// Makes them what holds, where that is another than before.
+    pub(crate) fn look(&mut self, rig: &Rig, graph: &Graph, now_ns: u64) {
+        if now_ns < self.due_ns {
+            return;
+        }
+        self.due_ns = now_ns + LOOK_NS;
+        let members = members().unwrap_or_default();
+        let mut stages = members.iter().filter(|stage| stage.rig == rig.as_str());
+        let fit = stages.find(|stage| stage.stage == "fit");
+        let newest = fit.map(|fit| (fit.pid, version_of(&fit.settings)));
+        if newest.is_none() || newest == self.known {
+            return;
+        }
+        // A stage that was started by hand has no chain to be asked; one that is being started is asked later.
+        if let Ok(settings) = holding(rig) {
+            graph.set_parameters(settings);
+            self.known = newest;
+        }
+    }
+}
+
+/// The settings that hold, by the names of their parameters.
+fn holding(rig: &Rig) -> Result<BTreeMap<String, ParameterValue>> {
+    let settings: Table = ask(rig.as_str(), &Asked::Settings)?
+        .parse()
+        .context("the chain's settings are no TOML")?;
+    let of = |section: &'static str| {
+        let values = settings.get(section).and_then(Value::as_table);
+        let values = values.into_iter().flatten();
+        values.map(move |(name, value)| (format!("{section}.{name}"), parameter(value)))
+    };
+    Ok(SECTIONS.into_iter().flat_map(of).collect())
+}
+
+/// A value of the settings file as a parameter; what ROS has no type for as its text.
+fn parameter(value: &Value) -> ParameterValue {
+    fn all<T>(values: &[Value], of: impl Fn(&Value) -> Option<T>) -> Option<Vec<T>> {
+        let values: Option<Vec<T>> = values.iter().map(of).collect();
+        values.filter(|values| !values.is_empty())
+    }
+    let text = || ParameterValue::String(value.to_string());
+    match value {
+        Value::Boolean(is_so) => ParameterValue::Boolean(*is_so),
+        Value::Integer(number) => ParameterValue::Integer(*number),
+        Value::Float(number) => ParameterValue::Double(*number),
+        Value::String(text) => ParameterValue::String(text.clone()),
+        Value::Array(values) => {
+            let whole = all(values, Value::as_integer).map(ParameterValue::IntegerArray);
+            let real = || all(values, Value::as_float).map(ParameterValue::DoubleArray);
+            whole.or_else(real).unwrap_or_else(text)
+        }
+        Value::Table(_) | Value::Datetime(_) => text(),
+    }
+}
+
+/// A parameter as `lariat set` takes it.
+///
+/// # Errors
+/// No setting is of this type.
+fn text(value: &ParameterValue) -> Result<String> {
+    Ok(match value {
+        ParameterValue::Boolean(is_so) => is_so.to_string(),
+        ParameterValue::Integer(number) => number.to_string(),
+        // With a point, also where it is a whole number.
+        ParameterValue::Double(number) => format!("{number:?}"),
+        ParameterValue::String(text) => text.clone(),
+        ParameterValue::IntegerArray(numbers) => format!("{numbers:?}"),
+        ParameterValue::DoubleArray(numbers) => format!("{numbers:?}"),
+        ParameterValue::NotSet => bail!("a setting is not deleted: give it another value"),
+        ParameterValue::BooleanArray(_)
+        | ParameterValue::ByteArray(_)
+        | ParameterValue::StringArray(_) => {
+            bail!("no setting is of this type: give it as lariat.toml has it, as a text")
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_is_a_parameter_of_its_own_type_and_comes_back_as_it_is_written() {
+        let table: Table = "a = true\nb = 6\nc = 1.0\nd = \"auto\"\ne = [1, 2]\nf = [0.5, 2.0]\ng = [{ h = [1, 2] }]\ni = []"
+            .parse()
+            .expect("TOML");
+        let types = [1, 2, 3, 4, 7, 8, 4, 4];
+        for ((name, value), expected) in table.iter().zip(types) {
+            let made = parameter(value);
+            assert_eq!(made.to_parameter_type() as u8, expected, "{name}");
+            let written = text(&made).expect("a type of settings");
+            let plain = value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned);
+            assert_eq!(written.replace(' ', ""), plain.replace(' ', ""), "{name}");
+        }
+        assert!(text(&ParameterValue::NotSet).is_err());
+    }
+}
