@@ -58,6 +58,7 @@ from lariat._native import (
     Rope,
     Scene,
     Shape,
+    SpaceShape,
     Stale,
     Trace,
     Tracer,
@@ -67,7 +68,7 @@ from lariat._native import (
 )
 from lariat._reader import Reader
 from lariat._seen import NotSeen, Seen
-from lariat._writer import FrameSlot, FrameWriter, MaskSlot, MaskWriter, Writer
+from lariat._writer import DepthSlot, DepthWriter, FrameSlot, FrameWriter, MaskSlot, MaskWriter, Writer
 
 __all__ = [
     "Absent",
@@ -75,6 +76,8 @@ __all__ = [
     "Centerline",
     "Crossing",
     "Curve",
+    "DepthSlot",
+    "DepthWriter",
     "Fit",
     "FitName",
     "Fitter",
@@ -105,6 +108,7 @@ __all__ = [
     "Seen",
     "Shape",
     "SolverName",
+    "SpaceShape",
     "Stale",
     "StatusName",
     "Trace",

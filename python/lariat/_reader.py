@@ -37,6 +37,7 @@ class Reader(_native.Reader):
         accept_coarse: A curve that does not lie on the rope is ``Fresh`` all the same: for who compares descriptors, and needs no
             point of the curve to be on the rope. Otherwise such a rope is ``Unsure``.
         min_confidence: The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is ``Unsure``.
+        space: Whether ropes are read in space, too (``rope.in_space``): of a chain with a depth camera.
 
     Raises:
         ValueError: no such name, or a confidence outside 0 to 1.

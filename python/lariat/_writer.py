@@ -67,6 +67,13 @@ class MaskSlot(_Slot):
         slot.send_mask()
 
 
+class DepthSlot(_Slot):
+    """The slot of a frame's depth image: ``uint16``, 0 where nothing is known. It is sent at the end of the ``with``."""
+
+    def _send(self, slot: _native.Slot) -> None:
+        slot.send_depth()
+
+
 class FrameWriter(_native.Writer):
     """Writes the frames of a chain that was started with ``lariat run --source external``: of any camera, simulator, player.
 
@@ -176,17 +183,58 @@ class MaskWriter(_native.Writer):
         return MaskSlot(self.loan_mask(frame))
 
 
+class DepthWriter(_native.Writer):
+    """Writes the depth images of a chain that has a depth camera (``lariat run --depth FILE``), one for each frame.
+
+    ::
+
+        with lariat.Frames() as frames, lariat.Writer("depth") as depths:
+            for frame in frames:
+                depths.write(nearest_in_time(frame), frame)
+    """
+
+    def __new__(cls, rig: str = "default", *, lossless: bool | None = None) -> Self:
+        return super().__new__(cls, "depth", rig, lossless=lossless)
+
+    def write(self, depth: NDArray[Any], frame: Image) -> None:
+        """Sends a frame's depth image.
+
+        Args:
+            depth: Of the depth camera's own size, (height, width): ``uint16``, in the unit that its calibration says (mm if it
+                says none), 0 where nothing is known.
+            frame: The frame beside which it was taken.
+
+        Raises:
+            TypeError, ValueError: no such image. It is then not sent, and its frame is described without.
+        """
+        array = _array(depth, "depth image")
+        if array.ndim != 2 or array.dtype != np.uint16:
+            raise ValueError(
+                f"a depth image is an array of uint16 with two axes, and this one is of {array.dtype} and the shape "
+                f"{array.shape}: of metres as floats, np.nan_to_num(1000 * depth).astype(np.uint16) is one in mm"
+            )
+        with self.loan(frame, *array.shape) as slot:
+            np.copyto(slot.array, array)
+
+    def loan(self, frame: Image, height: int, width: int) -> DepthSlot:
+        """The slot of the frame's depth image, to be filled in a ``with``: then nothing is copied."""
+        return DepthSlot(self.loan_depth(frame, height, width))
+
+
 @overload
 def Writer(channel: Literal["frames"], rig: str = "default", *, lossless: bool | None = None) -> FrameWriter: ...
 @overload
 def Writer(channel: Literal["masks"], rig: str = "default", *, lossless: bool | None = None) -> MaskWriter: ...
+@overload
+def Writer(channel: Literal["depth"], rig: str = "default", *, lossless: bool | None = None) -> DepthWriter: ...
 def Writer(
     channel: str, rig: str = "default", *, lossless: bool | None = None
-) -> FrameWriter | MaskWriter:
-    """Becomes the writer of a rig's ``"frames"`` or ``"masks"``, in a chain that leaves them to you.
+) -> FrameWriter | MaskWriter | DepthWriter:
+    """Becomes the writer of a rig's ``"frames"``, ``"masks"`` or ``"depth"`` images, in a chain that leaves them to you.
 
     Args:
-        channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for ``mask = "external"``.
+        channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for ``mask = "external"``, ``"depth"`` for
+            ``lariat run --depth FILE``.
         rig: Which camera chain: what it was started with (``--rig NAME``).
         lossless: Whether it waits for slow readers, so that nothing is left out (``lariat run --lossless``). If not said: as
             the chain does that runs; where none does yet, it does not wait.
@@ -195,9 +243,13 @@ def Writer(
         ValueError: no such name.
         OSError: the rig has a writer, no shared memory, a chain of another release or of another user.
     """
-    writers: dict[str, type[FrameWriter | MaskWriter]] = {"frames": FrameWriter, "masks": MaskWriter}
+    writers: dict[str, type[FrameWriter | MaskWriter | DepthWriter]] = {
+        "frames": FrameWriter,
+        "masks": MaskWriter,
+        "depth": DepthWriter,
+    }
     if channel not in writers:
-        raise ValueError(f"Invalid channel {channel!r}: use 'frames' or 'masks'")
+        raise ValueError(f"Invalid channel {channel!r}: use 'frames', 'masks' or 'depth'")
     return writers[channel](rig, lossless=lossless)
 
 

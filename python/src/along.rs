@@ -44,13 +44,13 @@ impl<'py> Rho<'py> {
         }
     }
 
-    /// A vector at each: of shape (2,), or (n, 2) for n of them.
-    pub(crate) fn vectors(
+    /// A vector at each: of shape (D,), or (n, D) for n of them.
+    pub(crate) fn vectors<const D: usize>(
         &self,
         py: Python<'py>,
-        at: impl Fn(f64) -> [f64; 2],
+        at: impl Fn(f64) -> [f64; D],
     ) -> Bound<'py, PyArrayDyn<f64>> {
-        self.rows(py, 2, |rho, row| row.copy_from_slice(&at(rho)))
+        self.rows(py, D, |rho, row| row.copy_from_slice(&at(rho)))
     }
 
     /// `width` numbers at each.
@@ -96,4 +96,6 @@ impl<'py> Rho<'py> {
 }
 
 /// What a direction is where there is none: not a number, which spreads into whatever is made of it.
-pub(crate) const NOWHERE: [f64; 2] = [f64::NAN; 2];
+pub(crate) const fn nowhere<const D: usize>() -> [f64; D] {
+    [f64::NAN; D]
+}

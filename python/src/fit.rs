@@ -1,6 +1,6 @@
 //! A fitted curve and what is asked of it.
 
-use crate::along::{NOWHERE, Rho};
+use crate::along::{Rho, nowhere};
 use crate::errors::value_error;
 use crate::views;
 use lariat_fit::{Basis, Curve};
@@ -142,7 +142,7 @@ impl Fit {
         rho: Rho<'py>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let curve = self.curve()?;
-        Ok(rho.vectors(py, |rho| curve.tangent(rho).unwrap_or(NOWHERE)))
+        Ok(rho.vectors(py, |rho| curve.tangent(rho).unwrap_or(nowhere())))
     }
 
     /// One by the radius of the circle that the curve follows; NaN where it stands still.

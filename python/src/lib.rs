@@ -17,6 +17,7 @@ mod rope;
 mod scene;
 mod seen;
 mod shape;
+mod space;
 mod tracer;
 mod views;
 mod way;
@@ -45,6 +46,8 @@ mod _native {
     use crate::seen::{Absent, Fresh, Lost, Partial, Stale, Unsure};
     #[pymodule_export]
     use crate::shape::Shape;
+    #[pymodule_export]
+    use crate::space::SpaceShape;
     #[pymodule_export]
     use crate::tracer::{Tracer, pick};
     #[pymodule_export]

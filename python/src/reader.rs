@@ -28,13 +28,14 @@ pub(crate) struct Reader {
 #[pymethods]
 impl Reader {
     #[new]
-    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false, min_confidence=0.0))]
+    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false, min_confidence=0.0, space=false))]
     fn new(
         py: Python<'_>,
         rig: &str,
         timeout: f64,
         accept_coarse: bool,
         min_confidence: f32,
+        space: bool,
     ) -> PyResult<Self> {
         let timeout = seconds("timeout", timeout)?;
         if !(0.0..=1.0).contains(&min_confidence) {
@@ -42,7 +43,13 @@ impl Reader {
                 "invalid min_confidence {min_confidence}: give a number from 0 to 1"
             )));
         }
-        let opened = py.detach(|| lariat_wire::Reader::open_in(Domain::open()?, &rig.parse()?));
+        let opened = py.detach(|| {
+            let mut reader = lariat_wire::Reader::open_in(Domain::open()?, &rig.parse()?)?;
+            if space {
+                reader.follow_in_space()?;
+            }
+            Ok(reader)
+        });
         let mut reader = opened.map_err(wire_error)?;
         reader.accept_coarse(accept_coarse);
         reader.min_confidence(min_confidence);

@@ -4,8 +4,9 @@ use crate::centerline::Centerline;
 use crate::errors::value_error;
 use crate::frame::Frame;
 use crate::shape::Shape;
+use crate::space::SpaceShape;
 use crate::views;
-use lariat_wire::{Absent, Basis, CenterlinePoints, Descriptor, FitQuality, Seen};
+use lariat_wire::{Absent, Basis, CenterlinePoints, Descriptor, Descriptor3, FitQuality, Seen};
 use numpy::PyArray;
 use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
@@ -74,6 +75,10 @@ impl Rope {
             .unwrap_or(NONE)
     }
 
+    pub(crate) fn descriptor3(&self) -> Option<&Descriptor3> {
+        self.rope().ok()?.descriptor3().ok()
+    }
+
     pub(crate) fn points(&self) -> &CenterlinePoints {
         const NONE: &CenterlinePoints = &CenterlinePoints::EMPTY;
         let message = self.frame.get().frame().message();
@@ -133,6 +138,13 @@ impl Rope {
     #[getter]
     fn shape(this: &Bound<'_, Self>) -> PyResult<Shape> {
         Shape::of_rope(this)
+    }
+
+    /// Its curve in space, of a reader that was opened with `space=True`. Raises `ValueError`, with the reason, where it is not
+    /// known where the rope is.
+    #[getter]
+    fn in_space(this: &Bound<'_, Self>) -> PyResult<SpaceShape> {
+        SpaceShape::of_rope(this)
     }
 
     /// Where it will be at the moment `t_ns` of `time.monotonic_ns()`, by its velocities, and how uncertain.

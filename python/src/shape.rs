@@ -1,6 +1,6 @@
 //! A rope's curve as a control law asks for it: seen, or predicted.
 
-use crate::along::{NOWHERE, Rho};
+use crate::along::{Rho, nowhere};
 use crate::centerline::{Found, found};
 use crate::errors::value_error;
 use crate::rope::Rope;
@@ -108,7 +108,7 @@ impl Shape {
         rho: Rho<'py>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let shape = self.shape()?;
-        Ok(rho.vectors(py, |rho| shape.tangent_at(rho).unwrap_or(NOWHERE)))
+        Ok(rho.vectors(py, |rho| shape.tangent_at(rho).unwrap_or(nowhere())))
     }
 
     /// The direction across the curve, to the right of its way in the image, of length 1; NaN where it is a point.
@@ -118,7 +118,7 @@ impl Shape {
         rho: Rho<'py>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let shape = self.shape()?;
-        Ok(rho.vectors(py, |rho| shape.normal_at(rho).unwrap_or(NOWHERE)))
+        Ok(rho.vectors(py, |rho| shape.normal_at(rho).unwrap_or(nowhere())))
     }
 
     /// One by the radius of the circle that the curve follows, positive where it turns towards its normal; NaN where it

@@ -6,7 +6,9 @@
 
 use crate::errors::{value_error, wire_error};
 use crate::frames::Image;
-use lariat_wire::{Domain, FrameWriter, MaskWriter, PixelFormat, Stamp, Waiting, WriteError};
+use lariat_wire::{
+    DepthWriter, Domain, FrameWriter, MaskWriter, PixelFormat, Stamp, Waiting, WriteError,
+};
 use numpy::PyArray1;
 use numpy::ndarray::ArrayView1;
 use pyo3::exceptions::{PyBufferError, PyOSError, PyRuntimeError, PyValueError};
@@ -19,6 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 enum End {
     Frames(Box<FrameWriter>),
     Masks(Box<MaskWriter>),
+    Depths(Box<DepthWriter>),
 }
 
 impl End {
@@ -26,6 +29,7 @@ impl End {
         match self {
             Self::Frames(writer) => writer.has_room(bytes),
             Self::Masks(writer) => writer.has_room(bytes),
+            Self::Depths(writer) => writer.has_room(bytes),
         }
     }
 }
@@ -60,22 +64,21 @@ impl Writer {
             stop: stop.clone(),
             meanwhile: Some(ask_for_signals(&stop, &raised)),
         };
-        let open = |masks: bool| -> Result<End, WriteError> {
+        const CHANNELS: [&str; 3] = ["frames", "masks", "depth"];
+        let Some(channel) = CHANNELS.into_iter().find(|known| *known == channel) else {
+            return Err(value_error(format!(
+                "Invalid channel '{channel}': use \"frames\", \"masks\" or \"depth\""
+            )));
+        };
+        let open = || -> Result<End, WriteError> {
             let (domain, rig) = (Domain::open()?, rig.parse()?);
-            Ok(match masks {
-                false => End::Frames(FrameWriter::open_in(domain, &rig, waiting)?.into()),
-                true => End::Masks(MaskWriter::open_in(domain, &rig, waiting)?.into()),
+            Ok(match channel {
+                "frames" => End::Frames(FrameWriter::open_in(domain, &rig, waiting)?.into()),
+                "masks" => End::Masks(MaskWriter::open_in(domain, &rig, waiting)?.into()),
+                _ => End::Depths(DepthWriter::open_in(domain, &rig, waiting)?.into()),
             })
         };
-        let (channel, end) = match channel {
-            "frames" => ("frames", py.detach(|| open(false))),
-            "masks" => ("masks", py.detach(|| open(true))),
-            other => {
-                return Err(value_error(format!(
-                    "Invalid channel '{other}': use \"frames\" or \"masks\""
-                )));
-            }
-        };
+        let end = py.detach(open);
         Ok(Self {
             end: Mutex::new(Some(end.map_err(write_error)?)),
             views: AtomicUsize::new(0),
@@ -105,7 +108,7 @@ impl Writer {
         let bytes = shape.iter().product::<usize>() * item_bytes;
         Self::loan(&this, shape, item_bytes, bytes, |end| match end {
             End::Frames(writer) => writer.loan(width, height, format),
-            End::Masks(_) => Err(WriteError::NothingOnLoan),
+            End::Masks(_) | End::Depths(_) => Err(WriteError::NothingOnLoan),
         })
     }
 
@@ -116,7 +119,17 @@ impl Writer {
         let bytes = shape[0] * shape[1];
         Self::loan(&this, shape, 1, bytes, |end| match end {
             End::Masks(writer) => writer.loan(header),
-            End::Frames(_) => Err(WriteError::NothingOnLoan),
+            End::Frames(_) | End::Depths(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Borrows the slot of a frame's depth image.
+    fn loan_depth(this: Bound<'_, Self>, frame: &Image, height: u32, width: u32) -> PyResult<Slot> {
+        let shape = vec![height as usize, width as usize];
+        let bytes = 2 * shape[0] * shape[1];
+        Self::loan(&this, shape, 2, bytes, |end| match end {
+            End::Depths(writer) => writer.loan(frame.header(), [width, height]),
+            End::Frames(_) | End::Masks(_) => Err(WriteError::NothingOnLoan),
         })
     }
 
@@ -124,7 +137,7 @@ impl Writer {
     fn send_blank(&self, py: Python<'_>) -> PyResult<()> {
         self.send(py, |end| match end {
             End::Frames(writer) => writer.send_blank(Stamp::default()),
-            End::Masks(_) => Err(WriteError::NothingOnLoan),
+            End::Masks(_) | End::Depths(_) => Err(WriteError::NothingOnLoan),
         })
     }
 
@@ -134,6 +147,7 @@ impl Writer {
         Ok(match open(&mut self.lock()?)? {
             End::Frames(writer) => writer.is_lossless(),
             End::Masks(writer) => writer.is_lossless(),
+            End::Depths(writer) => writer.is_lossless(),
         })
     }
 
@@ -374,7 +388,15 @@ impl Slot {
                 exposed_ns,
                 sequence,
             }),
-            End::Masks(_) => Err(WriteError::NothingOnLoan),
+            End::Masks(_) | End::Depths(_) => Err(WriteError::NothingOnLoan),
+        })
+    }
+
+    /// Sends it as a depth image.
+    fn send_depth(&self, py: Python<'_>) -> PyResult<()> {
+        self.send(py, |end| match end {
+            End::Depths(writer) => writer.send(),
+            End::Frames(_) | End::Masks(_) => Err(WriteError::NothingOnLoan),
         })
     }
 
@@ -382,7 +404,7 @@ impl Slot {
     fn send_mask(&self, py: Python<'_>) -> PyResult<()> {
         self.send(py, |end| match end {
             End::Masks(writer) => writer.send(),
-            End::Frames(_) => Err(WriteError::NothingOnLoan),
+            End::Frames(_) | End::Depths(_) => Err(WriteError::NothingOnLoan),
         })
     }
 }
