@@ -69,7 +69,16 @@ fn the_examples_in_a_new_file_are_good() {
     outcome(&folder, &["config", "init"]).unwrap();
     let path = folder.path().join("lariat.toml");
     // What needs files that are not there, and the order that the basis "auto" has no room for.
-    let others = ["topic", "calibration", "plane", "unit", "order"];
+    let others = [
+        "topic",
+        "calibration",
+        "plane",
+        "unit",
+        "depth",
+        "pose",
+        "depth_images",
+        "order",
+    ];
     let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let example = |line: &&str| {
         let name = line.split(" = ").next().unwrap();
@@ -194,7 +203,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[camera]\n\n# in the world\nunits = 7\n"),
         "lariat: lariat.toml, line 4: [camera] has no key \"units\". Did you mean \"unit\"? Its keys are calibration, \
-         plane, unit\n"
+         plane, unit, depth, pose, depth_deadline_us\n"
     );
     for (text, why) in [
         (
