@@ -64,14 +64,13 @@ impl<'a> Shape<'a, 2> {
             weights: &descriptor.weights,
             knots: &descriptor.knots,
         };
-        let form = Form::of(functions, &descriptor.control_points, count, samples)?;
-        Ok(Self {
-            form,
-            control_points: &descriptor.control_points[..count],
-            covariances: descriptor.covariances[..count].as_flattened(),
-            samples,
-            closed: matches!(form, Form::Fourier),
-        })
+        let covariances = descriptor.covariances.as_flattened();
+        Self::made_of(
+            functions,
+            &descriptor.control_points,
+            covariances,
+            [count, samples],
+        )
     }
 
     /// The same functions with other control points, as many, and their covariances.
@@ -129,14 +128,13 @@ impl<'a> Shape<'a, 3> {
             weights: &descriptor.weights,
             knots: &descriptor.knots,
         };
-        let form = Form::of(functions, &descriptor.control_points, count, samples)?;
-        Ok(Self {
-            form,
-            control_points: &descriptor.control_points[..count],
-            covariances: descriptor.covariances[..count].as_flattened(),
-            samples,
-            closed: matches!(form, Form::Fourier),
-        })
+        let covariances = descriptor.covariances.as_flattened();
+        Self::made_of(
+            functions,
+            &descriptor.control_points,
+            covariances,
+            [count, samples],
+        )
     }
 
     /// One by the radius of the circle that the curve follows at `rho`, 1/mm. `None` where it stands still.
@@ -152,6 +150,24 @@ impl<'a> Shape<'a, 3> {
 }
 
 impl<'a, const D: usize> Shape<'a, D> {
+    /// Of so many control points, fitted to so many samples: whole arrays of a descriptor, of which that many are meant.
+    fn made_of(
+        functions: Functions<'a>,
+        control_points: &'a [[f64; D]; MAX_CONTROL_POINTS],
+        covariances: &'a [f64],
+        [count, samples]: [usize; 2],
+    ) -> Result<Self, NoShape> {
+        let form = Form::of(functions, control_points, count, samples)?;
+        let each = covariances.len() / MAX_CONTROL_POINTS;
+        Ok(Self {
+            form,
+            control_points: &control_points[..count],
+            covariances: &covariances[..count * each],
+            samples,
+            closed: matches!(form, Form::Fourier),
+        })
+    }
+
     /// What it is made of; of a closed rope the coefficients of its Fourier series.
     pub fn control_points(&self) -> &'a [[f64; D]] {
         self.control_points
