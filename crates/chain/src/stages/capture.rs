@@ -275,7 +275,7 @@ impl Sender<'_> {
 struct Depths {
     images: DepthFiles,
     writer: Writer<[u8]>,
-    missing: u64,
+    is_told: bool,
 }
 
 impl Depths {
@@ -295,16 +295,15 @@ impl Depths {
         Ok(Some(Self {
             writer: Writer::depths(domain, rig, delivery, images.bytes())?,
             images,
-            missing: 0,
+            is_told: false,
         }))
     }
 
-    /// The depth image of the frame of this number; `None` if it has none, which is said once and counted.
+    /// The depth image of the frame of this number; `None` if it has none, which is said once. Fit counts those frames.
     fn slot(&mut self, sequence: u64) -> anyhow::Result<Option<DepthSlot<'_>>> {
         let mut slot = self.writer.frame_slot(self.images.bytes())?;
         if let Err(why) = self.images.write(sequence, &mut slot) {
-            self.missing += 1;
-            if self.missing == 1 {
+            if !std::mem::replace(&mut self.is_told, true) {
                 tracing::warn!("{why}");
             }
             return Ok(None);

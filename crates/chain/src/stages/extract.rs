@@ -23,19 +23,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     if let Some(past) = estate::read(&station.heirloom) {
         extractor.go_on_after(past.past, &past.last);
     }
-    let mut masks = match settings.extract.mask {
-        Mask::External => Some(Companions::open(
-            &MASKS,
-            Words {
-                what: "mask",
-                without: "was skipped",
-                setting: "mask_deadline_us",
-            },
-            settings.extract.mask_deadline,
-            &station,
-        )?),
-        _ => None,
-    };
+    let mut masks = masks(settings, &station)?;
     let mut frames = Inbox::open(&station, &FRAMES, |frame| frame.header().trace.captured)?;
     let centerlines = Writer::<Centerlines>::create(
         &station.domain,
@@ -119,4 +107,18 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     }
     station.status.say(Word::Sent(sent));
     Ok(())
+}
+
+/// The masks of the frames, if the settings ask for masks from elsewhere.
+fn masks(settings: &Settings, station: &Station) -> anyhow::Result<Option<Companions>> {
+    if settings.extract.mask != Mask::External {
+        return Ok(None);
+    }
+    let words = Words {
+        what: "mask",
+        without: "was skipped",
+        setting: "mask_deadline_us",
+    };
+    let deadline = settings.extract.mask_deadline;
+    Companions::open(&MASKS, words, deadline, station).map(Some)
 }

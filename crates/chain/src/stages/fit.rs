@@ -75,6 +75,9 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         station.heirloom.note(sent, slot.trace.extracted);
         slot.send()?;
     }
+    if let Some(space) = space {
+        space.tell_of_missing();
+    }
     station.status.say(Word::Sent(sent));
     Ok(())
 }
@@ -108,6 +111,16 @@ impl Space {
             depths: Companions::open(&DEPTH, words, settings.camera.depth_deadline, station)?,
             writer: Writer::<Descriptors3>::create(domain, rig, &DESCRIPTORS3, delivery)?,
         }))
+    }
+
+    /// Says how many frames had no depth image, if any.
+    fn tell_of_missing(&self) {
+        let missing = self.depths.late();
+        if missing > 0 {
+            tracing::warn!(
+                "{missing} frames were described in the image only, without a depth image"
+            );
+        }
     }
 
     fn answer(

@@ -5,7 +5,7 @@
 //!
 //! **Covariances.** A point's error is an ellipsoid: across the ray what a pixel is there, along it what the depth is sure to.
 //! Where residuals are larger than that, all ellipsoids grow by as much. With `filter` each keeps its form, and shrinks as the filter's
-//! own variance does. What is bridged counts like what is measured, with the variance that it has.
+//! own variance does. What is bridged counts in the fit like what is measured, and has the variance that the way from there gives it.
 //!
 //! **What is not seen.** The lower strand of a crossing has no depth within the upper one's width (`covered`); nor has either where it
 //! is not known which is the upper. A rope that is lost from sight is where it was.
@@ -96,15 +96,6 @@ impl SpaceFitter {
             unreadable: Warned::default(),
             unplaced: Warned::default(),
         }))
-    }
-
-    /// The ropes that come are others.
-    pub fn forget(&mut self) {
-        self.fitter.forget();
-        self.before.forget();
-        if let Some(filters) = &mut self.filters {
-            filters.forget();
-        }
     }
 
     /// Writes the curves of a frame's ropes into a message; its trace is left as it is. A rope that is nowhere is there without a
