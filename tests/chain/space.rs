@@ -9,7 +9,7 @@ use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, pict
 use lariat_wire::{Domain, NoShape, NoSpace, Place, Reader, Rig, Seen};
 use rustix::process::Signal;
 
-use crate::rig::Bench;
+use crate::rig::{Bench, Running};
 
 const SIZE: [usize; 2] = [424, 240];
 const ASIDE: [f64; 3] = [-15.0, 0.0, 0.0];
@@ -81,6 +81,15 @@ fn reader(bench: &Bench) -> Reader {
     Reader::open_in(domain, &Rig::default()).expect("a reader")
 }
 
+/// Both end well, and leave nothing.
+fn end(bench: &Bench, chain: Running, reader: Reader) {
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    drop(reader);
+    bench.assert_nothing_is_left();
+}
+
 #[test]
 fn a_lifted_rope_comes_out_where_it_is() {
     let bench = Bench::new();
@@ -133,11 +142,7 @@ fn a_lifted_rope_comes_out_where_it_is() {
         }
         true
     });
-    chain.signal_chain(Signal::INT);
-    let ended = chain.end();
-    assert!(ended.status.success(), "{}", ended.stderr);
-    drop(reader);
-    bench.assert_nothing_is_left();
+    end(&bench, chain, reader);
 }
 
 #[test]
@@ -195,11 +200,7 @@ fn without_a_depth_image_it_is_said_that_there_is_none_and_the_image_s_own_shape
         rope.shape().expect("a shape in the image");
         rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoImage)))
     });
-    chain.signal_chain(Signal::INT);
-    let ended = chain.end();
-    assert!(ended.status.success(), "{}", ended.stderr);
-    drop(reader);
-    bench.assert_nothing_is_left();
+    end(&bench, chain, reader);
 }
 
 #[test]
