@@ -22,6 +22,26 @@ pub(super) enum Reading {
     Whole,
 }
 
+/// The stretch of a rope around a point, in the depth image.
+struct Stretch {
+    /// Where the point is, and how far ahead of the depth camera.
+    at: [f64; 2],
+    ahead: f64,
+    /// The way along the rope, of length 1; and how much farther ahead it is for each pixel along.
+    along: [f64; 2],
+    slope: f64,
+    /// Half of the way to the next point, px; and from where to where it is read.
+    half_step: f64,
+    ends: [f64; 2],
+    mm_per_px: f64,
+    /// The rope's, mm.
+    radius: f64,
+    /// How far beside its axis it is read, px.
+    inner: f64,
+    /// Of the angle between the rope and the ray.
+    sine: f64,
+}
+
 impl RopeDepth {
     /// Reads the depth image around each point, where it is known roughly.
     pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Reading) {
@@ -48,14 +68,8 @@ impl RopeDepth {
         }
     }
 
-    /// How far ahead of the depth camera the axis is at a point, by what is measured around it; and its variance.
-    fn around(
-        &mut self,
-        image: &DepthImage,
-        rope: &SeenRope,
-        i: usize,
-        reading: Reading,
-    ) -> Option<(f64, f64)> {
+    /// The stretch of the rope around a point; `None` where it goes nowhere in the depth image, or is too thin there.
+    fn stretch(&self, rope: &SeenRope, i: usize) -> Option<Stretch> {
         let count = self.axes.len();
         let [before, after] = match rope.closed {
             true => [(i + count - 1) % count, (i + 1) % count],
@@ -67,8 +81,6 @@ impl RopeDepth {
         if !(far > 1e-3 && far < 1e3) {
             return None;
         }
-        let along = way.map(|c| c / far);
-        let slope = (b.ahead - a.ahead) / far;
         let steps = if before == i || after == i { 1.0 } else { 2.0 };
         let half_step = 0.5 * far / steps;
         let focal = self.camera.depth.focal_px();
@@ -80,11 +92,48 @@ impl RopeDepth {
         if inner < 0.5 * (THINNEST_PX - 2.0 * EDGE_PX) - 0.5 || half < 0.5 * THINNEST_PX {
             return None;
         }
-        let inner = inner.max(0.5);
         // The rope goes as far ahead as it goes along: its direction against the ray.
         let (ahead_way, aside) = (b.ahead - a.ahead, far * mm_per_px);
-        let sine = aside / length(ahead_way, aside);
-        let sigma = length(self.camera.sigma_mm(axis.ahead), image.rounding_mm());
+        Some(Stretch {
+            at: axis.at,
+            ahead: axis.ahead,
+            along: way.map(|c| c / far),
+            slope: (b.ahead - a.ahead) / far,
+            half_step,
+            // At a tip only the rope's side is read.
+            ends: match (rope.closed, i) {
+                (false, 0) => [0.5, half_step + 1.0],
+                (false, _) if i + 1 == count => [-half_step - 1.0, -0.5],
+                _ => [-half_step, half_step],
+            },
+            mm_per_px,
+            radius,
+            inner: inner.max(0.5),
+            sine: aside / length(ahead_way, aside),
+        })
+    }
+
+    /// How far ahead of the depth camera the axis is at a point, by what is measured around it; and its variance.
+    fn around(
+        &mut self,
+        image: &DepthImage,
+        rope: &SeenRope,
+        i: usize,
+        reading: Reading,
+    ) -> Option<(f64, f64)> {
+        let Stretch {
+            at,
+            ahead: about,
+            along,
+            slope,
+            half_step,
+            ends: [first, last],
+            mm_per_px,
+            radius,
+            inner,
+            sine,
+        } = self.stretch(rope, i)?;
+        let sigma = length(self.camera.sigma_mm(about), image.rounding_mm());
         let gate = match reading {
             Reading::Glance => 6.0 * radius + 5.0 * sigma + STEEPEST * 3.0 * half_step * mm_per_px,
             Reading::Whole => radius + 5.0 * sigma,
@@ -96,12 +145,6 @@ impl RopeDepth {
                 (2.0 * half_step).round().clamp(1.0, ALONG as f64) as usize,
             ),
         };
-        // At a tip only the rope's side is read.
-        let (first, last) = match (rope.closed, i) {
-            (false, 0) => (0.5, half_step + 1.0),
-            (false, _) if i + 1 == count => (-half_step - 1.0, -0.5),
-            _ => (-half_step, half_step),
-        };
         self.samples.clear();
         let mut previous = [isize::MIN; 2];
         for step in 0..lengthwise {
@@ -110,15 +153,15 @@ impl RopeDepth {
             for beside in 0..=2 * across {
                 let off = beside as f64 - across as f64;
                 let wanted = [
-                    axis.at[0] + on * along[0] - off * along[1],
-                    axis.at[1] + on * along[1] + off * along[0],
+                    at[0] + on * along[0] - off * along[1],
+                    at[1] + on * along[1] + off * along[0],
                 ];
                 let pixel = wanted.map(pixel);
                 if pixel == previous {
                     continue;
                 }
                 previous = pixel;
-                let from = [0, 1].map(|k| pixel[k] as f64 - axis.at[k]);
+                let from = [0, 1].map(|k| pixel[k] as f64 - at[k]);
                 let off = from[1] * along[0] - from[0] * along[1];
                 let on = from[0] * along[0] + from[1] * along[1];
                 if off.abs() > inner {
@@ -130,7 +173,7 @@ impl RopeDepth {
                 let beside_mm = off * mm_per_px;
                 let rise = (radius * radius - beside_mm * beside_mm).max(0.0).sqrt() / sine;
                 let ahead = measured + rise - slope * on;
-                if (ahead - axis.ahead).abs() < gate {
+                if (ahead - about).abs() < gate {
                     self.samples.push(ahead);
                 }
             }
