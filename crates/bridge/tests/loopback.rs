@@ -206,6 +206,7 @@ impl Chain {
                 Writer::<Descriptors>::create(&domain, &rig(), &DESCRIPTORS, &Delivery::NewestWins);
             let (writer, mut count) = (writer.expect("the only one"), 0);
             while wants.load(Ordering::Relaxed) {
+                // A camera's pace.
                 thread::sleep(Duration::from_millis(10));
                 count += 1;
                 let mut slot = writer.slot().expect("a slot");
@@ -458,6 +459,7 @@ fn commands_come_back_and_never_late() {
                 ..Command::default()
             };
             slot.send().expect("sent");
+            // A controller's pace.
             thread::sleep(Duration::from_millis(10));
             while let Some(command) = robot.next().expect("a reader") {
                 assert_eq!(command.velocities()[0][0], command.count as f64);
@@ -500,6 +502,7 @@ fn centerlines_and_the_truth_come_where_they_are_asked_for() {
             slot.trace.exposed_ns = now_ns();
             slot.send().expect("sent");
         }
+        // The cameras' pace.
         thread::sleep(Duration::from_millis(20));
         for (at, reader) in readers.iter().enumerate() {
             while let Some(message) = reader.next().expect("a reader") {
@@ -545,6 +548,7 @@ fn frames_come_where_they_are_asked_for() {
         };
         (header.trace.sequence, header.trace.exposed_ns) = (sequence, now_ns());
         slot.send().expect("sent");
+        // The camera's pace.
         thread::sleep(Duration::from_millis(20));
         while let Some(frame) = reader.next().expect("a reader") {
             let header = frame.header();

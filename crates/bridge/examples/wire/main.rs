@@ -68,6 +68,7 @@ impl Beat {
     }
 
     fn wait(&mut self) {
+        // A camera's pace: nothing else wakes it.
         std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
         self.due += self.period;
     }
@@ -81,6 +82,7 @@ fn write(rig: &Rig, hz: f64, count: u64) -> Result<()> {
     while writer.readers() == 0 && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(10));
     }
+    // And the far side has taken up its link by then.
     std::thread::sleep(Duration::from_millis(300));
     let mut beat = Beat::new(hz);
     for count in 1..=count {
