@@ -518,6 +518,7 @@ impl Extractor {
         self.tracker.remember(&mut self.zones.past);
         let scene = refit::Scene {
             past: &self.zones.past,
+            moves: &self.bridger.moves,
             difference: &self.masker.difference,
             mask: &self.masker.mask,
             occluder: &self.occluder.plane,

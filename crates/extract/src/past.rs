@@ -90,6 +90,15 @@ impl FormerPlaces {
     }
 }
 
+/// How a place of a rope of the past has moved since, as a piece of it shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    /// The rope's index in the past.
+    pub(crate) rope: u32,
+    pub(crate) along_px: f32,
+    pub(crate) by: Vec2,
+}
+
 /// The ropes as they were last seen.
 #[derive(Debug, Default)]
 pub(crate) struct Past {
@@ -105,6 +114,8 @@ pub(crate) struct Past {
 /// One rope.
 #[derive(Debug, Default)]
 pub(crate) struct Rope {
+    /// Which of `Past::ropes` it is.
+    pub(crate) index: u32,
     pub(crate) closed: bool,
     /// Where along it each end of what was seen of it lay under something.
     covered_px: [Option<f32>; 2],
@@ -202,6 +213,7 @@ impl Past {
             self.ropes.push(Rope::default());
         }
         let rope = &mut self.ropes[self.count];
+        rope.index = self.count as u32;
         (rope.closed, rope.covered_px) = (closed, covered_px);
         (rope.live, rope.whole) = (live, whole);
         [rope.length_px, rope.width_px, rope.usual_px] = sizes_px.map(|size| size.max(1.0));

@@ -34,6 +34,9 @@ const HELD: f32 = 0.05;
 const COARSE: f32 = 1.6;
 const FINE: f32 = 1.25;
 
+/// By so much a rope's half-width may exceed what of it is in the mask: of one of two pixels most of it.
+const MISSED_PX: f32 = 0.8;
+
 /// Distance between samples, in half-widths, and its limits in pixels: at twice the distance, noise shows.
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
@@ -75,10 +78,11 @@ impl Centerliner {
         self.smoother.smooth(line, (half_px).max(2.5) / step_px);
         self.extender
             .extend(source.difference, line, half_px, step_px, 0.0);
+        let thin = (half_px + MISSED_PX) / half_px;
         let coarse = Measure {
             half_px,
             step_px,
-            tolerance: COARSE,
+            tolerance: f32::max(COARSE, thin),
             shading: Shading::FLAT,
         };
         if let Some(width_px) = self.sections.center(line, source.difference, coarse) {

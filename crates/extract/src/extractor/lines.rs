@@ -152,6 +152,7 @@ impl Extractor {
     pub(super) fn refit(&mut self, image: &Image, count: usize) -> usize {
         let scene = refit::Scene {
             past: &self.zones.past,
+            moves: &self.bridger.moves,
             difference: &self.masker.difference,
             mask: &self.masker.mask,
             occluder: &self.occluder.plane,
@@ -201,6 +202,7 @@ impl Extractor {
             self.looks.push(Look {
                 color: self.colors[l],
                 covered,
+                is_plain: !self.occluder.any(),
                 free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.

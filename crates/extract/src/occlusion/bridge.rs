@@ -9,7 +9,7 @@ use super::ends::{End, Scenery, cubic, is_stretched, known_way, plain_cost};
 use super::pieces::{self, Piece};
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::image::color;
-use crate::past::{FormerPlace, Past};
+use crate::past::{FormerPlace, Move, Past, Rope};
 use crate::vec2::{self, Vec2};
 
 /// A stretch of a joined line that is hidden, in arc length from the line's first sample.
@@ -28,10 +28,11 @@ const OPPOSED: f32 = -0.7;
 /// How far each is cut back from the middle of what is doubled, in widths.
 const BACK: f32 = 2.0;
 
-/// Widths along a rope over which two of its pieces may both seem to lie.
-const DOUBLED_WIDTHS: f32 = 2.0;
-/// What it costs to join two of them: more than ends that say themselves where they go on, less than all that is not known.
-const NEIGHBORS: f32 = 50.0;
+/// What it costs to join two of them: more than ends that say themselves where they go on, less than all that is not known; and
+/// where what hides the way between them is seen, less than anything, as ends under a hand may point along any strand.
+const NEIGHBORS: (f32, f32) = (50.0, -1.0);
+/// The share of that way that must lie under something then.
+const COVERED: f32 = 0.75;
 
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,8 @@ pub(crate) struct Bridger {
     ends: Vec<End>,
     candidates: Vec<Candidate>,
     pieces: Vec<Piece>,
+    /// How the ropes of the past have moved, as far as pieces of them are seen: rope by rope, in their order along each.
+    pub(crate) moves: Vec<Move>,
     pub(crate) gaps: Vec<Gap>,
     spaced: Vec<Sample>,
 }
@@ -58,6 +61,7 @@ impl Bridger {
         self.ends.reserve(256);
         self.candidates.reserve(256);
         self.pieces.reserve(MOST_PIECES);
+        self.moves.reserve(16 * MOST_PIECES);
         self.gaps.reserve(64);
         self.spaced.reserve(samples);
     }
@@ -152,7 +156,8 @@ impl Bridger {
 
     fn list_candidates(&mut self, lines: &[Line], scenery: &Scenery) {
         self.candidates.clear();
-        self.list_neighbors(lines, scenery.past);
+        self.moves.clear();
+        self.list_neighbors(lines, scenery);
         for (i, a) in self.ends.iter().enumerate() {
             for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
                 let same = a.line == b.line;
@@ -180,29 +185,24 @@ impl Bridger {
     }
 
     /// The ends between two pieces of a known rope that follow each other along it.
-    fn list_neighbors(&mut self, lines: &[Line], past: &Past) {
+    fn list_neighbors(&mut self, lines: &[Line], scenery: &Scenery) {
+        let past = scenery.past;
         pieces::list(lines, past, &mut self.pieces);
+        for piece in &self.pieces {
+            piece.list_moves(&lines[piece.line], past, &mut self.moves);
+        }
         let end = |piece: &Piece, is_last: bool| {
             let ends = self.ends.iter();
             let mut own = ends.map(|end| end.line == piece.line && end.last == is_last);
             own.position(|is_own| is_own)
         };
-        let mut before: Option<Piece> = None;
-        for &piece in &self.pieces {
-            let rope = &past.ropes()[piece.rope as usize];
-            let Some(from) = before.filter(|before| before.rope == piece.rope) else {
-                before = Some(piece);
-                continue;
-            };
-            let way_px = piece.from_px - from.to_px;
-            if way_px < -DOUBLED_WIDTHS * rope.width_px {
-                // One of the two is no piece of it: the shorter.
-                if piece.to_px - piece.from_px > from.to_px - from.from_px {
-                    before = Some(piece);
-                }
+        for pair in self.pieces.windows(2) {
+            let [from, piece] = [pair[0], pair[1]];
+            if from.rope != piece.rope {
                 continue;
             }
-            before = Some(piece);
+            let rope = &past.ropes()[piece.rope as usize];
+            let way_px = piece.from_px - from.to_px;
             let (Some(i), Some(j)) = (end(&from, !from.reversed), end(&piece, piece.reversed))
             else {
                 continue;
@@ -219,8 +219,9 @@ impl Bridger {
             ];
             let chord_px = vec2::distance(self.ends[i].at, self.ends[j].at);
             if !is_stretched(rope, &way, way_px, chord_px) {
+                let is_covered = covered(rope, [from.to_px, piece.from_px], scenery) >= COVERED;
                 self.candidates.push(Candidate {
-                    cost: NEIGHBORS,
+                    cost: if is_covered { NEIGHBORS.1 } else { NEIGHBORS.0 },
                     ends: [i, j],
                     way: Some(way),
                 });
@@ -321,6 +322,16 @@ impl Bridger {
             .take_while(|line| !line.samples.is_empty())
             .count()
     }
+}
+
+/// The share of a rope's stretch, in arc length, that lies under something that is no rope, as far as its width reaches.
+fn covered(rope: &Rope, [from_px, to_px]: [f32; 2], scenery: &Scenery) -> f32 {
+    const ASKED: usize = 16;
+    let hits = (0..ASKED).filter(|&k| {
+        let along_px = from_px + (to_px - from_px) * (k as f32 + 0.5) / ASKED as f32;
+        scenery.is_hidden(rope.at(along_px), 0.5 * rope.width_px)
+    });
+    hits.count() as f32 / ASKED as f32
 }
 
 /// Of two lines that run on past each other at these ends, how many samples of each are kept.

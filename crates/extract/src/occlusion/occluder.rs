@@ -14,13 +14,16 @@ use crate::bitmap::spread::spread;
 use crate::bitmap::strips::Strips;
 use crate::image::{Image, color};
 use crate::past::{Past, Rope};
-use crate::skeleton::Skeleton;
+use crate::skeleton::{Pixel, Skeleton};
 use crate::statistics::{quantile, quantile_of_positive};
+use crate::vec2;
 
 /// The share of the skeleton that is narrower than the ropes usually are.
 const USUAL: f32 = 0.35;
 /// Times as wide as a rope, and pixels more, that a thing is which is no rope.
 const WIDE: (f32, f32) = (2.6, 2.0);
+/// The same where the ropes' width is known: more than two strands beside each other.
+const WIDE_KNOWN: (f32, f32) = (2.2, 1.0);
 /// Times as wide as a rope that a thing of the rope's own color is: no strands lie so close.
 const WIDE_ALIKE: f32 = 5.0;
 /// Levels of color within which a thing has the rope's own.
@@ -112,7 +115,8 @@ impl Occluder {
             .extend(skeleton.pixels.iter().map(|p| p.half_px));
         let usual_px = || quantile_of_positive(&mut self.halves, USUAL).max(0.5);
         let half_px = known_half_px.unwrap_or_else(usual_px);
-        let wide_px = WIDE.0 * half_px + WIDE.1;
+        let wide = known_half_px.map_or(WIDE, |_| WIDE_KNOWN);
+        let wide_px = wide.0 * half_px + wide.1;
         if widest_px <= wide_px {
             return false;
         }
@@ -124,12 +128,18 @@ impl Occluder {
             self.opened.put(&mut self.wide);
             (past.live()).for_each(|rope| clear_along(&mut self.wide, rope));
         }
-        for _ in 0..MOST {
+        // Crossings of the ropes themselves are wide, too.
+        let mut crossings = [[0.0f32; 3]; MOST];
+        for k in 0..MOST {
             let free = |x: u16, y: u16| !self.plane.get(i32::from(x), i32::from(y));
+            let is_crossing = |p: &Pixel| {
+                let near = |&[x, y, px]: &[f32; 3]| vec2::distance(p.at(), [x, y]) <= px;
+                crossings[..k].iter().any(near)
+            };
             let widest = skeleton
                 .pixels
                 .iter()
-                .filter(|p| p.half_px > wide_px && free(p.x, p.y))
+                .filter(|p| p.half_px > wide_px && free(p.x, p.y) && !is_crossing(p))
                 .max_by(|a, b| a.half_px.total_cmp(&b.half_px));
             let Some(widest) = widest else { break };
             let seed = Seed {
@@ -144,10 +154,13 @@ impl Occluder {
                 widest_half_px
             };
             let halves_px = half_px..widest_half_px;
-            if !self.take(image, mask, &seed, rope, halves_px, is_known) {
-                break;
+            match self.take(image, mask, &seed, rope, halves_px, is_known) {
+                true => self.found = true,
+                false if is_known => {
+                    crossings[k] = [f32::from(widest.x), f32::from(widest.y), widest.half_px];
+                }
+                false => break,
             }
-            self.found = true;
         }
         self.found
     }

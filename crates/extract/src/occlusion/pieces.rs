@@ -5,7 +5,7 @@
 //! one place to another, and a rope does not tear.
 
 use crate::centerline::line::Line;
-use crate::past::{Past, Rope};
+use crate::past::{Move, Past, Rope};
 use crate::vec2;
 
 /// A piece is so many times as long as wide: of a shorter one it is not said where it lies.
@@ -15,6 +15,13 @@ const ALONG_WIDTHS: f32 = 2.0;
 const STEP_WIDTHS: f32 = 0.25;
 /// Widths, beside those that the ropes have moved, by which a piece may lie off the rope, in the mean.
 const APART_WIDTHS: f32 = 1.0;
+/// Widths along a rope over which two of its pieces may both seem to lie.
+const DOUBLED_WIDTHS: f32 = 2.0;
+/// Stretches between the places of a piece of which it is said how they have moved.
+const MOVES: usize = 12;
+/// A piece from so many widths on may have moved as one, which counts as this share of what bends it.
+const LONG_WIDTHS: f32 = 8.0;
+const SHIFTED: f32 = 0.35;
 /// Places along a piece that are compared with the rope.
 const COMPARED: usize = 32;
 
@@ -33,7 +40,8 @@ pub(super) struct Piece {
     pub(super) off: f32,
 }
 
-/// Lists the pieces among `lines`, rope by rope and in their order along each.
+/// Lists the pieces among `lines`, rope by rope and in their order along each. Of two that seem to lie in one place the shorter is no
+/// piece.
 pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Piece>) {
     pieces.clear();
     let placed = lines.iter().enumerate();
@@ -42,6 +50,38 @@ pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Piece>) {
         let by_rope = a.rope.cmp(&b.rope);
         by_rope.then(a.from_px.total_cmp(&b.from_px))
     });
+    pieces.dedup_by(|piece, before| {
+        let width_px = past.ropes()[piece.rope as usize].width_px;
+        let is_doubled =
+            piece.rope == before.rope && piece.from_px - before.to_px < -DOUBLED_WIDTHS * width_px;
+        if is_doubled && piece.length_px() > before.length_px() {
+            *before = *piece;
+        }
+        is_doubled
+    });
+}
+
+impl Piece {
+    fn length_px(&self) -> f32 {
+        self.to_px - self.from_px
+    }
+
+    /// Lists how the piece, which is that line, has moved, from its one end to the other.
+    pub(super) fn list_moves(&self, line: &Line, past: &Past, moves: &mut Vec<Move>) {
+        let rope = &past.ropes()[self.rope as usize];
+        let last = line.samples.len() - 1;
+        moves.extend((0..=MOVES).map(|k| {
+            let t = k as f32 / MOVES as f32;
+            let u = if self.reversed { 1.0 - t } else { t };
+            let at = line.samples[(u * last as f32).round() as usize].at;
+            let along_px = self.from_px + t * self.length_px();
+            Move {
+                rope: self.rope,
+                along_px,
+                by: vec2::sub(at, rope.at(along_px)),
+            }
+        }));
+    }
 }
 
 /// Where a line lies along which open rope.
@@ -80,16 +120,25 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
     best.filter(|piece| piece.off <= APART_WIDTHS + past.moved())
 }
 
-/// How far the line lies from the stretch of the rope that begins at `from_px`, in the mean and in widths.
+/// How little the line lies as the stretch of the rope that begins at `from_px`, in the mean and in widths: how far its places lie
+/// from it, of which a long piece may have moved as one.
 fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
     let last = (line.samples.len() - 1) as f32;
     let apart = |k: usize| {
         let t = k as f32 / (COMPARED - 1) as f32;
         let u = if reversed { 1.0 - t } else { t };
         let at = line.samples[(u * last).round() as usize].at;
-        vec2::distance(at, rope.at(from_px + t * length_px))
+        vec2::sub(at, rope.at(from_px + t * length_px))
     };
-    (0..COMPARED).map(apart).sum::<f32>() / COMPARED as f32 / rope.width_px
+    let mean = |sum: f32| sum / COMPARED as f32 / rope.width_px;
+    let sum = (0..COMPARED).map(apart).fold([0.0; 2], vec2::add);
+    let shift = vec2::scale(sum, 1.0 / COMPARED as f32);
+    let bent = (0..COMPARED).map(|k| vec2::distance(apart(k), shift)).sum();
+    let moved = vec2::norm(shift) / rope.width_px;
+    match length_px >= LONG_WIDTHS * rope.width_px {
+        true => mean(bent) + SHIFTED * moved,
+        false => mean((0..COMPARED).map(|k| vec2::norm(apart(k))).sum()),
+    }
 }
 
 #[cfg(test)]
@@ -112,6 +161,37 @@ mod tests {
             closed: false,
             border: [false; 2],
         }
+    }
+
+    #[test]
+    fn a_long_piece_may_have_moved_as_one_and_says_how_far() {
+        let mut past = Past::default();
+        let arc = |off: f32| {
+            move |i: u8| {
+                let (sin, cos) = libm::sincosf(0.02 * f32::from(i));
+                [150.0 + 100.0 * cos + off, 150.0 + 100.0 * sin]
+            }
+        };
+        let points: Vec<Vec2> = (0..=120).map(arc(0.0)).collect();
+        past.add(false, [240.0, 6.0], &points);
+        let sample = |at| Sample {
+            at,
+            weight: 1.0,
+            width_px: 6.0,
+            side: 0.0,
+        };
+        let moved = Line {
+            samples: (20..=80).map(arc(15.0)).map(sample).collect(),
+            closed: false,
+            border: [false; 2],
+        };
+        past.check(moved.samples.iter().map(|s| s.at));
+        let (mut pieces, mut moves) = (Vec::new(), Vec::new());
+        list(std::slice::from_ref(&moved), &past, &mut pieces);
+        assert!((pieces[0].from_px - 40.0).abs() < 4.0, "{:?}", pieces[0]);
+        pieces[0].list_moves(&moved, &past, &mut moves);
+        let is_near = |m: &Move| vec2::distance(m.by, [15.0, 0.0]) < 4.0;
+        assert!(moves.iter().all(is_near), "{moves:?}");
     }
 
     #[test]

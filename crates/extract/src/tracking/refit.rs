@@ -17,7 +17,7 @@ use crate::centerline::section::{Measure, Sections};
 use crate::centerline::shading::Shading;
 use crate::centerline::smooth::Smoother;
 use crate::image::gray::GrayPlane;
-use crate::past::{Past, Rope};
+use crate::past::{Move, Past, Rope};
 use crate::skeleton::Skeleton;
 use crate::statistics::quantile;
 use crate::vec2::{self, Vec2};
@@ -66,6 +66,8 @@ pub(crate) struct Refitter {
 /// What ropes are refitted to.
 pub(crate) struct Scene<'a> {
     pub(crate) past: &'a Past,
+    /// How its ropes have moved, as far as is known.
+    pub(crate) moves: &'a [Move],
     pub(crate) difference: &'a GrayPlane,
     pub(crate) mask: &'a BitPlane,
     pub(crate) occluder: &'a BitPlane,
@@ -90,7 +92,7 @@ impl Refitter {
         self.new.reserve(MOST_PIECES);
         let mut line = std::mem::take(&mut self.lines[0]);
         for rope in scene.past.ropes() {
-            self.lay(rope, scene, &mut line);
+            self.lay(rope, scene, &[], &mut line);
         }
         // The longest, as a ring: that is solved with an overlap.
         line.closed = true;
@@ -116,23 +118,36 @@ impl Refitter {
         {
             return false;
         }
+        // Those that have moved far lie as the pieces of them that are seen say.
+        let ways = [&[], scene.moves];
+        let ways = &ways[..1 + usize::from(!scene.moves.is_empty())];
+        ways.iter().any(|moves| {
+            if !self.lay_all(scene, moves) {
+                return false;
+            }
+            self.reaches.clear();
+            self.reaches
+                .extend(self.lines[..self.count].iter().map(Reach::of));
+            self.explained(lines, scene)
+        })
+    }
+
+    /// Lays all ropes, moved so, over the image; false when it does not bear one of them out.
+    fn lay_all(&mut self, scene: &Scene, moves: &[Move]) -> bool {
         self.count = 0;
-        for rope in live() {
+        for rope in scene.past.live() {
             if self.lines.len() <= self.count {
                 self.lines.push(Line::default());
             }
             let mut line = std::mem::take(&mut self.lines[self.count]);
-            let borne_out = self.lay(rope, scene, &mut line);
+            let borne_out = self.lay(rope, scene, moves, &mut line);
             self.lines[self.count] = line;
             if !borne_out {
                 return false;
             }
             self.count += 1;
         }
-        self.reaches.clear();
-        self.reaches
-            .extend(self.lines[..self.count].iter().map(Reach::of));
-        self.explained(lines, scene)
+        true
     }
 
     /// Whether one of the lines is the rope, moved a little, from end to end; or with a part of it besides that was out
@@ -170,8 +185,8 @@ impl Refitter {
         })
     }
 
-    /// Lays the rope over the image; false when the image does not bear it out.
-    fn lay(&mut self, rope: &Rope, scene: &Scene, line: &mut Line) -> bool {
+    /// Lays the rope, moved so, over the image; false when the image does not bear it out.
+    fn lay(&mut self, rope: &Rope, scene: &Scene, moves: &[Move], line: &mut Line) -> bool {
         let half_px = 0.5 * rope.width_px;
         let step_px = (half_px / 4.0).clamp(0.75, 4.0);
         let count = (rope.length_px / step_px).ceil().max(8.0) as usize;
@@ -179,8 +194,9 @@ impl Refitter {
         line.closed = rope.closed;
         let intervals = count - usize::from(!rope.closed);
         for k in 0..count {
+            let along_px = rope.length_px * k as f32 / intervals as f32;
             line.samples.push(Sample {
-                at: rope.at(rope.length_px * k as f32 / intervals as f32),
+                at: vec2::add(rope.at(along_px), moved(rope, along_px, moves)),
                 weight: 1.0,
                 width_px: rope.width_px,
                 side: 0.0,
@@ -384,6 +400,22 @@ impl Refitter {
             found(start, line.length_px());
         }
     }
+}
+
+/// How a place of a rope has moved: as those moves on both sides of it, by their distance.
+fn moved(rope: &Rope, along_px: f32, moves: &[Move]) -> Vec2 {
+    let mut before: Option<&Move> = None;
+    for after in moves.iter().filter(|m| m.rope == rope.index) {
+        if after.along_px >= along_px {
+            let Some(before) = before else {
+                return after.by;
+            };
+            let t = (along_px - before.along_px) / (after.along_px - before.along_px).max(1e-6);
+            return vec2::along(before.by, vec2::sub(after.by, before.by), t);
+        }
+        before = Some(after);
+    }
+    before.map_or([0.0; 2], |before| before.by)
 }
 
 /// The weight of a place that was carried along: less than one that was measured.

@@ -31,6 +31,10 @@ const LONG: u32 = 100;
 /// Frames that a rope was taken for one, to outweigh a doubt; and after a doubt, to be taken for one again.
 const KNOWN: i32 = 10;
 const REGAINED: i32 = 3;
+/// Frames for which a rope that seems to have lost or gained a stretch of its length at once is remembered as it was, and how much
+/// that is: in widths, and as a share of its length. Nothing does that but what was misread.
+const KEPT: u32 = 6;
+const LEAP: (f32, f32) = (2.0, 0.05);
 /// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
 const SAME_WIDTHS: f32 = 1.0;
 
@@ -57,6 +61,8 @@ struct Track {
     age: u32,
     /// Frames in which it was seen.
     frames: u32,
+    /// Frames in a row in which what was seen of it was not believed.
+    disbelieved: u32,
     /// Those of them in which both of its ends lay freely.
     free_frames: u32,
     /// The curve of this image that it is, and whether that runs against it.
@@ -94,6 +100,8 @@ pub(crate) struct Look {
     pub(crate) covered: [bool; 2],
     /// Whether the table shows beyond both ends: the rope is as long as it looks.
     pub(crate) free: bool,
+    /// Whether nothing lies in the image that is no rope.
+    pub(crate) is_plain: bool,
 }
 
 impl Tracker {
@@ -136,6 +144,7 @@ impl Tracker {
                 seen_ns: now_ns.saturating_sub(curve.age_ns),
                 age: u32::from(curve.status == Status::Lost),
                 frames: LONG,
+                disbelieved: 0,
                 free_frames: 0,
                 current: None,
                 closed: curve.closed,
@@ -538,9 +547,14 @@ fn see(
         None => look.color,
     });
     let is_part = is_short && (jumped || tip_covered) && !track.closed && !curve.closed;
+    let is_plain = look.is_plain && !(cut || is_part || covered);
+    let is_leap = is_plain && track.disbelieved < KEPT && track.has_leapt(curve);
+    track.disbelieved = if is_leap { track.disbelieved + 1 } else { 0 };
     let seen_px;
     (track.length_px, seen_px) = if is_part {
         completer.complete(&mut track.points, track.length_px, curve)
+    } else if is_leap {
+        (track.length_px, [0.0, track.length_px])
     } else {
         track.points.clear();
         track.points.extend_from_slice(&curve.points);
@@ -552,6 +566,14 @@ fn see(
 }
 
 impl Track {
+    /// Whether a rope that is known has another length all at once, and not its usual one.
+    fn has_leapt(&self, curve: &Curve) -> bool {
+        let most_px = LEAP.0 * self.width_px + LEAP.1 * self.length_px;
+        let differs = |length_px: f32| (curve.length_px - length_px).abs() > most_px;
+        let is_known = self.frames > KNOWN.unsigned_abs() && self.closed == curve.closed;
+        is_known && differs(self.length_px) && differs(self.whole_px)
+    }
+
     /// Lets the width follow what is seen: what lies over a rope or beside it may change it at once, the rope does not.
     fn note_width(&mut self, width_px: f32) {
         if self.frames <= SETTLED {
@@ -648,6 +670,34 @@ mod tests {
         other.points.iter_mut().for_each(|at| at[1] += 60.0);
         let both = look(&mut tracker, &[seen(150.0, 310.0), other]);
         assert_eq!((both[0].track, both[1].track), (0, 1));
+    }
+
+    #[test]
+    fn a_rope_that_seems_to_lose_a_stretch_at_once_is_remembered_as_it_was() {
+        let mut tracker = Tracker::default();
+        let mut look = |curve: Curve, is_plain| {
+            let mut looks = [Look {
+                is_plain,
+                ..Look::default()
+            }];
+            tracker.begin(tracker.now_ns + 33_000_000, false);
+            tracker.update(&mut vec![curve], 1, &mut looks, &Options::default());
+            tracker.tracks[0].length_px
+        };
+        for _ in 0..=KNOWN {
+            look(seen(10.0, 310.0), true);
+        }
+        // A loop of it is left out: both of its tips are where they were.
+        let cut = |length_px| Curve {
+            length_px,
+            ..seen(10.0, 310.0)
+        };
+        for _ in 0..KEPT {
+            assert_eq!(look(cut(240.0), true), 300.0);
+        }
+        assert_eq!(look(cut(240.0), true), 240.0);
+        // Where something may cover it, that is no misreading.
+        assert_eq!(look(cut(200.0), false), 200.0);
     }
 
     #[test]
