@@ -239,7 +239,8 @@ def main():
     threading.Thread(target=lambda: said.extend(map(json.loads, echo.stdout)), daemon=True).start()
     rclpy.init()
     node = rclpy.create_node("peer")
-    qos = QoSProfile(depth=64, reliability=ReliabilityPolicy.RELIABLE)
+    # On a busy machine rclpy, which makes an object of each marker, is late by seconds.
+    qos = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
     received, first = {}, []
     topics = {"points": (PointCloud2, points), "endpoints": (PoseArray, endpoints), "path/rope_0": (Path, path), "markers": (MarkerArray, markers)}
     for name, (kind, _) in topics.items():
