@@ -32,7 +32,8 @@ SCHEMAS = File(__file__).resolve().parents[2] / "crates/record/schemas"
 STATUS = {"ok": 1, "partial": 2, "lost": 3, "doubtful": 4}
 BASIS = {"bezier": 1, "bspline": 2}
 FIT = {"not judged": 0, "good": 1, "coarse": 2}
-DEVIATIONS = 2.146
+# Nine of ten points of a plane lie within so many standard deviations.
+DEVIATIONS = math.sqrt(-2 * math.log(0.1))
 PICTURES = 20
 POINT = struct.Struct("<fffIffBB2x")
 FIELDS = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("rope", 12, 6), ("rho", 16, 7), ("width", 20, 7), ("hidden", 24, 2), ("status", 25, 2)]
@@ -209,9 +210,9 @@ dds_type.made = {}
 
 
 class Cyclone:
-    """The descriptors' reader."""
+    """A reader of a rig's topic, such as `Descriptors`."""
 
-    def __init__(self):
+    def __init__(self, rig, kind):
         from cyclonedds.core import Policy, Qos
         from cyclonedds.domain import DomainParticipant
         from cyclonedds.sub import DataReader
@@ -219,7 +220,7 @@ class Cyclone:
 
         qos = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(64), Policy.DataRepresentation(use_cdrv0_representation=True))
         self.participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
-        topic = Topic(self.participant, f"rt/lariat/{RIG}/descriptors", dds_type("Descriptors"), qos=qos)
+        topic = Topic(self.participant, f"rt/lariat/{rig}/{kind.lower()}", dds_type(kind), qos=qos)
         self.reader = DataReader(self.participant, topic, qos=qos)
 
     def take(self):
@@ -238,7 +239,8 @@ def main():
     threading.Thread(target=lambda: said.extend(map(json.loads, echo.stdout)), daemon=True).start()
     rclpy.init()
     node = rclpy.create_node("peer")
-    qos = QoSProfile(depth=64, reliability=ReliabilityPolicy.RELIABLE)
+    # On a busy machine rclpy, which makes an object of each marker, is late by seconds.
+    qos = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
     received, first = {}, []
     topics = {"points": (PointCloud2, points), "endpoints": (PoseArray, endpoints), "path/rope_0": (Path, path), "markers": (MarkerArray, markers)}
     for name, (kind, _) in topics.items():
@@ -246,7 +248,7 @@ def main():
         first.append(node.create_subscription(kind, f"/lariat/{RIG}/{name}", lambda m, name=name: received[name].append((time.monotonic_ns(), m)), qos))
     health = []
     node.create_subscription(DiagnosticArray, f"/lariat/{RIG}/diagnostics", health.append, qos)
-    cyclone, dds = Cyclone(), []
+    cyclone, dds = Cyclone(RIG, "Descriptors"), []
     until = time.monotonic() + 30 + wanted / 10
     while time.monotonic() < until and (min(len(dds), *map(len, received.values())) < wanted or not health):
         rclpy.spin_once(node, timeout_sec=0.02)

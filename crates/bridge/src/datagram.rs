@@ -11,7 +11,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use lariat_wire::{Centerlines, Command, Descriptors, Rig};
+use lariat_wire::{Centerlines, Command, Descriptors, Descriptors3, Rig};
 use thiserror::Error;
 
 use crate::key::{Key, Seal, Side};
@@ -41,10 +41,12 @@ pub(crate) enum Kind {
     Command = 5,
     /// From the near side: a part of a frame.
     Picture = 6,
+    /// From the near side, before the descriptors of its frame.
+    Descriptors3 = 7,
 }
 
 impl Kind {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Ask,
         Self::Answer,
         Self::Descriptors,
@@ -52,6 +54,14 @@ impl Kind {
         Self::Truth,
         Self::Command,
         Self::Picture,
+        Self::Descriptors3,
+    ];
+    /// Messages of the rig's channels: how many were sent stands in each answer.
+    pub(crate) const COUNTED: [Self; 4] = [
+        Self::Descriptors,
+        Self::Descriptors3,
+        Self::Centerlines,
+        Self::Truth,
     ];
 }
 
@@ -84,6 +94,7 @@ pub(crate) enum Refused {
 fn versions() -> u32 {
     let names = [
         Descriptors::LAYOUT.type_name,
+        Descriptors3::LAYOUT.type_name,
         Centerlines::LAYOUT.type_name,
         Command::LAYOUT.type_name,
     ];

@@ -15,7 +15,10 @@ use std::thread;
 
 use anyhow::{Context, Result};
 use lariat_chain::stop::Stop;
-use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, Rig, TRUTH, now_ns};
+use lariat_wire::{
+    CENTERLINES, Centerlines, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3, Domain, Rig,
+    TRUTH, now_ns,
+};
 use zenoh::qos::Priority;
 
 use crate::args::{Also, Args, Place};
@@ -114,6 +117,9 @@ struct Far<'a> {
     incoming: Incoming,
     link: Link,
     descriptors: Written<Descriptors>,
+    descriptors3: Written<Descriptors3>,
+    /// Whether the rig has a depth camera: something came of it.
+    is_in_space: bool,
     centerlines: Written<Centerlines>,
     truth: Written<Centerlines>,
     refusals: Refusals,
@@ -138,6 +144,8 @@ impl<'a> Far<'a> {
             incoming,
             link: Link::default(),
             descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
+            descriptors3: Written::new(&DESCRIPTORS3, Descriptors3::EMPTY),
+            is_in_space: false,
             centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
             truth: Written::new(&TRUTH, Centerlines::EMPTY),
             refusals: Refusals::default(),
@@ -266,6 +274,12 @@ impl<'a> Far<'a> {
         };
         let taken = match datagram.kind {
             Kind::Descriptors => self.descriptors.take(&datagram, &offset, at_ns),
+            Kind::Descriptors3 => {
+                if !std::mem::replace(&mut self.is_in_space, true) {
+                    self.descriptors3.open(self.domain, self.rig);
+                }
+                self.descriptors3.take(&datagram, &offset, at_ns)
+            }
             Kind::Centerlines => self.centerlines.take(&datagram, &offset, at_ns),
             Kind::Truth => self.truth.take(&datagram, &offset, at_ns),
             _ => None,
@@ -276,9 +290,13 @@ impl<'a> Far<'a> {
         false
     }
 
-    /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one.
+    /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one. But for the one in
+    /// space, whose memory only a rig with a depth camera has.
     fn open_channels(&mut self) {
         self.descriptors.open(self.domain, self.rig);
+        if self.is_in_space {
+            self.descriptors3.open(self.domain, self.rig);
+        }
         if self.also & bit(Also::Centerlines) != 0 {
             self.centerlines.open(self.domain, self.rig);
         }

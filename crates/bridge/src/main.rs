@@ -73,6 +73,12 @@ fn run(args: &Args) -> Result<()> {
     }
 }
 
+/// Has the calling thread, which makes pictures, get a core after those that carry descriptors. `nice`, of Linux a thread's own.
+fn give_way() {
+    // Without it descriptors are only later.
+    let _ = rustix::process::setpriority_process(None, 10);
+}
+
 /// Says a sentence on standard error.
 fn say(sentence: &str) {
     eprintln!("lariat-bridge: {sentence}");

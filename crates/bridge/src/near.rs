@@ -16,7 +16,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use lariat_chain::stop::Stop;
 use lariat_wire::fields::Message;
-use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Descriptors, Domain, TRUTH, now_ns};
+use lariat_wire::{
+    CENTERLINES, Centerlines, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3, Domain, TRUTH,
+    now_ns,
+};
 use zenoh::qos::Priority;
 use zenoh::sample::Sample;
 
@@ -91,8 +94,7 @@ impl Heard {
                     self.frames_ms.store(question.frames_ms, Ordering::Relaxed);
                 }
                 self.questions.fetch_add(1, Ordering::Relaxed);
-                let sent = [Kind::Descriptors, Kind::Centerlines, Kind::Truth]
-                    .map(|kind| self.outgoing.sent(kind));
+                let sent = Kind::COUNTED.map(|kind| self.outgoing.sent(kind));
                 let mut answer = Vec::with_capacity(128);
                 self.outgoing.write(Kind::Answer, &mut answer, |to| {
                     Answer {
@@ -181,9 +183,10 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let missed = sender.missed;
     wire.close();
     println!(
-        "rig {rig}: sent {} descriptors (and missed {}), {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
+        "rig {rig}: sent {} descriptors (and missed {}), {} in space, {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
         heard.outgoing.sent(Kind::Descriptors),
         missed,
+        heard.outgoing.sent(Kind::Descriptors3),
         heard.outgoing.sent(Kind::Centerlines),
         heard.outgoing.sent(Kind::Truth),
         pictures.unwrap_or_default(),
@@ -201,6 +204,7 @@ struct Sender<'h> {
     heard: &'h Heard,
     wire: &'h Wire,
     descriptors: Read<Descriptors>,
+    descriptors3: Read<Descriptors3>,
     centerlines: Read<Centerlines>,
     truth: Read<Centerlines>,
     checked: Option<Instant>,
@@ -217,6 +221,7 @@ impl<'h> Sender<'h> {
             heard,
             wire,
             descriptors: Read::new(&DESCRIPTORS, Woken::Yes),
+            descriptors3: Read::new(&DESCRIPTORS3, Woken::No),
             centerlines: Read::new(&CENTERLINES, Woken::No),
             truth: Read::new(&TRUTH, Woken::No),
             checked: None,
@@ -253,6 +258,7 @@ impl<'h> Sender<'h> {
         let also = self.heard.also.load(Ordering::Relaxed);
         let wants = |channel: Also| is_asked && also & bit(channel) != 0;
         self.descriptors.follow(domain, &args.rig, is_asked);
+        self.descriptors3.follow(domain, &args.rig, is_asked);
         self.centerlines
             .follow(domain, &args.rig, wants(Also::Centerlines));
         self.truth.follow(domain, &args.rig, wants(Also::Truth));
@@ -281,6 +287,10 @@ impl<'h> Sender<'h> {
         while let Some(message) = self.descriptors.next() {
             let fitted = message.trace.fitted;
             self.missed += missed(self.fitted.replace(fitted), fitted);
+            // As here, so there: who has descriptors has what stands in space beside them.
+            while let Some(message) = self.descriptors3.next() {
+                self.put(&*message, Kind::Descriptors3, Priority::RealTime);
+            }
             self.put(&*message, Kind::Descriptors, Priority::RealTime);
         }
         while let Some(message) = self.centerlines.next() {

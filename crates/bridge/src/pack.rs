@@ -330,7 +330,7 @@ impl Bytes<'_> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use lariat_wire::{Basis, Centerlines, Command, Descriptors, Status};
+    use lariat_wire::{Axes, Basis, Centerlines, Command, Descriptors, Descriptors3, Status};
 
     /// Numbers without end, each another.
     pub(crate) struct Numbers(pub(crate) u64);
@@ -474,6 +474,29 @@ pub(crate) mod tests {
         assert_eq!(unpack(&mut *read, &bytes), Ok(()));
         assert_eq!((read.count, read.crossings), (1, sent.crossings));
         assert_eq!(read.curves[0].points()[2], [2.0, 30.0]);
+        let mut sent = Box::new(Descriptors3::EMPTY);
+        (sent.count, sent.axes) = (1, Axes::Robot as u32);
+        let curve = &mut sent.curves[0];
+        (curve.count, curve.samples) = (2, 3);
+        curve.control_points[..2].copy_from_slice(&[[1.0, -2.0, 500.0], [3.0, 4.0, 510.0]]);
+        curve.covariances[1] = [1.0, 0.1, 0.2, 2.0, 0.3, 9.0];
+        curve.points[..3].copy_from_slice(&[
+            [0.0, 1.0, 500.0],
+            [1.0, 1.0, 501.0],
+            [2.0, 1.0, 510.0],
+        ]);
+        curve.sigmas[..3].copy_from_slice(&[0.9, 0.9, 0.9]);
+        let (mut bytes, mut read) = (Vec::new(), Box::new(Descriptors3::EMPTY));
+        pack(&*sent, &mut bytes);
+        assert_eq!(unpack(&mut *read, &bytes), Ok(()));
+        let (came, sent) = (&read.curves()[0], &sent.curves()[0]);
+        assert_eq!((read.count, read.axes()), (1, Some(Axes::Robot)));
+        assert_eq!(came.control_points(), sent.control_points());
+        assert_eq!(came.covariances(), sent.covariances());
+        assert_eq!(
+            (came.points()[2], came.sigmas()),
+            (sent.points()[2], sent.sigmas())
+        );
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What the far side asks, and what it is answered: the time, how much was sent, and what it wants.
 
 use crate::args::Also;
+use crate::datagram::Kind;
 
 /// Of the far side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,8 +22,8 @@ pub(crate) struct Answer {
     /// When it was heard, and when it was answered, on the near side's clock.
     pub(crate) got_ns: u64,
     pub(crate) answered_ns: u64,
-    /// How many descriptors, centerlines and truths have been sent.
-    pub(crate) sent: [u64; 3],
+    /// How many [messages](Kind::COUNTED) of each channel have been sent.
+    pub(crate) sent: [u64; Kind::COUNTED.len()],
 }
 
 /// The bit of a channel.
@@ -50,15 +51,8 @@ impl Question {
 
 impl Answer {
     pub(crate) fn write(&self, to: &mut Vec<u8>) {
-        let [descriptors, centerlines, truth] = self.sent;
-        for number in [
-            self.token,
-            self.got_ns,
-            self.answered_ns,
-            descriptors,
-            centerlines,
-            truth,
-        ] {
+        let numbers = [self.token, self.got_ns, self.answered_ns];
+        for number in numbers.iter().chain(&self.sent) {
             to.extend(number.to_le_bytes());
         }
     }
@@ -67,7 +61,7 @@ impl Answer {
         let (numbers, []) = bytes.as_chunks::<8>() else {
             return None;
         };
-        let numbers: [_; 6] = numbers.try_into().ok()?;
+        let numbers: [_; 7] = numbers.try_into().ok()?;
         let [token, got_ns, answered_ns, sent @ ..] = numbers.map(u64::from_le_bytes);
         Some(Self {
             token,
@@ -93,7 +87,7 @@ mod tests {
             token: 1,
             got_ns: 2,
             answered_ns: 3,
-            sent: [4, 5, u64::MAX],
+            sent: [4, 5, 6, u64::MAX],
         };
         let [mut asked, mut answered] = [Vec::new(), Vec::new()];
         question.write(&mut asked);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Parser;
 use lariat_chain::exit::{WrongUse, wrong_use};
-use lariat_wire::{MAX_GRIPPERS, Rig};
+use lariat_wire::{Axes, MAX_GRIPPERS, Rig};
 
 /// A rig in a ROS 2 graph: ropes, pictures and health as topics, while somebody listens
 #[derive(Debug, Clone, Parser)]
@@ -18,7 +18,7 @@ pub(crate) struct Args {
     /// The graph's domain, 0 to 232; else ROS_DOMAIN_ID, else 0
     #[arg(long, value_name = "N")]
     domain_id: Option<u16>,
-    /// The frame of reference of ropes; else the rig's name
+    /// The frame of reference of ropes; else the rig's name, or, in a camera's own axes, the pictures'
     #[arg(long, value_name = "NAME")]
     frame_id: Option<String>,
     /// The frame of reference of pictures; else the rig's name with _camera
@@ -105,9 +105,12 @@ impl Args {
         Ok(id)
     }
 
-    /// The frame of reference of ropes.
-    pub(crate) fn frame_id(&self) -> String {
-        let usual = || self.rig.to_string();
+    /// The frame of reference of ropes: in space, with these axes; else on the plane, or in the image.
+    pub(crate) fn frame_id(&self, in_space: Option<Axes>) -> String {
+        let usual = || match in_space {
+            Some(Axes::Camera) => self.camera_frame_id(),
+            Some(Axes::Robot) | None => self.rig.to_string(),
+        };
         self.frame_id.clone().unwrap_or_else(usual)
     }
 

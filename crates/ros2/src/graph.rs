@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::net::Ipv4Addr;
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 
@@ -13,11 +14,16 @@ use ros2_client::{
     Context, MessageTypeName, Name, Node, NodeName, ParameterValue, Publisher, QosProfile,
     Subscription,
 };
+use rustix::thread::{current_timer_slack, set_current_timer_slack};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
 use crate::args::{Args, Names};
 use crate::parameters;
 
+/// How late the transport's timers may be. RustDDS has one for each of its writers (a heartbeat each second, where it is reliable, and some housekeeping) and for
+/// some tasks; those within this time of each other are one waking, and stay together from then on. What it sends again it sends by a timer, too:
+/// so not for who asks for that. What is published, and who listens, waits for none.
+const TIMER_SLACK_NS: u64 = 100_000_000;
 /// Messages that a reliable publisher keeps for those who missed some: two seconds at 30 in one.
 const KEPT: usize = 64;
 
@@ -56,8 +62,7 @@ impl Graph {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
         let before = threads()?;
-        let participant = participant
-            .build()
+        let participant = with_timer_slack(!args.reliable, || participant.build())
             .map_err(|e| anyhow!("{e}"))
             .with_context(about)?;
         let mut threads = threads()?;
@@ -251,6 +256,18 @@ pub(crate) struct Delivery {
 fn threads() -> Result<Vec<PathBuf>> {
     let listed = fs::read_dir("/proc/self/task")?.map(|entry| Ok(entry?.path()));
     listed.collect()
+}
+
+/// Makes something, whose threads have timers that may be late, if they may.
+fn with_timer_slack<T>(may_be_late: bool, make: impl FnOnce() -> T) -> T {
+    // A thread has that of the one that started it. Where the kernel has none, timers are as they are.
+    let usual = current_timer_slack().ok();
+    if may_be_late && usual.is_some() {
+        let _ = set_current_timer_slack(NonZeroU64::new(TIMER_SLACK_NS));
+    }
+    let made = make();
+    let _ = set_current_timer_slack(usual.and_then(NonZeroU64::new));
+    made
 }
 
 fn failure(topic: &str) -> String {

@@ -3,7 +3,7 @@
 use lariat_sink::{Arrival, Ledger, Step, Times};
 use lariat_wire::{Descriptors, FitQuality, Status as Seen, Unit};
 
-use crate::messages::{Level, Status};
+use crate::messages::{Level, Shapes, Status};
 
 /// An image this old says that the chain stands.
 const STALE_NS: u64 = 1_000_000_000;
@@ -28,6 +28,8 @@ struct Newest {
     lost: usize,
     doubtful: usize,
     coarse: usize,
+    /// Seen, and not known where in space.
+    unplaced: usize,
 }
 
 impl Health {
@@ -41,8 +43,8 @@ impl Health {
         }
     }
 
-    /// A message, in hand at this moment of `CLOCK_MONOTONIC`.
-    pub(crate) fn take(&mut self, message: &Descriptors, now_ns: u64) {
+    /// A message, and where it is known that its ropes are, in hand at this moment of `CLOCK_MONOTONIC`.
+    pub(crate) fn take(&mut self, message: &Descriptors, shapes: Option<Shapes>, now_ns: u64) {
         if self.ledger.received(&message.trace, now_ns) == Arrival::Stale {
             return;
         }
@@ -63,6 +65,7 @@ impl Health {
             lost: count(Seen::Lost),
             doubtful: count(Seen::Doubtful),
             coarse: ropes.iter().filter(coarse).count(),
+            unplaced: shapes.map_or(ropes.len(), Shapes::unplaced),
         });
     }
 
@@ -117,6 +120,7 @@ impl Health {
                     (newest.lost as u64, "lost"),
                     (newest.doubtful as u64, "doubtful"),
                     (newest.coarse as u64, "with a coarse curve"),
+                    (newest.unplaced as u64, "not known where in space"),
                     (lost_new, "frames lost since the last report"),
                 ];
                 let said: Vec<String> = doubts
@@ -160,7 +164,7 @@ impl Health {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lariat_wire::Trace;
+    use lariat_wire::{Descriptors3, Place, Trace};
 
     fn message(exposed_ns: u64, captured: u64) -> Box<Descriptors> {
         let mut message = Box::new(Descriptors::EMPTY);
@@ -179,15 +183,46 @@ mod tests {
         message
     }
 
+    /// A message of a rig without a depth camera.
+    fn take(health: &mut Health, message: &Descriptors, now_ns: u64) {
+        health.take(message, Some(Shapes::Flat(message)), now_ns);
+    }
+
+    #[test]
+    fn a_rope_of_which_it_is_not_known_where_in_space_it_is_is_told() {
+        let mut health = Health::new();
+        let mut space = Box::new(Descriptors3::EMPTY);
+        space.count = 1;
+        space.curves[0].status = Seen::Ok as u32;
+        for (count, place, level) in [
+            (1, Some(Place::Unmeasured), Level::Warn),
+            (2, Some(Place::Known), Level::Ok),
+            (3, None, Level::Warn),
+        ] {
+            space.curves[0].place = place.map_or(0, |place| place as u32);
+            let shapes = place.map(|_| Shapes::InSpace(&space));
+            health.take(
+                &message(count * 1_000_000, count),
+                shapes,
+                count * 1_010_000,
+            );
+            assert_eq!(
+                health.status("a", 0, count * 1_020_000).level,
+                level,
+                "{place:?}"
+            );
+        }
+    }
+
     #[test]
     fn a_chain_that_stands_a_rope_that_is_lost_and_frames_that_are_missing_are_told() {
         let mut health = Health::new();
         assert_eq!(health.status("a", 0, 1).level, Level::Stale);
-        health.take(&message(1_000_000, 1), 1_010_000);
+        take(&mut health, &message(1_000_000, 1), 1_010_000);
         let fine = health.status("a", 0, 2_000_000);
         assert_eq!((fine.level, &*fine.message), (Level::Ok, "ropes: 1"));
 
-        health.take(&message(3_000_000, 4), 3_010_000);
+        take(&mut health, &message(3_000_000, 4), 3_010_000);
         let gap = health.status("a", 0, 4_000_000);
         assert_eq!(gap.level, Level::Warn);
         assert!(gap.message.contains("2 frames lost"), "{}", gap.message);
@@ -195,7 +230,7 @@ mod tests {
 
         let mut lost = message(5_000_000, 5);
         lost.curves[0].status = Seen::Lost as u32;
-        health.take(&lost, 5_010_000);
+        take(&mut health, &lost, 5_010_000);
         assert_eq!(health.status("a", 0, 6_000_000).level, Level::Warn);
         assert_eq!(health.status("a", 0, 3_000_000_000).level, Level::Stale);
     }

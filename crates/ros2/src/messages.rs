@@ -1,24 +1,25 @@
 //! What a message of lariat is in ROS's own types, as CDR. Pure: no I/O, no clock.
 //!
-//! Lengths are metres where the rig has a plane (`mm`); else pixels, of the image or, with a lens only, of an ideal one: then a
-//! number in a message of ROS is a pixel, which [`Scale`] says. z is 0: ropes lie on the plane.
+//! Lengths are metres in space, and where the rig has a plane (`mm`); else pixels, of the image or, with a lens only, of an ideal one:
+//! then a number in a message of ROS is a pixel, which [`Scale`] says. On the plane z is 0.
 
 mod camera_info;
 mod diagnostics;
+mod ellipsoid;
 mod markers;
 mod path;
 mod points;
+mod rope;
 
 pub(crate) use camera_info::camera_info;
 pub(crate) use diagnostics::{Level, Status, diagnostics};
 pub(crate) use markers::markers;
 pub(crate) use path::{endpoints, path};
 pub(crate) use points::points;
+pub(crate) use rope::{Rope, Shapes};
 
 use lariat_record::{Cdr, Encoder};
-use lariat_wire::{
-    CenterlinePoints, Descriptor, Descriptors, FitQuality, Shape, Status as Seen, Unit,
-};
+use lariat_wire::{Descriptors, Unit};
 
 /// Where and when a message's numbers hold.
 #[derive(Debug, Clone, Copy)]
@@ -39,12 +40,14 @@ impl Header<'_> {
 pub(crate) struct Scale(f64);
 
 impl Scale {
+    pub(crate) const MILLIMETERS: Self = Self(1e-3);
+
     /// Metres of millimetres; pixels stay.
     pub(crate) fn of(message: &Descriptors) -> Self {
-        Self(match message.unit() {
-            Some(Unit::Millimeter) => 1e-3,
-            _ => 1.0,
-        })
+        match message.unit() {
+            Some(Unit::Millimeter) => Self::MILLIMETERS,
+            _ => Self(1.0),
+        }
     }
 
     fn length(self, length: f64) -> f64 {
@@ -54,30 +57,30 @@ impl Scale {
     fn point(self, [x, y]: [f64; 2]) -> [f64; 3] {
         [self.0 * x, self.0 * y, 0.0]
     }
+
+    fn point3(self, point: [f64; 3]) -> [f64; 3] {
+        point.map(|c| self.0 * c)
+    }
 }
 
-/// The ropes of a message with the points that were seen of them, but those that are lost: their points are not of this image.
-fn seen(message: &Descriptors) -> impl Iterator<Item = (&Descriptor, &CenterlinePoints)> {
-    let both = message.curves().iter().zip(message.centerlines());
-    both.filter(|(rope, _)| matches!(rope.status(), Some(status) if status != Seen::Lost))
-}
-
-/// The curve of a rope that may be steered by: not of one that is lost or doubtful, nor one that misses the rope.
-fn sure(rope: &Descriptor) -> Option<Shape<'_>> {
-    let is_rope = matches!(rope.status(), Some(Seen::Ok | Seen::Partial));
-    let lies_on_it = rope.fit() != Some(FitQuality::Coarse);
-    Shape::of(rope).ok().filter(|_| is_rope && lies_on_it)
-}
-
-/// `geometry_msgs/Pose` in the plane, its x axis along `direction`.
-fn put_pose(to: &mut Encoder, at: [f64; 3], direction: [f64; 2]) {
+/// `geometry_msgs/Pose`, its x axis along `direction`, of length 1, and its y axis level: without a turn about the direction.
+fn put_pose(to: &mut Encoder, at: [f64; 3], direction: [f64; 3]) {
     at.put(to);
-    let [x, y] = direction;
-    put_turn(to, y.atan2(x));
+    let [x, y, z] = direction;
+    let [(sin_yaw, cos_yaw), (sin_rise, cos_rise)] =
+        [y.atan2(x), z.atan2(x.hypot(y))].map(|angle| (0.5 * angle).sin_cos());
+    // To rise is to turn about y backwards.
+    [
+        sin_yaw * sin_rise,
+        -cos_yaw * sin_rise,
+        sin_yaw * cos_rise,
+        cos_yaw * cos_rise,
+    ]
+    .put(to);
 }
 
-/// `geometry_msgs/Quaternion` about z.
-fn put_turn(to: &mut Encoder, yaw: f64) {
+/// The quaternion x, y, z, w of a turn about z.
+fn turn_about_z(yaw: f64) -> [f64; 4] {
     let (sine, cosine) = (0.5 * yaw).sin_cos();
-    [0.0, 0.0, sine, cosine].put(to);
+    [0.0, 0.0, sine, cosine]
 }

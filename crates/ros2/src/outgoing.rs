@@ -1,5 +1,7 @@
 //! From the rig to the graph, message by message.
 
+mod paths;
+
 use std::path::PathBuf;
 use std::time::SystemTime;
 
@@ -8,23 +10,20 @@ use lariat_camera::Camera;
 use lariat_chain::calibrated::{calibration_of, read_camera};
 use lariat_chain::stop::Stop;
 use lariat_record::{Clock, Record};
-use lariat_wire::{Centerlines, Descriptors, Domain, Rig, Status, now_ns};
+use lariat_wire::{Centerlines, Descriptors, Domain, FrameHeader, Rig, now_ns};
 
 use crate::args::Args;
 use crate::graph::{Graph, Topic, in_ros};
 use crate::health::Health;
 use crate::incoming::Incoming;
-use crate::messages::{self, Header, Scale};
+use crate::messages::{self, Header, Shapes};
 use crate::parameters::Parameters;
 use crate::pictures::Pictures;
-use crate::rig::{Channels, Wanted};
+use crate::rig::{Channels, Space, Wanted};
+use paths::Paths;
 
 /// How often diagnostics are said, and the clocks are held against each other.
 const SECOND_NS: u64 = 1_000_000_000;
-/// Topics of single ropes: as many as a message has ropes.
-const MOST_PATHS: usize = lariat_wire::MAX_CURVES;
-/// A rope that was not seen for so long has no topic any more.
-const PATH_ENDS_NS: u64 = 60 * SECOND_NS;
 
 /// Sends what the rig says, and takes what it is to be told, for as long as no signal comes.
 ///
@@ -86,11 +85,12 @@ struct Outgoing<'a> {
     endpoints: Topic,
     markers: Topic,
     descriptors: Topic,
+    descriptors3: Topic,
     image: Topic,
     overlay: Topic,
     camera_info: Topic,
     diagnostics: Topic,
-    paths: Vec<Path>,
+    paths: Paths,
     pictures: Pictures,
     health: Health,
     lens: Lens,
@@ -98,7 +98,6 @@ struct Outgoing<'a> {
     incoming: Incoming,
     clock: Clock,
     second_due_ns: u64,
-    frame_id: String,
     camera_frame_id: String,
     said_unit: bool,
     buffer: Vec<u8>,
@@ -128,13 +127,6 @@ impl Lens {
     }
 }
 
-/// The topic of one rope.
-struct Path {
-    track: u32,
-    topic: Topic,
-    seen_ns: u64,
-}
-
 impl<'a> Outgoing<'a> {
     fn new(args: &'a Args, graph: &mut Graph, incoming: Incoming) -> Result<Self> {
         let prefix = format!("lariat/{}", in_ros(args.rig.as_str()));
@@ -146,11 +138,12 @@ impl<'a> Outgoing<'a> {
             endpoints: topic("endpoints", "geometry_msgs", "PoseArray")?,
             markers: topic("markers", "visualization_msgs", "MarkerArray")?,
             descriptors: topic("descriptors", "lariat_msgs", "Descriptors")?,
+            descriptors3: topic("descriptors3", "lariat_msgs", "Descriptors3")?,
             image: topic("image/compressed", "sensor_msgs", "CompressedImage")?,
             overlay: topic("overlay/compressed", "sensor_msgs", "CompressedImage")?,
             camera_info: topic("camera_info", "sensor_msgs", "CameraInfo")?,
             diagnostics: topic("diagnostics", "diagnostic_msgs", "DiagnosticArray")?,
-            paths: Vec::new(),
+            paths: Paths::of(&prefix),
             pictures: Pictures::new(args.jpeg_quality),
             health: Health::new(),
             lens: Lens::default(),
@@ -158,7 +151,6 @@ impl<'a> Outgoing<'a> {
             incoming,
             clock: Clock::now(),
             second_due_ns: 0,
-            frame_id: args.frame_id(),
             camera_frame_id: args.camera_frame_id(),
             said_unit: false,
             buffer: Vec::new(),
@@ -177,10 +169,11 @@ impl<'a> Outgoing<'a> {
             &self.points,
             &self.endpoints,
             &self.descriptors,
+            &self.descriptors3,
             &self.diagnostics,
         ];
         // A rope's own topic is there once the rope was seen, and may be listened to before.
-        let path = graph.is_heard_below(&format!("{}/path", self.prefix));
+        let path = graph.is_heard_below(self.paths.prefix());
         Wanted {
             descriptors: centerlines || frames || path || heard(&shapes),
             centerlines,
@@ -195,95 +188,78 @@ impl<'a> Outgoing<'a> {
         channels: &mut Channels,
         message: &Descriptors,
     ) -> Result<()> {
-        self.health.take(message, now_ns());
-        self.say_unit(message);
-        self.make_paths(graph, message)?;
+        let sequence = message.trace.sequence;
+        let space = channels.space_of(sequence);
+        let shapes = match &space {
+            Space::None => Some(Shapes::Flat(message)),
+            Space::Of(space) => Some(Shapes::InSpace(space)),
+            Space::Missing => None,
+        };
+        self.health.take(message, shapes, now_ns());
+        self.say_unit(message, shapes);
+        self.paths.make(graph, message)?;
         let exposed_ns = message.trace.exposed_ns;
         // Of an image that came with a stamp, that one to the last digit.
         let original_ns = self.incoming.originals().of(exposed_ns);
         let stamp_ns = original_ns.unwrap_or_else(|| self.clock.wall_ns(exposed_ns));
-        let frame_id = std::mem::take(&mut self.frame_id);
-        let header = Header {
-            stamp_ns,
-            frame_id: &frame_id,
-        };
-        let sequence = message.trace.sequence;
         // What a control loop steers by goes first, and pictures, which take milliseconds, last.
-        let buffer = &mut self.buffer;
         if graph.is_heard(&self.descriptors) {
-            message.encode(buffer);
-            graph.send(&mut self.descriptors, buffer);
+            message.encode(&mut self.buffer);
+            graph.send(&mut self.descriptors, &self.buffer);
         }
-        if graph.is_heard(&self.endpoints) {
-            messages::endpoints(message, &header, buffer);
-            graph.send(&mut self.endpoints, buffer);
-        }
-        if graph.is_heard(&self.points) {
-            messages::points(message, &header, buffer);
-            graph.send(&mut self.points, buffer);
-        }
-        self.send_paths(graph, message, &header);
         let seen = channels.centerlines_of(sequence);
-        let buffer = &mut self.buffer;
-        if graph.is_heard(&self.markers) {
-            messages::markers(message, seen.as_deref(), &header, buffer);
-            graph.send(&mut self.markers, buffer);
+        // Of a rig in space nothing is said of a frame whose place there did not come.
+        if let Some(shapes) = shapes {
+            self.send_shapes(graph, shapes, seen.as_deref(), stamp_ns);
         }
         if let Some(frame) = channels.frame_of(sequence) {
             self.send_pictures(graph, frame.header(), &frame, seen.as_deref(), stamp_ns);
         }
-        self.frame_id = frame_id;
         Ok(())
     }
 
-    /// Makes the topics of ropes that are seen for the first time: before anything is sent, so that who is sent something finds a process that
-    /// makes nothing more.
-    fn make_paths(&mut self, graph: &mut Graph, message: &Descriptors) -> Result<()> {
-        let now_ns = now_ns();
-        for rope in message.curves() {
-            if rope.status() == Some(Status::Lost) {
-                continue;
-            }
-            let known = self.paths.iter().position(|path| path.track == rope.track);
-            let place = match known {
-                Some(place) => place,
-                // RustDDS 0.15 waits for itself where a writer is made and its threads have ended.
-                None if self.paths.len() < MOST_PATHS && graph.is_alive() => {
-                    let name = format!("{}/path/rope_{}", self.prefix, rope.track);
-                    let topic = graph.publisher(&name, "nav_msgs", "Path")?;
-                    self.paths.push(Path {
-                        track: rope.track,
-                        topic,
-                        seen_ns: now_ns,
-                    });
-                    self.paths.len() - 1
-                }
-                None => continue,
-            };
-            self.paths[place].seen_ns = now_ns;
+    fn send_shapes(
+        &mut self,
+        graph: &Graph,
+        shapes: Shapes,
+        seen: Option<&Centerlines>,
+        stamp_ns: u64,
+    ) {
+        let header = Header {
+            stamp_ns,
+            frame_id: &self.args.frame_id(shapes.axes()),
+        };
+        let buffer = &mut self.buffer;
+        if let Shapes::InSpace(message) = shapes
+            && graph.is_heard(&self.descriptors3)
+        {
+            message.encode(buffer);
+            graph.send(&mut self.descriptors3, buffer);
         }
-        self.paths
-            .retain(|path| now_ns.saturating_sub(path.seen_ns) < PATH_ENDS_NS);
-        Ok(())
-    }
-
-    fn send_paths(&mut self, graph: &Graph, message: &Descriptors, header: &Header) {
-        for rope in message.curves() {
-            let known = self.paths.iter_mut().find(|path| path.track == rope.track);
-            if rope.status() != Some(Status::Lost)
-                && let Some(path) = known
-                && graph.is_heard(&path.topic)
-                && messages::path(rope, Scale::of(message), header, &mut self.buffer)
-            {
-                graph.send(&mut path.topic, &self.buffer);
-            }
+        let sure = shapes.sure();
+        if graph.is_heard(&self.endpoints) {
+            messages::endpoints(&sure, &header, buffer);
+            graph.send(&mut self.endpoints, buffer);
+        }
+        if graph.is_heard(&self.points) {
+            messages::points(shapes, &header, buffer);
+            graph.send(&mut self.points, buffer);
+        }
+        self.paths.send(graph, &sure, &header, buffer);
+        if graph.is_heard(&self.markers) {
+            let crossed = match shapes {
+                Shapes::Flat(message) => seen.map(|seen| (message, seen)),
+                Shapes::InSpace(_) => None,
+            };
+            messages::markers(&sure, crossed, &header, buffer);
+            graph.send(&mut self.markers, buffer);
         }
     }
 
     fn send_pictures(
         &mut self,
         graph: &Graph,
-        frame: &lariat_wire::FrameHeader,
+        frame: &FrameHeader,
         bytes: &[u8],
         seen: Option<&Centerlines>,
         stamp_ns: u64,
@@ -340,12 +316,13 @@ impl<'a> Outgoing<'a> {
             &self.endpoints,
             &self.markers,
             &self.descriptors,
+            &self.descriptors3,
             &self.image,
             &self.overlay,
             &self.camera_info,
         ];
-        let paths = self.paths.iter().map(|path| &path.topic);
-        let unsent = topics.into_iter().chain(paths).map(Topic::unsent).sum();
+        let topics = topics.into_iter().chain(self.paths.topics());
+        let unsent = topics.map(Topic::unsent).sum();
         let mut status = self.health.status(self.args.rig.as_str(), unsent, now_ns);
         status.values.extend(self.incoming.values());
         let header = Header {
@@ -357,9 +334,14 @@ impl<'a> Outgoing<'a> {
     }
 
     /// A ROS message's lengths are metres. Where they are not, that is said.
-    fn say_unit(&mut self, message: &Descriptors) {
-        let in_metres = message.unit() == Some(lariat_wire::Unit::Millimeter);
-        if !in_metres && message.width > 0 && !std::mem::replace(&mut self.said_unit, true) {
+    fn say_unit(&mut self, message: &Descriptors, shapes: Option<Shapes>) {
+        let is_flat = matches!(shapes, Some(Shapes::Flat(_)));
+        let in_pixels = message.unit() != Some(lariat_wire::Unit::Millimeter);
+        if is_flat
+            && in_pixels
+            && message.width > 0
+            && !std::mem::replace(&mut self.said_unit, true)
+        {
             eprintln!(
                 "lariat-ros2: rig {} has no plane, so that positions are pixels and not metres: `lariat calibrate plane` makes one",
                 self.args.rig

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use lariat_chain::stop::Stop;
 use lariat_wire::{
-    CENTERLINES, Centerlines, Channel, DESCRIPTORS, Descriptors, Domain, FRAMES, FrameHeader,
-    Message, Payload, Receiver, Rig, WireError, now_ns,
+    CENTERLINES, Centerlines, Channel, ChannelState, DESCRIPTORS, DESCRIPTORS3, Descriptors,
+    Descriptors3, Domain, FRAMES, FrameHeader, Message, Payload, Receiver, Rig, WireError, now_ns,
 };
 use std::os::fd::AsFd;
 
@@ -17,9 +17,19 @@ const CHECK_AT_REST: Duration = Duration::from_millis(500);
 /// What is wanted of a rig.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Wanted {
+    /// And of a rig with a depth camera those in space.
     pub(crate) descriptors: bool,
     pub(crate) centerlines: bool,
     pub(crate) frames: bool,
+}
+
+/// What a rig says of where a frame's ropes are in space.
+pub(crate) enum Space {
+    /// It has no depth camera.
+    None,
+    /// It has one, and this frame's message was not seen here.
+    Missing,
+    Of(Message<Descriptors3>),
 }
 
 /// The ends of the channels.
@@ -30,6 +40,9 @@ pub(crate) struct Channels<'d> {
     domain: &'d Domain,
     rig: &'d Rig,
     descriptors: Option<Receiver<Descriptors>>,
+    descriptors3: Option<Receiver<Descriptors3>>,
+    /// Whether the rig has a depth camera, whatever is read of it.
+    is_in_space: bool,
     centerlines: Option<Receiver<Centerlines>>,
     frames: Option<Receiver<[u8]>>,
     checked: Option<Instant>,
@@ -43,6 +56,8 @@ impl<'d> Channels<'d> {
             domain,
             rig,
             descriptors: None,
+            descriptors3: None,
+            is_in_space: false,
             centerlines: None,
             frames: None,
             checked: None,
@@ -63,28 +78,28 @@ impl<'d> Channels<'d> {
     /// Takes up what is wanted and written, and lets go of the rest.
     pub(crate) fn check(&mut self, wanted: Wanted) {
         self.checked = Some(Instant::now());
+        let (domain, rig) = (self.domain, self.rig);
+        let descriptors = &mut self.descriptors;
+        let looked = follow(domain, rig, &DESCRIPTORS, wanted.descriptors, descriptors);
+        self.is_in_space =
+            descriptors.is_some() && written(domain, rig, DESCRIPTORS3.name()).is_some();
         let looked = [
+            looked,
             follow(
-                self.domain,
-                self.rig,
-                &DESCRIPTORS,
-                wanted.descriptors,
-                &mut self.descriptors,
+                domain,
+                rig,
+                &DESCRIPTORS3,
+                self.is_in_space,
+                &mut self.descriptors3,
             ),
             follow(
-                self.domain,
-                self.rig,
+                domain,
+                rig,
                 &CENTERLINES,
                 wanted.centerlines,
                 &mut self.centerlines,
             ),
-            follow(
-                self.domain,
-                self.rig,
-                &FRAMES,
-                wanted.frames,
-                &mut self.frames,
-            ),
+            follow(domain, rig, &FRAMES, wanted.frames, &mut self.frames),
         ];
         let obstacle = looked.into_iter().find_map(Result::err);
         let obstacle = obstacle.map(|error| error.to_string());
@@ -116,6 +131,19 @@ impl<'d> Channels<'d> {
     /// The oldest descriptors that wait.
     pub(crate) fn next(&mut self) -> Option<Message<Descriptors>> {
         take(&mut self.descriptors, |reader| reader.next())
+    }
+
+    /// What is said of where in space the ropes of the frame with this number of the source's are. That comes before its
+    /// descriptors.
+    pub(crate) fn space_of(&mut self, sequence: u64) -> Space {
+        let came = take(&mut self.descriptors3, |reader| {
+            until(reader, sequence, |message| message.trace.sequence)
+        });
+        match came {
+            Some(message) => Space::Of(message),
+            None if self.is_in_space => Space::Missing,
+            None => Space::None,
+        }
     }
 
     /// The centerlines of the frame with this number of the source's, if they came.
@@ -172,23 +200,24 @@ fn follow<P: Payload + ?Sized>(
     wanted: bool,
     reader: &mut Option<Receiver<P>>,
 ) -> Result<(), WireError> {
-    let state = if wanted {
-        domain.channel(rig, channel.name())
-    } else {
-        None
-    };
-    // Of another version nobody's ends are known: opening it says so.
-    let written =
-        state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()));
-    match (written, &reader) {
+    let state = wanted.then(|| written(domain, rig, channel.name()));
+    match (state.flatten(), &reader) {
         (None, _) => *reader = None,
         (Some(_), Some(_)) => {}
         (Some(_), None) if channel.name() == DESCRIPTORS.name() => {
             *reader = Some(Receiver::create(domain, rig, channel, None)?);
         }
-        // A lossless writer waits for its readers, and this one looks only when descriptors come: it must not be one.
-        (Some(state), None) if state.lossless => {}
+        // A lossless writer waits for its readers, and this one looks only when descriptors come: it must not be one but of what is
+        // always sent just before them.
+        (Some(state), None) if state.lossless && channel.name() != DESCRIPTORS3.name() => {}
         (Some(_), None) => *reader = Some(Receiver::create_unwoken(domain, rig, channel, None)?),
     }
     Ok(())
+}
+
+/// The channel's state, if it has a writer.
+fn written(domain: &Domain, rig: &Rig, channel: &str) -> Option<ChannelState> {
+    // Of another version nobody's ends are known: opening it says so.
+    let state = domain.channel(rig, channel);
+    state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()))
 }

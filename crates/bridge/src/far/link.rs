@@ -12,8 +12,6 @@ use super::SILENCE_NS;
 
 /// Questions that may be under way: those of 1.6 s.
 const ASKED: usize = 32;
-/// The channels that are counted.
-const COUNTED: [Kind; 3] = [Kind::Descriptors, Kind::Centerlines, Kind::Truth];
 
 /// Whether an answer was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,8 +29,11 @@ struct Near {
     process: u64,
     clock: Clock,
     answered_ns: u64,
-    tallies: [Tally; 3],
+    tallies: [Tally; Kind::COUNTED.len()],
 }
+
+/// Of each channel, how many messages were sent, and how many of them received.
+type Totals = [[u64; 2]; Kind::COUNTED.len()];
 
 /// The link to the other side.
 #[derive(Debug, Default)]
@@ -44,7 +45,7 @@ pub(super) struct Link {
     is_rivalled: bool,
     has_told: bool,
     /// What was sent and received by those who were there before.
-    before: [[u64; 2]; 3],
+    before: Totals,
 }
 
 impl Link {
@@ -110,7 +111,9 @@ impl Link {
 
     /// Counts a datagram; the clock of its sender if it is to be taken: it is of the process that answers, and newer than what came before.
     pub(super) fn receive(&mut self, datagram: &Datagram) -> Option<Offset> {
-        let at = COUNTED.iter().position(|kind| *kind == datagram.kind)?;
+        let at = Kind::COUNTED
+            .iter()
+            .position(|kind| *kind == datagram.kind)?;
         let near = self
             .near
             .as_mut()
@@ -125,8 +128,8 @@ impl Link {
         Some((near.process, near.clock.offset()?))
     }
 
-    /// Of each channel, how many were sent since this process is there, and how many of them received.
-    fn totals(&self) -> [[u64; 2]; 3] {
+    /// Since this process is there.
+    fn totals(&self) -> Totals {
         let mut totals = self.before;
         if let Some(near) = &self.near {
             for ([sent, received], tally) in totals.iter_mut().zip(&near.tallies) {
@@ -177,7 +180,7 @@ mod tests {
             token,
             got_ns: at_ns,
             answered_ns: at_ns,
-            sent: [sent, 0, 0],
+            sent: [sent, 0, 0, 0],
         }
     }
 

@@ -37,6 +37,7 @@ pub(super) fn run(
     upward: &Mutex<Upward>,
     stop: &Stop,
 ) -> u64 {
+    crate::give_way();
     match Pictures::new(rig, incoming).and_then(|mut pictures| pictures.carry(place, upward, stop))
     {
         Ok(taken) => taken,

@@ -1,8 +1,8 @@
 //! A channel that is written here: messages from the wire, checked as readers check, with their stamps on this machine's clock.
 
 use lariat_wire::{
-    Centerlines, Channel, Delivery, Descriptors, Domain, NoShape, Rig, Shape, Trace, WireError,
-    Writer, now_ns,
+    Centerlines, Channel, Delivery, Descriptors, Descriptors3, Domain, NoShape, Rig, Shape, Trace,
+    WireError, Writer, now_ns,
 };
 
 use crate::clock::Offset;
@@ -61,6 +61,12 @@ macro_rules! carried {
 carried!(Descriptors, |read| read.unit().is_some()
     && read.curves().iter().all(|curve| {
         Shape::of(curve).err() != Some(NoShape::Unreadable)
+            && curve.status().is_some()
+            && curve.fit().is_some()
+    }));
+carried!(Descriptors3, |read| read.axes().is_some()
+    && read.curves().iter().all(|curve| {
+        Shape::in_space(curve).err() != Some(NoShape::Unreadable)
             && curve.status().is_some()
             && curve.fit().is_some()
     }));

@@ -28,6 +28,7 @@ const CHECK: Duration = Duration::from_millis(250);
 
 /// Sends frames while they are asked for, until it is told to stop; how many.
 pub(super) fn run(rig: &Rig, place: &Place, heard: &Heard, stop: &Stop) -> u64 {
+    crate::give_way();
     let mut sent = 0;
     let mut said = None;
     while !stop.asked() {

@@ -1,13 +1,14 @@
 //! `visualization_msgs/MarkerArray`: the ropes as RViz and Foxglove draw them.
 
 use lariat_record::{Cdr, Encoder, rope_color};
-use lariat_wire::{Centerlines, Crossing, Descriptor, Descriptors, Shape, Unit};
+use lariat_wire::{Centerlines, Crossing, Descriptors, MAX_CONTROL_POINTS, Unit};
 
-use super::{Header, Scale, put_turn, sure};
+use super::{Header, Rope, Scale};
 
 /// As in `visualization_msgs/Marker`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
+    Sphere = 2,
     Cylinder = 3,
     LineStrip = 4,
     SphereList = 7,
@@ -25,8 +26,8 @@ const UNDER: Color = [0.15, 0.15, 0.15, 1.0];
 const DRAWN: usize = 96;
 /// Points on each side of a crossing by which the strands there are drawn.
 const BESIDE: usize = 4;
-/// Half axes of an ellipse, in standard deviations: nine of ten control points lie within √(−2 ln 0.1).
-const DEVIATIONS: f64 = 2.146;
+/// Not turned.
+const AS_IT_IS: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// A rope's own.
 fn color(track: u32) -> Color {
@@ -41,36 +42,34 @@ struct Marker<'a> {
     id: i32,
     kind: Kind,
     at: [f64; 3],
-    yaw: f64,
+    /// A quaternion x, y, z, w.
+    turn: [f64; 4],
     scale: [f64; 3],
     color: Color,
     points: &'a [[f64; 3]],
 }
 
-/// Writes what is to be drawn: all that was before is deleted, then for each rope whose curve may be steered by its `curve`, its
-/// `control_points` and for each an ellipse of `covariance`; then, where the centerlines of the same frame are there, each crossing
-/// with the strand that is `over` and the one `under`, by its side.
+/// Writes what is to be drawn: all that was before is deleted, then for each rope by its `curve`, its `control_points` and for each
+/// an ellipse of `covariance`, in space an ellipsoid; then, where the centerlines of a flat message are there, each crossing with the strand that
+/// is `over` and the one `under`, by its side. In space the strands themselves lie so.
 pub(crate) fn markers(
-    message: &Descriptors,
-    seen: Option<&Centerlines>,
+    ropes: &[Rope],
+    crossed: Option<(&Descriptors, &Centerlines)>,
     header: &Header,
     into: &mut Vec<u8>,
 ) {
-    let scale = Scale::of(message);
     let mut drawn = Drawing {
         count: 0,
         body: Vec::new(),
         header,
     };
     drawn.delete_all();
-    for rope in message.curves() {
-        if let Some(shape) = sure(rope) {
-            drawn.rope(rope, &shape, scale);
-        }
+    for rope in ropes {
+        drawn.rope(rope);
     }
-    if let Some(seen) = seen {
+    if let Some((message, seen)) = crossed {
         for (id, crossing) in seen.crossings().iter().enumerate() {
-            drawn.crossing(id as i32, crossing, seen, message, scale);
+            drawn.crossing(id as i32, crossing, seen, message);
         }
     }
     drawn.finish(into);
@@ -92,7 +91,7 @@ impl Drawing<'_> {
                 id: 0,
                 kind: Kind::LineStrip,
                 at: [0.0; 3],
-                yaw: 0.0,
+                turn: AS_IT_IS,
                 scale: [0.0; 3],
                 color: [0.0; 4],
                 points: &[],
@@ -101,46 +100,44 @@ impl Drawing<'_> {
         );
     }
 
-    fn rope(&mut self, rope: &Descriptor, shape: &Shape, scale: Scale) {
+    fn rope(&mut self, rope: &Rope) {
         let color = color(rope.track);
-        let width = scale.length(rope.width);
-        let curve: Vec<_> = (0..DRAWN + usize::from(shape.is_closed()))
-            .map(|i| scale.point(shape.point_at(shape.even_rho(i, DRAWN))))
-            .collect();
-        self.lines("curve", rope.track as i32, 0.3 * width, color, &curve);
+        let mut curve: Vec<_> = rope.along(DRAWN).map(|(at, _)| at).collect();
+        curve.extend(curve.first().copied().filter(|_| rope.is_closed()));
+        self.lines("curve", rope.track as i32, 0.3 * rope.width, color, &curve);
         // The coefficients of a Fourier series lie nowhere.
-        if shape.is_closed() {
+        if rope.is_closed() {
             return;
         }
-        let control: Vec<_> = shape
-            .control_points()
-            .iter()
-            .map(|&p| scale.point(p))
-            .collect();
+        let control = rope.control_points();
         self.put(
             &Marker {
                 ns: "control_points",
                 id: rope.track as i32,
                 kind: Kind::SphereList,
                 at: [0.0; 3],
-                yaw: 0.0,
-                scale: [0.5 * width; 3],
+                turn: AS_IT_IS,
+                scale: [0.5 * rope.width; 3],
                 color: CONTROL_POINT,
                 points: &control,
             },
             ADD,
         );
-        for (i, (at, covariance)) in control.iter().zip(rope.covariances()).enumerate() {
-            let (axes, yaw) = ellipse(*covariance);
-            let [long, short] = axes.map(|axis| scale.length(2.0 * DEVIATIONS * axis));
+        for (i, (at, ellipsoid)) in control.iter().zip(rope.uncertainties()).enumerate() {
+            let [long, short, third] = ellipsoid.axes;
+            let (kind, third) = if rope.is_flat() {
+                (Kind::Cylinder, 0.05 * rope.width)
+            } else {
+                (Kind::Sphere, third)
+            };
             self.put(
                 &Marker {
                     ns: "covariance",
-                    id: rope.track as i32 * lariat_wire::MAX_CONTROL_POINTS as i32 + i as i32,
-                    kind: Kind::Cylinder,
+                    id: (rope.track as i32).wrapping_mul(MAX_CONTROL_POINTS as i32) + i as i32,
+                    kind,
                     at: *at,
-                    yaw,
-                    scale: [long, short, 0.05 * width],
+                    turn: ellipsoid.turn,
+                    scale: [long, short, third],
                     color: ELLIPSE,
                     points: &[],
                 },
@@ -155,8 +152,8 @@ impl Drawing<'_> {
         crossing: &Crossing,
         seen: &Centerlines,
         message: &Descriptors,
-        scale: Scale,
     ) {
+        let scale = Scale::of(message);
         // Extract's curves and fit's are of the same tracks.
         let line = |rope: u32| {
             let track = seen.curves().get(rope as usize)?.track;
@@ -190,7 +187,7 @@ impl Drawing<'_> {
                 id,
                 kind: Kind::Cylinder,
                 at: scale.point(at),
-                yaw: 0.0,
+                turn: AS_IT_IS,
                 scale: [3.0 * width, 3.0 * width, 0.05 * width],
                 color: CROSSING,
                 points: &[],
@@ -206,7 +203,7 @@ impl Drawing<'_> {
                 id,
                 kind: Kind::LineStrip,
                 at: [0.0; 3],
-                yaw: 0.0,
+                turn: AS_IT_IS,
                 // Of a line, x is the width, and the rest has no meaning.
                 scale: [width, 0.0, 0.0],
                 color,
@@ -232,7 +229,7 @@ impl Drawing<'_> {
         (marker.kind as i32).put(to);
         action.put(to);
         marker.at.put(to);
-        put_turn(to, marker.yaw);
+        marker.turn.put(to);
         marker.scale.put(to);
         marker.color.put(to);
         // It stays until the next message, and is not locked to a frame that moves.
@@ -287,26 +284,4 @@ fn beside<'a>(
         (f64::from(rho) * last as f64).round() as usize
     };
     points.get(near.saturating_sub(BESIDE)..=(near + BESIDE).min(last))
-}
-
-/// The standard deviations along an ellipse's axes, the longer first, and where that points, of a covariance `[xx, xy, yy]`.
-fn ellipse([xx, xy, yy]: [f64; 3]) -> ([f64; 2], f64) {
-    let middle = 0.5 * (xx + yy);
-    let half = (0.5 * (xx - yy)).hypot(xy);
-    let axes = [middle + half, middle - half].map(|variance| variance.max(0.0).sqrt());
-    (axes, 0.5 * (2.0 * xy).atan2(xx - yy))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_ellipse_has_the_axes_of_its_covariance() {
-        // Deviations 3 along (1, 1)/√2 and 1 across.
-        let (axes, yaw) = ellipse([5.0, 4.0, 5.0]);
-        assert!((axes[0] - 3.0).abs() < 1e-12 && (axes[1] - 1.0).abs() < 1e-12);
-        assert!((yaw - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
-        assert_eq!(ellipse([4.0, 0.0, 9.0]).0, [3.0, 2.0]);
-    }
 }

@@ -1,55 +1,42 @@
 //! `nav_msgs/Path`: a rope's curve as poses along it; `geometry_msgs/PoseArray`: where ropes end.
 
 use lariat_record::Encoder;
-use lariat_wire::{Descriptor, Descriptors, Shape};
 
-use super::{Header, Scale, put_pose, sure};
+use super::{Header, Rope, put_pose};
 
 /// Poses along a curve: of a rope of 1 m one each 16 mm.
 const POSES: usize = 64;
 
-/// Writes poses at even steps of ρ, each with its x axis along the rope. `false`, and nothing is written: the rope has no curve
-/// that may be steered by.
-pub(crate) fn path(rope: &Descriptor, scale: Scale, header: &Header, into: &mut Vec<u8>) -> bool {
-    let Some(shape) = sure(rope) else {
-        return false;
-    };
+/// Writes poses at even steps of ρ, each with its x axis along the rope.
+pub(crate) fn path(rope: &Rope, header: &Header, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     header.put(to);
     to.byte_count(POSES);
-    for i in 0..POSES {
+    for (at, direction) in rope.along(POSES) {
         header.put(to);
-        put_on(to, &shape, shape.even_rho(i, POSES), scale);
+        put_pose(to, at, direction);
     }
-    true
 }
 
-/// Writes two poses for each open rope whose curve may be steered by, in the order of the message: its first end and its last,
-/// both with their x axis along the rope, from the first to the last.
-pub(crate) fn endpoints(message: &Descriptors, header: &Header, into: &mut Vec<u8>) {
-    let scale = Scale::of(message);
+/// Writes two poses for each open rope: its first end and its last, both with their x axis along the rope, from the first to
+/// the last.
+pub(crate) fn endpoints(ropes: &[Rope], header: &Header, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     header.put(to);
-    let open = || {
-        let ropes = message.curves().iter().filter(|rope| rope.closed == 0);
-        ropes.filter_map(sure)
-    };
+    let open = || ropes.iter().filter(|rope| !rope.is_closed());
     to.byte_count(2 * open().count());
-    for shape in open() {
-        put_on(to, &shape, 0.0, scale);
-        put_on(to, &shape, 1.0, scale);
+    for (at, direction) in open().flat_map(|rope| rope.along(2)) {
+        put_pose(to, at, direction);
     }
-}
-
-fn put_on(to: &mut Encoder, shape: &Shape, rho: f64, scale: Scale) {
-    let direction = shape.tangent_at(rho).unwrap_or([1.0, 0.0]);
-    put_pose(to, scale.point(shape.point_at(rho)), direction);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lariat_wire::{Basis, FitQuality, Status, Unit};
+    use crate::messages::{Scale, Shapes};
+    use lariat_wire::{
+        Basis, Descriptor, Descriptor3, Descriptors, FitQuality, Place, Status, Unit,
+    };
 
     /// A straight rope from (100, 200) to (300, 200) mm.
     fn rope() -> Descriptor {
@@ -73,7 +60,7 @@ mod tests {
         for (unit, x) in [(Unit::Millimeter, 0.3), (Unit::Pixel, 300.0)] {
             message.unit = unit as u32;
             let mut cdr = Vec::new();
-            endpoints(&message, &header, &mut cdr);
+            endpoints(&Shapes::Flat(&message).sure(), &header, &mut cdr);
             let mut from = lariat_record::Decoder::new(&cdr).expect("CDR");
             assert_eq!((from.value::<i32>(), from.value::<u32>()), (Ok(1), Ok(1)));
             assert_eq!(from.string(), Ok("a"));
@@ -85,20 +72,58 @@ mod tests {
     }
 
     #[test]
-    fn a_rope_that_is_not_sure_has_no_path() {
+    fn a_rope_that_is_not_sure_is_none_to_be_steered_by() {
+        let is_sure = |rope: &Descriptor| Rope::flat(rope, Scale::MILLIMETERS).is_some();
+        assert!(is_sure(&rope()));
+        for status in [Status::Lost, Status::Doubtful] {
+            let mut rope = rope();
+            rope.status = status as u32;
+            assert!(!is_sure(&rope), "{status:?}");
+        }
+        let mut coarse = rope();
+        coarse.fit = FitQuality::Coarse as u32;
+        assert!(!is_sure(&coarse));
+    }
+
+    #[test]
+    fn in_space_a_pose_points_along_the_rope_and_one_whose_place_is_not_known_has_none() {
+        let mut rope = Descriptor3::EMPTY;
+        (rope.order, rope.count, rope.samples) = (1, 2, 120);
+        rope.place = Place::Known as u32;
+        rope.control_points[..2].copy_from_slice(&[[0.0, 0.0, 500.0], [200.0, -100.0, 700.0]]);
         let header = Header {
             stamp_ns: 0,
             frame_id: "a",
         };
-        let has_path = |rope: &Descriptor| path(rope, Scale(1.0), &header, &mut Vec::new());
-        assert!(has_path(&rope()));
-        for status in [Status::Lost, Status::Doubtful] {
-            let mut rope = rope();
-            rope.status = status as u32;
-            assert!(!has_path(&rope), "{status:?}");
+        let mut cdr = Vec::new();
+        let sure = Rope::in_space(&rope).expect("a rope to steer by");
+        endpoints(&[sure], &header, &mut cdr);
+        let mut from = lariat_record::Decoder::new(&cdr).expect("CDR");
+        let head = (from.value::<i32>(), from.value::<u32>(), from.string());
+        assert_eq!((head, from.value()), ((Ok(0), Ok(0), Ok("a")), Ok(2_u32)));
+        let poses: [[f64; 7]; 2] = from.value().expect("two poses");
+        for ([x, y, z, a, b, c, w], at) in
+            poses.into_iter().zip([[0.0, 0.0, 0.5], [0.2, -0.1, 0.7]])
+        {
+            assert!(
+                [x, y, z]
+                    .iter()
+                    .zip(at)
+                    .all(|(c, at)| (c - at).abs() < 1e-12)
+            );
+            let along = [
+                w * w + a * a - b * b - c * c,
+                2.0 * (a * b + w * c),
+                2.0 * (a * c - w * b),
+            ];
+            let third = 1.0 / 3.0;
+            for (c, meant) in along.iter().zip([2.0 * third, -third, 2.0 * third]) {
+                assert!((c - meant).abs() < 1e-12, "{along:?}");
+            }
+            // The y axis is level.
+            assert!((2.0 * (b * c + w * a)).abs() < 1e-12);
         }
-        let mut coarse = rope();
-        coarse.fit = FitQuality::Coarse as u32;
-        assert!(!has_path(&coarse));
+        rope.place = Place::Before as u32;
+        assert!(Rope::in_space(&rope).is_none());
     }
 }

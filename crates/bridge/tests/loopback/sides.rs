@@ -1,0 +1,262 @@
+//! What every test needs: both sides as processes, a relay between them, a chain at the one end.
+
+use std::io::Read;
+use std::net::UdpSocket;
+use std::process::{Child, Command as Process, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer, now_ns};
+
+use crate::relay::{Relay, Weather};
+use crate::rope;
+
+/// Nothing takes so long that goes on at all.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_lariat-bridge");
+
+/// A process that ends with its test, however that ends.
+pub(crate) struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Ended already, or of no use to anyone.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A side of a bridge.
+pub(crate) struct Side {
+    process: Running,
+    said: JoinHandle<String>,
+}
+
+impl Side {
+    pub(crate) fn start(domain: &str, words: &[&str]) -> Self {
+        let mut process = Process::new(PROGRAM)
+            .args(["--rig", "cell"])
+            .args(words)
+            .env("LARIAT_DOMAIN", domain)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("a process");
+        let (mut out, mut errors) = (
+            process.stdout.take().expect("piped"),
+            process.stderr.take().expect("piped"),
+        );
+        let said = thread::spawn(move || {
+            let mut said = String::new();
+            let _ = errors.read_to_string(&mut said);
+            let _ = out.read_to_string(&mut said);
+            said
+        });
+        Self {
+            process: Running(process),
+            said,
+        }
+    }
+
+    /// Ends it as Ctrl-C does; what it said.
+    pub(crate) fn end(mut self) -> String {
+        let pid = rustix::process::Pid::from_child(&self.process.0);
+        rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it is ours");
+        let status = self.process.0.wait().expect("it is ours");
+        let said = self.said.join().expect("text");
+        assert!(status.success(), "{status}: {said}");
+        said
+    }
+
+    pub(crate) fn kill(self) {
+        drop(self.process);
+    }
+}
+
+/// Two domains, and a port.
+pub(crate) struct Place {
+    pub(crate) near: String,
+    pub(crate) far: String,
+    pub(crate) port: u16,
+}
+
+impl Place {
+    pub(crate) fn new() -> Self {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let name = format!(
+            "{}-{}",
+            std::process::id(),
+            COUNT.fetch_add(1, Ordering::Relaxed)
+        );
+        Self {
+            near: format!("bn{name}"),
+            far: format!("bf{name}"),
+            port: free_port(),
+        }
+    }
+
+    pub(crate) fn at(port: u16) -> String {
+        format!("udp/127.0.0.1:{port}")
+    }
+
+    pub(crate) fn listen(&self, more: &[&str]) -> Side {
+        let at = Self::at(self.port);
+        Side::start(&self.near, &[&["--listen", &at], more].concat())
+    }
+
+    /// `port`: the relay's, if there is one.
+    pub(crate) fn connect(&self, port: u16, more: &[&str]) -> Side {
+        let at = Self::at(port);
+        Side::start(&self.far, &[&["--connect", &at], more].concat())
+    }
+
+    pub(crate) fn near(&self) -> Domain {
+        Domain::named(&self.near).expect("a domain")
+    }
+
+    pub(crate) fn far(&self) -> Domain {
+        Domain::named(&self.far).expect("a domain")
+    }
+}
+
+/// Nothing is left behind.
+impl Drop for Place {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            return;
+        }
+        let left = std::fs::read_dir("/dev/shm").expect("a folder");
+        let left = left.flatten().map(|entry| entry.file_name());
+        let ours = |name: &str| name.contains(&self.near) || name.contains(&self.far);
+        let left: Vec<_> = left
+            .filter(|name| name.to_str().is_some_and(ours))
+            .collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
+pub(crate) fn free_port() -> u16 {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    socket.local_addr().expect("a port").port()
+}
+
+pub(crate) fn rig() -> Rig {
+    "cell".parse().expect("a name")
+}
+
+/// A relay to a port, for as long as it is kept.
+pub(crate) struct Relayed {
+    pub(crate) port: u16,
+    wanted: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Relayed {
+    pub(crate) fn start(to: u16, weather: Weather) -> Self {
+        let (port, wanted) = (free_port(), Arc::new(AtomicBool::new(true)));
+        let [at, to] = [port, to].map(|port| ([127, 0, 0, 1], port).into());
+        let mut relay = Relay::new(at, to, weather, 3).expect("a port");
+        let wants = wanted.clone();
+        let thread = thread::spawn(move || {
+            relay
+                .run(|| wants.load(Ordering::Relaxed))
+                .expect("sockets");
+        });
+        Self {
+            port,
+            wanted,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Relayed {
+    fn drop(&mut self) {
+        self.wanted.store(false, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A chain's end: sends a rope 100 times a second, in a thread of its own, until it is dropped.
+pub(crate) struct Chain {
+    wanted: Arc<AtomicBool>,
+    thread: Option<JoinHandle<u64>>,
+}
+
+impl Chain {
+    pub(crate) fn start(place: &Place) -> Self {
+        let wanted = Arc::new(AtomicBool::new(true));
+        let (wants, name) = (wanted.clone(), place.near.clone());
+        let thread = thread::spawn(move || {
+            let domain = Domain::named(&name).expect("a domain");
+            let writer =
+                Writer::<Descriptors>::create(&domain, &rig(), &DESCRIPTORS, &Delivery::NewestWins);
+            let (writer, mut count) = (writer.expect("the only one"), 0);
+            while wants.load(Ordering::Relaxed) {
+                // A camera's pace.
+                thread::sleep(Duration::from_millis(10));
+                count += 1;
+                let mut slot = writer.slot().expect("a slot");
+                rope::write(&mut slot, count, now_ns());
+                slot.send().expect("sent");
+            }
+            count
+        });
+        Self {
+            wanted,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Chain {
+    fn drop(&mut self) {
+        self.wanted.store(false, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The next messages of a reader; all that waits is taken, in its order.
+pub(crate) fn take(
+    reader: &Receiver<Descriptors>,
+    mut see: impl FnMut(&Descriptors),
+    mut wanted: impl FnMut() -> bool,
+) {
+    let deadline = Instant::now() + PATIENCE;
+    while wanted() {
+        assert!(Instant::now() < deadline, "nothing comes");
+        let look_up = Instant::now() + Duration::from_millis(100);
+        reader.sleep(Some(look_up), None).expect("a reader");
+        while let Some(message) = reader.next().expect("a reader") {
+            see(&message);
+        }
+    }
+}
+
+/// The number behind a word in what was said.
+pub(crate) fn number(said: &str, before: &str) -> u64 {
+    let rest = said
+        .split(before)
+        .last()
+        .filter(|rest| rest.len() < said.len());
+    let digits = rest.unwrap_or_else(|| panic!("no {before:?} in {said}"));
+    let digits = digits.split(|c: char| !c.is_ascii_digit()).next();
+    digits.and_then(|digits| digits.parse().ok()).expect(said)
+}
+
+/// By how much stamps may be off, as a bridge of a domain says in its roster.
+pub(crate) fn said_bound_us(domain: &str) -> Option<f64> {
+    let entries = std::fs::read_dir(format!("/tmp/lariat-{domain}/lariat-roster")).ok()?;
+    let mut texts = entries
+        .flatten()
+        .map(|entry| std::fs::read_to_string(entry.path()));
+    let said =
+        texts.find_map(|text| Some(text.ok()?.split_once("clock_bound_us = ")?.1.to_owned()))?;
+    said.lines().next()?.parse().ok()
+}

@@ -1,0 +1,93 @@
+//! The topics of single ropes.
+
+use anyhow::Result;
+use lariat_wire::{Descriptors, MAX_CURVES, Status, now_ns};
+
+use crate::graph::{Graph, Topic};
+use crate::messages::{self, Header, Rope};
+
+/// As many topics as a message has ropes.
+const MOST: usize = MAX_CURVES;
+/// A rope that was not seen for so long has no topic any more.
+const ENDS_NS: u64 = 60_000_000_000;
+
+/// A topic for each rope that was seen lately.
+pub(super) struct Paths {
+    prefix: String,
+    paths: Vec<Path>,
+}
+
+struct Path {
+    track: u32,
+    topic: Topic,
+    seen_ns: u64,
+}
+
+impl Paths {
+    /// Of a rig whose topics begin so.
+    pub(super) fn of(prefix: &str) -> Self {
+        Self {
+            prefix: format!("{prefix}/path"),
+            paths: Vec::new(),
+        }
+    }
+
+    /// What their names begin with.
+    pub(super) fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    pub(super) fn topics(&self) -> impl Iterator<Item = &Topic> {
+        self.paths.iter().map(|path| &path.topic)
+    }
+
+    /// Makes the topics of ropes that are seen for the first time: before anything is sent, so that who is sent something finds a process that
+    /// makes nothing more.
+    pub(super) fn make(&mut self, graph: &mut Graph, message: &Descriptors) -> Result<()> {
+        let now_ns = now_ns();
+        for rope in message.curves() {
+            if rope.status() == Some(Status::Lost) {
+                continue;
+            }
+            let known = self.paths.iter().position(|path| path.track == rope.track);
+            let place = match known {
+                Some(place) => place,
+                // RustDDS 0.15 waits for itself where a writer is made and its threads have ended.
+                None if self.paths.len() < MOST && graph.is_alive() => {
+                    let name = format!("{}/rope_{}", self.prefix, rope.track);
+                    let topic = graph.publisher(&name, "nav_msgs", "Path")?;
+                    self.paths.push(Path {
+                        track: rope.track,
+                        topic,
+                        seen_ns: now_ns,
+                    });
+                    self.paths.len() - 1
+                }
+                None => continue,
+            };
+            self.paths[place].seen_ns = now_ns;
+        }
+        self.paths
+            .retain(|path| now_ns.saturating_sub(path.seen_ns) < ENDS_NS);
+        Ok(())
+    }
+
+    /// Sends the ropes' curves to whoever listens.
+    pub(super) fn send(
+        &mut self,
+        graph: &Graph,
+        ropes: &[Rope],
+        header: &Header,
+        buffer: &mut Vec<u8>,
+    ) {
+        for rope in ropes {
+            let known = self.paths.iter_mut().find(|path| path.track == rope.track);
+            if let Some(path) = known
+                && graph.is_heard(&path.topic)
+            {
+                messages::path(rope, header, buffer);
+                graph.send(&mut path.topic, buffer);
+            }
+        }
+    }
+}
