@@ -10,10 +10,10 @@
 //! 1. **Found.** A ray of the colour camera is a line in the depth image: at every few points of the rope that is walked from near to
 //!    far to the first place where what is measured is where the ray is. The first, as the table behind a lifted rope, which the depth
 //!    camera may see from beside, would agree with the ray as well.
-//! 2. **Measured.** Around each point, in the rope's inner width only, an edge's mixed pixels left out, all depth pixels are read. A
-//!    rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / sin ϑ, with ϑ the angle between the
-//!    ray and the rope, and its radius r half of its width in the colour image. The median of what they say of the axis, and the mean of
-//!    those near it, with the variance of the sensor's model and of their spread.
+//! 2. **Measured.** Around every second point, in the rope's inner width only, an edge's mixed pixels left out, depth is read at 32
+//!    places. A rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / |ρ × d|, with ρ the ray, one ahead,
+//!    d the rope's direction, and its radius r half of its width in the colour image. The mean of what they say of the axis, twice
+//!    without what is far from it, with the variance of the sensor's model and of their spread.
 //! 3. **Bridged.** Where something covers the rope (another strand, a hand), and where the sensor has nothing, depth goes on
 //!    straight between the measured points, with a variance that grows with the way.
 //! 4. **Cut.** At an end that rises or falls, the outline in the colour image goes on beyond the axis.

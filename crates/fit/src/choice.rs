@@ -240,7 +240,8 @@ impl<const D: usize> Fitter<D> {
     /// Whether the curve of the last fit, which was of these points, lies within the tolerance of those that were seen.
     pub fn lies_on(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
         // All points are near: mostly there is no need to look at each.
-        self.fit.max_px <= tolerance.most || self.lies_at(self.shown, line, tolerance)
+        self.fit.max_px.powi(2) <= tolerance.squared()[0]
+            || self.lies_at(self.shown, line, tolerance)
     }
 
     /// By how much the tolerance would have to be larger for the last fit, which was of these points.

@@ -59,7 +59,7 @@ impl<const D: usize> Fit<D> {
 /// Fits curves of one family to centerlines of one number of points in `D` dimensions.
 pub struct Fitter<const D: usize = 2> {
     pub(crate) options: Options,
-    arch: lariat_portable::Arch,
+    pub(crate) arch: lariat_portable::Arch,
     /// One, or one of each size to choose from, the smallest first; behind these, those that ropes have for themselves.
     pub(crate) sizes: Vec<Size<D>>,
     /// How many there are to choose from.

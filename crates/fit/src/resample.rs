@@ -237,9 +237,10 @@ impl<const D: usize> Resampler<D> {
 
 /// How long a vector is.
 pub(crate) fn length<const D: usize>(way: [f64; D]) -> f64 {
-    way[1..]
-        .iter()
-        .fold(way[0].abs(), |length, &c| libm::hypot(length, c))
+    match way[..] {
+        [x, y] => libm::hypot(x.abs(), y),
+        _ => way.iter().map(|c| c * c).sum::<f64>().sqrt(),
+    }
 }
 
 /// What the point before, the point and the one after it, at the distances `before` and `step`, weigh in the slope of their

@@ -16,9 +16,12 @@ use crate::basis::MAX_CONTROL_POINTS;
 use crate::fitter::Fitter;
 use crate::noise::Square;
 use crate::options::MAX_POINTS;
+use lariat_portable::{Simd, WithSimd};
 
 /// Points to each side that a direction is taken from.
 const ASIDE: usize = 3;
+/// Numbers in a vector.
+const LANES: usize = 8;
 
 /// The errors of a line's points.
 #[derive(Debug, Clone, Copy)]
@@ -31,19 +34,78 @@ pub struct Spread<'a, const D: usize> {
     pub alike: f64,
 }
 
-/// Room for what each point does.
+/// Room for what each point does, each number by itself and padded with zeros to whole vectors.
 #[derive(Debug, Clone)]
 pub(crate) struct Points<const D: usize> {
-    tangents: Vec<[f64; D]>,
-    across: Vec<Square<D>>,
+    /// What of its ellipsoid is across the line.
+    across: [[Vec<f64>; D]; D],
+    /// The line's direction, times how far it is to the last point, and to the first.
+    first: [Vec<f64>; D],
+    second: [Vec<f64>; D],
+    /// A row of `P`.
+    row: Vec<f64>,
+}
+
+/// The sums over all points that make a control point's covariance.
+struct Sums<'a, const D: usize> {
+    points: &'a Points<D>,
+    vectors: usize,
 }
 
 impl<const D: usize> Points<D> {
     pub(crate) fn new() -> Self {
+        let room = || std::array::from_fn(|_| vec![0.0; MAX_POINTS]);
         Self {
-            tangents: vec![[0.0; D]; MAX_POINTS],
-            across: vec![[[0.0; D]; D]; MAX_POINTS],
+            across: std::array::from_fn(|_| room()),
+            first: room(),
+            second: room(),
+            row: vec![0.0; MAX_POINTS],
         }
+    }
+}
+
+impl<const D: usize> WithSimd for Sums<'_, D> {
+    type Output = (Square<D>, [f64; D], [f64; D]);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let zero = simd.splat_f64s(0.0);
+        let Points {
+            across,
+            first,
+            second,
+            row,
+        } = self.points;
+        let row = &S::as_simd_f64s(row).0[..self.vectors];
+        let mut sums = [[zero; D]; D];
+        for (k, &p) in row.iter().enumerate() {
+            let square = simd.mul_f64s(p, p);
+            for a in 0..D {
+                for b in a..D {
+                    let across = S::as_simd_f64s(&across[a][b]).0[k];
+                    sums[a][b] = simd.mul_add_f64s(square, across, sums[a][b]);
+                }
+            }
+        }
+        let mut ends = [[zero; D]; 2];
+        for (k, &p) in row.iter().enumerate() {
+            for a in 0..D {
+                let to_last = S::as_simd_f64s(&first[a]).0[k];
+                let to_first = S::as_simd_f64s(&second[a]).0[k];
+                ends[0][a] = simd.mul_add_f64s(p, to_last, ends[0][a]);
+                ends[1][a] = simd.mul_add_f64s(p, to_first, ends[1][a]);
+            }
+        }
+        let mut square = [[0.0; D]; D];
+        let [mut one, mut other] = [[0.0; D]; 2];
+        for a in 0..D {
+            for b in a..D {
+                square[a][b] = simd.reduce_sum_f64s(sums[a][b]);
+            }
+            one[a] = simd.reduce_sum_f64s(ends[0][a]);
+            other[a] = simd.reduce_sum_f64s(ends[1][a]);
+        }
+        (square, one, other)
     }
 }
 
@@ -63,40 +125,45 @@ impl<const D: usize> Fitter<D> {
             return;
         }
         let closed = self.options.basis.is_closed();
-        let mut expected = 0.0;
+        let of_points = &mut self.of_points;
+        let (mut expected, last) = (0.0, (count - 1) as f64);
         for k in 0..count {
             let [from, to] = match closed {
                 true => [(k + count - ASIDE.min(count)) % count, (k + ASIDE) % count],
                 false => [k.saturating_sub(ASIDE), (k + ASIDE).min(count - 1)],
             };
-            let way: [f64; D] = std::array::from_fn(|axis| points[to][axis] - points[from][axis]);
-            let size = way.iter().map(|c| c * c).sum::<f64>().sqrt();
-            let tangent = way.map(|c| if size > 0.0 { c / size } else { 0.0 });
+            let mut tangent = [0.0; D];
+            let mut size = 0.0;
+            for axis in 0..D {
+                tangent[axis] = points[to][axis] - points[from][axis];
+                size += tangent[axis] * tangent[axis];
+            }
+            let per_size = if size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
+            for c in &mut tangent {
+                *c *= per_size;
+            }
             let across = without(&spread.squares[k], tangent);
-            expected += (0..D).map(|axis| across[axis][axis]).sum::<f64>();
-            self.of_points.tangents[k] = tangent;
-            self.of_points.across[k] = across;
+            let rho = k as f64 / last;
+            for a in 0..D {
+                expected += across[a][a];
+                for (to, number) in of_points.across[a].iter_mut().zip(across[a]) {
+                    to[k] = number;
+                }
+                of_points.first[a][k] = (1.0 - rho) * tangent[a];
+                of_points.second[a][k] = rho * tangent[a];
+            }
         }
         let linear = &self.sizes[self.shown].linear;
         let residuals = self.fit.residual_variance * (D * count) as f64 / expected;
         let alike = spread.alike * residuals.max(1.0);
-        let last = (count - 1) as f64;
+        let [one, other] = spread.ends.map(|sigma| sigma * sigma);
+        let vectors = count.div_ceil(LANES);
+        of_points.row[..vectors * LANES].fill(0.0);
         let controls = self.fit.control_points.len();
         for (j, covariance) in covariances.iter_mut().enumerate().take(controls) {
-            let mut sum = [[0.0; D]; D];
-            let [mut first, mut second] = [[0.0; D]; 2];
-            for (k, &p) in linear.matrix.column(j).iter().enumerate() {
-                let (across, tangent) = (&self.of_points.across[k], &self.of_points.tangents[k]);
-                let (square, rho) = (p * p, k as f64 / last);
-                for a in 0..D {
-                    for b in a..D {
-                        sum[a][b] += square * across[a][b];
-                    }
-                    first[a] += p * (1.0 - rho) * tangent[a];
-                    second[a] += p * rho * tangent[a];
-                }
-            }
-            let [one, other] = spread.ends.map(|sigma| sigma * sigma);
+            of_points.row[..count].copy_from_slice(linear.matrix.column(j));
+            let points = &*of_points;
+            let (sum, first, second) = self.arch.dispatch(Sums { points, vectors });
             for a in 0..D {
                 for b in a..D {
                     let ends = one * first[a] * first[b] + other * second[a] * second[b];
@@ -109,13 +176,21 @@ impl<const D: usize> Fitter<D> {
 }
 
 /// What of a covariance is across a direction.
+#[inline(always)]
 fn without<const D: usize>(square: &Square<D>, along: [f64; D]) -> Square<D> {
-    let times: [f64; D] =
-        std::array::from_fn(|a| (0..D).map(|b| square[a][b] * along[b]).sum::<f64>());
-    let twice = (0..D).map(|a| along[a] * times[a]).sum::<f64>();
-    std::array::from_fn(|a| {
-        std::array::from_fn(|b| {
-            square[a][b] - along[a] * times[b] - times[a] * along[b] + twice * along[a] * along[b]
-        })
-    })
+    let mut times = [0.0; D];
+    let mut twice = 0.0;
+    for a in 0..D {
+        for b in 0..D {
+            times[a] += square[a][b] * along[b];
+        }
+        twice += along[a] * times[a];
+    }
+    let mut across = *square;
+    for a in 0..D {
+        for b in 0..D {
+            across[a][b] += twice * along[a] * along[b] - along[a] * times[b] - times[a] * along[b];
+        }
+    }
+    across
 }

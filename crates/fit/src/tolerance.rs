@@ -12,6 +12,9 @@ pub struct Tolerance {
     pub most: f64,
     /// No point is farther off. Default: 8 px, half the width of a rope of which 2 px are an eighth.
     pub all: f64,
+    /// The standard deviation of the points themselves, where they are less sure than a curve has to be near: so much of a distance
+    /// is not the curve's. Default: 0.
+    pub noise: f64,
 }
 
 impl Default for Tolerance {
@@ -19,9 +22,13 @@ impl Default for Tolerance {
         Self {
             most: 2.0,
             all: 8.0,
+            noise: 0.0,
         }
     }
 }
+
+/// How many standard deviations of noise 95 of 100 points are off by, and all of them.
+const NOISY: [f64; 2] = [2.0, 5.0];
 
 impl Tolerance {
     /// How much of a rope's width counts as on the rope, if nothing else is said.
@@ -38,21 +45,33 @@ impl Tolerance {
             Self {
                 most,
                 all: most.max(0.5 * width),
+                noise: 0.0,
             }
         } else {
             Self {
                 most: limit,
                 all: 4.0 * limit,
+                noise: 0.0,
             }
         }
     }
 
-    /// One of `factor` times these distances.
+    /// One of `factor` times these distances; the points' noise stays what it is.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             most: factor * self.most,
             all: factor * self.all,
+            noise: self.noise,
         }
+    }
+
+    /// The squares of both distances, with what noise adds to them.
+    pub(crate) fn squared(self) -> [f64; 2] {
+        let [most, all] = NOISY.map(|sigmas| sigmas * self.noise);
+        [
+            self.most * self.most + most * most,
+            self.all * self.all + all * all,
+        ]
     }
 
     /// By how much these distances would have to be larger to hold such points: 1 or less if they hold them. Sorts.
@@ -70,14 +89,15 @@ impl Tolerance {
             return 0.0;
         };
         let most = near[near.len() - 1 - near.len() / STRAY];
-        (most.sqrt() / self.most).max(farthest.sqrt() / self.all)
+        let [of_most, of_all] = self.squared().map(f64::sqrt);
+        (most.sqrt() / of_most).max(farthest.sqrt() / of_all)
     }
 
     /// Whether points whose *squared* distances are these lie near enough. What is hidden does not count: where nobody
     /// saw the rope, the curve cannot be beside it.
     pub(crate) fn holds(self, squared: &[f64], hidden: &[bool]) -> bool {
         let (mut seen, mut stray) = (0, 0);
-        let (most, all) = (self.most * self.most, self.all * self.all);
+        let [most, all] = self.squared();
         for (i, &distance) in squared.iter().enumerate() {
             if hidden.get(i) == Some(&true) {
                 continue;
@@ -100,6 +120,7 @@ mod tests {
     const TOLERANCE: Tolerance = Tolerance {
         most: 1.0,
         all: 4.0,
+        noise: 0.0,
     };
 
     fn holds(distances: &[(usize, f64)], hidden: &[bool]) -> bool {
@@ -121,6 +142,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_noise_of_the_points_is_not_the_curves() {
+        let noisy = Tolerance {
+            noise: 0.5,
+            ..TOLERANCE
+        };
+        // √(1² + (2·0.5)²) for most, √(4² + (5·0.5)²) for all; half the tolerance leaves the noise as it is.
+        let strays = |far: f64| [[0.25; 90], [far * far; 90]].concat();
+        assert!(noisy.holds(&strays(1.41), &[]) && !noisy.holds(&strays(1.42), &[]));
+        let one = |far: f64| [[0.25; 99].as_slice(), &[far * far]].concat();
+        assert!(noisy.holds(&one(4.71), &[]) && !noisy.holds(&one(4.72), &[]));
+        let half = noisy.times(0.5);
+        assert!(half.holds(&strays(1.11), &[]) && !half.holds(&strays(1.12), &[]));
+    }
+
+    #[test]
     fn what_is_hidden_does_not_count() {
         let hidden: Vec<bool> = (0..100).map(|i| i == 50).collect();
         assert!(holds(&[(50, 100.0)], &hidden));
@@ -139,7 +175,8 @@ mod tests {
             of(40.0),
             Tolerance {
                 most: 2.0,
-                all: 20.0
+                all: 20.0,
+                noise: 0.0
             }
         );
         for unknown in [0.0, -1.0, f64::NAN, f64::INFINITY] {

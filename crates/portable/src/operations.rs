@@ -13,6 +13,7 @@ macro_rules! operations {
             min_f32s(a: f32s, b: f32s) -> f32s = if a < b { a } else { b };
             max_f32s(a: f32s, b: f32s) -> f32s = if a > b { a } else { b };
             abs_f32s(a: f32s) -> f32s = a.abs();
+            sqrt_f32s(a: f32s) -> f32s = a.sqrt();
             equal_f32s(a: f32s, b: f32s) -> m32s = a == b;
             less_than_f32s(a: f32s, b: f32s) -> m32s = a < b;
             less_than_or_equal_f32s(a: f32s, b: f32s) -> m32s = a <= b;

@@ -98,6 +98,28 @@ impl<'a> DepthImage<'a> {
         }
     }
 
+    /// As [`DepthImage::at`], with 0 for what is not known.
+    #[inline(always)]
+    pub(super) fn at_or_zero(&self, column: i32, row: i32) -> f32 {
+        if column < 0 || row < 0 || column as usize >= self.width || row as usize >= self.height {
+            return 0.0;
+        }
+        let at = row as usize * self.stride + column as usize * self.kind.bytes();
+        match (self.kind, &self.bytes[at..]) {
+            (DepthKind::Whole { unit_mm }, &[low, high, ..]) => {
+                f32::from(u16::from_le_bytes([low, high])) * unit_mm as f32
+            }
+            (DepthKind::Metres, &[a, b, c, d, ..]) => {
+                let metres = f32::from_le_bytes([a, b, c, d]);
+                match metres > 0.0 && metres.is_finite() {
+                    true => 1000.0 * metres,
+                    false => 0.0,
+                }
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Width and height.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]

@@ -1,6 +1,7 @@
 //! A depth camera and the colour camera beside it.
 
 use crate::camera::Camera;
+use crate::lens::Lens;
 use crate::pose::Pose;
 use thiserror::Error;
 
@@ -26,6 +27,8 @@ pub struct DepthCamera {
     /// The standard deviation of a depth z is this times z², 1/mm.
     pub(super) noise: f64,
     pub(super) range_mm: [f64; 2],
+    /// Whether the depth camera's lens does not distort.
+    is_straight: bool,
 }
 
 impl DepthCamera {
@@ -55,6 +58,7 @@ impl DepthCamera {
             translation: pose.translation_mm(),
             noise: noise_mm / 1e6,
             range_mm,
+            is_straight: *depth.lens() == Lens::IDEAL,
         })
     }
 
@@ -90,8 +94,12 @@ impl DepthCamera {
             return None;
         }
         let (f, c) = (self.depth.focal_px(), self.depth.center_px());
-        let ideal = [0, 1].map(|k| f[k] * point[k] / point[2] + c[k]);
-        Some(self.depth.distort(ideal)?.point)
+        let per_depth = 1.0 / point[2];
+        let ideal = [0, 1].map(|k| f[k] * point[k] * per_depth + c[k]);
+        match self.is_straight {
+            true => Some(ideal),
+            false => Some(self.depth.distort(ideal)?.point),
+        }
     }
 
     /// The standard deviation of a depth, mm.

@@ -1,18 +1,27 @@
 //! A rope's points in space.
 
+mod anchors;
 mod ends;
+mod look;
 mod reading;
 mod unsure;
 
 use super::image::DepthImage;
 use super::pair::DepthCamera;
-use reading::Reading;
+use lariat_portable::Arch;
+use reading::{Reading, SECTION_STEP};
 use thiserror::Error;
 
-/// Points between those at which a rope is looked for along the whole ray.
-const ANCHOR_STEP: usize = 6;
 /// A rope rises no more steeply than this against the ray's side, mm ahead for each aside.
 const STEEPEST: f64 = 4.0;
+/// What is read of a rope is in its middle but for so much of its half width; what is beyond that is because the rope lies aside by as
+/// many times that.
+const NOT_ASIDE: f64 = 0.15;
+const ASIDE: f64 = 2.0;
+/// As a share: how much thicker or thinner than mostly a rope is anywhere.
+const UNEVEN: f64 = 0.1;
+/// A width is the mean over so many neighbors to each side.
+const WIDTHS: usize = 4;
 /// A rope is thinner than can be told if fewer depth pixels than this lie across it.
 const THINNEST_PX: f64 = 3.0;
 
@@ -44,6 +53,8 @@ pub struct SpacePoint {
     pub variance: f64,
     /// Whether it was measured here; otherwise it is bridged from where it was.
     pub is_measured: bool,
+    /// How far beside the rope the pixel may be, px, as the depth image shows the rope there to one side of it, or not at all.
+    pub doubt_px: f64,
     /// The rope's width there, mm.
     pub width_mm: f64,
 }
@@ -87,13 +98,15 @@ struct Axis {
     turned: [f64; 3],
     /// The colour camera's depth of the axis.
     depth: f64,
-    /// Half of the width in the colour image by the focal length: times the depth it is the radius.
+    /// Half of the rope's width by its depth: times that it is the radius.
     slim: f64,
-    /// Where the axis is in the depth image, and how far ahead there.
+    /// Where the axis is in the depth camera's frame, and in its image.
+    place: [f64; 3],
     at: [f64; 2],
-    ahead: f64,
     variance: f64,
     is_measured: bool,
+    /// How far beside the middle of what the depth image shows of the rope it is, of the rope's half width.
+    beside: f64,
 }
 
 /// Finds ropes in depth images; keeps its room.
@@ -105,7 +118,11 @@ pub struct RopeDepth {
     /// For the best chain through the anchors: how many are in it up to each, and the one before.
     chain: Vec<(usize, usize)>,
     row: Vec<f64>,
-    samples: Vec<f64>,
+    /// The points around which the depth image is read.
+    sections: Vec<usize>,
+    arch: Arch,
+    /// The depth camera's focal length, px: of its two the mean.
+    focal_px: f64,
     places: Vec<SpacePoint>,
     /// The same before an end was cut off.
     before: Vec<SpacePoint>,
@@ -114,13 +131,16 @@ pub struct RopeDepth {
 impl RopeDepth {
     /// For a pair of cameras.
     pub fn new(camera: DepthCamera) -> Self {
+        let [x, y] = camera.depth.focal_px();
         Self {
+            focal_px: (x * y).sqrt(),
             camera,
             axes: Vec::new(),
             anchors: Vec::new(),
             chain: Vec::new(),
             row: Vec::new(),
-            samples: Vec::new(),
+            sections: Vec::new(),
+            arch: Arch::new(),
             places: Vec::new(),
             before: Vec::new(),
         }
@@ -140,6 +160,7 @@ impl RopeDepth {
             return Err(NoDepth::Points);
         }
         self.aim(rope)?;
+        self.divide();
         self.find(image, rope);
         if self.anchors.len() < 2 {
             return Err(self.unmeasured());
@@ -147,11 +168,15 @@ impl RopeDepth {
         self.join();
         self.read(image, rope, Reading::Glance);
         self.settle();
+        self.steady_radius();
         self.read(image, rope, Reading::Whole);
+        self.read_again(image, rope);
+        self.fill(rope);
         let measured = self.axes.iter().filter(|axis| axis.is_measured).count();
         if 3 * measured < count {
-            let wide = self.axes.iter().map(|axis| self.half_width_px(axis));
-            let pixels = 2.0 * wide.sum::<f64>() / count as f64;
+            let sections = self.sections.iter();
+            let wide = sections.map(|&i| self.half_width_px(&self.axes[i]));
+            let pixels = 2.0 * wide.sum::<f64>() / self.sections.len() as f64;
             return Err(match pixels < THINNEST_PX {
                 true => NoDepth::Thin {
                     pixels: pixels as usize,
@@ -161,7 +186,7 @@ impl RopeDepth {
         }
         self.doubt();
         self.bridge();
-        self.write();
+        self.write(rope);
         self.cut_ends(rope.ends);
         Ok(&self.places)
     }
@@ -175,98 +200,54 @@ impl RopeDepth {
 
     /// The rays of the points.
     fn aim(&mut self, rope: &SeenRope) -> Result<(), NoDepth> {
-        let focal = self.camera.color.focal_px();
-        let focal = (focal[0] * focal[1]).sqrt();
         self.axes.clear();
-        for (pixel, width) in rope.points.iter().zip(rope.widths_px) {
+        for &pixel in rope.points {
             let (ray, by_pixel) = self.camera.ray(pixel.map(f64::from)).ok_or(NoDepth::Lens)?;
             self.axes.push(Axis {
                 ray,
                 by_pixel,
                 turned: self.camera.turned(ray),
-                slim: 0.5 * f64::from(*width) / focal,
                 ..Axis::default()
             });
+        }
+        let last = self.axes.len() - 1;
+        for (i, width) in rope.widths_px.iter().enumerate() {
+            let [from, to] = [i.saturating_sub(1), (i + 1).min(last)];
+            let [a, b] = [from, to].map(|k| rope.points[k].map(f64::from));
+            let way = [b[0] - a[0], b[1] - a[1]];
+            let far = length(way[0], way[1]);
+            let axis = &self.axes[i];
+            // Half of the width in the picture, as a way in the plane a millimetre ahead; of it that counts which leaves the plane
+            // of the ray and the rope.
+            let half = match far > 0.0 {
+                true => 0.5 * f64::from(*width) / far,
+                false => 0.0,
+            };
+            let aside = axis
+                .by_pixel
+                .map(|by| half * (by[1] * way[0] - by[0] * way[1]));
+            let [x, y] = [0, 1].map(|k| self.axes[to].ray[k] - self.axes[from].ray[k]);
+            let ray = axis.ray;
+            let square = [-y, x, ray[0] * y - ray[1] * x];
+            let size = dot(square, square).sqrt();
+            self.axes[i].slim = match size > 0.0 {
+                true => (aside[0] * square[0] + aside[1] * square[1]).abs() / size,
+                false => 0.0,
+            };
         }
         // Widths err by themselves; a rope's does not change from one point to the next.
         let count = self.axes.len();
         self.row.clear();
         self.row.extend(self.axes.iter().map(|axis| axis.slim));
+        let (mut sum, mut from, mut to) = (0.0, 0, 0);
         for i in 0..count {
-            let around = &self.row[i.saturating_sub(4)..(i + 5).min(count)];
-            self.axes[i].slim = around.iter().sum::<f64>() / around.len() as f64;
+            let [first, last] = [i.saturating_sub(WIDTHS), (i + WIDTHS + 1).min(count)];
+            sum +=
+                self.row[to..last].iter().sum::<f64>() - self.row[from..first].iter().sum::<f64>();
+            (from, to) = (first, last);
+            self.axes[i].slim = sum / (last - first) as f64;
         }
         Ok(())
-    }
-
-    /// Walks some of the rays, and keeps the longest chain of what is found that a rope can be.
-    fn find(&mut self, image: &DepthImage, rope: &SeenRope) {
-        self.anchors.clear();
-        for i in (ANCHOR_STEP / 2..self.axes.len()).step_by(ANCHOR_STEP) {
-            if !rope.hidden[i]
-                && let Some(depth) = self.walk(image, &self.axes[i])
-            {
-                self.anchors.push((i, depth));
-            }
-        }
-        self.chain.clear();
-        for k in 0..self.anchors.len() {
-            let before = (0..k).filter(|&j| self.can_follow(self.anchors[j], self.anchors[k]));
-            let best = before.max_by_key(|&j| self.chain[j].0);
-            self.chain
-                .push(best.map_or((1, usize::MAX), |j| (self.chain[j].0 + 1, j)));
-        }
-        let Some(mut at) = (0..self.chain.len()).max_by_key(|&k| self.chain[k].0) else {
-            return;
-        };
-        let mut kept = self.chain[at].0;
-        let whole = kept;
-        while kept > 0 {
-            kept -= 1;
-            self.anchors[kept] = self.anchors[at];
-            at = self.chain[at].1;
-        }
-        self.anchors.truncate(whole);
-    }
-
-    /// Whether the rope can rise from one place to the other.
-    fn can_follow(&self, (i, a): (usize, f64), (j, b): (usize, f64)) -> bool {
-        let way = |k: usize| self.axes[k].ray;
-        let aside = length(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
-        (a - b).abs() < STEEPEST * aside + 6.0 * self.camera.sigma_mm(a.max(b))
-    }
-
-    /// The first place along a ray where what is measured is where the ray is: the colour camera's depth of the rope's axis.
-    fn walk(&self, image: &DepthImage, axis: &Axis) -> Option<f64> {
-        let [near, far] = self.camera.range_mm;
-        let ends = [near, far].map(|depth| self.camera.pixel(self.place(axis, depth)));
-        let [Some(first), Some(last)] = ends else {
-            return None;
-        };
-        let steps = length(first[0] - last[0], first[1] - last[1])
-            .ceil()
-            .max(1.0);
-        let step = (1.0 / near - 1.0 / far) / steps;
-        for k in 0..=steps as usize {
-            let depth = 1.0 / (1.0 / near - k as f64 * step);
-            let place = self.place(axis, depth);
-            let Some([x, y]) = self.camera.pixel(place) else {
-                continue;
-            };
-            let Some(measured) = image.at(pixel(x), pixel(y)) else {
-                continue;
-            };
-            // Of one step a ray looks along all its depths where it is a point in the image.
-            let reach = match steps as usize {
-                1 => far,
-                _ => 0.75 * step * depth * depth,
-            };
-            if (measured - place[2]).abs() < reach + 3.0 * self.camera.sigma_mm(measured) {
-                let depth = self.depth(axis, measured);
-                return Some(depth * (1.0 + axis.slim));
-            }
-        }
-        None
     }
 
     /// What is at such a depth of the colour camera along a point's ray, in the depth camera's frame.
@@ -292,28 +273,70 @@ impl RopeDepth {
         }
     }
 
-    /// Takes the medians of five neighbors for the depths.
+    /// Takes the medians of five neighboring sections for their depths.
     fn settle(&mut self) {
-        let count = self.axes.len();
         self.row.clear();
-        self.row.extend(self.axes.iter().map(|axis| axis.depth));
-        for i in 2..count - 2 {
-            let mut five: [f64; 5] = std::array::from_fn(|k| self.row[i + k - 2]);
+        let depths = self.sections.iter().map(|&i| self.axes[i].depth);
+        self.row.extend(depths);
+        for (five, &i) in self.row.windows(5).zip(&self.sections[2..]) {
+            let mut five = [five[0], five[1], five[2], five[3], five[4]];
             five.sort_unstable_by(f64::total_cmp);
             self.axes[i].depth = five[2];
         }
     }
 
-    /// Half of the rope's width in the depth image.
-    fn half_width_px(&self, axis: &Axis) -> f64 {
-        let focal = self.camera.depth.focal_px();
-        axis.slim * (focal[0] * focal[1]).sqrt() * axis.depth / axis.ahead.max(1.0)
+    /// Makes the rope as thick everywhere as it mostly is, or nearly so: a width in the picture may be that of two strands.
+    fn steady_radius(&mut self) {
+        self.row.clear();
+        let radii = self.sections.iter().map(|&i| &self.axes[i]);
+        self.row.extend(radii.map(|axis| axis.slim * axis.depth));
+        let middle = self.row.len() / 2;
+        let (_, &mut radius, _) = self.row.select_nth_unstable_by(middle, f64::total_cmp);
+        for axis in &mut self.axes {
+            let own = axis.slim * axis.depth;
+            let likely = own.clamp((1.0 - UNEVEN) * radius, (1.0 + UNEVEN) * radius);
+            axis.slim = likely / axis.depth;
+        }
     }
 
-    fn write(&mut self) {
+    /// Depths between two sections that are measured: on the cubic through four of them, or straight.
+    fn fill(&mut self, rope: &SeenRope) {
+        let axes = &mut self.axes;
+        for i in (1..axes.len() - 1).step_by(SECTION_STEP) {
+            let (a, b) = (&axes[i - 1], &axes[i + 1]);
+            let is_measured = a.is_measured && b.is_measured && !rope.hidden[i];
+            let depth = match (i.checked_sub(3).map(|k| &axes[k]), axes.get(i + 3)) {
+                (Some(before), Some(after)) if before.is_measured && after.is_measured => {
+                    (9.0 * (a.depth + b.depth) - before.depth - after.depth) / 16.0
+                }
+                _ => 0.5 * (a.depth + b.depth),
+            };
+            let variance = 0.5 * (a.variance + b.variance);
+            let beside = 0.5 * (a.beside + b.beside);
+            let axis = &mut axes[i];
+            axis.is_measured = is_measured;
+            if is_measured {
+                (axis.depth, axis.variance, axis.beside) = (depth, variance, beside);
+            }
+        }
+    }
+
+    /// Half of the rope's width in the depth image.
+    fn half_width_px(&self, axis: &Axis) -> f64 {
+        axis.slim * self.focal_px * axis.depth / axis.place[2].max(1.0)
+    }
+
+    fn write(&mut self, rope: &SeenRope) {
         self.places.clear();
-        self.places.extend(self.axes.iter().map(|axis| {
+        let (widths, hidden) = (rope.widths_px.iter(), rope.hidden.iter());
+        let points = self.axes.iter().zip(widths).zip(hidden);
+        self.places.extend(points.map(|((axis, &width), &hidden)| {
             let [x, y] = axis.by_pixel;
+            let beside = match (axis.is_measured, hidden) {
+                (true, _) => ASIDE * (axis.beside.abs() - NOT_ASIDE).max(0.0),
+                (false, true) => 0.0,
+                (false, false) => 1.0,
+            };
             SpacePoint {
                 point: axis.ray.map(|c| axis.depth * c),
                 by_pixel: [
@@ -324,6 +347,7 @@ impl RopeDepth {
                 ray: axis.ray,
                 variance: axis.variance,
                 is_measured: axis.is_measured,
+                doubt_px: 0.5 * f64::from(width) * beside,
                 width_mm: 2.0 * axis.slim * axis.depth,
             }
         }));
@@ -332,6 +356,22 @@ impl RopeDepth {
 
 fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
+}
+
+fn between(to: [f64; 3], from: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| to[k] - from[k])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 /// The pixel nearest to a place; far to the left or above, none of the image. Without the call that `round` is.

@@ -4,7 +4,7 @@
 //! image shows, goes on beyond the axis by `r |cos ϑ|`, with ϑ the angle between the ray and the rope. The last points are
 //! set closer to each other, so that the last one is where the axis ends.
 
-use super::{RopeDepth, SpacePoint};
+use super::{RopeDepth, SpacePoint, between, dot};
 
 /// The rope's direction at its end is that of the way from so many radii before, and no way back is longer than this.
 const BACK_RADII: f64 = 4.0;
@@ -80,19 +80,12 @@ fn mixed(a: &SpacePoint, b: &SpacePoint, share: f64) -> SpacePoint {
         ray: [0, 1, 2].map(|k| mix(a.ray[k], b.ray[k])),
         variance: mix(a.variance, b.variance),
         is_measured: if share < 0.5 { a } else { b }.is_measured,
+        doubt_px: mix(a.doubt_px, b.doubt_px),
         width_mm: mix(a.width_mm, b.width_mm),
     }
-}
-
-fn between(to: [f64; 3], from: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| to[k] - from[k])
 }
 
 fn far(a: [f64; 3], b: [f64; 3]) -> f64 {
     let way = between(a, b);
     dot(way, way).sqrt()
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

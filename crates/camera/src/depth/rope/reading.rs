@@ -1,90 +1,148 @@
-//! What a depth image says of a rope's axis around each of its points.
+//! What a depth image says of a rope's axis, section by section.
+//!
+//! A section is the stretch of the rope around every second of its points. Its inner width is read at places of a fixed pattern.
 
-use super::{DepthImage, RopeDepth, STEEPEST, SeenRope, THINNEST_PX, length, pixel};
+use super::look::{Found, Look};
+use super::{
+    Axis, DepthImage, RopeDepth, STEEPEST, SeenRope, THINNEST_PX, between, cross, dot, length,
+    pixel,
+};
 
 /// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
 const INNER: f64 = 0.8;
 const EDGE_PX: f64 = 0.8;
-/// Depth pixels across and along that are read at a point, at most.
-const ACROSS: usize = 9;
-const ALONG: usize = 8;
-/// The share of pixels that are read by one sample alone: places a pixel apart along the rope fall on the same one here and there.
-const READ_ONCE: f64 = 0.75;
-/// Of the radius: how much of it is taken for wrong, as widths are.
-const RADIUS_ERROR: f64 = 0.02;
-
+/// Points between sections: those between have the depth of their neighbors' curve.
+pub(super) const SECTION_STEP: usize = 2;
+/// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
+const LONGEST: f64 = 1.5;
 /// How closely a depth image is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// A few pixels at each point, wherever they are within reach.
+    /// A few pixels at each section, wherever they are within reach.
     Glance,
     /// All of the rope's inside.
     Whole,
 }
 
-/// The stretch of a rope around a point, in the depth image.
-struct Stretch {
-    /// Where the point is, and how far ahead of the depth camera.
-    at: [f64; 2],
-    ahead: f64,
-    /// The way along the rope, of length 1; and how much farther ahead it is for each pixel along.
-    along: [f64; 2],
-    slope: f64,
-    /// Half of the way to the next point, px; and from where to where it is read.
-    half_step: f64,
-    ends: [f64; 2],
-    mm_per_px: f64,
+/// A section of a rope in the depth image.
+pub(super) struct Section {
+    /// Where its point is, and how far ahead of the depth camera.
+    pub(super) at: [f64; 2],
+    pub(super) ahead: f64,
+    /// The way along the rope, of length 1; and how much farther ahead it is for each pixel along, and its side for each beside.
+    pub(super) along: [f64; 2],
+    pub(super) slope: f64,
+    pub(super) tilt: f64,
+    /// From where to where along it, and how far beside, it is read, px.
+    pub(super) ends: [f64; 2],
+    pub(super) inner: f64,
+    pub(super) mm_per_px: f64,
+    /// How far beside its axis a ray passes for each pixel beside.
+    pub(super) beside_per_px: f64,
     /// The rope's, mm.
-    radius: f64,
-    /// How far beside its axis it is read, px.
-    inner: f64,
-    /// Of the angle between the rope and the ray.
-    sine: f64,
+    pub(super) radius: f64,
+    /// How far beside the axis a ray gets, for each millimetre ahead.
+    pub(super) sine: f64,
+    /// The standard deviation of a pixel, mm.
+    pub(super) sigma: f64,
 }
 
 impl RopeDepth {
-    /// Reads the depth image around each point, where it is known roughly.
+    /// Divides a rope of so many points into sections: around every second point, and the last.
+    pub(super) fn divide(&mut self) {
+        let last = self.axes.len() - 1;
+        self.sections.clear();
+        self.sections.extend((0..last).step_by(SECTION_STEP));
+        self.sections.push(last);
+    }
+
+    /// Reads the depth image at each section, where it is known roughly.
     pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Reading) {
-        let count = self.axes.len();
-        for i in 0..count {
-            let place = self.place(&self.axes[i], self.axes[i].depth);
-            let axis = &mut self.axes[i];
-            axis.ahead = place[2];
-            // Outside of its image nothing is read.
-            axis.at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
+        for k in 0..self.sections.len() {
+            self.set_out(k);
         }
-        for i in 0..count {
-            let found = match rope.hidden[i] {
-                true => None,
-                false => self.around(image, rope, i, reading),
-            };
-            let axis = &mut self.axes[i];
-            axis.is_measured = found.is_some();
-            if let Some((ahead, variance)) = found {
-                let turned = axis.turned[2];
-                axis.depth = (ahead - self.camera.translation[2]) / turned;
-                axis.variance = variance / (turned * turned);
-            }
+        for k in 0..self.sections.len() {
+            self.read_section(image, rope, k, reading);
         }
     }
 
-    /// The stretch of the rope around a point; `None` where it goes nowhere in the depth image, or is too thin there.
-    fn stretch(&self, rope: &SeenRope, i: usize) -> Option<Stretch> {
-        let count = self.axes.len();
-        let [before, after] = match rope.closed {
-            true => [(i + count - 1) % count, (i + 1) % count],
-            false => [i.saturating_sub(1), (i + 1).min(count - 1)],
+    /// Reads those where nothing was found again, from where the rope goes on to from those beside them.
+    pub(super) fn read_again(&mut self, image: &DepthImage, rope: &SeenRope) {
+        let count = self.sections.len();
+        for k in 2..count {
+            self.go_on(image, rope, [k - 2, k - 1, k, (k + 1).min(count - 1)]);
+        }
+        for k in (0..count.saturating_sub(2)).rev() {
+            self.go_on(image, rope, [k + 2, k + 1, k, k.saturating_sub(1)]);
+        }
+    }
+
+    /// Reads the third of four sections that go on from each other, if the first two are known and it is not.
+    fn go_on(&mut self, image: &DepthImage, rope: &SeenRope, four: [usize; 4]) {
+        let [first, second, third, fourth] = four.map(|k| self.sections[k]);
+        let [is_first, is_second, is_third, is_fourth] =
+            [first, second, third, fourth].map(|i| self.axes[i].is_measured);
+        if !is_first || !is_second || is_third || rope.hidden[third] {
+            return;
+        }
+        let depth = self.axes[second].depth;
+        let step = depth - self.axes[first].depth;
+        self.axes[third].depth = depth + step;
+        self.set_out(four[2]);
+        if fourth != third && !is_fourth {
+            self.axes[fourth].depth = depth + 2.0 * step;
+            self.set_out(four[3]);
+        }
+        self.read_section(image, rope, four[2], Reading::Whole);
+    }
+
+    /// Where the `k`-th section's point is, as its depth is.
+    fn set_out(&mut self, k: usize) {
+        let i = self.sections[k];
+        let place = self.place(&self.axes[i], self.axes[i].depth);
+        let axis = &mut self.axes[i];
+        axis.place = place;
+        // Outside of its image nothing is read.
+        axis.at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
+    }
+
+    fn read_section(&mut self, image: &DepthImage, rope: &SeenRope, k: usize, reading: Reading) {
+        let i = self.sections[k];
+        let section = match rope.hidden[i] {
+            true => None,
+            false => self.section(image, rope, k),
         };
-        let (a, b, axis) = (&self.axes[before], &self.axes[after], &self.axes[i]);
+        let found = section.and_then(|section| match reading {
+            Reading::Glance => section.glance(image),
+            Reading::Whole => self.arch.dispatch(Look { image, section }),
+        });
+        let axis = &mut self.axes[i];
+        axis.is_measured = found.is_some();
+        if let Some(found) = found {
+            let turned = axis.turned[2];
+            axis.depth = (found.ahead - self.camera.translation[2]) / turned;
+            axis.variance = found.variance / (turned * turned);
+            axis.beside = found.beside;
+        }
+    }
+
+    /// The `k`-th section; `None` where it goes nowhere in the depth image, or is too thin there.
+    fn section(&self, image: &DepthImage, rope: &SeenRope, k: usize) -> Option<Section> {
+        let (count, i) = (self.sections.len(), self.sections[k]);
+        let [before, after] = match rope.closed {
+            true => [(k + count - 1) % count, (k + 1) % count],
+            false => [k.saturating_sub(1), (k + 1).min(count - 1)],
+        };
+        let [a, b] = [before, after].map(|k| &self.axes[self.sections[k]]);
+        let axis = &self.axes[i];
         let way = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
         let far = length(way[0], way[1]);
         if !(far > 1e-3 && far < 1e3) {
             return None;
         }
-        let steps = if before == i || after == i { 1.0 } else { 2.0 };
-        let half_step = 0.5 * far / steps;
-        let focal = self.camera.depth.focal_px();
-        let mm_per_px = axis.ahead / (focal[0] * focal[1]).sqrt();
+        let along = way.map(|c| c / far);
+        let ahead = axis.place[2];
+        let mm_per_px = ahead / self.focal_px;
         let radius = axis.slim * axis.depth;
         let half = radius / mm_per_px;
         // At least the pixel on the axis; but of a rope that is no wider than that there is none without an edge.
@@ -92,114 +150,87 @@ impl RopeDepth {
         if inner < 0.5 * (THINNEST_PX - 2.0 * EDGE_PX) - 0.5 || half < 0.5 * THINNEST_PX {
             return None;
         }
-        // The rope goes as far ahead as it goes along: its direction against the ray.
-        let (ahead_way, aside) = (b.ahead - a.ahead, far * mm_per_px);
-        Some(Stretch {
-            at: axis.at,
-            ahead: axis.ahead,
-            along: way.map(|c| c / far),
-            slope: (b.ahead - a.ahead) / far,
-            half_step,
+        let points = rope.hidden.len();
+        let reach = |of: &Axis, point: usize| {
+            let step = 0.5 * length(of.at[0] - axis.at[0], of.at[1] - axis.at[1]);
+            let seen = if rope.hidden[point % points] {
+                0.5
+            } else {
+                1.0
+            };
+            (seen * step).min(LONGEST * half)
+        };
+        let ends = match (rope.closed, k) {
             // At a tip only the rope's side is read.
-            ends: match (rope.closed, i) {
-                (false, 0) => [0.5, half_step + 1.0],
-                (false, _) if i + 1 == count => [-half_step - 1.0, -0.5],
-                _ => [-half_step, half_step],
-            },
-            mm_per_px,
-            radius,
-            inner: inner.max(0.5),
-            sine: aside / length(ahead_way, aside),
-        })
-    }
-
-    /// How far ahead of the depth camera the axis is at a point, by what is measured around it; and its variance.
-    fn around(
-        &mut self,
-        image: &DepthImage,
-        rope: &SeenRope,
-        i: usize,
-        reading: Reading,
-    ) -> Option<(f64, f64)> {
-        let Stretch {
-            at,
-            ahead: about,
+            (false, 0) => [0.5, reach(b, 1) + 1.0],
+            (false, _) if k + 1 == count => [-reach(a, i - 1) - 1.0, -0.5],
+            _ => [-reach(a, i + points - 1), reach(b, i + 1)],
+        };
+        // The ray, the rope, and what is square to both; then square to that and the rope.
+        let ray = axis.place.map(|c| c / ahead);
+        let rope_way = between(b.place, a.place);
+        let rope_way = rope_way.map(|c| c / dot(rope_way, rope_way).sqrt());
+        let normal = cross(ray, rope_way);
+        let sine = dot(normal, normal).sqrt();
+        let normal = normal.map(|c| c / sine);
+        let up = cross(rope_way, normal);
+        let beside = [-along[1], along[0], 0.0];
+        Some(Section {
+            at: axis.at,
+            ahead,
             along,
-            slope,
-            half_step,
-            ends: [first, last],
+            slope: (b.place[2] - a.place[2]) / far,
+            tilt: -mm_per_px * dot(beside, up) / sine,
+            ends,
+            inner: inner.max(0.5),
             mm_per_px,
+            beside_per_px: mm_per_px * dot(beside, normal),
             radius,
-            inner,
             sine,
-        } = self.stretch(rope, i)?;
-        let sigma = length(self.camera.sigma_mm(about), image.rounding_mm());
-        let gate = match reading {
-            Reading::Glance => 6.0 * radius + 5.0 * sigma + STEEPEST * 3.0 * half_step * mm_per_px,
-            Reading::Whole => radius + 5.0 * sigma,
-        };
-        let (across, lengthwise) = match reading {
-            Reading::Glance => (1, 1),
-            Reading::Whole => (
-                (inner as usize).min(ACROSS / 2),
-                (2.0 * half_step).round().clamp(1.0, ALONG as f64) as usize,
-            ),
-        };
-        self.samples.clear();
-        let mut previous = [isize::MIN; 2];
-        for step in 0..lengthwise {
-            let share = (step as f64 + 0.5) / lengthwise as f64;
-            let on = first + share * (last - first);
-            for beside in 0..=2 * across {
-                let off = beside as f64 - across as f64;
-                let wanted = [
-                    at[0] + on * along[0] - off * along[1],
-                    at[1] + on * along[1] + off * along[0],
-                ];
-                let pixel = wanted.map(pixel);
-                if pixel == previous {
-                    continue;
-                }
-                previous = pixel;
-                let from = [0, 1].map(|k| pixel[k] as f64 - at[k]);
-                let off = from[1] * along[0] - from[0] * along[1];
-                let on = from[0] * along[0] + from[1] * along[1];
-                if off.abs() > inner {
-                    continue;
-                }
-                let Some(measured) = image.at(pixel[0], pixel[1]) else {
-                    continue;
-                };
-                let beside_mm = off * mm_per_px;
-                let rise = (radius * radius - beside_mm * beside_mm).max(0.0).sqrt() / sine;
-                let ahead = measured + rise - slope * on;
-                if (ahead - about).abs() < gate {
-                    self.samples.push(ahead);
-                }
-            }
-        }
-        middle(&mut self.samples, sigma).map(|(ahead, variance)| {
-            let off = RADIUS_ERROR * radius / sine;
-            (ahead, variance + off * off)
+            sigma: length(self.camera.sigma_mm(ahead), image.rounding_mm()),
         })
     }
 }
 
-/// The middle of what is measured, and its variance; none of nothing.
-fn middle(samples: &mut [f64], sigma: f64) -> Option<(f64, f64)> {
-    let count = samples.len();
-    if count == 0 {
-        return None;
+impl Section {
+    /// How far beside the axis and along it a pixel of the depth image is, px.
+    fn beside(&self, pixel: [isize; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|k| pixel[k] as f64 - self.at[k]);
+        let [along_x, along_y] = self.along;
+        [y * along_x - x * along_y, x * along_x + y * along_y]
     }
-    let (_, &mut median, _) = samples.select_nth_unstable_by(count / 2, f64::total_cmp);
-    let near = || {
-        samples
-            .iter()
-            .filter(|&&s| (s - median).abs() < 2.5 * sigma)
-    };
-    let inside = near().count().max(1) as f64;
-    let mean = near().sum::<f64>() / inside;
-    let mean = if near().count() == 0 { median } else { mean };
-    let spread = near().map(|s| (s - mean) * (s - mean)).sum::<f64>() / (inside - 1.0).max(1.0);
-    Some((mean, spread.max(sigma * sigma) / (READ_ONCE * inside)))
+
+    /// How far ahead the axis is by the median of three pixels across.
+    fn glance(&self, image: &DepthImage) -> Option<Found> {
+        let [first, last] = self.ends;
+        let reach = STEEPEST * 0.75 * (last - first) * self.mm_per_px;
+        let gate = 6.0 * self.radius + 5.0 * self.sigma + reach;
+        let on = 0.5 * (first + last);
+        let (mut read, mut count) = ([0.0; 3], 0);
+        for off in [-1.0, 0.0, 1.0] {
+            let [x, y] = self.along;
+            let pixel = [
+                pixel(self.at[0] + on * x - off * y),
+                pixel(self.at[1] + on * y + off * x),
+            ];
+            let [off, on] = self.beside(pixel);
+            let Some(measured) = image.at(pixel[0], pixel[1]) else {
+                continue;
+            };
+            let inside = self.radius * self.radius - (off * self.beside_per_px).powi(2);
+            let rise = inside.max(0.0).sqrt() / self.sine;
+            let ahead = measured + rise - self.slope * on - self.tilt * off;
+            if off.abs() <= self.inner && (ahead - self.ahead).abs() < gate {
+                read[count] = ahead;
+                count += 1;
+            }
+        }
+        let read = &mut read[..count];
+        read.sort_unstable_by(f64::total_cmp);
+        read.get(count / 2).map(|&ahead| Found {
+            ahead,
+            variance: 0.0,
+            beside: 0.0,
+        })
+    }
 }

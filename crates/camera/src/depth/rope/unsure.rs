@@ -15,9 +15,8 @@ impl RopeDepth {
     /// independent, and no model says by how much. A rope's own shape has next to none.
     pub(super) fn doubt(&mut self) {
         self.row.clear();
-        for seven in self.axes.windows(7) {
-            // Every second point, as those beside each other share pixels' noise.
-            let four = [0, 2, 4, 6].map(|k| &seven[k]);
+        for four in self.sections.windows(4) {
+            let four = [0, 1, 2, 3].map(|k| &self.axes[four[k]]);
             if four.iter().all(|axis| axis.is_measured) {
                 let weights = [-1.0, 3.0, -3.0, 1.0];
                 let sum = |of: fn(&Axis, f64) -> f64| -> f64 {

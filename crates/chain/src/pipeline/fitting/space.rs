@@ -54,6 +54,8 @@ pub struct SpaceFitter {
     even: Box<[[f64; 3]; MAX_POINTS]>,
     squares: Box<[Square<3>; MAX_POINTS]>,
     even_squares: Box<[Square<3>; MAX_POINTS]>,
+    /// What of the points' errors neighbors have in common, as far as a control point reaches.
+    doubts: Box<[Square<3>; MAX_POINTS]>,
     sigmas: Box<[f64; MAX_POINTS]>,
     by_size: Box<[f64; MAX_POINTS]>,
     measured: Box<[bool; MAX_POINTS]>,
@@ -87,6 +89,7 @@ impl SpaceFitter {
             even: Box::new([[0.0; 3]; MAX_POINTS]),
             squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
             even_squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
+            doubts: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
             sigmas: Box::new([0.0; MAX_POINTS]),
             by_size: Box::new([0.0; MAX_POINTS]),
             measured: Box::new([false; MAX_POINTS]),
@@ -242,9 +245,17 @@ impl SpaceFitter {
             hidden: &self.hidden[..count],
         };
         let judged = self.fitter.fit(rope, &line)?;
+        // What many points have in common, their mean does not make less.
+        let controls = self.fitter.fitter(closed).last().control_points.len();
+        let in_common = count as f64 / (ALIKE * controls as f64);
         for k in 0..count {
             let [i, _] = self.line.between(k);
-            self.even_squares[k] = self.squares[i];
+            let (square, doubt) = (&self.squares[i], &self.doubts[i]);
+            for a in 0..3 {
+                for b in 0..3 {
+                    self.even_squares[k][a][b] = square[a][b] + in_common * doubt[a][b];
+                }
+            }
         }
         for (k, point) in self.even[..count].iter().enumerate() {
             to.points[k] = point.map(|c| c as f32);
@@ -287,14 +298,23 @@ impl SpaceFitter {
                 across = across.map(|way| pose.way(way));
             }
             let pixel = PIXEL_SIGMA * PIXEL_SIGMA;
-            self.squares[k] = [0, 1, 2].map(|a| {
-                [0, 1, 2].map(|b| {
+            let doubt_px = place.doubt_px * place.doubt_px;
+            let (own, bridged) = match place.is_measured {
+                true => (place.variance, 0.0),
+                false => (0.0, place.variance),
+            };
+            let (square, doubt) = (&mut self.squares[k], &mut self.doubts[k]);
+            for a in 0..3 {
+                for b in a..3 {
                     let aside = across[0][a] * across[0][b] + across[1][a] * across[1][b];
-                    pixel * aside + place.variance * ray[a] * ray[b]
-                })
-            });
-            let length = ray.iter().map(|c| c * c).sum::<f64>().sqrt();
-            self.sigmas[k] = place.variance.sqrt() * length;
+                    let along = ray[a] * ray[b];
+                    square[a][b] = pixel * aside + own * along;
+                    doubt[a][b] = doubt_px * aside + bridged * along;
+                    (square[b][a], doubt[b][a]) = (square[a][b], doubt[a][b]);
+                }
+            }
+            let squared_length = ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2];
+            self.sigmas[k] = (place.variance * squared_length).sqrt();
             self.measured[k] = place.is_measured;
             self.by_size[k] = self.sigmas[k];
         }

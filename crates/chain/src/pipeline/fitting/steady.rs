@@ -74,10 +74,9 @@ impl<const D: usize> RopeFitter<D> {
             self.open.forget();
         }
         let Rope { track, seen_ns, .. } = rope;
-        let tolerance = self.settings.tolerance(rope.width, rope.unit_per_px);
         let tolerance = Tolerance {
-            most: tolerance.most.max(2.5 * rope.noise),
-            all: tolerance.all.max(5.0 * rope.noise),
+            noise: rope.noise,
+            ..self.settings.tolerance(rope.width, rope.unit_per_px)
         };
         let sizes = self.sizes.of_track(track, seen_ns, |sizes| {
             sizes.iter_mut().for_each(SteadySize::forget)

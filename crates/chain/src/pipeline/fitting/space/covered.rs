@@ -65,20 +65,25 @@ fn cover(
     };
     let reach = 0.5 * width + MARGIN_PX;
     let far = ALONG * width.max(1.0);
-    let is_near = |p: [f32; 2]| distance(p, crossing.at) < far;
+    let is_near = |p: [f32; 2]| squared_distance(p, crossing.at) < far * far;
+    let is_strand = |j: usize| above.0 != below.0 || j.abs_diff(top) < j.abs_diff(at);
+    let strand = upper.points();
+    let [mut first, mut last] = [strand.len(), 0];
+    for (j, &point) in strand.iter().enumerate() {
+        if is_near(point) && is_strand(j) {
+            (first, last) = (first.min(j), j + 1);
+        }
+    }
+    let last = last.min(strand.len().saturating_sub(1));
     for (k, (&point, covered)) in lower.points().iter().zip(covered).enumerate() {
         // Of one rope, what is nearer to the other strand along it is that strand.
         let is_own = above.0 != below.0 || k.abs_diff(at) < k.abs_diff(top);
-        if !is_own || !is_near(point) {
+        if !is_near(point) || !is_own {
             continue;
         }
-        let pairs = upper.points().windows(2).enumerate();
-        let mut strand = pairs.filter(|(j, pair)| {
-            let is_strand = above.0 != below.0 || j.abs_diff(top) < j.abs_diff(at);
-            is_strand && is_near(pair[0])
-        });
-        if strand.any(|(_, pair)| from_step(point, pair[0], pair[1]) < reach) {
-            *covered = true;
+        for j in first..last {
+            let step = [strand[j], strand[j + 1]];
+            *covered |= is_strand(j) && squared_from_step(point, step) < reach * reach;
         }
     }
 }
@@ -89,13 +94,13 @@ fn place(curve: &Curve, rho: f32) -> Option<usize> {
     Some(((rho.clamp(0.0, 1.0) * last as f32).round() as usize).min(last))
 }
 
-fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+fn squared_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     let [x, y] = [a[0] - b[0], a[1] - b[1]];
-    (x * x + y * y).sqrt()
+    x * x + y * y
 }
 
-/// How far a point is from the way between two.
-fn from_step(point: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
+/// How far a point is from the way between two, squared.
+fn squared_from_step(point: [f32; 2], [a, b]: [[f32; 2]; 2]) -> f32 {
     let way = [b[0] - a[0], b[1] - a[1]];
     let from = [point[0] - a[0], point[1] - a[1]];
     let size = way[0] * way[0] + way[1] * way[1];
@@ -103,5 +108,5 @@ fn from_step(point: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
         true => ((from[0] * way[0] + from[1] * way[1]) / size).clamp(0.0, 1.0),
         false => 0.0,
     };
-    distance(point, [a[0] + share * way[0], a[1] + share * way[1]])
+    squared_distance(point, [a[0] + share * way[0], a[1] + share * way[1]])
 }

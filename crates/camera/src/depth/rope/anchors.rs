@@ -1,0 +1,88 @@
+//! Where a rope is first found: along the rays of some of its points.
+
+use super::SeenRope;
+use super::{Axis, RopeDepth, STEEPEST, length, pixel};
+use crate::depth::image::DepthImage;
+
+/// Points between those at which a rope is looked for along the whole ray.
+const ANCHOR_STEP: usize = 6;
+
+impl RopeDepth {
+    /// Walks some of the rays, and keeps the longest chain of what is found that a rope can be.
+    pub(super) fn find(&mut self, image: &DepthImage, rope: &SeenRope) {
+        self.anchors.clear();
+        for i in (ANCHOR_STEP / 2..self.axes.len()).step_by(ANCHOR_STEP) {
+            if !rope.hidden[i]
+                && let Some(depth) = self.walk(image, &self.axes[i])
+            {
+                self.anchors.push((i, depth));
+            }
+        }
+        self.chain.clear();
+        for k in 0..self.anchors.len() {
+            let mut best = (1, usize::MAX);
+            for j in (0..k).rev() {
+                // Up to one there are no more than there are.
+                if j + 2 <= best.0 {
+                    break;
+                }
+                let through = self.chain[j].0 + 1;
+                if through > best.0 && self.can_follow(self.anchors[j], self.anchors[k]) {
+                    best = (through, j);
+                }
+            }
+            self.chain.push(best);
+        }
+        let Some(mut at) = (0..self.chain.len()).max_by_key(|&k| self.chain[k].0) else {
+            return;
+        };
+        let mut kept = self.chain[at].0;
+        let whole = kept;
+        while kept > 0 {
+            kept -= 1;
+            self.anchors[kept] = self.anchors[at];
+            at = self.chain[at].1;
+        }
+        self.anchors.truncate(whole);
+    }
+
+    /// Whether the rope can rise from one place to the other.
+    fn can_follow(&self, (i, a): (usize, f64), (j, b): (usize, f64)) -> bool {
+        let way = |k: usize| self.axes[k].ray;
+        let aside = length(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
+        (a - b).abs() < STEEPEST * aside + 6.0 * self.camera.sigma_mm(a.max(b))
+    }
+
+    /// The first place along a ray where what is measured is where the ray is: the colour camera's depth of the rope's axis.
+    fn walk(&self, image: &DepthImage, axis: &Axis) -> Option<f64> {
+        let [near, far] = self.camera.range_mm;
+        let ends = [near, far].map(|depth| self.camera.pixel(self.place(axis, depth)));
+        let [Some(first), Some(last)] = ends else {
+            return None;
+        };
+        let steps = length(first[0] - last[0], first[1] - last[1])
+            .ceil()
+            .max(1.0);
+        let step = (1.0 / near - 1.0 / far) / steps;
+        for k in 0..=steps as usize {
+            let depth = 1.0 / (1.0 / near - k as f64 * step);
+            let place = self.place(axis, depth);
+            let Some([x, y]) = self.camera.pixel(place) else {
+                continue;
+            };
+            let Some(measured) = image.at(pixel(x), pixel(y)) else {
+                continue;
+            };
+            // Of one step a ray looks along all its depths where it is a point in the image.
+            let reach = match steps as usize {
+                1 => far,
+                _ => 0.75 * step * depth * depth,
+            };
+            if (measured - place[2]).abs() < reach + 3.0 * self.camera.sigma_mm(measured) {
+                let depth = self.depth(axis, measured);
+                return Some(depth * (1.0 + axis.slim));
+            }
+        }
+        None
+    }
+}
