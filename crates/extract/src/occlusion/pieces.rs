@@ -120,8 +120,8 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
     best.filter(|piece| piece.off <= APART_WIDTHS + past.moved())
 }
 
-/// How little the line lies as the stretch of the rope that begins at `from_px`, in the mean and in widths: how far its places lie
-/// from it, of which a long piece may have moved as one.
+/// How far the line's places lie from the stretch of the rope that begins at `from_px`, in the mean and in widths; what a long
+/// piece has moved as a whole counts for less.
 fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
     let last = (line.samples.len() - 1) as f32;
     let apart = |k: usize| {
