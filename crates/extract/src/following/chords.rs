@@ -10,6 +10,7 @@
 //! A few rows of the rest of the image, others in each frame, show whether something is new. Whatever is not as expected
 //! (chords that are missing, a tip that jumped, other crossings, something elsewhere) is left to a whole extraction.
 
+mod chase;
 mod chord;
 mod learn;
 mod narrow;

@@ -98,6 +98,9 @@ impl ContourFollower {
             return;
         }
         if ropes.iter_mut().all(|rope| rope.learn(image)) {
+            // As they were extracted is how they may lie.
+            station::come_together(ropes);
+            ropes.iter_mut().for_each(Rope::keep_together);
             self.count = curves.len();
             self.novelty.keep(image, &self.ropes[..self.count]);
         }

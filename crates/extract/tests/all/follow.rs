@@ -74,6 +74,56 @@ fn a_rope_that_is_followed_is_as_right_as_one_that_is_extracted() {
 }
 
 #[test]
+fn a_thin_rope_is_followed_too() {
+    let mut table = table();
+    let mut extractor = extractor();
+    let mut followed = 0;
+    for frame in 0..60 {
+        table.seed = frame as u64;
+        let mut rope = wave_at(frame);
+        rope.width_px = 2.4;
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        let scene = see(&mut extractor, &rgb, &table);
+        followed += usize::from(scene.followed);
+        let error = error(&scene.curves[0], &rope);
+        assert!(
+            error.mean_px < 0.25 && error.ends_px < 1.5,
+            "{frame}: {error:?}"
+        );
+    }
+    assert!(followed >= 50, "{followed} of 60 frames followed");
+}
+
+#[test]
+fn a_part_that_moves_far_is_followed_from_the_parts_beside_it() {
+    let table = table();
+    // Farther than a rope of this width is looked for, and not so far that it could be another.
+    for (width_px, far_px) in [(2.4, 6.0), (8.0, 14.0)] {
+        let mut extractor = extractor();
+        let rope_at = |frame: usize| {
+            let mut rope = Rope::along(width_px, BLUE, |t| [30.0 + 260.0 * t, 100.0]);
+            let moved_px = far_px * frame.saturating_sub(7) as f32;
+            for point in &mut rope.points {
+                let off = (point[0] - 160.0) / 40.0;
+                point[1] += moved_px * (-off * off).exp();
+            }
+            rope
+        };
+        for frame in 0..10 {
+            let rope = rope_at(frame);
+            let rgb = table.draw(std::slice::from_ref(&rope));
+            let scene = see(&mut extractor, &rgb, &table);
+            assert!(frame < 7 || scene.followed, "{width_px} px wide: {frame}");
+            let error = error(&scene.curves[0], &rope);
+            assert!(
+                error.mean_px < 0.3,
+                "{width_px} px wide, {frame}: {error:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_crossing_goes_along_with_its_ropes() {
     let table = table();
     let mut extractor = extractor();

@@ -7,9 +7,9 @@ use crate::image::color;
 use crate::scene::{Curve, Status};
 use crate::vec2;
 
-/// Ropes of these widths, in pixels: thinner ones have no middle to tell their contrast by, and of thicker ones a chord
-/// does not fit into a span.
-const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=36.0;
+/// Ropes of these widths, in pixels: of thinner ones no pixel need have the contrast, and of thicker ones a chord does not
+/// fit into a span.
+const WIDTHS_PX: std::ops::RangeInclusive<f32> = 1.8..=36.0;
 /// Fewer points than this are no shape to follow.
 const LEAST_POINTS: usize = 16;
 /// The farthest that points may lie apart, in widths: what lies between them is not looked at.

@@ -16,8 +16,8 @@ pub(super) const LEAST_MEASURED: f32 = 0.6;
 /// points that may lose it anywhere.
 const BESIDE: usize = 2;
 const LOST: f32 = 0.02;
-/// Widths of rope that go unread at most, between parts that are read.
-const MOST_BRIDGED: f32 = 6.0;
+/// Widths of rope, or pixels if they are more, that go unread at most between parts that are read.
+const MOST_BRIDGED: (f32, f32) = (6.0, 24.0);
 /// Nearer to a tip than so many widths the rope is not read, and a chord that would come so near, or run out of it, is
 /// read straight across.
 pub(super) const AT_TIP: f32 = 0.35;
@@ -155,7 +155,12 @@ impl Rope {
         for station in &mut self.next {
             station.at = vec2::along(station.at, station.normal, station.aside_px);
         }
-        let Some(mut aside_px) = self.measure(reader) else {
+        let first_px = self.measure(reader).or_else(|| {
+            self.chase(reader);
+            set_normals(&mut self.next);
+            self.measure(reader)
+        });
+        let Some(mut aside_px) = first_px else {
             return false;
         };
         if aside_px > FAR_PX {
@@ -233,7 +238,8 @@ impl Rope {
     /// Moves the stations from `first` to `last` to where they were read, and those in between that were not to where
     /// the rope bends least; returns how far they moved, in all, nothing where too many were not.
     fn settle(&mut self, first: usize, last: usize) -> Option<f32> {
-        let most = (MOST_BRIDGED * self.width_px / self.spacing_px()) as usize;
+        let most_px = (MOST_BRIDGED.0 * self.width_px).max(MOST_BRIDGED.1);
+        let most = (most_px / self.spacing_px()) as usize;
         let samples = &mut self.line.samples;
         samples.clear();
         let stations = &mut self.next[first..=last];

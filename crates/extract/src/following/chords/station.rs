@@ -11,9 +11,11 @@ use crate::vec2::{self, Vec2};
 /// How far a rope may have moved aside from where it is expected, in widths and at most in pixels more.
 pub(super) const ASIDE_WIDTHS: f32 = 0.6;
 /// How much a chord's width may differ from the rope's there.
-const WIDTH: std::ops::RangeInclusive<f32> = 0.78..=1.28;
+const WIDTH: [f32; 2] = [-0.22, 0.28];
 /// How much its contrast may.
-const CONTRAST: std::ops::RangeInclusive<f32> = 0.7..=1.4;
+const CONTRAST: [f32; 2] = [0.7, 1.4];
+/// Ropes thinner than this, in pixels, may differ the more: of them pixels show as much as happens to lie in each.
+const THIN_PX: f32 = 3.5;
 /// A tip may move this far along the rope from one frame to the next, in widths.
 pub(super) const TIP_WIDTHS: f32 = 0.75;
 
@@ -160,9 +162,11 @@ fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> 
 /// Whether what was read at a station can be the rope.
 #[inline(always)]
 fn fits(station: &Station, reading: &Reading) -> bool {
-    let width_px = reading.width_px - station.bias_px[1];
-    WIDTH.contains(&(width_px / station.width_px.max(0.1)))
-        && CONTRAST.contains(&(reading.contrast / station.contrast))
+    let thin = (THIN_PX / station.width_px.max(0.1)).max(1.0);
+    let wider = (reading.width_px - station.bias_px[1]) / station.width_px.max(0.1) - 1.0;
+    let contrast = reading.contrast / station.contrast;
+    (WIDTH[0] * thin..=WIDTH[1] * thin).contains(&wider)
+        && (CONTRAST[0] / thin..=CONTRAST[1] * thin).contains(&contrast)
         && reading.aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0
 }
 

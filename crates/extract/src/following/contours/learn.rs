@@ -268,6 +268,13 @@ impl Rope {
         mean_px <= most_px && offs().all(|px| px <= 4.0 * most_px)
     }
 
+    /// Notes which of its points lie on another strand where it was extracted, as they were just found to.
+    pub(super) fn keep_together(&mut self) {
+        for (station, found) in self.stations.iter_mut().zip(&self.next) {
+            station.is_together = found.is_together;
+        }
+    }
+
     /// The numbers of the points around one, and itself.
     fn numbers_around(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (n, closed) = (self.stations.len(), self.closed);

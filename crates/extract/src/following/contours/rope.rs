@@ -27,6 +27,9 @@ const MOST_AT_END: f32 = 4.0;
 const MOST_AGAINST: f32 = 6.0;
 /// And on a plain table, where no other strand lies there.
 const MOST_BLIND: f32 = 2.5;
+/// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
+/// a flat angle show theirs farther on.
+const CROSSED: f32 = 3.0;
 /// Frames that a rope is followed with something lying over it.
 const MOST_HIDDEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
@@ -402,9 +405,10 @@ impl Crossed for Rope {
 
     fn cross(&mut self, rho: f32, over: &Over) {
         let (n, middle) = (self.stations.len(), self.number(rho));
+        let most = (CROSSED * self.width_px / self.spacing_px()) as usize + 1;
         for way in [1, n - 1] {
             let mut i = middle;
-            for _ in 0..n {
+            for _ in 0..n.min(most) {
                 let station = &mut self.stations[i];
                 if !over.covers(station.at, station.normal) {
                     break;

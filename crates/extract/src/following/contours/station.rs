@@ -4,8 +4,11 @@ use super::looks::Middle;
 use super::rope::Rope;
 use crate::vec2::{self, Vec2};
 
-/// How near the middles of two strands come, in their mean width, before they begin to cross.
+/// How near the middles of two strands come, in their mean width, before they begin to cross, and when they do.
 const TOGETHER: f32 = 0.8;
+const CROSS: f32 = 0.5;
+/// Points by which the part that is so near may grow along them from one frame to the next.
+const CREEP: usize = 3;
 /// Widths along a rope between two of its points that may come together.
 pub(super) const APART_WIDTHS: f32 = 2.5;
 
@@ -31,6 +34,8 @@ pub(super) struct Station {
     pub(super) is_crossed: bool,
     /// Whether something covers it.
     pub(super) is_hidden: bool,
+    /// Whether another strand lies on it that was not said to cross here.
+    pub(super) is_together: bool,
 }
 
 /// The directions across the curve.
@@ -46,28 +51,48 @@ pub(super) fn set_normals(stations: &mut [Station], closed: bool) {
     }
 }
 
-/// Whether strands have come to lie on each other where they did not cross: their edges are then no longer their own.
-pub(super) fn come_together(ropes: &[Rope]) -> bool {
-    ropes.iter().enumerate().any(|(r, rope)| {
-        let apart = (APART_WIDTHS * rope.width_px / rope.spacing_px()) as usize + 1;
-        let is_doubtful = |station: &Station| station.edges < 2 && !station.is_crossed;
-        let mut places = (rope.next.iter().enumerate()).filter(|(_, here)| is_doubtful(here));
-        places.any(|(i, here)| {
-            ropes.iter().enumerate().any(|(o, other)| {
-                let reach_px = 0.5 * TOGETHER * (rope.width_px + other.width_px);
-                let (all, n) = (&other.next, other.next.len());
-                (0..n).step_by(2).any(|j| {
-                    let off = vec2::sub(all[j].at, here.at);
-                    if vec2::dot(off, off) >= reach_px * reach_px || all[j].is_crossed {
-                        return false;
-                    }
-                    let mut between = i.abs_diff(j);
-                    if rope.closed {
-                        between = between.min(n.abs_diff(between));
-                    }
-                    r != o || between > apart
-                })
-            })
-        })
-    })
+/// Notes where strands lie on each other in the next frame; says whether they have come to where none did before, or so near
+/// that they cross: their edges are then no longer their own.
+pub(super) fn come_together(ropes: &mut [Rope]) -> bool {
+    let mut is_new = false;
+    for r in 0..ropes.len() {
+        for i in 0..ropes[r].next.len() {
+            let here = &ropes[r].next[i];
+            let is_doubtful = here.edges < 2 && !here.is_crossed;
+            let widths = if is_doubtful {
+                widths_to_another(ropes, (r, i))
+            } else {
+                f32::INFINITY
+            };
+            let is_together = widths < TOGETHER;
+            let were = &ropes[r].stations;
+            let around = i.saturating_sub(CREEP)..(i + CREEP + 1).min(were.len());
+            let is_known = widths >= CROSS && were[around].iter().any(|s| s.is_together);
+            is_new |= is_together && !is_known;
+            ropes[r].next[i].is_together = is_together;
+        }
+    }
+    is_new
+}
+
+/// How far a station of the next frame is from the nearest strand, in their mean width.
+fn widths_to_another(ropes: &[Rope], (r, i): (usize, usize)) -> f32 {
+    let (rope, here) = (&ropes[r], &ropes[r].next[i]);
+    let apart = (APART_WIDTHS * rope.width_px / rope.spacing_px()) as usize + 1;
+    let mut least = f32::INFINITY;
+    for (o, other) in ropes.iter().enumerate() {
+        let n = other.next.len();
+        let counts = |j: usize| {
+            let between = i.abs_diff(j);
+            let around = if rope.closed { n.abs_diff(between) } else { n };
+            o != r || between.min(around) > apart
+        };
+        let places = other.next.iter().enumerate().step_by(2);
+        for (_, there) in places.filter(|&(j, there)| !there.is_crossed && counts(j)) {
+            let widths =
+                vec2::distance(there.at, here.at) / (0.5 * (rope.width_px + other.width_px));
+            least = least.min(widths);
+        }
+    }
+    least
 }
