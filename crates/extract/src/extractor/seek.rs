@@ -77,7 +77,11 @@ impl Extractor {
             return false;
         }
         self.weigh(image);
-        let is_weak = |curve: &Curve| curve.confidence < SURE && curve.width_px >= THINNEST_PX;
+        // One that is bridged is unsure for what covers it, of which the network knows no more.
+        let is_bridged = |curve: &Curve| curve.hidden.contains(&true);
+        let is_weak = |curve: &Curve| {
+            curve.confidence < SURE && curve.width_px >= THINNEST_PX && !is_bridged(curve)
+        };
         self.curves[..self.count].iter().any(is_weak)
     }
 

@@ -34,6 +34,9 @@ const NEIGHBORS: (f32, f32) = (50.0, -1.0);
 /// The share of that way that must lie under something then.
 const COVERED: f32 = 0.75;
 
+/// How far ahead of an end the thing that it runs into begins, in widths, and at how many places it is looked for.
+const INTO: (f32, usize) = (1.5, 6);
+
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -89,6 +92,7 @@ impl Bridger {
             }
             self.bridge(&candidate, lines, scenery.past);
         }
+        self.join_pairs(lines, scenery);
         self.sort(lines, colors)
     }
 
@@ -161,19 +165,14 @@ impl Bridger {
         for (i, a) in self.ends.iter().enumerate() {
             for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
                 let same = a.line == b.line;
-                let width = (a.width_px / b.width_px).max(b.width_px / a.width_px);
-                let levels = color::distance(a.color, b.color, scenery.yuv);
-                let (like_levels, like_width) = scenery.alike();
-                if !same && (levels > like_levels || width > like_width) {
+                if !same && !is_like(a, b, scenery) {
                     continue;
                 }
-                // Where one rope was lost under something and another came out of it, they may be one.
-                let known = |end: &End| !scenery.past.was_covered(&end.past);
                 let ends = [i, j];
                 if let Some((cost, way)) = known_way(a, b, scenery.past, same) {
                     let way = Some(way);
                     self.candidates.push(Candidate { cost, ends, way });
-                } else if !(same || known(a) && known(b)) {
+                } else if !same && are_open(a, b, scenery) {
                     let length_px = lines[a.line].length_px().min(lines[b.line].length_px());
                     if let Some(cost) = plain_cost(a, b, length_px, scenery) {
                         let way = None;
@@ -182,6 +181,38 @@ impl Bridger {
                 }
             }
         }
+    }
+
+    /// Joins ends of which just two, of one rope as far as they show, run into the same thing: however the rope bends under it, it
+    /// goes in at the one and comes out at the other.
+    fn join_pairs(&mut self, lines: &mut [Line], scenery: &Scenery) {
+        for i in 0..self.ends.len() {
+            let mut others = (0..self.ends.len()).filter(|&j| self.is_pair(i, j, scenery));
+            let (Some(j), None) = (others.next(), others.next()) else {
+                continue;
+            };
+            let is_only = (0..self.ends.len()).all(|k| k == i || !self.is_pair(j, k, scenery));
+            let (a, b) = (&self.ends[i], &self.ends[j]);
+            if j > i
+                && is_only
+                && a.line != b.line
+                && is_like(a, b, scenery)
+                && are_open(a, b, scenery)
+            {
+                let candidate = Candidate {
+                    cost: 0.0,
+                    ends: [i, j],
+                    way: None,
+                };
+                self.bridge(&candidate, lines, scenery.past);
+            }
+        }
+    }
+
+    /// Whether two free ends run into the same thing.
+    fn is_pair(&self, i: usize, j: usize, scenery: &Scenery) -> bool {
+        let (a, b) = (&self.ends[i], &self.ends[j]);
+        i != j && !a.used && !b.used && runs_into(a, b, scenery)
     }
 
     /// The ends between two pieces of a known rope that follow each other along it.
@@ -322,6 +353,46 @@ impl Bridger {
             .take_while(|line| !line.samples.is_empty())
             .count()
     }
+}
+
+/// Whether two ends look like one rope's.
+fn is_like(a: &End, b: &End, scenery: &Scenery) -> bool {
+    let width = (a.width_px / b.width_px).max(b.width_px / a.width_px);
+    let (like_levels, like_width) = scenery.alike();
+    color::distance(a.color, b.color, scenery.yuv) <= like_levels && width <= like_width
+}
+
+/// Whether the past leaves open that two ends are one rope's: where one was lost under something and another came out of it, they may be.
+fn are_open(a: &End, b: &End, scenery: &Scenery) -> bool {
+    let known = |end: &End| !scenery.past.was_covered(&end.past);
+    !(known(a) && known(b))
+}
+
+/// Whether two ends run into a thing that reaches from the one to the other.
+fn runs_into(a: &End, b: &End, scenery: &Scenery) -> bool {
+    const ASKED: usize = 16;
+    let is_thing = |[x, y]: Vec2| scenery.occluder.get((x + 0.5) as i32, (y + 0.5) as i32);
+    let entry = |end: &End| {
+        let ahead = (1..=INTO.1).map(|k| {
+            vec2::along(
+                end.at,
+                end.out,
+                INTO.0 * k as f32 * end.width_px / INTO.1 as f32,
+            )
+        });
+        ahead.into_iter().find(|&at| is_thing(at))
+    };
+    let (Some(from), Some(to)) = (entry(a), entry(b)) else {
+        return false;
+    };
+    let hits = (0..=ASKED).filter(|&k| {
+        is_thing(vec2::along(
+            from,
+            vec2::sub(to, from),
+            k as f32 / ASKED as f32,
+        ))
+    });
+    hits.count() as f32 >= COVERED * ASKED as f32
 }
 
 /// The share of a rope's stretch, in arc length, that lies under something that is no rope, as far as its width reaches.
