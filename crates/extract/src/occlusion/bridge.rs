@@ -90,7 +90,7 @@ impl Bridger {
             if candidate.ends.iter().any(|&e| self.ends[e].used) {
                 continue;
             }
-            self.bridge(&candidate, lines, scenery.past);
+            self.bridge(&candidate, lines, scenery);
         }
         self.join_pairs(lines, scenery);
         self.sort(lines, colors)
@@ -204,7 +204,7 @@ impl Bridger {
                     ends: [i, j],
                     way: None,
                 };
-                self.bridge(&candidate, lines, scenery.past);
+                self.bridge(&candidate, lines, scenery);
             }
         }
     }
@@ -261,7 +261,7 @@ impl Bridger {
     }
 
     /// Joins two ends' lines into the first one's, or closes the line that both belong to.
-    fn bridge(&mut self, candidate: &Candidate, lines: &mut [Line], past: &Past) {
+    fn bridge(&mut self, candidate: &Candidate, lines: &mut [Line], scenery: &Scenery) {
         let [i, j] = candidate.ends;
         (self.ends[i].used, self.ends[j].used) = (true, true);
         let (a, b) = (self.ends[i].line, self.ends[j].line);
@@ -273,7 +273,11 @@ impl Bridger {
         }
         let (from, to) = (self.ends[i], self.ends[j]);
         let from_px = lines[a].length_px();
-        let way = candidate.way.map(|way| (way, past));
+        let way = candidate.way.map(|way| (way, scenery.past));
+        // A way on which the table is seen is not the one that is hidden.
+        let way = way.filter(|_| {
+            !runs_into(&from, &to, scenery) || way_covered(&from, &to, way, scenery) >= COVERED
+        });
         lay(&mut lines[a].samples, &from, &to, way);
         // To the first sample of what follows, which is yet to come.
         let last = lines[a].samples.len() - 1;
@@ -435,6 +439,40 @@ fn kept(a: &End, b: &End, lines: &[Line]) -> Option<[usize; 2]> {
     Some([back(a, middle_a)?, back(b, middle_b)?])
 }
 
+/// The share of the way between two ends that lies under something.
+fn way_covered(
+    from: &End,
+    to: &End,
+    way: Option<([FormerPlace; 2], &Past)>,
+    scenery: &Scenery,
+) -> f32 {
+    const ASKED: usize = 16;
+    let at = between(from, to, way);
+    let reach_px = 0.25 * (from.width_px + to.width_px);
+    let hits = (1..ASKED).filter(|&k| scenery.is_hidden(at(k as f32 / ASKED as f32), reach_px));
+    hits.count() as f32 / (ASKED - 1) as f32
+}
+
+/// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
+/// they point.
+fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
+    let chord_px = vec2::distance(from.at, to.at);
+    move |t| {
+        let Some(([a, b], past)) = way else {
+            return cubic(from, to, chord_px, t);
+        };
+        let rope = &past.ropes()[a.rope as usize];
+        let way = rope.way_px(&a, &b, a.ahead);
+        let along = |t: f32| a.along_px + if a.ahead { way * t } else { -way * t };
+        let moved = [
+            vec2::sub(from.at, rope.at(along(0.0))),
+            vec2::sub(to.at, rope.at(along(1.0))),
+        ];
+        let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
+        vec2::add(rope.at(along(t)), shift)
+    }
+}
+
 /// Lays the samples between two ends behind the first one's.
 fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) {
     let chord_px = vec2::distance(from.at, to.at);
@@ -446,31 +484,15 @@ fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlac
     });
     let step_px = (0.125 * (width_px[0] + width_px[1])).clamp(0.75, 4.0);
     let count = (way_px / step_px).ceil().max(1.0) as usize;
-    let push = |samples: &mut Vec<Sample>, at: Vec2, t: f32| {
+    let at = between(from, to, way);
+    for k in 1..count {
+        let t = k as f32 / count as f32;
         samples.push(Sample {
-            at,
+            at: at(t),
             weight: 0.0,
             width_px: width_px[0] + t * (width_px[1] - width_px[0]),
             side: 0.0,
         });
-    };
-    for k in 1..count {
-        let t = k as f32 / count as f32;
-        let at = match way {
-            Some(([a, b], past)) => {
-                let rope = &past.ropes()[a.rope as usize];
-                let way = rope.way_px(&a, &b, a.ahead);
-                let along = |t: f32| a.along_px + if a.ahead { way * t } else { -way * t };
-                let moved = [
-                    vec2::sub(from.at, rope.at(along(0.0))),
-                    vec2::sub(to.at, rope.at(along(1.0))),
-                ];
-                let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
-                vec2::add(rope.at(along(t)), shift)
-            }
-            None => cubic(from, to, chord_px, t),
-        };
-        push(samples, at, t);
     }
 }
 
@@ -498,6 +520,15 @@ mod tests {
     }
 
     fn join(lines: &mut [Line], past: &Past, is_hidden: bool) -> (usize, Vec<Gap>) {
+        join_under(lines, past, is_hidden, &BitPlane::default())
+    }
+
+    fn join_under(
+        lines: &mut [Line],
+        past: &Past,
+        is_hidden: bool,
+        occluder: &BitPlane,
+    ) -> (usize, Vec<Gap>) {
         let mut difference = GrayPlane::default();
         difference.resize(400, 200);
         (0..200).for_each(|y| difference.row_mut(y).fill(if is_hidden { 90 } else { 0 }));
@@ -505,7 +536,7 @@ mod tests {
             past,
             difference: &difference,
             level: 20.0,
-            occluder: &BitPlane::default(),
+            occluder,
             yuv: false,
             elsewhere: None,
             picked: None,
@@ -578,6 +609,65 @@ mod tests {
         let mut aside = pieces();
         aside[1] = straight([180.0, 150.0], [320.0, 150.0]);
         assert_eq!(join(&mut aside, &Past::default(), true).0, 2);
+    }
+
+    /// A thing of 60 by 80 pixels, its upper left corner at (120, 60).
+    fn thing() -> BitPlane {
+        let mut plane = BitPlane::default();
+        plane.resize(400, 200);
+        (60..140).for_each(|y| plane.fill(y, 120, 180, true));
+        plane
+    }
+
+    #[test]
+    fn a_rope_that_turns_back_under_a_thing_comes_out_of_it() {
+        let ends = || {
+            [
+                straight([20.0, 80.0], [117.0, 80.0]),
+                straight([20.0, 120.0], [117.0, 120.0]),
+            ]
+        };
+        let mut lines = ends();
+        let (count, gaps) = join_under(&mut lines, &Past::default(), true, &thing());
+        assert_eq!((count, gaps.len()), (1, 1));
+        // Half a circle.
+        let way_px = gaps[0].to_px - gaps[0].from_px;
+        assert!(
+            (way_px - 20.0 * std::f32::consts::PI).abs() < 4.0,
+            "{way_px}"
+        );
+        assert_eq!(join(&mut ends(), &Past::default(), true).0, 2, "no thing");
+        // A third one leaves it open which two belong together.
+        let [a, b] = ends();
+        let mut lines = [a, b, straight([300.0, 70.0], [183.0, 70.0])];
+        let count = join_under(&mut lines, &Past::default(), true, &thing()).0;
+        assert!(count >= 2, "{count}");
+    }
+
+    #[test]
+    fn a_known_way_beside_the_thing_that_hides_it_gives_way_to_one_under_it() {
+        // A loop that reached far to the right, and has drawn back under the thing.
+        let mut past = Past::default();
+        let turn = |t: f32| {
+            let (sin, cos) = (std::f32::consts::PI * (t - 0.5)).sin_cos();
+            [180.0 + 60.0 * cos, 100.0 + 20.0 * sin]
+        };
+        let to = (0..=32).map(|i| [20.0 + 5.0 * i as f32, 80.0]);
+        let back = (0..=32).map(|i| [180.0 - 5.0 * i as f32, 120.0]);
+        let points: Vec<Vec2> = to
+            .chain((1..32).map(|i| turn(i as f32 / 32.0)))
+            .chain(back)
+            .collect();
+        let length_px = points.windows(2).map(|p| vec2::distance(p[0], p[1])).sum();
+        past.add(false, [length_px, 6.0], &points);
+        let mut lines = [
+            straight([20.0, 80.0], [117.0, 80.0]),
+            straight([20.0, 120.0], [117.0, 120.0]),
+        ];
+        let (count, gaps) = join_under(&mut lines, &past, false, &thing());
+        assert_eq!((count, gaps.len()), (1, 1));
+        let farthest = lines[0].samples.iter().map(|s| s.at[0]).fold(0.0, f32::max);
+        assert!(farthest < 182.0, "{farthest}");
     }
 
     #[test]

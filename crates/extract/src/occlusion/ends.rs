@@ -236,10 +236,15 @@ fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
     hits.count() as f32 / (ASKED - 1) as f32
 }
 
-/// Hermite's cubic from one end to the other.
+/// Hermite's cubic from one end to the other, as fast at both as makes it nearly a circle's arc where both turn alike.
 pub(crate) fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
     let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
     let straight = vec2::along(from.at, vec2::sub(to.at, from.at), s);
-    let leaving = vec2::along(straight, from.out, chord_px * t * u * u);
-    vec2::along(leaving, to.out, chord_px * t * t * u)
+    // 4 tan(θ/4) radii for a turn by θ.
+    let cos_half = (0.5 - 0.5 * vec2::dot(from.out, to.out))
+        .clamp(0.0, 1.0)
+        .sqrt();
+    let pace_px = 2.0 * chord_px / (1.0 + cos_half);
+    let leaving = vec2::along(straight, from.out, pace_px * t * u * u);
+    vec2::along(leaving, to.out, pace_px * t * t * u)
 }
