@@ -14,10 +14,10 @@ use crate::rendered::draw::{Brush, Canvas};
 use crate::rendered::portable::{sin_turns, smoothstep};
 use crate::rendered::table::SensorNoise;
 use ground::Ground;
-use hand::Hand;
 use lariat_portable::SplitMix64;
 use writhe::Writhe;
 
+pub use hand::Hand;
 pub use judge::{Judge, SeenCurve, SeenStatus, Verdict};
 
 /// Frames a second.

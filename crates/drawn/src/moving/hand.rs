@@ -3,7 +3,8 @@
 use super::TrueRope;
 use crate::rendered::portable::smoothstep;
 
-const SKIN: [f64; 3] = [206.0, 158.0, 132.0];
+/// Light, and dark.
+const SKINS: [[f64; 3]; 2] = [[206.0, 158.0, 132.0], [120.0, 86.0, 66.0]];
 /// It passes every so many seconds, and takes so many for it.
 const EVERY_S: f64 = 6.0;
 const PASSES_S: f64 = 3.0;
@@ -15,11 +16,30 @@ const STAYS_S: f64 = 2.5;
 /// Where it comes to rest, in turn, as shares of the picture's sides.
 const RESTS: [[f64; 2]; 3] = [[0.5, 0.45], [0.36, 0.6], [0.64, 0.55]];
 
+/// Of a film made elsewhere: frames from one visit to the next, of which so many show no hand, and frames that it takes to come and
+/// to go.
+const VISITS_EVERY: u64 = 120;
+const AWAY: u64 = 25;
+const COMES: f64 = 8.0;
+/// Where it reaches to in one visit after the other, as shares of the picture's sides, and half of how wide it is, in widths of the rope:
+/// a finger, and an arm.
+const VISITED: [[f64; 2]; 7] = [
+    [0.5, 0.45],
+    [0.36, 0.6],
+    [0.64, 0.55],
+    [0.25, 0.4],
+    [0.45, 0.7],
+    [0.6, 0.35],
+    [0.75, 0.5],
+];
+const HALVES: [f64; 2] = [1.7, 3.0];
+
 /// A hand at a moment: all that lies within a radius of a line.
 #[derive(Debug)]
-pub(super) struct Hand {
+pub struct Hand {
     ends: [[f64; 2]; 2],
     radius_px: f64,
+    skin: [f64; 3],
 }
 
 impl Hand {
@@ -35,6 +55,7 @@ impl Hand {
             Self {
                 ends: [[x - 0.2 * size_px[0], 1.3 * size_px[1]], tip],
                 radius_px,
+                skin: SKINS[0],
             }
         })
     }
@@ -52,6 +73,29 @@ impl Hand {
         (begun_s > 0.0).then_some(Self {
             ends: [from, tip],
             radius_px: 3.0 * rope_px,
+            skin: SKINS[0],
+        })
+    }
+
+    /// The hand in frame number `frame` of a film made elsewhere, in pictures of this size with a rope of this width, if there is one:
+    /// from above and from below, thin and wide, light and dark in turn. Films of other seeds begin with other visits.
+    pub fn visiting(frame: u64, seed: u64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
+        let visit = (frame / VISITS_EVERY + 7 * seed) as usize;
+        let here = (frame % VISITS_EVERY).checked_sub(AWAY)? as f64;
+        let left = (VISITS_EVERY - AWAY - 1) as f64 - here;
+        let reach = (here.min(left) / COMES).clamp(0.0, 1.0);
+        let place = VISITED[visit % VISITED.len()];
+        let outside = match visit / 3 % 2 {
+            0 => [place[0] - 0.1, 1.3],
+            _ => [place[0] + 0.15, -0.3],
+        };
+        let [tip, from] = [reach, -0.5].map(|reach| {
+            [0, 1].map(|c| size_px[c] * (outside[c] + reach * (place[c] - outside[c])))
+        });
+        (reach > 0.0).then_some(Self {
+            ends: [from, tip],
+            radius_px: HALVES[visit / VISITED.len() % 2] * rope_px,
+            skin: SKINS[visit % 2],
         })
     }
 
@@ -66,14 +110,14 @@ impl Hand {
         self.radius_px - (off[0] * off[0] + off[1] * off[1]).sqrt()
     }
 
-    /// Draws it over a picture, and hides what is under it.
-    pub(super) fn draw(&self, pixels: &mut [u8], width: usize, truth: &mut [TrueRope]) {
+    /// Draws it over a picture, three bytes a pixel without padding, and hides what is under it.
+    pub fn draw(&self, pixels: &mut [u8], width: usize, truth: &mut [TrueRope]) {
         for (i, pixel) in pixels.chunks_exact_mut(3).enumerate() {
             let within_px = self.within_px([(i % width) as f64, (i / width) as f64]);
             let share = (within_px + 0.5).clamp(0.0, 1.0);
             // Round, so that it darkens toward its rim.
             let light = 0.75 + 0.25 * smoothstep(within_px / self.radius_px);
-            for (level, skin) in pixel.iter_mut().zip(SKIN) {
+            for (level, skin) in pixel.iter_mut().zip(self.skin) {
                 let old = f64::from(*level);
                 *level = (old + share * (light * skin - old)) as u8;
             }

@@ -1,5 +1,6 @@
 //! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
 
+mod elsewhere;
 mod video;
 
 use std::path::{Path, PathBuf};
@@ -32,6 +33,10 @@ pub(crate) struct Args {
     /// A picture that the ropes of those stories lie on, instead of a drawn ground
     #[arg(long, value_name = "PICTURE")]
     ground: Option<PathBuf>,
+    /// A folder of PNG pictures, in the order of their names: instead of the stories the film that they make, to and fro, with a hand over its
+    /// ropes. What is true of it is what is read of it without the hand
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["story", "write", "ground"])]
+    over: Option<PathBuf>,
     /// Size of the pictures
     #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = crate::size)]
     size: [usize; 2],
@@ -57,6 +62,9 @@ enum Sayer {
 
 /// Runs all stories and prints what was wrong in each.
 pub(crate) fn run(args: &Args) -> Result<()> {
+    if let Some(folder) = &args.over {
+        return run_over(folder, args);
+    }
     let stories: Vec<_> = Story::ALL
         .into_iter()
         .filter(|s| {
@@ -87,6 +95,59 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         return Ok(());
     }
+    print_head();
+    for story in stories {
+        for seed in seeds() {
+            let mut film = film(story, seed, args.size, ground.as_ref());
+            let mask = match args.mask {
+                Sayer::True if story.is_cluttered() => Mask::External,
+                Sayer::Network if story.is_cluttered() => Mask::Network,
+                _ => Mask::Auto,
+            };
+            let next = |rgb: &mut Vec<u8>, mask: &mut Vec<u8>| {
+                let truth = film.next(rgb);
+                film.mask(&truth, mask);
+                truth
+            };
+            let show = Show {
+                name: story.name(),
+                seed,
+                size: args.size,
+                mask,
+            };
+            let (verdict, counts) = watch(&show, next, frames, args)?;
+            print(&show, frames, &verdict, &counts);
+        }
+    }
+    print_foot(args.size);
+    Ok(())
+}
+
+/// Runs the film of a folder's pictures with a hand over it, and prints what was wrong.
+fn run_over(folder: &Path, args: &Args) -> Result<()> {
+    let film = elsewhere::Film::read(folder)?;
+    let frames = args.frames.div_ceil(args.seeds.max(1));
+    print_head();
+    for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
+        let show = Show {
+            name: "hand",
+            seed,
+            size: film.size,
+            mask: Mask::Auto,
+        };
+        let mut shown = 0;
+        let next = |rgb: &mut Vec<u8>, _: &mut Vec<u8>| {
+            shown += 1;
+            film.frame(shown - 1, seed, rgb)
+        };
+        let (verdict, counts) = watch(&show, next, frames, args)?;
+        print(&show, frames, &verdict, &counts);
+    }
+    print_foot(film.size);
+    Ok(())
+}
+
+fn print_head() {
     println!(
         "{:<12} {:>4} {:>7} {:>8} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9} {:>6} {:>6}",
         "story",
@@ -106,34 +167,42 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         "µs",
         "whole"
     );
-    for story in stories {
-        for seed in seeds() {
-            let (verdict, counts) = watch(
-                film(story, seed, args.size, ground.as_ref()),
-                [seed, frames],
-                args,
-            )?;
-            print(story, seed, frames, &verdict, &counts);
-        }
-    }
+}
+
+fn print_foot(size: [usize; 2]) {
     println!(
         "\nframes of {}×{} at 30/s; followed: frames, from the frame before; right: frames with nothing missed, miscounted, turned, renamed, \
          exchanged or invented;\nwith --mask true clutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
          a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
          and seen;\nµs: a followed frame, the median; whole: one that is extracted whole",
-        args.size[0], args.size[1]
+        size[0], size[1]
     );
-    Ok(())
 }
 
-fn print(story: Story, seed: u64, frames: u64, v: &Verdict, counts: &Counts) {
+/// A film as it is looked at.
+struct Show {
+    name: &'static str,
+    seed: u64,
+    size: [usize; 2],
+    mask: Mask,
+}
+
+impl Show {
+    /// Its name as a file.
+    fn file(&self) -> String {
+        format!("{}-{}", self.name.replace(' ', "-"), self.seed)
+    }
+}
+
+fn print(show: &Show, frames: u64, v: &Verdict, counts: &Counts) {
     let share = |count: u64| 100.0 * count as f64 / frames as f64;
     let us = |samples: &Samples| samples.median() / 1e3;
     let mismarked = 100.0 * v.mismarked as f64 / v.marked.max(1) as f64;
     println!(
-        "{:<12} {seed:>4} {frames:>7} {:>7.1}% {:>5.1}% {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {mismarked:>8.2}% {:>6.0} {:>6.0}",
-        story.name(),
+        "{:<12} {:>4} {frames:>7} {:>7.1}% {:>5.1}% {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {mismarked:>8.2}% {:>6.0} {:>6.0}",
+        show.name,
+        show.seed,
         share(counts.followed.count() as u64),
         share(counts.right),
         v.shown,
@@ -174,14 +243,16 @@ struct Counts {
     right: u64,
 }
 
-/// What was wrong in a film.
-fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdict, Counts)> {
-    let story = film.story();
-    let mask = match args.mask {
-        Sayer::True if story.is_cluttered() => Mask::External,
-        Sayer::Network if story.is_cluttered() => Mask::Network,
-        _ => Mask::Auto,
-    };
+/// What was wrong in a film, whose frames and true masks `next` makes and says what is in them.
+fn watch(
+    show: &Show,
+    mut next: impl FnMut(&mut Vec<u8>, &mut Vec<u8>) -> Vec<TrueRope>,
+    frames: u64,
+    args: &Args,
+) -> Result<(Verdict, Counts)> {
+    let Show { seed, ref mask, .. } = *show;
+    let [width, height] = show.size;
+    let mask = mask.clone();
     let is_told = mask == Mask::External;
     let mut extractor = Extractor::new(Options {
         mask,
@@ -191,13 +262,14 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
     let (mut rgb, mut mask) = (Vec::new(), Vec::new());
     let mut counts = Counts::default();
     for frame in 0..frames {
-        let truth = film.next(&mut rgb);
-        let [width, height] = args.size;
+        let truth = next(&mut rgb, &mut mask);
         let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
-        film.mask(&truth, &mut mask);
-        let mask = Image::new(&mask, width, height, width, PixelFormat::Gray8)?;
+        let told = match is_told {
+            true => Some(Image::new(&mask, width, height, width, PixelFormat::Gray8)?),
+            false => None,
+        };
         let start = Instant::now();
-        let scene = look(&mut extractor, &image, is_told.then_some(&mask))?;
+        let scene = look(&mut extractor, &image, told.as_ref())?;
         let ns = start.elapsed().as_secs_f64() * 1e9;
         match scene.followed {
             true => counts.followed.push(ns),
@@ -212,15 +284,11 @@ fn watch(mut film: Film, [seed, frames]: [u64; 2], args: &Args) -> Result<(Verdi
         }
         if args.verbose {
             let how = if scene.followed { "followed" } else { "whole" };
-            println!(
-                "{} {seed} {frame} ({how}): {}",
-                story.name(),
-                wrong.join("; ")
-            );
+            println!("{} {seed} {frame} ({how}): {}", show.name, wrong.join("; "));
         }
         if let Some(folder) = &args.overlay {
-            let name = format!("{}-{frame:05}.png", name(story, seed));
-            draw(&rgb, args.size, (&truth, scene.curves), &folder.join(name))?;
+            let name = format!("{}-{frame:05}.png", show.file());
+            draw(&rgb, show.size, (&truth, scene.curves), &folder.join(name))?;
         }
     }
     Ok((judge.verdict(), counts))
