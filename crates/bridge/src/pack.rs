@@ -399,9 +399,9 @@ pub(crate) mod tests {
     fn a_rope_goes_into_one_datagram_of_an_ethernet() {
         let mut bytes = Vec::new();
         pack(&*descriptors(1, 1), &mut bytes);
-        // 1500 without the heads of IPv6 and UDP, zenoh's and the bridge's own.
+        // 1500 without the heads of IPv6 and UDP, and the bridge's own.
         assert!(
-            bytes.len() <= 1500 - 48 - 64 - crate::datagram::OVERHEAD,
+            bytes.len() <= 1500 - 48 - crate::datagram::OVERHEAD,
             "{}",
             bytes.len()
         );

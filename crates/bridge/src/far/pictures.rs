@@ -14,31 +14,67 @@ use super::Upward;
 use crate::args::Place;
 use crate::chunks::Assembly;
 use crate::clock::Offset;
-use crate::datagram::{Incoming, Kind};
-use crate::inbox::{Arrived, Inbox};
+use crate::datagram::{Datagram, Incoming, Kind, Outgoing};
+use crate::key;
 use crate::pack::unpack;
+use crate::question::{Answer, Question};
 use crate::say;
-use crate::session::{Open, Way, Wire, parts};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket};
 use crate::stamps::Stamps;
 use crate::tally::Tally;
 
 /// No larger picture is made: 8192 by 8192.
 const LARGEST: u64 = 3 << 26;
-/// Between two tries to connect.
-const RETRY_NS: u64 = 500_000_000;
-/// Without a picture for so long, the session is made anew.
+/// How often they are asked for; frames are listened for once they were asked for at the other port.
+const ASK_NS: u64 = 250_000_000;
+/// Without a picture for so long, it begins anew.
 const SILENCE_NS: u64 = 3_000_000_000;
+
+/// How frames are asked for.
+pub(super) struct Asks {
+    outgoing: Arc<Outgoing>,
+    question: Question,
+}
+
+impl Asks {
+    pub(super) fn new(outgoing: Arc<Outgoing>, frames_ms: u16) -> Self {
+        let question = Question {
+            token: 0,
+            cookie: 0,
+            also: 0,
+            frames_ms,
+        };
+        Self { outgoing, question }
+    }
+
+    /// Writes the next question.
+    fn write(&mut self, into: &mut Vec<u8>) -> Result<()> {
+        self.question.token = key::random_number()?;
+        let question = &self.question;
+        self.outgoing
+            .write(Kind::Ask, into, |to| question.write(to));
+        Ok(())
+    }
+
+    /// Takes an answer to the last question; whether what it says is to be said back at once.
+    fn take(&mut self, answer: &Answer) -> bool {
+        answer.token == self.question.token
+            && answer.cookie != std::mem::replace(&mut self.question.cookie, answer.cookie)
+    }
+}
 
 /// Takes frames until it is told to stop; how many.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
+    asks: Asks,
     incoming: Incoming,
     upward: &Mutex<Upward>,
     stop: &Stop,
 ) -> u64 {
     crate::give_way();
-    match Pictures::new(rig, incoming).and_then(|mut pictures| pictures.carry(place, upward, stop))
+    match Pictures::new(rig, asks, incoming)
+        .and_then(|mut pictures| pictures.carry(place, upward, stop))
     {
         Ok(taken) => taken,
         Err(cause) => {
@@ -48,11 +84,19 @@ pub(super) fn run(
     }
 }
 
+/// What came.
+enum Took {
+    /// A part of a picture.
+    Picture,
+    /// What is to be said back at once.
+    AskAgain,
+}
+
 /// The rig's frames, written here.
 struct Pictures<'a> {
     rig: &'a Rig,
+    asks: Asks,
     incoming: Incoming,
-    inbox: Arc<Inbox>,
     assembly: Assembly,
     /// Whose, and what came of them.
     from: (u64, Tally),
@@ -65,11 +109,11 @@ struct Pictures<'a> {
 }
 
 impl<'a> Pictures<'a> {
-    fn new(rig: &'a Rig, incoming: Incoming) -> Result<Self> {
+    fn new(rig: &'a Rig, asks: Asks, incoming: Incoming) -> Result<Self> {
         Ok(Self {
             rig,
+            asks,
             incoming,
-            inbox: Arc::new(Inbox::new().context("the system has no descriptor left")?),
             assembly: Assembly::default(),
             from: (0, Tally::default()),
             stamps: Stamps::default(),
@@ -84,50 +128,69 @@ impl<'a> Pictures<'a> {
         let place = place
             .of_frames()
             .context("its port is the last: choose another one")?;
-        let mut arrived = Arrived::default();
+        let (mut buffer, mut datagram) = (vec![0; LARGEST_DATAGRAM], Vec::new());
+        let mut attempt = 0;
         while !stop.asked() {
-            let Ok(wire) = Wire::open(Open::Connect, &place.to_string(), Way::Up, self.rig) else {
-                // Frames are listened for once they were asked for.
-                stop.sleep_until(now_ns() + RETRY_NS);
+            let address = place.addresses().map(|all| all[attempt % all.len()]);
+            let opened = address.and_then(|at| Ok((Socket::toward(at, Rank::Last)?, at)));
+            attempt += 1;
+            let Ok((socket, at)) = opened else {
+                stop.sleep_until(now_ns() + ASK_NS);
                 continue;
             };
-            let heard = self.inbox.clone();
-            wire.hear(Way::Pictures, self.rig, move |at_ns, sample| {
-                heard.put(at_ns, parts(sample))
-            })?;
-            let mut silent_ns = now_ns() + SILENCE_NS;
+            let (mut ask_ns, mut silent_ns) = (0, now_ns() + SILENCE_NS);
             while !stop.asked() && now_ns() < silent_ns {
-                self.inbox.clone().sleep(silent_ns, stop.as_fd());
-                while self.inbox.clone().next(&mut arrived) {
-                    let near = upward.lock().unwrap_or_else(PoisonError::into_inner).near;
-                    if let Some(near) = near
-                        && self.take(&mut arrived, near).is_some()
-                    {
-                        silent_ns = now_ns() + SILENCE_NS;
-                    }
+                if now_ns() >= ask_ns {
+                    ask_ns = now_ns() + ASK_NS;
+                    self.asks.write(&mut datagram)?;
+                    socket.send(&datagram, at);
+                }
+                let Some((bytes, _)) = socket.next(&mut buffer) else {
+                    socket.sleep(ask_ns.min(silent_ns), stop.as_fd());
+                    continue;
+                };
+                let near = upward.lock().unwrap_or_else(PoisonError::into_inner).near;
+                match self.take(bytes, now_ns(), near) {
+                    Some(Took::Picture) => silent_ns = now_ns() + SILENCE_NS,
+                    Some(Took::AskAgain) => ask_ns = 0,
+                    None => {}
                 }
             }
-            wire.close();
         }
         Ok(self.taken)
     }
 
-    /// Takes a datagram of the process that answers; `None`: it is none of its, or makes no sense.
-    fn take(&mut self, arrived: &mut Arrived, (process, offset): (u64, Offset)) -> Option<()> {
-        let datagram = self.incoming.read(&mut arrived.bytes).ok()?;
-        if datagram.kind != Kind::Picture || datagram.process != process {
-            return None;
+    /// Takes a datagram of the process that answers; `None`: it is none of its, says nothing new, or makes no sense.
+    fn take(&mut self, bytes: &mut [u8], at_ns: u64, near: Option<(u64, Offset)>) -> Option<Took> {
+        let datagram = self.incoming.read(bytes).ok()?;
+        let (process, offset) = near.filter(|(process, _)| *process == datagram.process)?;
+        match datagram.kind {
+            Kind::Answer => {
+                let answer = Answer::read(datagram.says)?;
+                self.asks.take(&answer).then_some(Took::AskAgain)
+            }
+            Kind::Picture => self.take_part(process, &datagram, &offset, at_ns),
+            _ => None,
         }
+    }
+
+    fn take_part(
+        &mut self,
+        process: u64,
+        datagram: &Datagram,
+        offset: &Offset,
+        at_ns: u64,
+    ) -> Option<Took> {
         if self.from.0 != process {
             self.from = (process, Tally::default());
         }
         self.from.1.receive(datagram.count).then_some(())?;
         if let Some(picture) = self.assembly.take(datagram.says) {
             let (mut header, pixels) = decode(picture)?;
-            self.stamps.set(&mut header.trace, &offset, arrived.at_ns);
+            self.stamps.set(&mut header.trace, offset, at_ns);
             self.write(&header, &pixels);
         }
-        Some(())
+        Some(Took::Picture)
     }
 
     fn write(&mut self, header: &FrameHeader, pixels: &[u8]) {
