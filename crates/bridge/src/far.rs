@@ -30,6 +30,7 @@ use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
 use crate::socket::{LARGEST_DATAGRAM, Rank, Socket};
+use crate::stamps::Stamps;
 use link::{Link, Took};
 use written::Written;
 
@@ -122,8 +123,12 @@ struct Far<'a> {
     descriptors3: Written<Descriptors3>,
     /// Whether the rig has a depth camera: something came of it.
     is_in_space: bool,
+    /// Of both.
+    stamps: Stamps,
     centerlines: Written<Centerlines>,
+    centerline_stamps: Stamps,
     truth: Written<Centerlines>,
+    truth_stamps: Stamps,
     refusals: Refusals,
     /// What the last answer said.
     cookie: u64,
@@ -150,6 +155,9 @@ impl<'a> Far<'a> {
             descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
             descriptors3: Written::new(&DESCRIPTORS3, Descriptors3::EMPTY),
             is_in_space: false,
+            stamps: Stamps::default(),
+            centerline_stamps: Stamps::default(),
+            truth_stamps: Stamps::default(),
             centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
             truth: Written::new(&TRUTH, Centerlines::EMPTY),
             refusals: Refusals::default(),
@@ -289,15 +297,24 @@ impl<'a> Far<'a> {
         }
         let offset = self.link.receive(&datagram)?;
         let taken = match datagram.kind {
-            Kind::Descriptors => self.descriptors.take(&datagram, &offset, at_ns),
+            Kind::Descriptors => self
+                .descriptors
+                .take(&datagram, &mut self.stamps, &offset, at_ns),
             Kind::Descriptors3 => {
                 if !std::mem::replace(&mut self.is_in_space, true) {
                     self.descriptors3.open(self.domain, self.rig);
                 }
-                self.descriptors3.take(&datagram, &offset, at_ns)
+                self.descriptors3
+                    .take(&datagram, &mut self.stamps, &offset, at_ns)
             }
-            Kind::Centerlines => self.centerlines.take(&datagram, &offset, at_ns),
-            Kind::Truth => self.truth.take(&datagram, &offset, at_ns),
+            Kind::Centerlines => {
+                let stamps = &mut self.centerline_stamps;
+                self.centerlines.take(&datagram, stamps, &offset, at_ns)
+            }
+            Kind::Truth => {
+                let stamps = &mut self.truth_stamps;
+                self.truth.take(&datagram, stamps, &offset, at_ns)
+            }
             _ => None,
         };
         if taken.is_none() {

@@ -13,6 +13,9 @@ use crate::args::Place;
 /// The largest datagram that UDP has, over IPv6 and IPv4.
 pub(crate) const LARGEST_DATAGRAM: usize = 65_507;
 
+/// Bytes that wait to be read at most, with what the kernel keeps beside them: some hundred datagrams.
+const ROOM: usize = 1 << 20;
+
 /// What goes first where a queue knows more than one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rank {
@@ -60,6 +63,8 @@ impl Socket {
 
     fn with(socket: UdpSocket, rank: Rank) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
+        // A process that gets no core for a while finds what came meanwhile: as much as the system gives anybody, up to this.
+        let _ = sockopt::set_socket_recv_buffer_size(&socket, ROOM);
         let class = rank.class() << 2;
         // Where it is not heeded, all goes in its turn. A socket of IPv6 may carry IPv4 too.
         let _ = sockopt::set_ip_tos(&socket, class);
