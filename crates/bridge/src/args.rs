@@ -62,6 +62,8 @@ pub(crate) enum Also {
     Centerlines,
     /// The true centerlines of rendered frames
     Truth,
+    /// Masks that another process makes, on the port behind --connect's
+    Masks,
 }
 
 const EXAMPLES: &str = "Examples:

@@ -43,10 +43,12 @@ pub(crate) enum Kind {
     Picture = 6,
     /// From the near side, before the descriptors of its frame.
     Descriptors3 = 7,
+    /// From the near side: a part of a mask.
+    Mask = 8,
 }
 
 impl Kind {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Ask,
         Self::Answer,
         Self::Descriptors,
@@ -55,6 +57,7 @@ impl Kind {
         Self::Command,
         Self::Picture,
         Self::Descriptors3,
+        Self::Mask,
     ];
     /// Messages of the rig's channels: how many were sent stands in each answer.
     pub(crate) const COUNTED: [Self; 4] = [

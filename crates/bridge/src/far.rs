@@ -29,7 +29,7 @@ use crate::key::{self, Side};
 use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
-use crate::socket::{LARGEST_DATAGRAM, Rank, Socket};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use crate::stamps::Stamps;
 use link::{Link, Took};
 use written::Written;
@@ -75,14 +75,15 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             .context("no thread could be started")?
     };
     let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
-    let pictures = match args.frames_ms() {
-        0 => None,
+    let masks = also(args) & bit(Also::Masks);
+    let pictures = match (args.frames_ms(), masks) {
+        (0, 0) => None,
         _ => {
             let (rig, place, upward) = (args.rig.clone(), place.clone(), upward.clone());
             let incoming = Incoming::new(key.clone(), Side::Near, &rig);
             let (outgoing, frames_ms) = (outgoing.clone(), args.frames_ms());
             let run = move || {
-                let asks = pictures::Asks::new(outgoing, frames_ms);
+                let asks = pictures::Asks::new(outgoing, masks, frames_ms);
                 pictures::run(&rig, &place, asks, incoming, &upward, &pictures_stop)
             };
             let thread = thread::Builder::new().name("pictures".into()).spawn(run);
@@ -100,13 +101,18 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     stopper.stop();
     pictures_stopper.stop();
     let commands = controller.join().unwrap_or_default();
-    let frames = pictures.map_or(0, |thread| thread.join().unwrap_or_default());
+    let [frames, masks] = pictures.map_or([0; 2], |thread| thread.join().unwrap_or_default());
     println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
     println!(
-        "took {frames} frames; refused {} messages; sent {commands} commands",
+        "took {frames} frames, {masks} masks; refused {} messages; sent {commands} commands",
         far.refusals.count()
     );
     carried
+}
+
+/// What is asked for beside descriptors, a bit each.
+fn also(args: &Args) -> u8 {
+    args.also.iter().fold(0, |bits, also| bits | bit(*also))
 }
 
 /// The rig's channels, and what is known of the other side.
@@ -146,7 +152,7 @@ impl<'a> Far<'a> {
         Self {
             rig: &args.rig,
             domain,
-            also: args.also.iter().fold(0, |bits, also| bits | bit(*also)),
+            also: also(args),
             frames_ms: args.frames_ms(),
             outgoing,
             upward,
@@ -237,7 +243,7 @@ impl<'a> Far<'a> {
                 self.ask(socket, near);
             }
             let Some((bytes, _)) = socket.next(&mut buffer) else {
-                socket.sleep(ask_due_ns.min(silent_ns), stop.as_fd());
+                sleep([socket.as_fd(), stop.as_fd()], ask_due_ns.min(silent_ns));
                 continue;
             };
             let Some(answer) = self.take(now_ns(), bytes) else {

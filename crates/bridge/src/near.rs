@@ -28,11 +28,11 @@ use crate::channel::{Read, Woken};
 use crate::datagram::{Datagram, Incoming, Kind, Outgoing, Refused};
 use crate::key::{self, Side};
 use crate::pack::pack;
-use crate::peers::{Peers, Told};
+use crate::peers::{Peers, Told, Wants};
 use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
-use crate::socket::{self, LARGEST_DATAGRAM, Rank, Socket};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use robot::Robot;
 
 /// How often it is looked whether the rig is written.
@@ -139,15 +139,17 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         pictures_stopper.stop();
         let commands = hearing.join();
         let pictures = pictures.context("no thread could be started")?.join();
+        let [frames, masks] = pictures.unwrap_or_default();
         let sent = |kind| near.outgoing.sent(kind);
         println!(
-            "rig {rig}: sent {} descriptors (and missed {}), {} in space, {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
+            "rig {rig}: sent {} descriptors (and missed {}), {} in space, {} centerlines, {} truths, {} frames, {} masks; answered {} questions; refused {}",
             sent(Kind::Descriptors),
             sender.missed,
             sent(Kind::Descriptors3),
             sent(Kind::Centerlines),
             sent(Kind::Truth),
-            pictures.unwrap_or_default(),
+            frames,
+            masks,
             near.questions.load(Ordering::Relaxed),
             near.refusals().count(),
         );
@@ -228,11 +230,8 @@ impl<'n> Sender<'n> {
             .is_some_and(|reader| reader.sleep(Some(due), Some(stop.as_fd())).is_ok());
         if !slept {
             let first = &self.near.first;
-            socket::sleep(
-                first.as_fd(),
-                now_ns() + CHECK.as_nanos() as u64,
-                stop.as_fd(),
-            );
+            let due_ns = now_ns() + CHECK.as_nanos() as u64;
+            sleep([first.as_fd(), stop.as_fd()], due_ns);
             if rustix::io::read(first, &mut [0_u8; 8]).is_ok() {
                 self.checked = None;
             }
@@ -246,20 +245,20 @@ impl<'n> Sender<'n> {
             self.missed += missed(self.fitted.replace(fitted), fitted);
             // As here, so there: who has descriptors has what stands in space beside them.
             while let Some(message) = self.descriptors3.next() {
-                self.put(&*message, Kind::Descriptors3, None);
+                self.put(&*message, Kind::Descriptors3, Wants::Descriptors);
             }
-            self.put(&*message, Kind::Descriptors, None);
+            self.put(&*message, Kind::Descriptors, Wants::Descriptors);
         }
         while let Some(message) = self.centerlines.next() {
-            self.put(&*message, Kind::Centerlines, Some(Also::Centerlines));
+            self.put(&*message, Kind::Centerlines, Wants::Also(Also::Centerlines));
         }
         while let Some(message) = self.truth.next() {
-            self.put(&*message, Kind::Truth, Some(Also::Truth));
+            self.put(&*message, Kind::Truth, Wants::Also(Also::Truth));
         }
     }
 
     /// Sends a message to all who want it. It is counted before it is known who they are: who comes in between is told of it as sent before.
-    fn put(&mut self, message: &dyn Message, kind: Kind, also: Option<Also>) {
+    fn put(&mut self, message: &dyn Message, kind: Kind, wants: Wants) {
         let outgoing = &self.near.outgoing;
         outgoing.write(kind, &mut self.datagram, |to| pack(message, to));
         if self.datagram.len() > LARGEST_DATAGRAM {
@@ -267,7 +266,7 @@ impl<'n> Sender<'n> {
             return self.near.refuse(Refused::Large);
         }
         self.to.clear();
-        self.to.extend(self.near.peers().addresses(also, now_ns()));
+        self.to.extend(self.near.peers().addresses(wants, now_ns()));
         for to in &self.to {
             self.socket.send(&self.datagram, *to);
         }

@@ -32,6 +32,15 @@ struct Peer {
     frames_ms: u16,
 }
 
+/// What is sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wants {
+    /// What all want.
+    Descriptors,
+    Also(Also),
+    Frames,
+}
+
 /// What who asks is told beside the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Told {
@@ -107,15 +116,16 @@ impl Peers {
         self.peers.iter().filter(move |peer| peer.is_there(now_ns))
     }
 
-    /// Where they are, or those of them that want a channel beside descriptors.
-    pub(crate) fn addresses(
-        &self,
-        also: Option<Also>,
-        now_ns: u64,
-    ) -> impl Iterator<Item = SocketAddr> {
+    /// Where those are that want something.
+    pub(crate) fn addresses(&self, wants: Wants, now_ns: u64) -> impl Iterator<Item = SocketAddr> {
         self.there(now_ns)
-            .filter(move |peer| also.is_none_or(|also| peer.also & bit(also) != 0))
+            .filter(move |peer| peer.wants(wants))
             .map(|peer| peer.at)
+    }
+
+    /// Whether anybody wants something.
+    pub(crate) fn want(&self, wants: Wants, now_ns: u64) -> bool {
+        self.there(now_ns).any(|peer| peer.wants(wants))
     }
 
     /// What any of them wants beside descriptors, a bit each; `None`: there is nobody.
@@ -136,6 +146,14 @@ impl Peers {
 impl Peer {
     fn is_there(&self, now_ns: u64) -> bool {
         now_ns.saturating_sub(self.asked_ns) < ASKS_NS
+    }
+
+    fn wants(&self, wants: Wants) -> bool {
+        match wants {
+            Wants::Descriptors => true,
+            Wants::Also(also) => self.also & bit(also) != 0,
+            Wants::Frames => self.frames_ms > 0,
+        }
     }
 }
 
@@ -169,7 +187,7 @@ mod tests {
     }
 
     fn addresses(peers: &Peers, now_ns: u64) -> Vec<SocketAddr> {
-        peers.addresses(None, now_ns).collect()
+        peers.addresses(Wants::Descriptors, now_ns).collect()
     }
 
     #[test]
@@ -188,8 +206,9 @@ mod tests {
             (peers.also(START), peers.frames_ns(START)),
             (Some(bit(Also::Truth)), Some(40_000_000))
         );
-        let of = |also| peers.addresses(Some(also), START).count();
-        assert_eq!((of(Also::Truth), of(Also::Centerlines)), (1, 0));
+        let of = |wants| peers.want(wants, START);
+        assert!(of(Wants::Frames) && of(Wants::Also(Also::Truth)));
+        assert!(!of(Wants::Also(Also::Centerlines)));
         assert!(addresses(&peers, START + ASKS_NS).is_empty());
     }
 

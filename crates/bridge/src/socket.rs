@@ -88,21 +88,22 @@ impl Socket {
             }
         }
     }
+}
 
-    /// Sleeps until a datagram waits, `also` is readable, or a moment of [`now_ns`] has come.
-    pub(crate) fn sleep(&self, due_ns: u64, also: BorrowedFd) {
-        sleep(self.0.as_fd(), due_ns, also);
+/// Becomes readable when a datagram waits.
+impl AsFd for Socket {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
     }
 }
 
-/// Sleeps until one of two is readable, or a moment of [`now_ns`] has come.
-pub(crate) fn sleep(one: BorrowedFd, due_ns: u64, other: BorrowedFd) {
+/// Sleeps until one of these is readable, or a moment of [`now_ns`] has come.
+pub(crate) fn sleep<const N: usize>(descriptors: [BorrowedFd; N], due_ns: u64) {
     let left_ns = due_ns.saturating_sub(now_ns());
     let left = Timespec {
         tv_sec: (left_ns / 1_000_000_000) as i64,
         tv_nsec: (left_ns % 1_000_000_000) as _,
     };
-    let descriptors = [one, other];
     let mut descriptors =
         descriptors.map(|descriptor| PollFd::from_borrowed_fd(descriptor, PollFlags::IN));
     // The result does not matter: who looks sees what came.
@@ -134,7 +135,7 @@ mod tests {
                 one.send(&vec![0; 1 << 16], there);
                 one.send(b"heard", there);
                 let stop = UdpSocket::bind("127.0.0.1:0").expect("a port");
-                other.sleep(now_ns() + 20_000_000_000, stop.as_fd());
+                sleep([other.as_fd(), stop.as_fd()], now_ns() + 20_000_000_000);
                 let (heard, from) = other.next(&mut buffer).expect("it came");
                 assert!(heard == b"heard" && from == at, "{from}");
                 assert!(other.next(&mut buffer).is_none() && one.next(&mut buffer).is_none());

@@ -1,4 +1,4 @@
-//! Frames that come as JPEG, as the rig's own: RGB, with their stamps on this machine's clock.
+//! Frames that come as JPEG, as the rig's own: RGB, with their stamps on this machine's clock; and masks, as they were.
 
 use std::io::Cursor;
 use std::os::fd::AsFd;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, ImageDecoder};
 use lariat_chain::stop::Stop;
-use lariat_wire::{Delivery, Domain, FrameHeader, PixelFormat, Rig, Writer, now_ns};
+use lariat_wire::{Delivery, Domain, FrameHeader, PixelFormat, Rig, WireError, Writer, now_ns};
 
 use super::Upward;
 use crate::args::Place;
@@ -19,7 +19,7 @@ use crate::key;
 use crate::pack::unpack;
 use crate::question::{Answer, Question};
 use crate::say;
-use crate::socket::{LARGEST_DATAGRAM, Rank, Socket};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use crate::stamps::Stamps;
 use crate::tally::Tally;
 
@@ -37,11 +37,11 @@ pub(super) struct Asks {
 }
 
 impl Asks {
-    pub(super) fn new(outgoing: Arc<Outgoing>, frames_ms: u16) -> Self {
+    pub(super) fn new(outgoing: Arc<Outgoing>, also: u8, frames_ms: u16) -> Self {
         let question = Question {
             token: 0,
             cookie: 0,
-            also: 0,
+            also,
             frames_ms,
         };
         Self { outgoing, question }
@@ -63,7 +63,7 @@ impl Asks {
     }
 }
 
-/// Takes frames until it is told to stop; how many.
+/// Takes frames and masks until it is told to stop; how many of either.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
@@ -71,15 +71,15 @@ pub(super) fn run(
     incoming: Incoming,
     upward: &Mutex<Upward>,
     stop: &Stop,
-) -> u64 {
+) -> [u64; 2] {
     crate::give_way();
     match Pictures::new(rig, asks, incoming)
         .and_then(|mut pictures| pictures.carry(place, upward, stop))
     {
         Ok(taken) => taken,
         Err(cause) => {
-            say(&format!("no frames are taken: {cause:#}"));
-            0
+            say(&format!("no frames and masks are taken: {cause:#}"));
+            [0; 2]
         }
     }
 }
@@ -92,18 +92,27 @@ enum Took {
     AskAgain,
 }
 
-/// The rig's frames, written here.
+/// The rig's frames and masks, written here.
 struct Pictures<'a> {
     rig: &'a Rig,
     asks: Asks,
     incoming: Incoming,
-    assembly: Assembly,
-    /// Whose, and what came of them.
-    from: (u64, Tally),
+    /// Whose they are.
+    process: u64,
     stamps: Stamps,
-    // Before the domain that it lives in.
-    writer: Option<(usize, Writer<[u8]>)>,
+    // Before the domain that they live in.
+    frames: Written,
+    masks: Written,
     domain: Domain,
+}
+
+/// A channel of pictures, written here.
+#[derive(Default)]
+struct Written {
+    assembly: Assembly,
+    tally: Tally,
+    /// Of pictures of so many bytes at most.
+    writer: Option<(usize, Writer<[u8]>)>,
     said: Option<String>,
     taken: u64,
 }
@@ -114,17 +123,15 @@ impl<'a> Pictures<'a> {
             rig,
             asks,
             incoming,
-            assembly: Assembly::default(),
-            from: (0, Tally::default()),
+            process: 0,
             stamps: Stamps::default(),
-            writer: None,
+            frames: Written::default(),
+            masks: Written::default(),
             domain: Domain::open()?,
-            said: None,
-            taken: 0,
         })
     }
 
-    fn carry(&mut self, place: &Place, upward: &Mutex<Upward>, stop: &Stop) -> Result<u64> {
+    fn carry(&mut self, place: &Place, upward: &Mutex<Upward>, stop: &Stop) -> Result<[u64; 2]> {
         let place = place
             .of_frames()
             .context("its port is the last: choose another one")?;
@@ -146,7 +153,7 @@ impl<'a> Pictures<'a> {
                     socket.send(&datagram, at);
                 }
                 let Some((bytes, _)) = socket.next(&mut buffer) else {
-                    socket.sleep(ask_ns.min(silent_ns), stop.as_fd());
+                    sleep([socket.as_fd(), stop.as_fd()], ask_ns.min(silent_ns));
                     continue;
                 };
                 let near = upward.lock().unwrap_or_else(PoisonError::into_inner).near;
@@ -157,7 +164,7 @@ impl<'a> Pictures<'a> {
                 }
             }
         }
-        Ok(self.taken)
+        Ok([self.frames.taken, self.masks.taken])
     }
 
     /// Takes a datagram of the process that answers; `None`: it is none of its, says nothing new, or makes no sense.
@@ -169,35 +176,56 @@ impl<'a> Pictures<'a> {
                 let answer = Answer::read(datagram.says)?;
                 self.asks.take(&answer).then_some(Took::AskAgain)
             }
-            Kind::Picture => self.take_part(process, &datagram, &offset, at_ns),
+            Kind::Picture | Kind::Mask => {
+                if self.process != process {
+                    self.process = process;
+                    self.frames.tally = Tally::default();
+                    self.masks.tally = Tally::default();
+                }
+                self.take_part(&datagram, &offset, at_ns)
+            }
             _ => None,
         }
     }
 
-    fn take_part(
-        &mut self,
-        process: u64,
-        datagram: &Datagram,
-        offset: &Offset,
-        at_ns: u64,
-    ) -> Option<Took> {
-        if self.from.0 != process {
-            self.from = (process, Tally::default());
-        }
-        self.from.1.receive(datagram.count).then_some(())?;
-        if let Some(picture) = self.assembly.take(datagram.says) {
-            let (mut header, pixels) = decode(picture)?;
+    fn take_part(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<Took> {
+        let is_mask = datagram.kind == Kind::Mask;
+        let written = if is_mask {
+            &mut self.masks
+        } else {
+            &mut self.frames
+        };
+        written.tally.receive(datagram.count).then_some(())?;
+        if let Some(picture) = written.assembly.take(datagram.says) {
+            let (mut header, body) = begin(picture)?;
+            let pixels = if is_mask {
+                unpack_mask(&header, body)?
+            } else {
+                decode(&mut header, body)?
+            };
             self.stamps.set(&mut header.trace, offset, at_ns);
-            self.write(&header, &pixels);
+            let write = if is_mask {
+                Writer::masks
+            } else {
+                Writer::frames
+            };
+            written.write(&header, &pixels, |largest| {
+                write(&self.domain, self.rig, &Delivery::NewestWins, largest)
+            });
         }
         Some(Took::Picture)
     }
+}
 
-    fn write(&mut self, header: &FrameHeader, pixels: &[u8]) {
-        let cause = self
-            .try_write(header, pixels)
-            .err()
-            .map(|cause| cause.to_string());
+impl Written {
+    fn write(
+        &mut self,
+        header: &FrameHeader,
+        pixels: &[u8],
+        create: impl FnOnce(usize) -> Result<Writer<[u8]>, WireError>,
+    ) {
+        let written = self.try_write(header, pixels, create);
+        let cause = written.err().map(|cause| cause.to_string());
         match &cause {
             None => self.taken += 1,
             Some(cause) => {
@@ -210,7 +238,12 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    fn try_write(&mut self, header: &FrameHeader, pixels: &[u8]) -> Result<()> {
+    fn try_write(
+        &mut self,
+        header: &FrameHeader,
+        pixels: &[u8],
+        create: impl FnOnce(usize) -> Result<Writer<[u8]>, WireError>,
+    ) -> Result<(), WireError> {
         // A camera of larger pictures than before is another one.
         self.writer = self
             .writer
@@ -218,15 +251,7 @@ impl<'a> Pictures<'a> {
             .filter(|(largest, _)| pixels.len() <= *largest);
         let (_, writer) = match &self.writer {
             Some(writer) => writer,
-            None => {
-                let writer = Writer::<[u8]>::frames(
-                    &self.domain,
-                    self.rig,
-                    &Delivery::NewestWins,
-                    pixels.len(),
-                )?;
-                self.writer.insert((pixels.len(), writer))
-            }
+            None => self.writer.insert((pixels.len(), create(pixels.len())?)),
         };
         let mut slot = writer.frame_slot(pixels.len())?;
         slot.copy_from_slice(pixels);
@@ -236,14 +261,19 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// A picture, and what stands beside its pixels here; `None` if that is not what it says.
-fn decode(picture: &[u8]) -> Option<(FrameHeader, Vec<u8>)> {
+/// What stands before a picture, and the rest; `None` if that is not what it says.
+fn begin(picture: &[u8]) -> Option<(FrameHeader, &[u8])> {
     let (length, rest) = picture.split_first_chunk()?;
-    let (packed, jpeg) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
+    let (packed, body) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
     let mut header = FrameHeader::default();
     unpack(&mut header, packed).ok()?;
+    (!header.is_blank()).then_some((header, body))
+}
+
+/// A JPEG's pixels, and what stands beside them here; `None` if that is not what it says.
+fn decode(header: &mut FrameHeader, jpeg: &[u8]) -> Option<Vec<u8>> {
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).ok()?;
-    let is_meant = decoder.dimensions() == (header.width, header.height) && !header.is_blank();
+    let is_meant = decoder.dimensions() == (header.width, header.height);
     let bytes = decoder.total_bytes();
     if !is_meant || decoder.color_type() != ColorType::Rgb8 || bytes > LARGEST {
         return None;
@@ -251,5 +281,16 @@ fn decode(picture: &[u8]) -> Option<(FrameHeader, Vec<u8>)> {
     let mut pixels = vec![0; bytes as usize];
     decoder.read_image(&mut pixels).ok()?;
     (header.stride, header.pixel_format) = (3 * header.width, PixelFormat::Rgb8 as u32);
-    Some((header, pixels))
+    Some(pixels)
+}
+
+/// A mask's pixels; `None` if they are not what stands before them.
+fn unpack_mask(header: &FrameHeader, packed: &[u8]) -> Option<Vec<u8>> {
+    let bytes = header.image_bytes()?;
+    let is_mask = *header == FrameHeader::of_mask(header);
+    if !is_mask || bytes as u64 > LARGEST {
+        return None;
+    }
+    let mask = zstd::bulk::decompress(packed, bytes).ok()?;
+    (mask.len() == bytes).then_some(mask)
 }

@@ -11,7 +11,7 @@ use super::robot::{Done, Gives, Robot};
 use super::{LARGEST_DATAGRAM, Near, ask};
 use crate::datagram::{Datagram, Incoming, Kind, Refused};
 use crate::say;
-use crate::socket::Socket;
+use crate::socket::{Socket, sleep};
 
 /// How often it is looked whether a controller has let go.
 const LOOK_NS: u64 = 250_000_000;
@@ -42,7 +42,7 @@ pub(super) fn run(
         if let Some((bytes, from)) = socket.next(&mut buffer) {
             hearing.take(now_ns(), bytes, from);
         } else {
-            socket.sleep(look_ns, stop.as_fd());
+            sleep([socket.as_fd(), stop.as_fd()], look_ns);
         }
         if now_ns() >= look_ns {
             look_ns = now_ns() + LOOK_NS;

@@ -1,4 +1,5 @@
-//! Frames as JPEG, now and then, from a socket of their own: paced, and behind all else in a queue, so that no descriptor waits behind them.
+//! Frames as JPEG, now and then, and masks as they come, packed by zstd, from a socket of their own: paced, and behind all else in a queue, so that no
+//! descriptor waits behind them. Of those that come while one is sent the newest is next.
 
 use std::net::SocketAddr;
 use std::os::fd::AsFd;
@@ -8,14 +9,16 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_chain::pipeline::FrameView;
 use lariat_chain::stop::Stop;
-use lariat_wire::{Domain, FRAMES, Message, Rig, now_ns};
+use lariat_wire::{Domain, FRAMES, FrameHeader, MASKS, Message, Rig, now_ns};
+use zstd::bulk::Compressor;
 
-use super::{CHECK, LARGEST_DATAGRAM, Near, Peers, Rank, Socket, ask};
-use crate::args::Place;
+use super::{CHECK, LARGEST_DATAGRAM, Near, Peers, Rank, Socket, ask, sleep};
+use crate::args::{Also, Place};
 use crate::channel::{Read, Woken};
 use crate::chunks::chunks;
 use crate::datagram::{Incoming, Kind, Refused};
 use crate::pack::pack;
+use crate::peers::Wants;
 use crate::say;
 
 /// As `lariat view` has it.
@@ -24,35 +27,44 @@ const QUALITY: u8 = 82;
 const PACE_NS: u64 = 300_000;
 const CHECK_NS: u64 = CHECK.as_nanos() as u64;
 
-/// Sends frames while they are asked for, until it is told to stop; how many.
+/// Quick: a mask has long runs, which it finds at any level.
+const LEVEL: i32 = 1;
+const MASKS_WANTED: Wants = Wants::Also(Also::Masks);
+
+/// Sends frames and masks while they are asked for, until it is told to stop; how many of either.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
     near: &Near,
     mut incoming: Incoming,
     stop: &Stop,
-) -> u64 {
+) -> [u64; 2] {
     crate::give_way();
-    let mut sent = 0;
+    let mut sent = [0; 2];
     let mut said = None;
     while !stop.asked() {
-        if near.peers().frames_ns(now_ns()).is_some() {
+        if near.want_pictures() {
             let done = Pictures::open(place, near, &mut incoming)
-                .and_then(|mut pictures| pictures.send(rig, stop));
-            match done {
-                Ok(pictures) => sent += pictures,
-                Err(cause) => {
-                    let cause = format!("no frames are sent: {cause:#}");
-                    if said.as_ref() != Some(&cause) {
-                        say(&cause);
-                    }
-                    said = Some(cause);
+                .and_then(|mut pictures| pictures.send(rig, stop, &mut sent));
+            if let Err(cause) = done {
+                let cause = format!("no frames and masks are sent: {cause:#}");
+                if said.as_ref() != Some(&cause) {
+                    say(&cause);
                 }
+                said = Some(cause);
             }
         }
         stop.sleep_until(now_ns() + CHECK_NS);
     }
     sent
+}
+
+impl Near {
+    /// Whether anybody asks for what comes from the other socket.
+    fn want_pictures(&self) -> bool {
+        let (peers, now_ns) = (self.peers(), now_ns());
+        peers.want(Wants::Frames, now_ns) || peers.want(MASKS_WANTED, now_ns)
+    }
 }
 
 /// The socket of frames, and those that they are sent to.
@@ -82,32 +94,39 @@ impl<'n> Pictures<'n> {
         })
     }
 
-    /// Sends frames for as long as anybody wants some.
-    fn send(&mut self, rig: &Rig, stop: &Stop) -> Result<u64> {
+    /// Sends frames and masks for as long as anybody wants some.
+    fn send(&mut self, rig: &Rig, stop: &Stop, sent: &mut [u64; 2]) -> Result<()> {
         let domain = Domain::open()?;
         let mut frames = Read::new(&FRAMES, Woken::No);
-        let (mut picture, mut sent, mut check_ns, mut due_ns) = (Vec::new(), 0_u64, 0, now_ns());
+        let mut masks = Read::new(&MASKS, Woken::Yes);
+        let mut packer = Compressor::new(LEVEL).context("zstd has no memory")?;
+        let (mut picture, mut check_ns, mut due_ns) = (Vec::new(), 0, now_ns());
         while !stop.asked() {
             self.hear();
-            if now_ns() >= check_ns {
-                if self.near.peers().frames_ns(now_ns()).is_none() {
+            let now = now_ns();
+            if now >= check_ns {
+                if !self.near.want_pictures() {
                     break;
                 }
-                frames.follow(&domain, rig, true);
-                check_ns = now_ns() + CHECK_NS;
+                frames.follow(&domain, rig, self.peers.want(Wants::Frames, now));
+                masks.follow(&domain, rig, self.peers.want(MASKS_WANTED, now));
+                check_ns = now + CHECK_NS;
             }
-            let period_ns = self.peers.frames_ns(now_ns());
-            if let Some(period_ns) = period_ns
-                && now_ns() >= due_ns
+            if let Some(mask) = newest(&mut masks)
+                && pack_mask(&mask, &mut packer, &mut picture).is_some()
             {
-                due_ns = (due_ns + period_ns).max(now_ns());
-                let mut newest = None;
-                while let Some(frame) = frames.next() {
-                    newest = Some(frame);
-                }
-                if newest.is_some_and(|frame| encode(&frame, &mut picture).is_some()) {
-                    sent += 1;
-                    self.put(sent as u32, &picture, stop);
+                sent[1] += 1;
+                self.put(Kind::Mask, sent[1] as u32, &picture, MASKS_WANTED, stop);
+            }
+            let period_ns = self.peers.frames_ns(now);
+            if let Some(period_ns) = period_ns
+                && now >= due_ns
+            {
+                due_ns = (due_ns + period_ns).max(now);
+                let frame = newest(&mut frames);
+                if frame.is_some_and(|frame| encode(&frame, &mut picture).is_some()) {
+                    sent[0] += 1;
+                    self.put(Kind::Picture, sent[0] as u32, &picture, Wants::Frames, stop);
                 }
             }
             let due_ns = if period_ns.is_some() {
@@ -115,9 +134,25 @@ impl<'n> Pictures<'n> {
             } else {
                 check_ns
             };
-            self.socket.sleep(due_ns.min(check_ns), stop.as_fd());
+            self.sleep(&masks, due_ns.min(check_ns), stop);
         }
-        Ok(sent)
+        Ok(())
+    }
+
+    /// Sleeps until a question or a mask may have come, a moment, or a signal.
+    fn sleep(&self, masks: &Read<[u8]>, due_ns: u64, stop: &Stop) {
+        let both = [self.socket.as_fd(), stop.as_fd()];
+        let reader = masks.receiver();
+        // One that fails is let go of when it is read next.
+        let longest = reader.and_then(|reader| reader.before_poll().ok());
+        match (reader.and_then(|reader| reader.descriptor()), longest) {
+            (Some(bell), Some(longest)) => {
+                let longest_ns = longest.map_or(u64::MAX, |longest| longest.as_nanos() as u64);
+                let due_ns = due_ns.min(now_ns().saturating_add(longest_ns));
+                sleep([both[0], both[1], bell], due_ns);
+            }
+            _ => sleep(both, due_ns),
+        }
     }
 
     /// Answers what is asked.
@@ -137,11 +172,11 @@ impl<'n> Pictures<'n> {
         }
     }
 
-    fn put(&mut self, number: u32, picture: &[u8], stop: &Stop) {
-        let to: Vec<SocketAddr> = self.peers.addresses(None, now_ns()).collect();
+    fn put(&mut self, kind: Kind, number: u32, picture: &[u8], wants: Wants, stop: &Stop) {
+        let to: Vec<SocketAddr> = self.peers.addresses(wants, now_ns()).collect();
         for (head, chunk) in chunks(number, picture) {
             let outgoing = &self.near.outgoing;
-            outgoing.write(Kind::Picture, &mut self.datagram, |into| {
+            outgoing.write(kind, &mut self.datagram, |into| {
                 into.extend(head);
                 into.extend(chunk);
             });
@@ -153,18 +188,32 @@ impl<'n> Pictures<'n> {
     }
 }
 
-/// A frame's header, its length before it, and the frame as a JPEG; `None` if there is no picture in it.
+/// The last one that waits.
+fn newest(reader: &mut Read<[u8]>) -> Option<Message<[u8]>> {
+    let mut newest = None;
+    while let Some(message) = reader.next() {
+        newest = Some(message);
+    }
+    newest
+}
+
+/// Begins a picture: its header, the length of that before it.
+fn begin(header: &FrameHeader, into: &mut Vec<u8>) {
+    into.clear();
+    into.extend([0; 2]);
+    pack(header, into);
+    let length = (into.len() - 2) as u16;
+    into[..2].copy_from_slice(&length.to_le_bytes());
+}
+
+/// A frame as a JPEG behind its header; `None` if there is no picture in it.
 fn encode(frame: &Message<[u8]>, into: &mut Vec<u8>) -> Option<()> {
     let header = frame.header();
     if header.is_blank() {
         return None;
     }
     let pixels = FrameView::new(header, frame).image().ok()?.to_rgb();
-    into.clear();
-    into.extend([0; 2]);
-    pack(header, into);
-    let length = (into.len() - 2) as u16;
-    into[..2].copy_from_slice(&length.to_le_bytes());
+    begin(header, into);
     let encoder = JpegEncoder::new_with_quality(into, QUALITY);
     encoder
         .write_image(
@@ -174,4 +223,15 @@ fn encode(frame: &Message<[u8]>, into: &mut Vec<u8>) -> Option<()> {
             ExtendedColorType::Rgb8,
         )
         .ok()
+}
+
+/// A mask's bytes, packed, behind its header; `None` if it is blank.
+fn pack_mask(mask: &Message<[u8]>, packer: &mut Compressor, into: &mut Vec<u8>) -> Option<()> {
+    let header = mask.header();
+    if header.is_blank() {
+        return None;
+    }
+    begin(header, into);
+    into.extend(packer.compress(mask).ok()?);
+    Some(())
 }
