@@ -15,6 +15,10 @@
 //! `ring` (`key`, `datagram`). What that does not hide: that a bridge is there, when it sends and how much. What it does not stop: someone on the
 //! network who floods the port.
 //!
+//! Both built alike, without optimization of the whole, in turns on two busy cores (`tests/bridge/run --only none`): a descriptor from shared memory to shared memory
+//! took 3.6, 3.9 and 6.3 × a bare ping at the middle by zenoh, and takes 2.8, 2.4 and 3.2 × by this. What is left are three wakings, of the bridge here, the
+//! bridge there and the reader, where a ping has two; and 8 µs of packing and sealing.
+//!
 //! Near sides send to those that ask, each from an address that it has shown to be its own (`peers`). Neither side ever waits for the network: what a
 //! full buffer has no room for is lost, and counted, as on the way.
 //!
