@@ -1,4 +1,4 @@
-//! `lariat ros2` and `lariat bridge`: each hands over to a program of its own (`crates/ros2`, `crates/bridge`), so that nobody else builds what it needs.
+//! `lariat ros2` and `lariat bridge`: each hands over to a program of its own (`crates/ros2`, `crates/bridge`).
 
 use std::ffi::OsString;
 use std::io::ErrorKind;

@@ -89,6 +89,10 @@ fn heading(view: &View) -> Line<'static> {
         if let Some(mb) = view.shared_mb {
             add(format!("{mb:.1} MB shared"), Style::new());
         }
+        if view.clock_bound_us.is_some() {
+            let bound = Figure(view.clock_bound_us);
+            add(format!("± {bound} µs of clock"), Style::new());
+        }
         if view.is_lossless {
             add("lossless".into(), DOUBTFUL);
         }

@@ -9,7 +9,6 @@ use anyhow::Result;
 use lariat_sink::{Figure, Step, Times};
 use lariat_wire::{Rig, members};
 use serde::{Serialize, Serializer};
-use toml::Table;
 
 use super::probe::Any;
 use super::watch::Meter;
@@ -63,19 +62,9 @@ struct Figures<'a> {
     clock_bound_us: Option<f64>,
 }
 
-/// By how much the stamps of a rig may be off, µs, because a bridge brings it here from a machine with a clock of its own: what that one says
-/// in the roster. `None` for a rig of this machine.
+/// By how much the rig's stamps may be off, µs, if a bridge brings it here.
 fn clock_bound_us(rig: &Rig) -> Option<f64> {
-    let members = members().ok()?;
-    let mut members = members.iter();
-    let bridge = members.find(|member| member.rig == rig.as_str() && member.stage == "bridge")?;
-    bound_in(&bridge.settings)
-}
-
-fn bound_in(settings: &str) -> Option<f64> {
-    let settings: Table = settings.parse().ok()?;
-    let us = settings.get("bridge")?.get("clock_bound_us")?.as_float();
-    us.filter(|us| us.is_finite())
+    lariat_view::clock_bound_us(&members().ok()?, rig)
 }
 
 /// An object with a key a step, in the order of the way.
@@ -177,24 +166,5 @@ impl Meter for Delay {
         }
         text.push('\n');
         Ok(text)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::bound_in;
-
-    #[test]
-    fn the_bound_is_what_the_bridge_says_and_nothing_else() {
-        let said = "[bridge]\nconnect = \"udp/camera:7447\"\nclock_bound_us = 40.0\nsent = 3\n";
-        assert_eq!(bound_in(said), Some(40.0));
-        for other in [
-            "",
-            "clock_bound_us = 40.0",
-            "[bridge]\nclock_bound_us = inf",
-            "[",
-        ] {
-            assert_eq!(bound_in(other), None, "{other}");
-        }
     }
 }

@@ -1,7 +1,8 @@
 //! What can be asked, and whether it is safe.
 
 use std::fmt;
-use std::net::ToSocketAddrs;
+use std::io;
+use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -61,6 +62,8 @@ pub(crate) enum Also {
     Centerlines,
     /// The true centerlines of rendered frames
     Truth,
+    /// Masks that another process makes, on the port behind --connect's
+    Masks,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -117,13 +120,26 @@ impl Place {
         })
     }
 
+    /// The addresses that it has; one at least.
+    ///
+    /// # Errors
+    /// The name is not known.
+    pub(crate) fn addresses(&self) -> io::Result<Vec<SocketAddr>> {
+        let host = self.host.trim_start_matches('[').trim_end_matches(']');
+        let found: Vec<_> = (host, self.port).to_socket_addrs()?.collect();
+        if found.is_empty() {
+            return Err(io::Error::new(
+                io::ErrorKind::NotFound,
+                "the name has no address",
+            ));
+        }
+        Ok(found)
+    }
+
     /// Whether nothing that is sent there leaves the machine. A name that is not known leaves it.
     fn is_loopback(&self) -> bool {
-        let host = self.host.trim_start_matches('[').trim_end_matches(']');
-        let found = (host, self.port).to_socket_addrs();
-        found.is_ok_and(|mut found| {
-            found.len() > 0 && found.all(|address| address.ip().is_loopback())
-        })
+        let found = self.addresses();
+        found.is_ok_and(|found| found.iter().all(|address| address.ip().is_loopback()))
     }
 }
 
@@ -138,10 +154,7 @@ impl FromStr for Place {
             .and_then(|(_, port)| port.parse().ok())
             .filter(|port| *port > 0);
         match (said, port) {
-            // zenoh has settings of its own behind ? and #.
-            (Some((host, _)), Some(port))
-                if !host.is_empty() && !host.contains(['?', '#', '/', '"', '\\']) =>
-            {
+            (Some((host, _)), Some(port)) if !host.is_empty() && host.chars().all(is_of_host) => {
                 Ok(Self {
                     host: host.to_owned(),
                     port,
@@ -150,6 +163,11 @@ impl FromStr for Place {
             _ => Err("write udp/, an address or a name, and a port: udp/192.168.1.20:7447".into()),
         }
     }
+}
+
+/// Of names, and of addresses with their interface.
+fn is_of_host(c: char) -> bool {
+    c.is_ascii_alphanumeric() || "-._:%[]".contains(c)
 }
 
 impl fmt::Display for Place {

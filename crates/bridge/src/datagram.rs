@@ -1,7 +1,7 @@
 //! A datagram: who sent it, the how many-th of its kind it is, and what it says, sealed if there is a key.
 //!
 //! ```text
-//!  0  'l' 'b'      2  version 1      3  kind, and 128 if it is sealed      4  the messages' versions, hashed
+//!  0  'l' 'b'      2  version 2      3  kind, and 128 if it is sealed      4  the messages' versions, hashed
 //!  8  the sender's random number (u64)            16  how many of this kind it has sent, this one included (u64)
 //! 24  what it says …                              then 16 bytes of tag if it is sealed (ChaCha20-Poly1305, the head held to)
 //! ```
@@ -16,7 +16,7 @@ use thiserror::Error;
 
 use crate::key::{Key, Seal, Side};
 
-const MAGIC: [u8; 3] = *b"lb\x01";
+const MAGIC: [u8; 3] = *b"lb\x02";
 const SEALED: u8 = 0x80;
 /// Bytes before what a datagram says.
 pub(crate) const HEAD: usize = 24;
@@ -43,10 +43,12 @@ pub(crate) enum Kind {
     Picture = 6,
     /// From the near side, before the descriptors of its frame.
     Descriptors3 = 7,
+    /// From the near side: a part of a mask.
+    Mask = 8,
 }
 
 impl Kind {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Ask,
         Self::Answer,
         Self::Descriptors,
@@ -55,6 +57,7 @@ impl Kind {
         Self::Command,
         Self::Picture,
         Self::Descriptors3,
+        Self::Mask,
     ];
     /// Messages of the rig's channels: how many were sent stands in each answer.
     pub(crate) const COUNTED: [Self; 4] = [
@@ -88,6 +91,10 @@ pub(crate) enum Refused {
         "a message makes no sense, and is not passed on: use the same release of lariat on both sides"
     )]
     Nonsense,
+    #[error(
+        "a message is larger than UDP can carry, 65 kB, and is not sent: ropes of fewer control points and fewer samples are smaller"
+    )]
+    Large,
 }
 
 /// The versions of all messages, as one number.

@@ -2,13 +2,15 @@
 //!
 //! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves
 //! (`Seen::Stale`). Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`]
-//! makes its session anew, whatever the cause: a cut link, a process that was killed, an address that moved.
+//! looks its name up again and begins anew, whatever the cause: a cut link, a process that was killed, an address that moved. The thread that waits at the
+//! socket opens what comes, checks it and writes it to the channel itself.
 
 mod controller;
 mod link;
 mod pictures;
 mod written;
 
+use std::net::SocketAddr;
 use std::os::fd::AsFd;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -19,27 +21,24 @@ use lariat_wire::{
     CENTERLINES, Centerlines, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3, Domain, Rig,
     TRUTH, now_ns,
 };
-use zenoh::qos::Priority;
 
 use crate::args::{Also, Args, Place};
 use crate::clock::Offset;
 use crate::datagram::{Incoming, Kind, Outgoing, Refused};
-use crate::inbox::{Arrived, Inbox};
 use crate::key::{self, Side};
 use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
-use crate::session::{Open, Way, Wire, parts};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
+use crate::stamps::Stamps;
 use link::{Link, Took};
 use written::Written;
 
 /// How often it is asked.
 const ASK_NS: u64 = 50_000_000;
-/// Unanswered for so long, the session is made anew: eight questions.
+/// Unanswered for so long, it begins anew: eight questions.
 const SILENCE_NS: u64 = 8 * ASK_NS;
-/// A new session has so long until its first answer.
-const FIRST_NS: u64 = 2 * SILENCE_NS;
-/// Between two tries to connect.
+/// Between two tries, where a name is not known or an address not to be reached.
 const RETRY_NS: u64 = 100_000_000;
 /// How often it is written down how it is.
 const SECOND_NS: u64 = 1_000_000_000;
@@ -47,7 +46,7 @@ const SECOND_NS: u64 = 1_000_000_000;
 /// What the thread that sends commands needs of this one.
 #[derive(Default)]
 struct Upward {
-    wire: Option<Wire>,
+    socket: Option<(Arc<Socket>, SocketAddr)>,
     /// The other side's process, and its clock.
     near: Option<(u64, Offset)>,
 }
@@ -76,12 +75,17 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             .context("no thread could be started")?
     };
     let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
-    let pictures = match args.frames_ms() {
-        0 => None,
+    let masks = also(args) & bit(Also::Masks);
+    let pictures = match (args.frames_ms(), masks) {
+        (0, 0) => None,
         _ => {
             let (rig, place, upward) = (args.rig.clone(), place.clone(), upward.clone());
             let incoming = Incoming::new(key.clone(), Side::Near, &rig);
-            let run = move || pictures::run(&rig, &place, incoming, &upward, &pictures_stop);
+            let (outgoing, frames_ms) = (outgoing.clone(), args.frames_ms());
+            let run = move || {
+                let asks = pictures::Asks::new(outgoing, masks, frames_ms);
+                pictures::run(&rig, &place, asks, incoming, &upward, &pictures_stop)
+            };
             let thread = thread::Builder::new().name("pictures".into()).spawn(run);
             Some(thread.context("no thread could be started")?)
         }
@@ -97,13 +101,18 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     stopper.stop();
     pictures_stopper.stop();
     let commands = controller.join().unwrap_or_default();
-    let frames = pictures.map_or(0, |thread| thread.join().unwrap_or_default());
+    let [frames, masks] = pictures.map_or([0; 2], |thread| thread.join().unwrap_or_default());
     println!("rig {}: {}", args.rig, far.link.sentence(now_ns()));
     println!(
-        "took {frames} frames; refused {} messages; sent {commands} commands",
+        "took {frames} frames, {masks} masks; refused {} messages; sent {commands} commands",
         far.refusals.count()
     );
     carried
+}
+
+/// What is asked for beside descriptors, a bit each.
+fn also(args: &Args) -> u8 {
+    args.also.iter().fold(0, |bits, also| bits | bit(*also))
 }
 
 /// The rig's channels, and what is known of the other side.
@@ -120,9 +129,15 @@ struct Far<'a> {
     descriptors3: Written<Descriptors3>,
     /// Whether the rig has a depth camera: something came of it.
     is_in_space: bool,
+    /// Of both.
+    stamps: Stamps,
     centerlines: Written<Centerlines>,
+    centerline_stamps: Stamps,
     truth: Written<Centerlines>,
+    truth_stamps: Stamps,
     refusals: Refusals,
+    /// What the last answer said.
+    cookie: u64,
     datagram: Vec<u8>,
 }
 
@@ -137,7 +152,7 @@ impl<'a> Far<'a> {
         Self {
             rig: &args.rig,
             domain,
-            also: args.also.iter().fold(0, |bits, also| bits | bit(*also)),
+            also: also(args),
             frames_ms: args.frames_ms(),
             outgoing,
             upward,
@@ -146,49 +161,62 @@ impl<'a> Far<'a> {
             descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
             descriptors3: Written::new(&DESCRIPTORS3, Descriptors3::EMPTY),
             is_in_space: false,
+            stamps: Stamps::default(),
+            centerline_stamps: Stamps::default(),
+            truth_stamps: Stamps::default(),
             centerlines: Written::new(&CENTERLINES, Centerlines::EMPTY),
             truth: Written::new(&TRUTH, Centerlines::EMPTY),
             refusals: Refusals::default(),
+            cookie: 0,
             datagram: Vec::new(),
         }
     }
 
-    /// One session after the other.
+    /// One socket after the other, each until nobody answers.
     fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
-        let inbox = Arc::new(Inbox::new().context("the system has no descriptor left")?);
         let mut announcement = None;
         let mut is_silent = None;
+        let mut attempt = 0;
         while !stop.asked() {
-            let opened = Wire::open(Open::Connect, &place.to_string(), Way::Up, self.rig);
-            let Ok(wire) = opened else {
-                if !std::mem::replace(is_silent.get_or_insert(false), true) {
-                    say(&format!(
-                        "nobody answers at {place} yet: `lariat bridge --listen` on the camera's machine"
-                    ));
+            // Of a name with several addresses one after the other.
+            let address = place.addresses().map(|all| all[attempt % all.len()]);
+            let opened =
+                address.and_then(|at| Ok((Arc::new(Socket::toward(at, Rank::First)?), at)));
+            let has_answered = match opened {
+                Ok((socket, at)) => {
+                    self.upward().socket = Some((socket.clone(), at));
+                    let answered = self.listen((&socket, at), stop, |far, is_first| {
+                        if is_first && is_silent != Some(false) {
+                            is_silent = Some(false);
+                            say(&format!("rig {} of {place} is here", far.rig));
+                        }
+                        far.announce(place, &mut announcement);
+                    });
+                    *self.upward() = Upward::default();
+                    answered
                 }
-                self.open_channels();
-                stop.sleep_until(now_ns() + RETRY_NS);
-                continue;
+                Err(_) => {
+                    self.open_channels();
+                    stop.sleep_until(now_ns() + RETRY_NS);
+                    false
+                }
             };
-            let heard = inbox.clone();
-            wire.hear(Way::Down, self.rig, move |at_ns, sample| {
-                heard.put(at_ns, parts(sample))
-            })?;
-            self.upward().wire = Some(wire.clone());
-            let has_answered = self.listen(&wire, &inbox, stop, |far, is_first| {
-                if is_first && is_silent != Some(false) {
-                    is_silent = Some(false);
-                    say(&format!("rig {} of {place} is here", far.rig));
-                }
-                far.announce(place, &mut announcement);
-            });
-            *self.upward() = Upward::default();
-            wire.close();
-            if has_answered && !stop.asked() {
+            if stop.asked() {
+                break;
+            }
+            if has_answered {
                 is_silent = Some(true);
                 say(&format!(
                     "{place} is silent: {}",
                     self.link.sentence(now_ns())
+                ));
+                continue;
+            }
+            attempt += 1;
+            if is_silent.is_none() {
+                is_silent = Some(true);
+                say(&format!(
+                    "nobody answers at {place} yet: `lariat bridge --listen` on the camera's machine"
                 ));
             }
         }
@@ -198,96 +226,107 @@ impl<'a> Far<'a> {
     /// Asks and takes what comes, until a signal or a silence; whether there was an answer. `every_second` is told of the first answer, and then each second.
     fn listen(
         &mut self,
-        wire: &Wire,
-        inbox: &Inbox,
+        (socket, near): (&Socket, SocketAddr),
         stop: &Stop,
         mut every_second: impl FnMut(&mut Self, bool),
     ) -> bool {
-        let mut arrived = Arrived::default();
+        let mut buffer = vec![0; LARGEST_DATAGRAM];
         let mut ask_due_ns = now_ns();
-        let mut silent_ns = ask_due_ns + FIRST_NS;
+        let mut silent_ns = ask_due_ns + SILENCE_NS;
         let mut second_due_ns = 0;
         let mut has_answered = false;
+        self.cookie = 0;
         while !stop.asked() && now_ns() < silent_ns {
-            inbox.sleep(ask_due_ns.min(silent_ns), stop.as_fd());
-            while inbox.next(&mut arrived) {
-                if self.take(&mut arrived) {
-                    silent_ns = now_ns() + SILENCE_NS;
-                    let is_first = !std::mem::replace(&mut has_answered, true);
-                    if is_first || now_ns() >= second_due_ns {
-                        second_due_ns = now_ns() + SECOND_NS;
-                        every_second(self, is_first);
-                    }
-                }
-            }
             if now_ns() >= ask_due_ns {
                 ask_due_ns = (ask_due_ns + ASK_NS).max(now_ns());
                 self.open_channels();
-                self.ask(wire);
+                self.ask(socket, near);
+            }
+            let Some((bytes, _)) = socket.next(&mut buffer) else {
+                sleep([socket.as_fd(), stop.as_fd()], ask_due_ns.min(silent_ns));
+                continue;
+            };
+            let Some(answer) = self.take(now_ns(), bytes) else {
+                continue;
+            };
+            silent_ns = now_ns() + SILENCE_NS;
+            // Nothing is sent before it has come back.
+            if answer.cookie != std::mem::replace(&mut self.cookie, answer.cookie) {
+                ask_due_ns = now_ns();
+            }
+            let is_first = !std::mem::replace(&mut has_answered, true);
+            if is_first || now_ns() >= second_due_ns {
+                second_due_ns = now_ns() + SECOND_NS;
+                every_second(self, is_first);
             }
         }
         has_answered
     }
 
-    fn ask(&mut self, wire: &Wire) {
+    fn ask(&mut self, socket: &Socket, near: SocketAddr) {
         let Ok(token) = key::random_number() else {
             return;
         };
-        let (also, frames_ms) = (self.also, self.frames_ms);
-        self.outgoing.write(Kind::Ask, &mut self.datagram, |to| {
-            Question {
-                token,
-                also,
-                frames_ms,
-            }
-            .write(to)
-        });
+        let question = Question {
+            token,
+            cookie: self.cookie,
+            also: self.also,
+            frames_ms: self.frames_ms,
+        };
+        self.outgoing
+            .write(Kind::Ask, &mut self.datagram, |to| question.write(to));
         self.link.ask(token, now_ns());
-        wire.put(&self.datagram, Priority::RealTime);
+        socket.send(&self.datagram, near);
     }
 
-    /// Takes a datagram; whether it was an answer.
-    fn take(&mut self, arrived: &mut Arrived) -> bool {
-        let at_ns = arrived.at_ns;
-        let datagram = match self.incoming.read(&mut arrived.bytes) {
+    /// Takes a datagram that came at a moment; the answer, if it is one.
+    fn take(&mut self, at_ns: u64, bytes: &mut [u8]) -> Option<Answer> {
+        let datagram = match self.incoming.read(bytes) {
             Ok(datagram) => datagram,
             Err(cause) => {
                 self.refusals.add(cause);
-                return false;
+                return None;
             }
         };
         if datagram.kind == Kind::Answer {
-            let took = Answer::read(datagram.says).map_or(Took::No, |answer| {
-                self.link.answer(datagram.process, &answer, at_ns)
-            });
+            let answer = Answer::read(datagram.says)?;
+            let took = self.link.answer(datagram.process, &answer, at_ns);
             if took == Took::Both {
                 say("two bridges send this rig: the one that was there first is gone by");
             }
-            if took != Took::No {
-                let near = self.link.near();
-                self.upward().near = near;
+            if took == Took::No {
+                return None;
             }
-            return took != Took::No;
+            let near = self.link.near();
+            self.upward().near = near;
+            return Some(answer);
         }
-        let Some(offset) = self.link.receive(&datagram) else {
-            return false;
-        };
+        let offset = self.link.receive(&datagram)?;
         let taken = match datagram.kind {
-            Kind::Descriptors => self.descriptors.take(&datagram, &offset, at_ns),
+            Kind::Descriptors => self
+                .descriptors
+                .take(&datagram, &mut self.stamps, &offset, at_ns),
             Kind::Descriptors3 => {
                 if !std::mem::replace(&mut self.is_in_space, true) {
                     self.descriptors3.open(self.domain, self.rig);
                 }
-                self.descriptors3.take(&datagram, &offset, at_ns)
+                self.descriptors3
+                    .take(&datagram, &mut self.stamps, &offset, at_ns)
             }
-            Kind::Centerlines => self.centerlines.take(&datagram, &offset, at_ns),
-            Kind::Truth => self.truth.take(&datagram, &offset, at_ns),
+            Kind::Centerlines => {
+                let stamps = &mut self.centerline_stamps;
+                self.centerlines.take(&datagram, stamps, &offset, at_ns)
+            }
+            Kind::Truth => {
+                let stamps = &mut self.truth_stamps;
+                self.truth.take(&datagram, stamps, &offset, at_ns)
+            }
             _ => None,
         };
         if taken.is_none() {
             self.refusals.add(Refused::Nonsense);
         }
-        false
+        None
     }
 
     /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one. But for the one in

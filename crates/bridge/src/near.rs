@@ -1,15 +1,16 @@
 //! The camera's side: what the rig says goes out, questions are answered, and commands come in.
 //!
-//! Questions are answered in zenoh's own thread, at once: each µs that an answer waits there is a µs of doubt about the clock. Nothing is sent while
-//! nobody asks.
+//! The thread that waits for descriptors packs, seals and sends them itself, and the one that waits at the socket answers and obeys itself: nothing
+//! waits for a third one. Nothing is sent while nobody asks.
 
+mod hearing;
 mod pictures;
 mod robot;
 
-use std::iter;
-use std::os::fd::AsFd;
-use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::net::SocketAddr;
+use std::os::fd::{AsFd, OwnedFd};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -20,100 +21,36 @@ use lariat_wire::{
     CENTERLINES, Centerlines, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3, Domain, TRUTH,
     now_ns,
 };
-use zenoh::qos::Priority;
-use zenoh::sample::Sample;
+use rustix::event::{EventfdFlags, eventfd};
 
 use crate::args::{Also, Args, Place};
 use crate::channel::{Read, Woken};
-use crate::datagram::{Incoming, Kind, Outgoing, Refused};
-use crate::inbox::{Arrived, Inbox};
+use crate::datagram::{Datagram, Incoming, Kind, Outgoing, Refused};
 use crate::key::{self, Side};
 use crate::pack::pack;
+use crate::peers::{Peers, Told, Wants};
 use crate::question::{Answer, Question, bit};
 use crate::refusals::Refusals;
 use crate::say;
-use crate::session::{Open, Way, Wire, parts};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use robot::Robot;
 
 /// How often it is looked whether the rig is written.
 const CHECK: Duration = Duration::from_millis(250);
-/// Who has asked nothing for so long has gone.
-const ASKS_NS: u64 = 2_000_000_000;
 
-/// What zenoh's thread and this one share.
-struct Heard {
+/// What the threads share.
+struct Near {
     outgoing: Outgoing,
-    incoming: Mutex<(Incoming, Vec<u8>)>,
-    commands: Inbox,
-    /// Rung by the first question.
-    first: Inbox,
-    /// When a question came last, 0 before the first, and what was asked for beside descriptors.
-    asked_ns: AtomicU64,
-    also: AtomicU8,
-    /// How long it is from one frame to the next that is asked for, ms; 0 for none.
-    frames_ms: AtomicU16,
+    peers: Mutex<Peers>,
+    /// Rung when the first far side has come.
+    first: OwnedFd,
     questions: AtomicU64,
     refusals: Mutex<Refusals>,
 }
 
-impl Heard {
-    /// Whether somebody listens.
-    fn is_asked(&self, now_ns: u64) -> bool {
-        let asked_ns = self.asked_ns.load(Ordering::Relaxed);
-        asked_ns > 0 && now_ns.saturating_sub(asked_ns) < ASKS_NS
-    }
-
-    /// How long it is from one frame to the next that is asked for; `None` if none is.
-    fn frames_ns(&self, now_ns: u64) -> Option<u64> {
-        let period_ms = self.frames_ms.load(Ordering::Relaxed);
-        (period_ms > 0 && self.is_asked(now_ns)).then_some(u64::from(period_ms) * 1_000_000)
-    }
-
-    /// Takes what came, in zenoh's thread.
-    fn hear(&self, at_ns: u64, sample: &Sample, wire: &Wire) {
-        let mut incoming = self.incoming.lock().unwrap_or_else(PoisonError::into_inner);
-        let (incoming, bytes) = &mut *incoming;
-        bytes.clear();
-        parts(sample).for_each(|part| bytes.extend_from_slice(part));
-        let datagram = match incoming.read(bytes) {
-            Ok(datagram) => datagram,
-            Err(cause) => return self.refuse(cause),
-        };
-        match datagram.kind {
-            Kind::Ask => {
-                let Some(question) = Question::read(datagram.says) else {
-                    return self.refuse(Refused::Release);
-                };
-                let is_first = !self.is_asked(at_ns);
-                self.asked_ns.store(at_ns, Ordering::Relaxed);
-                if is_first {
-                    self.first.put(at_ns, iter::empty());
-                }
-                self.also.fetch_or(question.also, Ordering::Relaxed);
-                if question.frames_ms > 0 {
-                    self.frames_ms.store(question.frames_ms, Ordering::Relaxed);
-                }
-                self.questions.fetch_add(1, Ordering::Relaxed);
-                let sent = Kind::COUNTED.map(|kind| self.outgoing.sent(kind));
-                let mut answer = Vec::with_capacity(128);
-                self.outgoing.write(Kind::Answer, &mut answer, |to| {
-                    Answer {
-                        token: question.token,
-                        got_ns: at_ns,
-                        answered_ns: now_ns(),
-                        sent,
-                    }
-                    .write(to);
-                });
-                wire.put(&answer, Priority::RealTime);
-            }
-            Kind::Command => {
-                let head = [datagram.process.to_le_bytes(), datagram.count.to_le_bytes()];
-                let parts = head.iter().map(|number| &number[..]).chain([datagram.says]);
-                self.commands.put(at_ns, parts);
-            }
-            _ => self.refuse(Refused::Foreign),
-        }
+impl Near {
+    fn peers(&self) -> MutexGuard<'_, Peers> {
+        self.peers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn refuse(&self, cause: Refused) {
@@ -123,6 +60,36 @@ impl Heard {
     fn refusals(&self) -> MutexGuard<'_, Refusals> {
         self.refusals.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// Writes the answer to a question that came at a moment.
+    fn answer(&self, question: &Question, told: Told, at_ns: u64, into: &mut Vec<u8>) {
+        self.questions.fetch_add(1, Ordering::Relaxed);
+        let sent = Kind::COUNTED.map(|kind| self.outgoing.sent(kind));
+        self.outgoing.write(Kind::Answer, into, |to| {
+            Answer {
+                token: question.token,
+                got_ns: at_ns,
+                answered_ns: now_ns(),
+                sent,
+                cookie: told.cookie,
+                is_heard: told.is_heard,
+            }
+            .write(to);
+        });
+    }
+}
+
+/// Takes a question in: what it is, and what who asks is told; `None`: it is none, or none of now.
+fn ask(
+    peers: &mut Peers,
+    datagram: &Datagram,
+    from: SocketAddr,
+    at_ns: u64,
+) -> Option<(Question, Told)> {
+    let question = Question::read(datagram.says)?;
+    let count = (datagram.process, datagram.count);
+    let told = peers.ask(count, &question, from, at_ns)?;
+    Some((question, told))
 }
 
 /// Sends what the rig says for as long as no signal comes.
@@ -133,76 +100,70 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
     let (key, rig) = (args.key()?, &args.rig);
-    let heard = Arc::new(Heard {
+    let near = &Near {
         outgoing: Outgoing::new(key::random_number()?, key.as_ref(), Side::Near, rig),
-        incoming: Mutex::new((Incoming::new(key, Side::Far, rig), Vec::new())),
-        commands: Inbox::new().context("the system has no descriptor left")?,
-        first: Inbox::new().context("the system has no descriptor left")?,
-        asked_ns: AtomicU64::new(0),
-        also: AtomicU8::new(0),
-        frames_ms: AtomicU16::new(0),
+        peers: Mutex::new(Peers::new()?),
+        first: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)
+            .context("the system has no descriptor left")?,
         questions: AtomicU64::new(0),
         refusals: Mutex::default(),
-    });
-    let wire = Wire::open(Open::Listen, &place.to_string(), Way::Down, rig)
+    };
+    let socket = Socket::listen(place, Rank::First)
         .with_context(|| format!("it cannot be listened on {place}"))?;
-    let (hears, answers) = (heard.clone(), wire.clone());
-    wire.hear(Way::Up, rig, move |at_ns, sample| {
-        hears.hear(at_ns, sample, &answers)
-    })?;
+    let socket = &socket;
     say(&format!("rig {rig} is at {place}"));
-    // A thread of its own: a command is not to wait for a descriptor, nor the other way round.
-    let (robot_stop, mut stopper) = Stop::by_another()?;
-    let robot = {
-        let (heard, rig, most) = (heard.clone(), rig.clone(), args.command_age);
-        let robot = move || {
-            Robot::new(&rig, heard.outgoing.process(), most).obey(&heard.commands, &robot_stop)
-        };
-        thread::Builder::new()
-            .name("robot".into())
-            .spawn(robot)
-            .context("no thread could be started")?
-    };
+    let incoming = [key.clone(), key].map(|key| Incoming::new(key, Side::Far, rig));
+    let [hears, pictures_hear] = incoming;
+    let (hearing_stop, mut hearing_stopper) = Stop::by_another()?;
     let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
-    let pictures = {
-        let (heard, rig, place) = (heard.clone(), rig.clone(), place.clone());
-        thread::Builder::new()
+    let robot = Robot::new(rig, near.outgoing.process(), args.command_age);
+    thread::scope(|scope| {
+        let hearing = thread::Builder::new()
+            .name("hearing".into())
+            .spawn_scoped(scope, || {
+                hearing::run(near, socket, hears, robot, &hearing_stop)
+            })
+            .context("no thread could be started")?;
+        let pictures = thread::Builder::new()
             .name("pictures".into())
-            .spawn(move || pictures::run(&rig, &place, &heard, &pictures_stop))
-            .context("no thread could be started")?
-    };
-    let mut sender = Sender::new(&heard, &wire);
-    while !stop.asked() {
-        sender.look(&domain, args);
-        sender.sleep(&stop);
-        sender.send();
-    }
-    stopper.stop();
-    pictures_stopper.stop();
-    let (commands, pictures) = (robot.join(), pictures.join());
-    let missed = sender.missed;
-    wire.close();
-    println!(
-        "rig {rig}: sent {} descriptors (and missed {}), {} in space, {} centerlines, {} truths, {} frames; answered {} questions; refused {}",
-        heard.outgoing.sent(Kind::Descriptors),
-        missed,
-        heard.outgoing.sent(Kind::Descriptors3),
-        heard.outgoing.sent(Kind::Centerlines),
-        heard.outgoing.sent(Kind::Truth),
-        pictures.unwrap_or_default(),
-        heard.questions.load(Ordering::Relaxed),
-        heard.refusals().count(),
-    );
-    if let Ok(commands) = commands {
-        println!("{commands}");
-    }
-    Ok(())
+            .spawn_scoped(scope, || {
+                pictures::run(rig, place, near, pictures_hear, &pictures_stop)
+            });
+        let mut sender = Sender::new(near, socket);
+        while pictures.is_ok() && !stop.asked() {
+            sender.look(&domain, args);
+            sender.sleep(&stop);
+            sender.send();
+        }
+        hearing_stopper.stop();
+        pictures_stopper.stop();
+        let commands = hearing.join();
+        let pictures = pictures.context("no thread could be started")?.join();
+        let [frames, masks] = pictures.unwrap_or_default();
+        let sent = |kind| near.outgoing.sent(kind);
+        println!(
+            "rig {rig}: sent {} descriptors (and missed {}), {} in space, {} centerlines, {} truths, {} frames, {} masks; answered {} questions; refused {}",
+            sent(Kind::Descriptors),
+            sender.missed,
+            sent(Kind::Descriptors3),
+            sent(Kind::Centerlines),
+            sent(Kind::Truth),
+            frames,
+            masks,
+            near.questions.load(Ordering::Relaxed),
+            near.refusals().count(),
+        );
+        if let Ok(commands) = commands {
+            println!("{commands}");
+        }
+        Ok(())
+    })
 }
 
 /// The rig's channels, and the way that their messages go.
-struct Sender<'h> {
-    heard: &'h Heard,
-    wire: &'h Wire,
+struct Sender<'n> {
+    near: &'n Near,
+    socket: &'n Socket,
     descriptors: Read<Descriptors>,
     descriptors3: Read<Descriptors3>,
     centerlines: Read<Centerlines>,
@@ -213,13 +174,14 @@ struct Sender<'h> {
     fitted: Option<u64>,
     missed: u64,
     datagram: Vec<u8>,
+    to: Vec<SocketAddr>,
 }
 
-impl<'h> Sender<'h> {
-    fn new(heard: &'h Heard, wire: &'h Wire) -> Self {
+impl<'n> Sender<'n> {
+    fn new(near: &'n Near, socket: &'n Socket) -> Self {
         Self {
-            heard,
-            wire,
+            near,
+            socket,
             descriptors: Read::new(&DESCRIPTORS, Woken::Yes),
             descriptors3: Read::new(&DESCRIPTORS3, Woken::No),
             centerlines: Read::new(&CENTERLINES, Woken::No),
@@ -229,6 +191,7 @@ impl<'h> Sender<'h> {
             fitted: None,
             missed: 0,
             datagram: Vec::new(),
+            to: Vec::new(),
         }
     }
 
@@ -238,25 +201,19 @@ impl<'h> Sender<'h> {
             return;
         }
         self.checked = Some(Instant::now());
-        let is_asked = self.heard.is_asked(now_ns());
+        let also = self.near.peers().also(now_ns());
+        let is_asked = also.is_some();
         if is_asked != self.is_asked {
             say(if is_asked {
                 "somebody listens"
             } else {
                 "nobody listens any more"
             });
-            if !is_asked {
-                self.heard.also.store(0, Ordering::Relaxed);
-                self.heard.frames_ms.store(0, Ordering::Relaxed);
-            }
-        }
-        if is_asked != self.is_asked {
             // What is sent meanwhile is for nobody.
             self.fitted = None;
         }
         self.is_asked = is_asked;
-        let also = self.heard.also.load(Ordering::Relaxed);
-        let wants = |channel: Also| is_asked && also & bit(channel) != 0;
+        let wants = |channel: Also| also.is_some_and(|also| also & bit(channel) != 0);
         self.descriptors.follow(domain, &args.rig, is_asked);
         self.descriptors3.follow(domain, &args.rig, is_asked);
         self.centerlines
@@ -272,13 +229,12 @@ impl<'h> Sender<'h> {
             .receiver()
             .is_some_and(|reader| reader.sleep(Some(due), Some(stop.as_fd())).is_ok());
         if !slept {
-            self.heard
-                .first
-                .sleep(now_ns() + CHECK.as_nanos() as u64, stop.as_fd());
-        }
-        let mut first = Arrived::default();
-        while self.heard.first.next(&mut first) {
-            self.checked = None;
+            let first = &self.near.first;
+            let due_ns = now_ns() + CHECK.as_nanos() as u64;
+            sleep([first.as_fd(), stop.as_fd()], due_ns);
+            if rustix::io::read(first, &mut [0_u8; 8]).is_ok() {
+                self.checked = None;
+            }
         }
     }
 
@@ -289,22 +245,31 @@ impl<'h> Sender<'h> {
             self.missed += missed(self.fitted.replace(fitted), fitted);
             // As here, so there: who has descriptors has what stands in space beside them.
             while let Some(message) = self.descriptors3.next() {
-                self.put(&*message, Kind::Descriptors3, Priority::RealTime);
+                self.put(&*message, Kind::Descriptors3, Wants::Descriptors);
             }
-            self.put(&*message, Kind::Descriptors, Priority::RealTime);
+            self.put(&*message, Kind::Descriptors, Wants::Descriptors);
         }
         while let Some(message) = self.centerlines.next() {
-            self.put(&*message, Kind::Centerlines, Priority::Data);
+            self.put(&*message, Kind::Centerlines, Wants::Also(Also::Centerlines));
         }
         while let Some(message) = self.truth.next() {
-            self.put(&*message, Kind::Truth, Priority::Data);
+            self.put(&*message, Kind::Truth, Wants::Also(Also::Truth));
         }
     }
 
-    fn put(&mut self, message: &dyn Message, kind: Kind, priority: Priority) {
-        let outgoing = &self.heard.outgoing;
+    /// Sends a message to all who want it. It is counted before it is known who they are: who comes in between is told of it as sent before.
+    fn put(&mut self, message: &dyn Message, kind: Kind, wants: Wants) {
+        let outgoing = &self.near.outgoing;
         outgoing.write(kind, &mut self.datagram, |to| pack(message, to));
-        self.wire.put(&self.datagram, priority);
+        if self.datagram.len() > LARGEST_DATAGRAM {
+            // Far sides count it as lost, as it is.
+            return self.near.refuse(Refused::Large);
+        }
+        self.to.clear();
+        self.to.extend(self.near.peers().addresses(wants, now_ns()));
+        for to in &self.to {
+            self.socket.send(&self.datagram, *to);
+        }
     }
 }
 

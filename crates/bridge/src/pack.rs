@@ -55,11 +55,11 @@ fn put(message: &dyn Message, last: &mut u64, into: &mut Vec<u8>) {
             varint((step << 1 ^ step >> 63) as u64, into);
             *last = count;
         }
-        Value::F32(number) => into.extend(number.to_le_bytes()),
-        Value::F64(number) => into.extend(number.to_le_bytes()),
+        Value::F32(number) => into.extend_from_slice(&number.to_le_bytes()),
+        Value::F64(number) => into.extend_from_slice(&number.to_le_bytes()),
         Value::Point([x, y]) => {
-            into.extend(x.to_le_bytes());
-            into.extend(y.to_le_bytes());
+            into.extend_from_slice(&x.to_le_bytes());
+            into.extend_from_slice(&y.to_le_bytes());
         }
         Value::F32s(numbers, columns) => {
             varint((numbers.len() / columns) as u64, into);
@@ -76,7 +76,7 @@ fn put(message: &dyn Message, last: &mut u64, into: &mut Vec<u8>) {
                 let meant = if is_one { 1 } else { usize::MAX };
                 entries()
                     .take(meant)
-                    .for_each(|number| into.extend(number.to_le_bytes()));
+                    .for_each(|number| into.extend_from_slice(&number.to_le_bytes()));
             }
         }
         Value::Hidden(hidden, count) => {
@@ -104,28 +104,32 @@ fn put(message: &dyn Message, last: &mut u64, into: &mut Vec<u8>) {
 /// A column as it is, as one number, or in steps of its extent.
 fn put_f32s(numbers: &[f32], column: usize, columns: usize, into: &mut Vec<u8>) {
     let entries = || numbers.iter().skip(column).step_by(columns).copied();
-    if is_one(entries().map(|number| u64::from(number.to_bits()))) {
-        into.push(1);
-        entries()
-            .take(1)
-            .for_each(|number| into.extend(number.to_le_bytes()));
-        return;
+    let first = entries().next().map(f32::to_bits);
+    let (mut is_one, mut is_finite) = (first.is_some(), true);
+    let [mut least, mut largest] = [f32::INFINITY, f32::NEG_INFINITY];
+    for number in entries() {
+        is_one &= Some(number.to_bits()) == first;
+        is_finite &= number.is_finite();
+        (least, largest) = (least.min(number), largest.max(number));
     }
-    let [least, largest] = [
-        entries().fold(f32::INFINITY, f32::min),
-        entries().fold(f32::NEG_INFINITY, f32::max),
-    ];
     let step = step(least, largest);
-    if !step.is_normal() || !entries().all(f32::is_finite) {
+    if is_one {
+        into.push(1);
+        into.extend_from_slice(&first.unwrap_or_default().to_le_bytes());
+    } else if step.is_normal() && is_finite {
+        into.push(2);
+        into.extend_from_slice(&least.to_le_bytes());
+        into.extend_from_slice(&largest.to_le_bytes());
+        into.reserve(2 * numbers.len() / columns);
+        for number in entries() {
+            // To the nearest step: none is negative.
+            let steps = ((f64::from(number) - f64::from(least)) / step + 0.5) as u16;
+            into.extend_from_slice(&steps.to_le_bytes());
+        }
+    } else {
         into.push(0);
-        entries().for_each(|number| into.extend(number.to_le_bytes()));
-        return;
+        entries().for_each(|number| into.extend_from_slice(&number.to_le_bytes()));
     }
-    into.push(2);
-    into.extend(least.to_le_bytes());
-    into.extend(largest.to_le_bytes());
-    let steps = |number: f32| ((f64::from(number) - f64::from(least)) / step).round() as u16;
-    entries().for_each(|number| into.extend(steps(number).to_le_bytes()));
 }
 
 /// The numbers of 16 bits lie so far apart.
@@ -399,9 +403,9 @@ pub(crate) mod tests {
     fn a_rope_goes_into_one_datagram_of_an_ethernet() {
         let mut bytes = Vec::new();
         pack(&*descriptors(1, 1), &mut bytes);
-        // 1500 without the heads of IPv6 and UDP, zenoh's and the bridge's own.
+        // 1500 without the heads of IPv6 and UDP, and the bridge's own.
         assert!(
-            bytes.len() <= 1500 - 48 - 64 - crate::datagram::OVERHEAD,
+            bytes.len() <= 1500 - 48 - crate::datagram::OVERHEAD,
             "{}",
             bytes.len()
         );

@@ -1,4 +1,5 @@
-//! What the far side asks, and what it is answered: the time, how much was sent, and what it wants.
+//! What the far side asks, and what it is answered: the time, how much was sent, and what it wants. Both are as long: nobody is answered more than it
+//! sent.
 
 use crate::args::Also;
 use crate::datagram::Kind;
@@ -8,6 +9,8 @@ use crate::datagram::Kind;
 pub(crate) struct Question {
     /// A random number, which comes back: an answer to it was made after it was asked.
     pub(crate) token: u64,
+    /// What the last answer said, which shows that it came; 0 before the first.
+    pub(crate) cookie: u64,
     /// A bit each: what is wanted beside descriptors.
     pub(crate) also: u8,
     /// How long it is to be from one frame to the next, ms; 0: none are wanted.
@@ -24,7 +27,14 @@ pub(crate) struct Answer {
     pub(crate) answered_ns: u64,
     /// How many [messages](Kind::COUNTED) of each channel have been sent.
     pub(crate) sent: [u64; Kind::COUNTED.len()],
+    /// What the next question is to say.
+    pub(crate) cookie: u64,
+    /// Whether the cookie was right: then all that is sent from now on is sent to who asks, too.
+    pub(crate) is_heard: bool,
 }
+
+/// Bytes of either.
+const SIZE: usize = 8 * (4 + Kind::COUNTED.len()) + 1;
 
 /// The bit of a channel.
 pub(crate) fn bit(also: Also) -> u8 {
@@ -33,41 +43,48 @@ pub(crate) fn bit(also: Also) -> u8 {
 
 impl Question {
     pub(crate) fn write(&self, to: &mut Vec<u8>) {
+        let end = to.len() + SIZE;
         to.extend(self.token.to_le_bytes());
+        to.extend(self.cookie.to_le_bytes());
         to.push(self.also);
         to.extend(self.frames_ms.to_le_bytes());
+        to.resize(end, 0);
     }
 
     pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
-        let (token, rest) = bytes.split_first_chunk()?;
-        let [also, period @ ..]: [u8; 3] = rest.try_into().ok()?;
+        let bytes: &[u8; SIZE] = bytes.try_into().ok()?;
+        let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
         Some(Self {
-            token: u64::from_le_bytes(*token),
-            also,
-            frames_ms: u16::from_le_bytes(period),
+            token: number(0),
+            cookie: number(8),
+            also: bytes[16],
+            frames_ms: u16::from_le_bytes([bytes[17], bytes[18]]),
         })
     }
 }
 
 impl Answer {
     pub(crate) fn write(&self, to: &mut Vec<u8>) {
-        let numbers = [self.token, self.got_ns, self.answered_ns];
+        let numbers = [self.token, self.got_ns, self.answered_ns, self.cookie];
         for number in numbers.iter().chain(&self.sent) {
             to.extend(number.to_le_bytes());
         }
+        to.push(self.is_heard.into());
     }
 
     pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
-        let (numbers, []) = bytes.as_chunks::<8>() else {
+        let (numbers, &[is_heard @ (0 | 1)]) = bytes.as_chunks::<8>() else {
             return None;
         };
-        let numbers: [_; 7] = numbers.try_into().ok()?;
-        let [token, got_ns, answered_ns, sent @ ..] = numbers.map(u64::from_le_bytes);
+        let numbers: &[_; SIZE / 8] = numbers.try_into().ok()?;
+        let [token, got_ns, answered_ns, cookie, sent @ ..] = numbers.map(u64::from_le_bytes);
         Some(Self {
             token,
             got_ns,
             answered_ns,
             sent,
+            cookie,
+            is_heard: is_heard == 1,
         })
     }
 }
@@ -80,6 +97,7 @@ mod tests {
     fn questions_and_answers_come_back_and_nothing_else_is_one() {
         let question = Question {
             token: u64::MAX - 1,
+            cookie: u64::MAX - 2,
             also: bit(Also::Truth),
             frames_ms: 40,
         };
@@ -88,6 +106,8 @@ mod tests {
             got_ns: 2,
             answered_ns: 3,
             sent: [4, 5, 6, u64::MAX],
+            cookie: 9,
+            is_heard: true,
         };
         let [mut asked, mut answered] = [Vec::new(), Vec::new()];
         question.write(&mut asked);
@@ -96,7 +116,8 @@ mod tests {
             (Question::read(&asked), Answer::read(&answered)),
             (Some(question), Some(answer))
         );
-        for length in 0..60 {
+        assert_eq!(asked.len(), answered.len());
+        for length in 0..2 * SIZE {
             let bytes = vec![0; length];
             assert_eq!(Question::read(&bytes).is_some(), length == asked.len());
             assert_eq!(Answer::read(&bytes).is_some(), length == answered.len());

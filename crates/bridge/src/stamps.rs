@@ -7,22 +7,27 @@ use crate::clock::Offset;
 /// Turns the stamps of a frame's way into this machine's, and lets none go back behind those of a frame before it.
 #[derive(Debug, Default)]
 pub(crate) struct Stamps {
-    /// Of the last frame: when it was taken, there and here.
-    last: Option<(u64, u64)>,
+    /// Of the last frame: when it was taken, there and here, and when it arrived.
+    last: Option<(u64, u64, u64)>,
 }
 
 impl Stamps {
-    /// Sets all stamps of a trace. Nothing that arrived at `arrived_ns` is of later.
-    pub(crate) fn set(&mut self, trace: &mut Trace, offset: &Offset, arrived_ns: u64) {
+    /// Sets all stamps of a trace. Nothing that arrived at `arrived_ns` is of later. Two messages of one frame, one after the other, have the same:
+    /// readers tell by them that they belong together.
+    pub(crate) fn set(&mut self, trace: &mut Trace, offset: &Offset, mut arrived_ns: u64) {
         let there = trace.exposed_ns;
         let mut exposed_ns = offset.here(there).min(arrived_ns);
         // What is known of the clocks gets better, and moves: two frames stay in their order, whatever it moves by.
-        if let Some((last_there, last_here)) = self.last
-            && there > last_there
-        {
-            exposed_ns = exposed_ns.max(last_here.saturating_add(1));
+        match self.last {
+            Some((last_there, last_here, _)) if there > last_there => {
+                exposed_ns = exposed_ns.max(last_here.saturating_add(1));
+            }
+            Some((last_there, last_here, last_arrived_ns)) if there == last_there => {
+                (exposed_ns, arrived_ns) = (last_here, last_arrived_ns);
+            }
+            _ => {}
         }
-        self.last = Some((there, exposed_ns));
+        self.last = Some((there, exposed_ns, arrived_ns));
         let Trace {
             captured_ns,
             extract_started_ns,
@@ -99,6 +104,15 @@ mod tests {
             (trace.exposed_ns, trace.captured_ns, trace.fitted_ns),
             (1_000_001_000, 1_000_001_050, 1_000_001_050)
         );
+    }
+
+    #[test]
+    fn two_messages_of_one_frame_have_the_same_stamps_whatever_is_learned_between_them() {
+        let mut stamps = Stamps::default();
+        let (mut first, mut second) = (trace(6_000_001_000), trace(6_000_001_000));
+        stamps.set(&mut first, &offset(5_000_000_000, 10), 1_000_001_500);
+        stamps.set(&mut second, &offset(5_000_000_400, 10), 1_000_001_950);
+        assert_eq!(first, second);
     }
 
     #[test]

@@ -215,6 +215,10 @@ impl<'d> Gatherer<'d> {
             obstacle: self.obstacle(),
             is_lossless: look.is_lossless,
             shared_mb: look.shared_mb,
+            clock_bound_us: self
+                .rig
+                .as_ref()
+                .and_then(|rig| clock_bound_us(&self.members, rig)),
             stages,
             window_s,
             steps: look
@@ -366,6 +370,18 @@ pub(crate) fn stage_of<'a>(members: &'a [Member], rig: &str, name: &str) -> Opti
     of_rig.find(|member| member.stage == name)
 }
 
+/// By how much the stamps of a rig may be off, µs, because a bridge brings it here from a machine with a clock of its own: what that one says
+/// in the roster. `None` for a rig of this machine.
+pub fn clock_bound_us(members: &[Member], rig: &Rig) -> Option<f64> {
+    bound_in(&stage_of(members, rig.as_str(), "bridge")?.settings)
+}
+
+fn bound_in(settings: &str) -> Option<f64> {
+    let settings: toml::Table = settings.parse().ok()?;
+    let us = settings.get("bridge")?.get("clock_bound_us")?.as_float();
+    us.filter(|us| us.is_finite())
+}
+
 /// A reader that is woken only where the chain would wait for it.
 fn open(domain: &Domain, rig: &Rig, woken: bool) -> Result<Receiver<Descriptors>, WireError> {
     if woken {
@@ -398,5 +414,24 @@ fn rope(descriptor: &Descriptor) -> Rope {
             Some(_) => descriptor.control_points().to_vec(),
         },
         points,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bound_in;
+
+    #[test]
+    fn the_bound_is_what_the_bridge_says_and_nothing_else() {
+        let said = "[bridge]\nconnect = \"udp/camera:7447\"\nclock_bound_us = 40.0\nsent = 3\n";
+        assert_eq!(bound_in(said), Some(40.0));
+        for other in [
+            "",
+            "clock_bound_us = 40.0",
+            "[bridge]\nclock_bound_us = inf",
+            "[",
+        ] {
+            assert_eq!(bound_in(other), None, "{other}");
+        }
     }
 }

@@ -42,6 +42,6 @@ mod status;
 mod tuning;
 mod view;
 
-pub use gather::Gatherer;
+pub use gather::{Gatherer, clock_bound_us};
 pub use server::{Options, Server, Shown, serve};
 pub use view::{Losses, Rope, Shape, StageRow, StepRow, View};

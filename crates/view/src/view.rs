@@ -18,6 +18,8 @@ pub struct View {
     pub is_lossless: bool,
     /// Shared memory of the rig's channels, 10⁶ bytes.
     pub shared_mb: Option<f64>,
+    /// By how much its stamps may be off, µs, if a bridge brings it here from a machine with a clock of its own.
+    pub clock_bound_us: Option<f64>,
     /// Its processes, in the order of the way.
     pub stages: Vec<StageRow>,
     /// Of the frames of this many last seconds.

@@ -166,6 +166,14 @@ fn a_camera_that_is_gone_and_a_chain_that_is_silent_are_told() {
 }
 
 #[test]
+fn how_well_another_machine_s_clock_is_known_is_told() {
+    let mut view = view();
+    assert!(!screen(&view, 120, 24).contains("of clock"));
+    view.clock_bound_us = Some(41.6);
+    assert!(screen(&view, 120, 24).contains("± 41.6 µs of clock"));
+}
+
+#[test]
 fn no_size_is_too_small_and_no_number_too_wild() {
     let mut view = view();
     let shape = view.shape.as_mut().expect("there");

@@ -89,6 +89,8 @@ fn write(rig: &Rig, hz: f64, count: u64) -> Result<()> {
         beat.wait();
         let mut slot = writer.slot()?;
         rope::write(&mut slot, count, now_ns());
+        // From where it lies in shared memory.
+        rope::stamp(&mut slot, now_ns());
         slot.send()?;
     }
     // What is under way is still to be read.

@@ -2,8 +2,7 @@
 
 use lariat_wire::{Basis, Descriptors, FitQuality, Status, Unit};
 
-/// Writes the `count`-th message of a chain that was quick: all its stamps are `now_ns`. When that was is said where no bridge looks, in
-/// the residuals' variance, so that a reader on the same machine knows it to the nanosecond.
+/// Writes the `count`-th message of a chain that was quick: all its [stamps](stamp) are `now_ns`.
 pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
     let trace = &mut message.trace;
     (
@@ -12,12 +11,6 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
         trace.extracted,
         trace.fitted,
     ) = (count, count, count, count);
-    (
-        trace.exposed_ns,
-        trace.captured_ns,
-        trace.extract_started_ns,
-    ) = (now_ns, now_ns, now_ns);
-    (trace.extracted_ns, trace.fit_started_ns, trace.fitted_ns) = (now_ns, now_ns, now_ns);
     (message.width, message.height, message.count) = (1280, 1024, 1);
     message.unit = Unit::Pixel as u32;
     let (curve, line) = (&mut message.curves[0], &mut message.centerlines[0]);
@@ -30,7 +23,6 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
         curve.width,
         curve.confidence,
     ) = (0.27, 0.74, 900.0, 12.3, 0.95);
-    curve.residual_variance = now_ns as f64;
     let swing = (count % 100) as f64;
     let at = |rho: f64| {
         [
@@ -50,6 +42,20 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
         line.points[i] = at(i as f64 / 119.0).map(|c| c as f32);
         line.widths[i] = 12.0 + (i as f32).sin();
     }
+    stamp(message, now_ns);
+}
+
+/// Stamps a message. When that was is also said where no bridge looks, in the residuals' variance, so that a reader on the same machine knows it to the
+/// nanosecond.
+pub(crate) fn stamp(message: &mut Descriptors, now_ns: u64) {
+    let trace = &mut message.trace;
+    (
+        trace.exposed_ns,
+        trace.captured_ns,
+        trace.extract_started_ns,
+    ) = (now_ns, now_ns, now_ns);
+    (trace.extracted_ns, trace.fit_started_ns, trace.fitted_ns) = (now_ns, now_ns, now_ns);
+    message.curves[0].residual_variance = now_ns as f64;
 }
 
 /// When a message of this rope was written.

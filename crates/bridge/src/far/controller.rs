@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use lariat_chain::stop::Stop;
 use lariat_wire::{COMMANDS, Command, Domain, Rig, now_ns};
-use zenoh::qos::Priority;
 
 use super::Upward;
 use crate::channel::{Read, Woken};
@@ -53,12 +52,12 @@ pub(super) fn run(rig: &Rig, outgoing: &Outgoing, upward: &Mutex<Upward>, stop: 
 
 /// Sends a command, if anybody is there to obey.
 fn send(command: &Command, outgoing: &Outgoing, upward: &Mutex<Upward>, datagram: &mut Vec<u8>) {
-    let (wire, process, offset) = {
+    let ((socket, near), process, offset) = {
         let upward = upward.lock().unwrap_or_else(PoisonError::into_inner);
-        let (Some(wire), Some((process, offset))) = (&upward.wire, upward.near) else {
+        let (Some(socket), Some((process, offset))) = (&upward.socket, upward.near) else {
             return;
         };
-        (wire.clone(), process, offset)
+        (socket.clone(), process, offset)
     };
     let there = |ns: u64| if ns > 0 { offset.there(ns) } else { 0 };
     let told = Command {
@@ -70,5 +69,5 @@ fn send(command: &Command, outgoing: &Outgoing, upward: &Mutex<Upward>, datagram
         to.extend(process.to_le_bytes());
         pack(&told, to);
     });
-    wire.put(datagram, Priority::RealTime);
+    socket.send(datagram, near);
 }

@@ -88,8 +88,14 @@ impl Link {
             sent: answer.answered_ns,
             heard,
         });
-        for (tally, sent) in near.tallies.iter_mut().zip(answer.sent) {
-            tally.tell(sent);
+        // What is sent before this side is heard is for others.
+        let told = if answer.is_heard {
+            &answer.sent[..]
+        } else {
+            &[]
+        };
+        for (tally, sent) in near.tallies.iter_mut().zip(told) {
+            tally.tell(*sent);
         }
         if std::mem::take(&mut self.is_rivalled) && !std::mem::replace(&mut self.has_told, true) {
             return Took::Both;
@@ -181,6 +187,8 @@ mod tests {
             got_ns: at_ns,
             answered_ns: at_ns,
             sent: [sent, 0, 0, 0],
+            cookie: 1,
+            is_heard: true,
         }
     }
 

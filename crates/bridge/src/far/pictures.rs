@@ -1,4 +1,4 @@
-//! Frames that come as JPEG, as the rig's own: RGB, with their stamps on this machine's clock.
+//! Frames that come as JPEG, as the rig's own: RGB, with their stamps on this machine's clock; and masks, as they were.
 
 use std::io::Cursor;
 use std::os::fd::AsFd;
@@ -8,133 +8,224 @@ use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, ImageDecoder};
 use lariat_chain::stop::Stop;
-use lariat_wire::{Delivery, Domain, FrameHeader, PixelFormat, Rig, Writer, now_ns};
+use lariat_wire::{Delivery, Domain, FrameHeader, PixelFormat, Rig, WireError, Writer, now_ns};
 
 use super::Upward;
 use crate::args::Place;
 use crate::chunks::Assembly;
 use crate::clock::Offset;
-use crate::datagram::{Incoming, Kind};
-use crate::inbox::{Arrived, Inbox};
+use crate::datagram::{Datagram, Incoming, Kind, Outgoing};
+use crate::key;
 use crate::pack::unpack;
+use crate::question::{Answer, Question};
 use crate::say;
-use crate::session::{Open, Way, Wire, parts};
+use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use crate::stamps::Stamps;
 use crate::tally::Tally;
 
 /// No larger picture is made: 8192 by 8192.
 const LARGEST: u64 = 3 << 26;
-/// Between two tries to connect.
-const RETRY_NS: u64 = 500_000_000;
-/// Without a picture for so long, the session is made anew.
+/// How often they are asked for; frames are listened for once they were asked for at the other port.
+const ASK_NS: u64 = 250_000_000;
+/// Without a picture for so long, it begins anew.
 const SILENCE_NS: u64 = 3_000_000_000;
 
-/// Takes frames until it is told to stop; how many.
+/// How frames are asked for.
+pub(super) struct Asks {
+    outgoing: Arc<Outgoing>,
+    question: Question,
+}
+
+impl Asks {
+    pub(super) fn new(outgoing: Arc<Outgoing>, also: u8, frames_ms: u16) -> Self {
+        let question = Question {
+            token: 0,
+            cookie: 0,
+            also,
+            frames_ms,
+        };
+        Self { outgoing, question }
+    }
+
+    /// Writes the next question.
+    fn write(&mut self, into: &mut Vec<u8>) -> Result<()> {
+        self.question.token = key::random_number()?;
+        let question = &self.question;
+        self.outgoing
+            .write(Kind::Ask, into, |to| question.write(to));
+        Ok(())
+    }
+
+    /// Takes an answer to the last question; whether what it says is to be said back at once.
+    fn take(&mut self, answer: &Answer) -> bool {
+        answer.token == self.question.token
+            && answer.cookie != std::mem::replace(&mut self.question.cookie, answer.cookie)
+    }
+}
+
+/// Takes frames and masks until it is told to stop; how many of either.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
+    asks: Asks,
     incoming: Incoming,
     upward: &Mutex<Upward>,
     stop: &Stop,
-) -> u64 {
+) -> [u64; 2] {
     crate::give_way();
-    match Pictures::new(rig, incoming).and_then(|mut pictures| pictures.carry(place, upward, stop))
+    match Pictures::new(rig, asks, incoming)
+        .and_then(|mut pictures| pictures.carry(place, upward, stop))
     {
         Ok(taken) => taken,
         Err(cause) => {
-            say(&format!("no frames are taken: {cause:#}"));
-            0
+            say(&format!("no frames and masks are taken: {cause:#}"));
+            [0; 2]
         }
     }
 }
 
-/// The rig's frames, written here.
+/// What came.
+enum Took {
+    /// A part of a picture.
+    Picture,
+    /// What is to be said back at once.
+    AskAgain,
+}
+
+/// The rig's frames and masks, written here.
 struct Pictures<'a> {
     rig: &'a Rig,
+    asks: Asks,
     incoming: Incoming,
-    inbox: Arc<Inbox>,
-    assembly: Assembly,
-    /// Whose, and what came of them.
-    from: (u64, Tally),
+    /// Whose they are.
+    process: u64,
     stamps: Stamps,
-    // Before the domain that it lives in.
-    writer: Option<(usize, Writer<[u8]>)>,
+    // Before the domain that they live in.
+    frames: Written,
+    masks: Written,
     domain: Domain,
+}
+
+/// A channel of pictures, written here.
+#[derive(Default)]
+struct Written {
+    assembly: Assembly,
+    tally: Tally,
+    /// Of pictures of so many bytes at most.
+    writer: Option<(usize, Writer<[u8]>)>,
     said: Option<String>,
     taken: u64,
 }
 
 impl<'a> Pictures<'a> {
-    fn new(rig: &'a Rig, incoming: Incoming) -> Result<Self> {
+    fn new(rig: &'a Rig, asks: Asks, incoming: Incoming) -> Result<Self> {
         Ok(Self {
             rig,
+            asks,
             incoming,
-            inbox: Arc::new(Inbox::new().context("the system has no descriptor left")?),
-            assembly: Assembly::default(),
-            from: (0, Tally::default()),
+            process: 0,
             stamps: Stamps::default(),
-            writer: None,
+            frames: Written::default(),
+            masks: Written::default(),
             domain: Domain::open()?,
-            said: None,
-            taken: 0,
         })
     }
 
-    fn carry(&mut self, place: &Place, upward: &Mutex<Upward>, stop: &Stop) -> Result<u64> {
+    fn carry(&mut self, place: &Place, upward: &Mutex<Upward>, stop: &Stop) -> Result<[u64; 2]> {
         let place = place
             .of_frames()
             .context("its port is the last: choose another one")?;
-        let mut arrived = Arrived::default();
+        let (mut buffer, mut datagram) = (vec![0; LARGEST_DATAGRAM], Vec::new());
+        let mut attempt = 0;
         while !stop.asked() {
-            let Ok(wire) = Wire::open(Open::Connect, &place.to_string(), Way::Up, self.rig) else {
-                // Frames are listened for once they were asked for.
-                stop.sleep_until(now_ns() + RETRY_NS);
+            let address = place.addresses().map(|all| all[attempt % all.len()]);
+            let opened = address.and_then(|at| Ok((Socket::toward(at, Rank::Last)?, at)));
+            attempt += 1;
+            let Ok((socket, at)) = opened else {
+                stop.sleep_until(now_ns() + ASK_NS);
                 continue;
             };
-            let heard = self.inbox.clone();
-            wire.hear(Way::Pictures, self.rig, move |at_ns, sample| {
-                heard.put(at_ns, parts(sample))
-            })?;
-            let mut silent_ns = now_ns() + SILENCE_NS;
+            let (mut ask_ns, mut silent_ns) = (0, now_ns() + SILENCE_NS);
             while !stop.asked() && now_ns() < silent_ns {
-                self.inbox.clone().sleep(silent_ns, stop.as_fd());
-                while self.inbox.clone().next(&mut arrived) {
-                    let near = upward.lock().unwrap_or_else(PoisonError::into_inner).near;
-                    if let Some(near) = near
-                        && self.take(&mut arrived, near).is_some()
-                    {
-                        silent_ns = now_ns() + SILENCE_NS;
-                    }
+                if now_ns() >= ask_ns {
+                    ask_ns = now_ns() + ASK_NS;
+                    self.asks.write(&mut datagram)?;
+                    socket.send(&datagram, at);
+                }
+                let Some((bytes, _)) = socket.next(&mut buffer) else {
+                    sleep([socket.as_fd(), stop.as_fd()], ask_ns.min(silent_ns));
+                    continue;
+                };
+                let near = upward.lock().unwrap_or_else(PoisonError::into_inner).near;
+                match self.take(bytes, now_ns(), near) {
+                    Some(Took::Picture) => silent_ns = now_ns() + SILENCE_NS,
+                    Some(Took::AskAgain) => ask_ns = 0,
+                    None => {}
                 }
             }
-            wire.close();
         }
-        Ok(self.taken)
+        Ok([self.frames.taken, self.masks.taken])
     }
 
-    /// Takes a datagram of the process that answers; `None`: it is none of its, or makes no sense.
-    fn take(&mut self, arrived: &mut Arrived, (process, offset): (u64, Offset)) -> Option<()> {
-        let datagram = self.incoming.read(&mut arrived.bytes).ok()?;
-        if datagram.kind != Kind::Picture || datagram.process != process {
-            return None;
+    /// Takes a datagram of the process that answers; `None`: it is none of its, says nothing new, or makes no sense.
+    fn take(&mut self, bytes: &mut [u8], at_ns: u64, near: Option<(u64, Offset)>) -> Option<Took> {
+        let datagram = self.incoming.read(bytes).ok()?;
+        let (process, offset) = near.filter(|(process, _)| *process == datagram.process)?;
+        match datagram.kind {
+            Kind::Answer => {
+                let answer = Answer::read(datagram.says)?;
+                self.asks.take(&answer).then_some(Took::AskAgain)
+            }
+            Kind::Picture | Kind::Mask => {
+                if self.process != process {
+                    self.process = process;
+                    self.frames.tally = Tally::default();
+                    self.masks.tally = Tally::default();
+                }
+                self.take_part(&datagram, &offset, at_ns)
+            }
+            _ => None,
         }
-        if self.from.0 != process {
-            self.from = (process, Tally::default());
-        }
-        self.from.1.receive(datagram.count).then_some(())?;
-        if let Some(picture) = self.assembly.take(datagram.says) {
-            let (mut header, pixels) = decode(picture)?;
-            self.stamps.set(&mut header.trace, &offset, arrived.at_ns);
-            self.write(&header, &pixels);
-        }
-        Some(())
     }
 
-    fn write(&mut self, header: &FrameHeader, pixels: &[u8]) {
-        let cause = self
-            .try_write(header, pixels)
-            .err()
-            .map(|cause| cause.to_string());
+    fn take_part(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<Took> {
+        let is_mask = datagram.kind == Kind::Mask;
+        let written = if is_mask {
+            &mut self.masks
+        } else {
+            &mut self.frames
+        };
+        written.tally.receive(datagram.count).then_some(())?;
+        if let Some(picture) = written.assembly.take(datagram.says) {
+            let (mut header, body) = begin(picture)?;
+            let pixels = if is_mask {
+                unpack_mask(&header, body)?
+            } else {
+                decode(&mut header, body)?
+            };
+            self.stamps.set(&mut header.trace, offset, at_ns);
+            let write = if is_mask {
+                Writer::masks
+            } else {
+                Writer::frames
+            };
+            written.write(&header, &pixels, |largest| {
+                write(&self.domain, self.rig, &Delivery::NewestWins, largest)
+            });
+        }
+        Some(Took::Picture)
+    }
+}
+
+impl Written {
+    fn write(
+        &mut self,
+        header: &FrameHeader,
+        pixels: &[u8],
+        create: impl FnOnce(usize) -> Result<Writer<[u8]>, WireError>,
+    ) {
+        let written = self.try_write(header, pixels, create);
+        let cause = written.err().map(|cause| cause.to_string());
         match &cause {
             None => self.taken += 1,
             Some(cause) => {
@@ -147,7 +238,12 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    fn try_write(&mut self, header: &FrameHeader, pixels: &[u8]) -> Result<()> {
+    fn try_write(
+        &mut self,
+        header: &FrameHeader,
+        pixels: &[u8],
+        create: impl FnOnce(usize) -> Result<Writer<[u8]>, WireError>,
+    ) -> Result<(), WireError> {
         // A camera of larger pictures than before is another one.
         self.writer = self
             .writer
@@ -155,15 +251,7 @@ impl<'a> Pictures<'a> {
             .filter(|(largest, _)| pixels.len() <= *largest);
         let (_, writer) = match &self.writer {
             Some(writer) => writer,
-            None => {
-                let writer = Writer::<[u8]>::frames(
-                    &self.domain,
-                    self.rig,
-                    &Delivery::NewestWins,
-                    pixels.len(),
-                )?;
-                self.writer.insert((pixels.len(), writer))
-            }
+            None => self.writer.insert((pixels.len(), create(pixels.len())?)),
         };
         let mut slot = writer.frame_slot(pixels.len())?;
         slot.copy_from_slice(pixels);
@@ -173,14 +261,19 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// A picture, and what stands beside its pixels here; `None` if that is not what it says.
-fn decode(picture: &[u8]) -> Option<(FrameHeader, Vec<u8>)> {
+/// What stands before a picture, and the rest; `None` if that is not what it says.
+fn begin(picture: &[u8]) -> Option<(FrameHeader, &[u8])> {
     let (length, rest) = picture.split_first_chunk()?;
-    let (packed, jpeg) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
+    let (packed, body) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
     let mut header = FrameHeader::default();
     unpack(&mut header, packed).ok()?;
+    (!header.is_blank()).then_some((header, body))
+}
+
+/// A JPEG's pixels, and what stands beside them here; `None` if that is not what it says.
+fn decode(header: &mut FrameHeader, jpeg: &[u8]) -> Option<Vec<u8>> {
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).ok()?;
-    let is_meant = decoder.dimensions() == (header.width, header.height) && !header.is_blank();
+    let is_meant = decoder.dimensions() == (header.width, header.height);
     let bytes = decoder.total_bytes();
     if !is_meant || decoder.color_type() != ColorType::Rgb8 || bytes > LARGEST {
         return None;
@@ -188,5 +281,16 @@ fn decode(picture: &[u8]) -> Option<(FrameHeader, Vec<u8>)> {
     let mut pixels = vec![0; bytes as usize];
     decoder.read_image(&mut pixels).ok()?;
     (header.stride, header.pixel_format) = (3 * header.width, PixelFormat::Rgb8 as u32);
-    Some((header, pixels))
+    Some(pixels)
+}
+
+/// A mask's pixels; `None` if they are not what stands before them.
+fn unpack_mask(header: &FrameHeader, packed: &[u8]) -> Option<Vec<u8>> {
+    let bytes = header.image_bytes()?;
+    let is_mask = *header == FrameHeader::of_mask(header);
+    if !is_mask || bytes as u64 > LARGEST {
+        return None;
+    }
+    let mask = zstd::bulk::decompress(packed, bytes).ok()?;
+    (mask.len() == bytes).then_some(mask)
 }

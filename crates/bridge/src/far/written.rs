@@ -84,7 +84,6 @@ pub(super) struct Written<M: Carried + 'static> {
     channel: &'static Channel<M>,
     writer: Option<Writer<M>>,
     message: Box<M>,
-    stamps: Stamps,
     tried_ns: u64,
     said: Option<String>,
 }
@@ -95,7 +94,6 @@ impl<M: Carried> Written<M> {
             channel,
             writer: None,
             message: Box::new(empty),
-            stamps: Stamps::default(),
             tried_ns: 0,
             said: None,
         }
@@ -117,10 +115,16 @@ impl<M: Carried> Written<M> {
     }
 
     /// Writes what a datagram says; `None`: it is no such message.
-    pub(super) fn take(&mut self, datagram: &Datagram, offset: &Offset, at_ns: u64) -> Option<()> {
+    pub(super) fn take(
+        &mut self,
+        datagram: &Datagram,
+        stamps: &mut Stamps,
+        offset: &Offset,
+        at_ns: u64,
+    ) -> Option<()> {
         unpack(&mut *self.message, datagram.says).ok()?;
         self.message.is_sound().then_some(())?;
-        self.stamps.set(self.message.trace_mut(), offset, at_ns);
+        stamps.set(self.message.trace_mut(), offset, at_ns);
         if let Some(writer) = &self.writer {
             let sent = self.message.send(writer);
             self.note(sent);

@@ -1,13 +1,10 @@
 //! Commands that come in, as the rig's own: never late, never twice, from one controller at a time.
 
 use std::fmt;
-use std::os::fd::AsFd;
 use std::time::Duration;
 
-use lariat_chain::stop::Stop;
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Rig, WireError, Writer, now_ns};
 
-use crate::inbox::{Arrived, Inbox};
 use crate::pack::unpack;
 use crate::say;
 use crate::tally::Tally;
@@ -37,6 +34,45 @@ pub(super) struct Robot {
     done: Done,
     said_ns: u64,
     said: Option<String>,
+}
+
+/// The rig's channel of commands, written while a controller has the robot.
+pub(super) struct Gives {
+    // Before the domain that it lives in.
+    writer: Option<Writer<Command>>,
+    domain: Domain,
+}
+
+impl Gives {
+    /// # Errors
+    /// The domain cannot be joined.
+    pub(super) fn open() -> Result<Self, WireError> {
+        Ok(Self {
+            writer: None,
+            domain: Domain::open()?,
+        })
+    }
+
+    fn give(&mut self, rig: &Rig, command: &Command) -> Result<(), WireError> {
+        let writer = match &mut self.writer {
+            Some(writer) => writer,
+            empty => empty.insert(Writer::<Command>::create(
+                &self.domain,
+                rig,
+                &COMMANDS,
+                &Delivery::NewestWins,
+            )?),
+        };
+        let mut slot = writer.slot()?;
+        *slot = *command;
+        slot.send()?;
+        Ok(())
+    }
+
+    /// Leaves the channel to another one.
+    pub(super) fn let_go(&mut self) {
+        self.writer = None;
+    }
 }
 
 /// What became of commands.
@@ -84,56 +120,43 @@ impl Robot {
         }
     }
 
-    /// Gives the commands that come, until it is told to stop.
-    pub(super) fn obey(mut self, inbox: &Inbox, stop: &Stop) -> Done {
-        let domain = match Domain::open() {
-            Ok(domain) => domain,
-            Err(cause) => {
-                say(&format!("no commands are taken: {cause}"));
-                return self.done;
+    /// Gives a command, if it is to be given.
+    pub(super) fn obey(&mut self, gives: &mut Gives, process: u64, count: u64, says: &[u8]) {
+        match self.judge(process, count, says, now_ns()) {
+            Judged::Give(command) => {
+                let given = gives.give(&self.rig, &command);
+                self.note(given);
             }
-        };
-        let mut writer = None;
-        let mut arrived = Arrived::default();
-        while !stop.asked() {
-            inbox.sleep(now_ns() + LETS_GO_NS / 4, stop.as_fd());
-            while inbox.next(&mut arrived) {
-                match self.judge(&arrived.bytes, now_ns()) {
-                    Judged::Give(command) => self.give(&domain, &mut writer, &command),
-                    Judged::Old(age_ns) => {
-                        self.done.old += 1;
-                        self.say_old(age_ns);
-                    }
-                    Judged::Refused => self.done.refused += 1,
-                }
+            Judged::Old(age_ns) => {
+                self.done.old += 1;
+                self.say_old(age_ns);
             }
-            if !self.is_held(now_ns()) {
-                writer = None;
-            }
+            Judged::Refused => self.done.refused += 1,
         }
-        self.done.lost += self
-            .controllers
-            .iter()
-            .map(|one| one.tally.lost())
-            .sum::<u64>();
-        self.done
+    }
+
+    /// What became of all of them.
+    pub(super) fn done(&self) -> Done {
+        let lost = self.controllers.iter().map(|one| one.tally.lost());
+        Done {
+            lost: self.done.lost + lost.sum::<u64>(),
+            ..self.done
+        }
     }
 
     /// Whether a controller has the robot.
-    fn is_held(&self, now_ns: u64) -> bool {
+    pub(super) fn is_held(&self, now_ns: u64) -> bool {
         let newest = self.controllers.first();
         newest.is_some_and(|one| now_ns.saturating_sub(one.heard_ns) <= LETS_GO_NS)
     }
 
-    /// What is to be done with what came: sender, its count, whom it means, the command on this machine's clock.
-    fn judge(&mut self, bytes: &[u8], now_ns: u64) -> Judged {
+    /// What is to be done with a process's `count`-th command: whom it means, and the command on this machine's clock.
+    fn judge(&mut self, process: u64, count: u64, says: &[u8], now_ns: u64) -> Judged {
         let mut command = Command::default();
-        let Some((numbers, packed)) = bytes.split_first_chunk::<24>() else {
+        let Some((meant, packed)) = says.split_first_chunk() else {
             return Judged::Refused;
         };
-        let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| numbers[8 * at + i]));
-        let [process, count, meant] = [number(0), number(1), number(2)];
-        if meant != self.process
+        if u64::from_le_bytes(*meant) != self.process
             || unpack(&mut command, packed).is_err()
             || !command
                 .velocities()
@@ -179,27 +202,12 @@ impl Robot {
         Judged::Give(command)
     }
 
-    fn give(&mut self, domain: &Domain, writer: &mut Option<Writer<Command>>, command: &Command) {
-        let give = || -> Result<(), WireError> {
-            let writer = match writer {
-                Some(writer) => writer,
-                empty => empty.insert(Writer::<Command>::create(
-                    domain,
-                    &self.rig,
-                    &COMMANDS,
-                    &Delivery::NewestWins,
-                )?),
-            };
-            let mut slot = writer.slot()?;
-            *slot = *command;
-            slot.send()?;
-            Ok(())
-        };
-        let cause = give().err().map(|cause| cause.to_string());
-        match &cause {
-            None => self.done.given += 1,
-            Some(_) => self.done.refused += 1,
+    fn note(&mut self, given: Result<(), WireError>) {
+        match &given {
+            Ok(()) => self.done.given += 1,
+            Err(_) => self.done.refused += 1,
         }
+        let cause = given.err().map(|cause| cause.to_string());
         if cause.is_some() && cause != self.said {
             say(cause.as_deref().unwrap_or_default());
         }
@@ -231,13 +239,15 @@ mod tests {
         Robot::new(&Rig::default(), 5, Duration::from_millis(100))
     }
 
-    fn bytes(process: u64, count: u64, meant: u64, command: &Command) -> Vec<u8> {
-        let mut bytes: Vec<u8> = [process, count, meant]
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect();
-        pack(command, &mut bytes);
-        bytes
+    fn judge(
+        robot: &mut Robot,
+        (process, count, meant): (u64, u64, u64),
+        command: &Command,
+        now_ns: u64,
+    ) -> Judged {
+        let mut says = meant.to_le_bytes().to_vec();
+        pack(command, &mut says);
+        robot.judge(process, count, &says, now_ns)
     }
 
     fn command(sent_ns: u64) -> Command {
@@ -254,15 +264,18 @@ mod tests {
     fn an_old_command_is_dropped_and_a_new_one_given() {
         let mut robot = robot();
         let given = |judged| matches!(judged, Judged::Give(_));
-        assert!(given(
-            robot.judge(&bytes(1, 1, 5, &command(NOW - 100_000_000)), NOW)
-        ));
+        assert!(given(judge(
+            &mut robot,
+            (1, 1, 5),
+            &command(NOW - 100_000_000),
+            NOW
+        )));
         assert_eq!(
-            robot.judge(&bytes(1, 2, 5, &command(NOW - 100_000_001)), NOW),
+            judge(&mut robot, (1, 2, 5), &command(NOW - 100_000_001), NOW),
             Judged::Old(100_000_001)
         );
         // What claims to be of the future is of now.
-        match robot.judge(&bytes(1, 3, 5, &command(NOW + 50)), NOW) {
+        match judge(&mut robot, (1, 3, 5), &command(NOW + 50), NOW) {
             Judged::Give(command) => assert_eq!(command.sent_ns, NOW),
             other => panic!("{other:?}"),
         }
@@ -273,34 +286,34 @@ mod tests {
         let mut robot = robot();
         let new = command(NOW);
         assert!(matches!(
-            robot.judge(&bytes(1, 7, 5, &new), NOW),
+            judge(&mut robot, (1, 7, 5), &new, NOW),
             Judged::Give(_)
         ));
         for (process, count, meant) in [(1, 7, 5), (1, 6, 5), (1, 8, 4), (2, 1, 5)] {
             assert_eq!(
-                robot.judge(&bytes(process, count, meant, &new), NOW),
+                judge(&mut robot, (process, count, meant), &new, NOW),
                 Judged::Refused
             );
         }
         assert!(matches!(
-            robot.judge(&bytes(1, 10, 5, &new), NOW),
+            judge(&mut robot, (1, 10, 5), &new, NOW),
             Judged::Give(_)
         ));
         // Another one may take over when the first has let go, and no old command of that one is taken for a new one.
         let later = NOW + LETS_GO_NS + 1;
         let mut old = command(later);
-        assert_eq!(robot.judge(&bytes(1, 10, 5, &old), later), Judged::Refused);
+        assert_eq!(judge(&mut robot, (1, 10, 5), &old, later), Judged::Refused);
         old.sent_ns = NOW;
         assert!(matches!(
-            robot.judge(&bytes(3, 1, 5, &old), later),
+            judge(&mut robot, (3, 1, 5), &old, later),
             Judged::Old(_)
         ));
         assert!(matches!(
-            robot.judge(&bytes(2, 1, 5, &command(later)), later),
+            judge(&mut robot, (2, 1, 5), &command(later), later),
             Judged::Give(_)
         ));
         assert_eq!(
-            robot.judge(&bytes(1, 11, 5, &command(later)), later),
+            judge(&mut robot, (1, 11, 5), &command(later), later),
             Judged::Refused
         );
         assert_eq!(
@@ -318,10 +331,11 @@ mod tests {
         let mut robot = robot();
         let mut wrong = command(NOW);
         wrong.velocities[0][1] = f64::NAN;
-        assert_eq!(robot.judge(&bytes(1, 1, 5, &wrong), NOW), Judged::Refused);
-        let whole = bytes(1, 1, 5, &command(NOW));
+        assert_eq!(judge(&mut robot, (1, 1, 5), &wrong, NOW), Judged::Refused);
+        let mut whole = 5_u64.to_le_bytes().to_vec();
+        pack(&command(NOW), &mut whole);
         for length in 0..whole.len() {
-            assert_eq!(robot.judge(&whole[..length], NOW), Judged::Refused);
+            assert_eq!(robot.judge(1, 1, &whole[..length], NOW), Judged::Refused);
         }
     }
 }

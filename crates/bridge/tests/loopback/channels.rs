@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use lariat_wire::{
     Axes, CENTERLINES, Centerlines, DESCRIPTORS, DESCRIPTORS3, Delivery, Descriptor3, Descriptors,
-    Descriptors3, FRAMES, FrameHeader, NoSpace, PixelFormat, Place as Place3, Reader, Receiver,
-    Seen, TRUTH, Writer, now_ns,
+    Descriptors3, FRAMES, FrameHeader, MASKS, NoSpace, PixelFormat, Place as Place3, Reader,
+    Receiver, Seen, TRUTH, Writer, now_ns,
 };
 
 use crate::rope;
@@ -161,5 +161,58 @@ fn frames_come_where_they_are_asked_for() {
     }
     far.end();
     near.end();
+    drop((reader, writer, here, there));
+}
+
+#[test]
+fn masks_come_to_the_bit_where_they_are_asked_for() {
+    let place = Place::new();
+    let near = place.listen(&[]);
+    let far = place.connect(place.port, &["--also", "masks"]);
+    let (here, there) = (place.far(), place.near());
+    let (width, height) = (320, 200_u32);
+    let bytes = (width * height) as usize;
+    // A rope's edge between pixels, and noise beside it: no two masks are the same, nor of one datagram.
+    let level = |at: usize, sequence: u64| match at % 320 {
+        column @ 100..140 => (6 * column) as u8,
+        150..160 => ((at as u64 + sequence).wrapping_mul(0x9e37_79b9) >> 16) as u8,
+        _ => 0,
+    };
+    let writer = Writer::<[u8]>::masks(&there, &rig(), &Delivery::NewestWins, bytes);
+    let writer = writer.expect("the only one");
+    let reader = Receiver::create_unwoken(&here, &rig(), &MASKS, None).expect("a reader");
+    let (mut came, mut sequence, mut last) = (0, 0, 0);
+    let deadline = Instant::now() + PATIENCE;
+    while came < 10 {
+        assert!(Instant::now() < deadline, "no masks come");
+        sequence += 1;
+        let mut slot = writer.frame_slot(bytes).expect("a slot");
+        for (at, pixel) in slot.iter_mut().enumerate() {
+            *pixel = level(at, sequence);
+        }
+        let header = FrameHeader {
+            width,
+            height,
+            ..FrameHeader::default()
+        };
+        *slot.header_mut() = header.of_mask();
+        let trace = &mut slot.header_mut().trace;
+        (trace.sequence, trace.exposed_ns) = (sequence, now_ns());
+        slot.send().expect("sent");
+        // The camera's pace.
+        thread::sleep(Duration::from_millis(20));
+        while let Some(mask) = reader.next().expect("a reader") {
+            let header = mask.header();
+            assert_eq!((header.width, header.height), (width, height));
+            assert!(header.trace.sequence > last);
+            last = header.trace.sequence;
+            let is_same = |(at, pixel): (usize, &u8)| *pixel == level(at, last);
+            assert!(mask.iter().enumerate().all(is_same));
+            came += 1;
+        }
+    }
+    let (far, near) = (far.end(), near.end());
+    assert!(number(&far, "0 frames, ") >= came, "{far}");
+    assert!(number(&near, " 0 frames, ") >= came, "{near}");
     drop((reader, writer, here, there));
 }

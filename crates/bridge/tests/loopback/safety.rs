@@ -1,12 +1,13 @@
 //! Only who has the key is heard, and what makes no sense is refused.
 
+use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::process::Command as Process;
 use std::time::{Duration, Instant};
 
 use lariat_wire::Receiver;
 
-use crate::sides::{Chain, PROGRAM, Place, rig, take};
+use crate::sides::{Chain, PATIENCE, PROGRAM, Place, rig, take};
 
 /// A file with a key.
 fn key(name: &str) -> PathBuf {
@@ -53,6 +54,46 @@ fn only_who_has_the_key_is_heard() {
     for key in keys {
         std::fs::remove_file(key).expect("it is ours");
     }
+}
+
+#[test]
+fn nobody_is_sent_more_than_it_sent_before_it_has_shown_its_address() {
+    // A far side's question, as it comes to whoever is there.
+    let recorder = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    recorder
+        .set_read_timeout(Some(PATIENCE))
+        .expect("it is ours");
+    let port = recorder.local_addr().expect("a port").port();
+    let other = Place::new();
+    let asks = other.connect(port, &[]);
+    let mut buffer = [0; 2000];
+    let length = recorder.recv(&mut buffer).expect("a question");
+    let question = buffer[..length].to_vec();
+    asks.end();
+    // Descriptors come to one who has.
+    let place = Place::new();
+    let (near, far) = (place.listen(&[]), place.connect(place.port, &[]));
+    let domain = place.far();
+    let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
+    let chain = Chain::start(&place);
+    let came = std::cell::Cell::new(false);
+    take(&reader, |_| came.set(true), || !came.get());
+    let stranger = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    let patience = Some(Duration::from_millis(50));
+    stranger.set_read_timeout(patience).expect("it is ours");
+    let (mut sent, mut got) = (0, 0);
+    for _ in 0..20 {
+        sent += stranger
+            .send_to(&question, ("127.0.0.1", place.port))
+            .expect("sent");
+        while let Ok(length) = stranger.recv(&mut buffer) {
+            got += length;
+        }
+    }
+    assert!((length..=sent).contains(&got), "{got} for {sent}");
+    far.end();
+    near.end();
+    drop((reader, domain, chain));
 }
 
 #[test]
