@@ -226,5 +226,20 @@ fn depth_images_that_are_none_and_cameras_that_do_not_fit_are_refused_with_a_sen
     let output = bench.run(&["run", "--source", "rendered", "--depth-images", "depth"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("name a folder of pictures"), "{said}");
+    let beside = |more: &[&str]| {
+        let output = bench.run(&[&["run", "--depth-source", "/dev/video98"], more].concat());
+        assert!(!output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = beside(&["--source", "/dev/video99"]);
+    assert!(
+        said.contains("name its calibration (--depth FILE)"),
+        "{said}"
+    );
+    let said = beside(&["--source", "color"]);
+    assert!(said.contains("it is for a camera"), "{said}");
+    let cameras = ["--calibration", "camera.yaml", "--depth", "depth.yaml"];
+    let said = beside(&[&["--source", "/dev/video98"][..], &cameras].concat());
+    assert!(said.contains("it is the source itself"), "{said}");
     bench.assert_nothing_is_left();
 }

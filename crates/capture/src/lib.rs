@@ -90,6 +90,7 @@ mod natural;
 mod open;
 mod orientation;
 mod pace;
+mod pairing;
 mod picture;
 mod pictures;
 mod piped;
@@ -112,6 +113,7 @@ pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{FileOptions, Source, names_a_recording, open};
 pub use pace::{Pace, PaceError, Pacer};
+pub use pairing::{MOST_IMAGES, PairCounts, Paired, Pairing};
 pub use picture::{PICTURES, StillPicture, names_a_picture};
 pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
@@ -122,6 +124,6 @@ pub use until::{Until, Woken};
 pub use v4l2::{
     AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
     DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
-    SizeOffer, SizeRange, list_cameras, names_a_camera,
+    SizeOffer, SizeRange, Wanted, list_cameras, names_a_camera,
 };
 pub use video::video_fps;
