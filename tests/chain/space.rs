@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use image::{ImageBuffer, Luma, Rgb};
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
-use lariat_wire::{Domain, NoShape, NoSpace, Place, Reader, Rig, Seen};
+use lariat_view::Gatherer;
+use lariat_wire::{Domain, NoShape, NoSpace, Place, Reader, Rig, Seen, now_ns};
 use rustix::process::Signal;
 
 use crate::rig::{Bench, Running};
@@ -142,6 +143,21 @@ fn a_lifted_rope_comes_out_where_it_is() {
         }
         true
     });
+    // Who looks in sees it, too.
+    let domain = Domain::named(&bench.domain).expect("a domain");
+    let mut gatherer = Gatherer::new(&domain, Some(Rig::default()));
+    wait_for(&mut reader, |_| {
+        gatherer.look(now_ns());
+        let shape = gatherer.view(now_ns()).shape;
+        let Some(seen) = shape.and_then(|shape| shape.ropes.first()?.in_space) else {
+            return false;
+        };
+        assert_eq!(seen.place, Some(Place::Known));
+        assert!((seen.length_mm / length - 1.0).abs() < 0.03, "{seen:?}");
+        true
+    });
+    drop(gatherer);
+    drop(domain);
     end(&bench, chain, reader);
 }
 

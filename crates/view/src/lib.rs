@@ -44,4 +44,4 @@ mod view;
 
 pub use gather::Gatherer;
 pub use server::{Options, Server, Shown, serve};
-pub use view::{Losses, Rope, Shape, StageRow, StepRow, View};
+pub use view::{InSpace, Losses, Rope, Shape, StageRow, StepRow, View};
