@@ -51,6 +51,8 @@
 //!   takes memory for a few rows in each frame (17 pieces, 72 kB at 640×480) and gives it back; it cannot be given memory
 //!   to keep, and this is the one exception to the rule that nothing is allocated in a frame. A test holds it to that.
 //! - **Cameras** (`v4l2/camera`, `stream`, `driver`): below.
+//! - **A depth camera** beside one in colour is a source like that one (`Wanted::Depth`: `Z16`, `Y16`), which knows nothing of the other. Which
+//!   of its images belongs to which frame is known by their times alone (`pairing`); who sends both asks that.
 //! - **Rendered, simulated** (`rendered`, `simulated`): the ropes of `crates/drawn` and `crates/simulation`, as a camera would have them.
 //!
 //! **A camera while it runs.** No thread: the driver fills buffers, capture sleeps until one is full. With `USERPTR` the buffers
