@@ -77,6 +77,7 @@ fn the_examples_in_a_new_file_are_good() {
         "depth",
         "pose",
         "depth_images",
+        "depth_source",
         "order",
     ];
     let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';

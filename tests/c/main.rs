@@ -15,7 +15,10 @@ use std::process::{Command, Output};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Rig, Writer};
+use lariat_wire::{
+    DESCRIPTORS, DESCRIPTORS3, Delivery, Descriptors, Descriptors3, Domain, Place, Rig, Writer,
+    now_ns,
+};
 use rig::Bench;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -253,6 +256,70 @@ fn every_field_of_a_message_is_read_in_its_place() {
         while !ended.load(Ordering::Relaxed) && !reading.is_finished() {
             let mut slot = writer.slot().unwrap();
             *slot = *message;
+            slot.send().unwrap();
+            std::thread::park_timeout(Duration::from_millis(5));
+        }
+        reading.join().expect("no panic")
+    });
+    assert_eq!(said.trim(), "0 wrong");
+}
+
+/// Two ropes, of which one is known to be somewhere in space.
+fn ropes_in_space(sequence: u64) -> (Box<Descriptors>, Box<Descriptors3>) {
+    let mut image = Box::new(Descriptors::EMPTY);
+    let mut space = Box::new(Descriptors3::EMPTY);
+    (image.width, image.height) = (640, 480);
+    image.trace.sequence = sequence;
+    image.trace.exposed_ns = now_ns();
+    image.trace.captured_ns = image.trace.exposed_ns;
+    image.trace.fitted_ns = image.trace.exposed_ns;
+    image.trace.fitted = sequence;
+    space.trace = image.trace;
+    (image.count, space.count) = (2, 2);
+    for (i, (flat, in_space)) in image
+        .curves
+        .iter_mut()
+        .zip(&mut space.curves)
+        .take(2)
+        .enumerate()
+    {
+        (flat.track, in_space.track) = (i as u32 + 4, i as u32 + 4);
+        (flat.order, flat.count, flat.samples) = (1, 2, 120);
+        flat.control_points[1] = [100.0, 0.0];
+        (in_space.order, in_space.count, in_space.samples) = (1, 2, 120);
+        in_space.place = Place::Thin as u32;
+    }
+    let known = &mut space.curves[0];
+    known.place = Place::Known as u32;
+    known.length = 120.0;
+    known.control_points[..2].copy_from_slice(&[[0.0, -10.0, 500.0], [100.0, -10.0, 400.0]]);
+    known.covariances[1][5] = 7.0;
+    (image, space)
+}
+
+#[test]
+fn a_rope_in_space_is_read_where_it_is() {
+    let Some(installed) = Installed::new() else {
+        return;
+    };
+    let program = installed.compile("cc", "tests/c/space.c", "space");
+    let domain = Domain::named(&installed.bench.domain).unwrap();
+    let rig: Rig = "space".parse().unwrap();
+    let delivery = Delivery::NewestWins;
+    let image = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &delivery).unwrap();
+    let space = Writer::<Descriptors3>::create(&domain, &rig, &DESCRIPTORS3, &delivery).unwrap();
+    let said = std::thread::scope(|scope| {
+        let reading = scope.spawn(|| installed.succeeds(&mut Command::new(program)));
+        for sequence in 1.. {
+            if reading.is_finished() {
+                break;
+            }
+            let (flat, in_space) = ropes_in_space(sequence);
+            let mut slot = space.slot().unwrap();
+            *slot = *in_space;
+            slot.send().unwrap();
+            let mut slot = image.slot().unwrap();
+            *slot = *flat;
             slot.send().unwrap();
             std::thread::park_timeout(Duration::from_millis(5));
         }

@@ -34,6 +34,9 @@ static void ask_nothing(void) {
     HOLDS(lariat_predict(NULL, track, 0, &ahead) == LARIAT_ERROR_NULL && ahead.count == 0);
     HOLDS(lariat_point_at(rope.fresh, 0.5, numbers) == LARIAT_ERROR_NULL && isnan(numbers[0]) && isnan(numbers[1]));
     HOLDS(lariat_point_at(NULL, 0.5, NULL) == LARIAT_ERROR_NULL);
+    const lariat_descriptor3 *in_space = (const lariat_descriptor3 *)&rope;
+    HOLDS(lariat_in_space(NULL, track, &in_space) == LARIAT_ERROR_NULL && in_space == NULL);
+    HOLDS(lariat_in_space(NULL, track, NULL) == LARIAT_ERROR_NULL && lariat_follow_in_space(NULL) == LARIAT_ERROR_NULL);
     HOLDS(lariat_message(NULL) == NULL && lariat_age_ns(NULL) == UINT64_MAX && lariat_run(NULL) == 0);
     HOLDS(strstr(lariat_seen_text(LARIAT_UNSURE), "centerline") != NULL && strlen(lariat_seen_text(99)) > 0);
     lariat_close(NULL);
@@ -88,6 +91,33 @@ static void ask_a_curve(void) {
     HOLDS(lariat_tangent_at(&rope, 0.5, a) == LARIAT_ERROR_NO_DIRECTION && isnan(a[0]));
     rope.basis = LARIAT_BASIS_POINTS;
     HOLDS(lariat_point_at(&rope, 0.5, a) == LARIAT_ERROR_NO_CURVE && isnan(a[0]));
+}
+
+static void ask_a_curve_in_space(void) {
+    // The parabola (100 ρ, 100 ρ (1 − ρ), 500), in mm.
+    static lariat_descriptor3 rope;
+    double a[3], shares[3], points[3 * 5], nearest[5];
+    rope.place = LARIAT_PLACE_KNOWN;
+    rope.basis = LARIAT_BASIS_BEZIER;
+    rope.order = 2;
+    rope.count = 3;
+    rope.samples = 120;
+    rope.control_points[1][0] = rope.control_points[1][1] = 50;
+    rope.control_points[2][0] = 100;
+    for (int j = 0; j < 3; j++) rope.control_points[j][2] = 500;
+    HOLDS(lariat_point3_at(&rope, 0.5, a) == 0 && NEAR(a[0], 50) && NEAR(a[1], 25) && NEAR(a[2], 500));
+    HOLDS(lariat_derivative3_at(&rope, 0, a) == 0 && NEAR(a[0], 100) && NEAR(a[1], 100) && NEAR(a[2], 0));
+    HOLDS(lariat_tangent3_at(&rope, 0.5, a) == 0 && NEAR(a[0], 1) && NEAR(a[1], 0) && NEAR(a[2], 0));
+    HOLDS(lariat_curvature3_at(&rope, 0.5, a) == 0 && NEAR(a[0], 0.02));
+    HOLDS(lariat_jacobian3_at(&rope, 0.5, shares) == 0 && NEAR(shares[0], 0.25) && NEAR(shares[1], 0.5));
+    HOLDS(lariat_points3(&rope, 5, points) == 0 && NEAR(points[3], 25) && NEAR(points[12], 100) && NEAR(points[14], 500));
+    HOLDS(lariat_nearest3(&rope, 50, 25, 490, nearest) == 0 && NEAR(nearest[0], 0.5) && NEAR(nearest[4], 10));
+    HOLDS(NEAR(nearest[1], 50) && NEAR(nearest[2], 25) && NEAR(nearest[3], 500));
+    HOLDS(lariat_nearest3(NULL, 50, 25, 490, nearest) == LARIAT_ERROR_NULL && isnan(nearest[4]));
+    rope.place = LARIAT_PLACE_THIN;
+    HOLDS(lariat_point3_at(&rope, 0.5, a) == LARIAT_ERROR_NO_SPACE && isnan(a[0]) && isnan(a[2]));
+    rope.place = 99;
+    HOLDS(lariat_point3_at(&rope, 0.5, a) == LARIAT_ERROR_UNREADABLE && isnan(a[0]));
 }
 
 static void ask_a_centerline(void) {
@@ -148,6 +178,7 @@ int main(void) {
     ask_nothing();
     ask_before_the_chain_runs();
     ask_a_curve();
+    ask_a_curve_in_space();
     ask_a_centerline();
     write_frames();
     printf("%d wrong\n", wrong);

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use image::{ImageBuffer, Luma, Rgb};
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
-use lariat_wire::{Domain, NoShape, NoSpace, Place, Reader, Rig, Seen};
+use lariat_view::Gatherer;
+use lariat_wire::{Domain, NoShape, NoSpace, Place, Reader, Rig, Seen, now_ns};
 use rustix::process::Signal;
 
 use crate::rig::{Bench, Running};
@@ -142,6 +143,21 @@ fn a_lifted_rope_comes_out_where_it_is() {
         }
         true
     });
+    // Who looks in sees it, too.
+    let domain = Domain::named(&bench.domain).expect("a domain");
+    let mut gatherer = Gatherer::new(&domain, Some(Rig::default()));
+    wait_for(&mut reader, |_| {
+        gatherer.look(now_ns());
+        let shape = gatherer.view(now_ns()).shape;
+        let Some(seen) = shape.and_then(|shape| shape.ropes.first()?.in_space) else {
+            return false;
+        };
+        assert_eq!(seen.place, Some(Place::Known));
+        assert!((seen.length_mm / length - 1.0).abs() < 0.03, "{seen:?}");
+        true
+    });
+    drop(gatherer);
+    drop(domain);
     end(&bench, chain, reader);
 }
 
@@ -226,5 +242,20 @@ fn depth_images_that_are_none_and_cameras_that_do_not_fit_are_refused_with_a_sen
     let output = bench.run(&["run", "--source", "rendered", "--depth-images", "depth"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("name a folder of pictures"), "{said}");
+    let beside = |more: &[&str]| {
+        let output = bench.run(&[&["run", "--depth-source", "/dev/video98"], more].concat());
+        assert!(!output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = beside(&["--source", "/dev/video99"]);
+    assert!(
+        said.contains("name its calibration (--depth FILE)"),
+        "{said}"
+    );
+    let said = beside(&["--source", "color"]);
+    assert!(said.contains("it is for a camera"), "{said}");
+    let cameras = ["--calibration", "camera.yaml", "--depth", "depth.yaml"];
+    let said = beside(&[&["--source", "/dev/video98"][..], &cameras].concat());
+    assert!(said.contains("it is the source itself"), "{said}");
     bench.assert_nothing_is_left();
 }

@@ -2,9 +2,11 @@
 //! Feeds a v4l2loopback device with a rendered rope as Motion JPEG, as a USB camera sends it:
 //!
 //!     vivid-feeder DEVICE WIDTHxHEIGHT FPS [without-tables] [damaged=N]
+//!     vivid-feeder DEVICE WIDTHxHEIGHT FPS depth=DEVICE code=CODE
 //!
 //! `without-tables`: the Huffman tables are left out, which is how many cameras save bytes. `damaged=N`: of every Nth frame
-//! only half is there. Goes on until it is killed.
+//! only half is there. `depth`: a lifted rope at rest instead, in colour (`RGB3`), and before a depth camera 15 mm to the right of that one on
+//! a second device, in the pixel format `code`: `Z16`, or `Y16`. Goes on until it is killed.
 
 use std::error::Error;
 use std::fs::File;
@@ -14,6 +16,7 @@ use std::time::{Duration, Instant};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_capture::{RenderOptions, Source};
+use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
 use rustix::ioctl::{Updater, ioctl, opcode};
 
 /// Frames that are drawn before the first is fed, to be fed round and round: drawing takes longer than a frame.
@@ -25,20 +28,25 @@ type Format = [u64; 26];
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [device, size, fps, options @ ..] = &words[..] else {
-        return Err("say DEVICE WIDTHxHEIGHT FPS [without-tables] [damaged=N]".into());
+        return Err(
+            "say DEVICE WIDTHxHEIGHT FPS [without-tables] [damaged=N] [depth=DEVICE code=CODE]"
+                .into(),
+        );
     };
     let (width, height) = size.split_once('x').ok_or("a size is WIDTHxHEIGHT")?;
     let (width, height): (u32, u32) = (width.parse()?, height.parse()?);
     let fps: f64 = fps.parse()?;
+    let option = |name: &str| options.iter().find_map(|option| option.strip_prefix(name));
+    if let (Some(depth), Some(code)) = (option("depth="), option("code=")) {
+        return feed_in_space([device, depth], code, [width, height], fps);
+    }
     let without_tables = options.iter().any(|option| option == "without-tables");
-    let damaged: Option<usize> = (options.iter())
-        .find_map(|option| option.strip_prefix("damaged="))
-        .map(str::parse)
-        .transpose()?;
+    let damaged: Option<usize> = option("damaged=").map(str::parse).transpose()?;
 
     let frames = frames(width, height, fps, without_tables)?;
     let mut device = File::options().read(true).write(true).open(device)?;
-    set_format(&device, width, height)?;
+    // The most that a frame can have; a JPEG has no rows.
+    set_format(&device, b"MJPG", [width, height], [0, 4 * width * height])?;
     eprintln!("feeding");
     let began = Instant::now();
     for count in 0_usize.. {
@@ -53,6 +61,60 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         // One write is one frame.
         device.write_all(&frame[..end])?;
+    }
+    Ok(())
+}
+
+/// A lifted rope before two cameras.
+fn feed_in_space(
+    devices: [&str; 2],
+    code: &str,
+    [width, height]: [u32; 2],
+    fps: f64,
+) -> Result<(), Box<dyn Error>> {
+    let code = format!("{code:<4}");
+    let code = code.as_bytes().try_into()?;
+    let size = [width as usize, height as usize];
+    let focal_px = f64::from(width * 72 / 100);
+    let eye = Eye::above(focal_px, size, 500.0, 15.0, 30.0);
+    let options = LiftOptions {
+        length_mm: 500.0,
+        radius_mm: 5.0,
+        lift_mm: 80.0,
+        crossings: 0,
+    };
+    let rope = LiftedRope::new(&options, &eye, 3)?;
+    let beside = eye.beside([-15.0, 0.0, 0.0], focal_px, size);
+    let units = depth(&rope, &beside, &DepthSensor::STEREO, 3);
+    let frames = [
+        picture(&rope, &eye, 3),
+        units.iter().flat_map(|unit| unit.to_le_bytes()).collect(),
+    ];
+    let open = |path| File::options().read(true).write(true).open(path);
+    let (mut color, mut beside) = (open(devices[0])?, open(devices[1])?);
+    set_format(
+        &color,
+        b"RGB3",
+        [width, height],
+        [3 * width, 3 * width * height],
+    )?;
+    set_format(
+        &beside,
+        code,
+        [width, height],
+        [2 * width, 2 * width * height],
+    )?;
+    let steps = rope.points.windows(2).map(|pair| {
+        let squares = (0..3).map(|k| (pair[1][k] - pair[0][k]).powi(2));
+        squares.sum::<f64>().sqrt()
+    });
+    eprintln!("feeding a rope of {:.0} mm", steps.sum::<f64>());
+    let began = Instant::now();
+    for count in 0_u32.. {
+        let due = Duration::from_secs_f64(f64::from(count) / fps);
+        std::thread::sleep(due.saturating_sub(began.elapsed()));
+        color.write_all(&frames[0])?;
+        beside.write_all(&frames[1])?;
     }
     Ok(())
 }
@@ -115,7 +177,13 @@ fn without_huffman_tables(jpeg: &[u8]) -> Vec<u8> {
     out
 }
 
-fn set_format(device: &File, width: u32, height: u32) -> rustix::io::Result<()> {
+/// `bytes`: of a row and of a frame.
+fn set_format(
+    device: &File,
+    code: &[u8; 4],
+    [width, height]: [u32; 2],
+    [row_bytes, bytes]: [u32; 2],
+) -> rustix::io::Result<()> {
     const VIDEO_OUTPUT: u32 = 2;
     const FIELD_NONE: u32 = 1;
     let pair = |first: u32, second: u32| {
@@ -126,9 +194,8 @@ fn set_format(device: &File, width: u32, height: u32) -> rustix::io::Result<()> 
     let mut format: Format = [0; 26];
     format[0] = pair(VIDEO_OUTPUT, 0);
     format[1] = pair(width, height);
-    format[2] = pair(u32::from_le_bytes(*b"MJPG"), FIELD_NONE);
-    // Bytes of a row, which a JPEG does not have, and the most that a frame can have.
-    format[3] = pair(0, 4 * width * height);
+    format[2] = pair(u32::from_le_bytes(*code), FIELD_NONE);
+    format[3] = pair(row_bytes, bytes);
     // SAFETY: VIDIOC_S_FMT's argument is a v4l2_format, of 208 bytes and without a pointer for this type.
     unsafe {
         ioctl(

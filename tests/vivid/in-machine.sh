@@ -42,6 +42,24 @@ faulted() {
     wait
 }
 
+# The calibrations of a camera and of the depth camera 15 mm to the right of it, both of this size.
+calibrate() {
+    for name in camera depth; do
+        cat >$name.yaml <<END
+image_width: $1
+image_height: $2
+camera_matrix: [$(($1 * 72 / 100)), 0, $(($1 / 2 - 1)).5, 0, $(($1 * 72 / 100)), $(($2 / 2 - 1)).5, 0, 0, 1]
+distortion_coefficients: [0, 0, 0, 0]
+END
+    done
+    cat >>depth.yaml <<END
+rotation: [0, 0, 0, 1]
+translation_mm: [-15, 0, 0]
+noise_mm_at_1m: 3.6
+range_mm: [200, 1500]
+END
+}
+
 # One picture, and a line with its checksum; two that are the same have the same.
 picture() {
     name=$1

@@ -22,6 +22,9 @@
 // last. The others are NULL. What is asked of NULL is an error and NaN, never a number to steer by. The points where a rope was
 // seen are its centerline, which is right where the curve is not: lariat_centerline_of.
 //
+// **In space**, where the chain has a depth camera: after lariat_follow_in_space, lariat_in_space has the rope of a track in millimetres, and
+// the functions with a 3 in their names evaluate it.
+//
 // **Memory.** What these pointers show lies in shared memory, and stays until the next lariat_latest, lariat_wait or
 // lariat_close of that reader. Copy what you want to keep: all structs are plain. Nothing is to be freed but readers, by
 // lariat_close. An open reader allocates when it takes up the channel of a chain that has just started, and once in each thread
@@ -101,6 +104,9 @@
 // There is no such image: its size, its pixel format, its time or its number cannot be, or no slot is on loan.
 #define LARIAT_ERROR_IMAGE -15
 
+// It is not known where the rope is in space: the sentence says why.
+#define LARIAT_ERROR_NO_SPACE -16
+
 // Most ropes in one frame.
 #define LARIAT_MAX_ROPES 24
 
@@ -160,6 +166,24 @@
 
 // Pixels that the same camera would see without its lens's distortion.
 #define LARIAT_UNIT_IDEAL_PX 3
+
+// It is measured (lariat_descriptor3.place).
+#define LARIAT_PLACE_KNOWN 1
+
+// The colour image does not show it now: it is where it was.
+#define LARIAT_PLACE_BEFORE 2
+
+// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+#define LARIAT_PLACE_UNMEASURED 3
+
+// It is thinner than three pixels of the depth image.
+#define LARIAT_PLACE_THIN 4
+
+// No depth image came for this frame.
+#define LARIAT_PLACE_NO_DEPTH_IMAGE 5
+
+// The depth image, or its calibration, is not what it should be: the chain says what.
+#define LARIAT_PLACE_UNREADABLE 6
 
 // For lariat_writer_open: every frame is to reach every reader, for which lariat_writer_send waits, though no chain runs yet to
 // say so (`lariat run --lossless`).
@@ -357,6 +381,62 @@ typedef struct lariat_rope {
   // When its image was taken.
   uint64_t exposed_ns;
 } lariat_rope;
+
+// One rope's shape in space as a few control points, in millimetres. It has one unless `place` says why not.
+typedef struct lariat_descriptor3 {
+  // The rope's number; it keeps it from frame to frame, and has it in the image, too.
+  uint32_t track;
+  // A LARIAT_STATUS_…: what the colour image shows of it.
+  uint32_t status;
+  // A LARIAT_PLACE_…: whether it is known where the rope is, or why not.
+  uint32_t place;
+  // A LARIAT_BASIS_…
+  uint32_t basis;
+  // Degree of the curve; of a Fourier series the number of its harmonics.
+  uint32_t order;
+  // How many control points are meant; 0 where there is no shape.
+  uint32_t count;
+  // How many points of the centerline were fitted: N.
+  uint32_t samples;
+  // 1 if the rope is closed.
+  uint32_t closed;
+  // Which ends leave the colour image: bit 0 the first, bit 1 the last.
+  uint32_t border;
+  // How many of the centerline's points the depth image shows. The others are bridged.
+  uint32_t measured;
+  // 1 if the control points are filtered in time, and have velocities.
+  uint32_t filtered;
+  // A LARIAT_FIT_…: whether the curve lies on its points.
+  uint32_t fit;
+  // How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+  float confidence;
+  // Always 0.
+  uint32_t reserved;
+  // How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+  uint64_t age_ns;
+  // Root mean square distance of the points from the curve at their rho, mm.
+  double rms;
+  // Largest such distance, mm.
+  double max;
+  // Arc length of the centerline, mm.
+  double length;
+  // Median width of the rope, mm.
+  double width;
+  // The control points, `[x, y, z]`, mm.
+  double control_points[LARIAT_MAX_CONTROL_POINTS][3];
+  // Their weights: rational bases only, 1 elsewhere.
+  double weights[LARIAT_MAX_CONTROL_POINTS];
+  // Covariance of the coordinates of each control point, `[xx, xy, xz, yy, yz, zz]`, mm².
+  double covariances[LARIAT_MAX_CONTROL_POINTS][6];
+  // Velocity of each control point, mm/s; 0 where they are not filtered.
+  double velocities[LARIAT_MAX_CONTROL_POINTS][3];
+  // The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+  double knots[LARIAT_MAX_CONTROL_POINTS];
+  // The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
+  float points[LARIAT_MAX_POINTS][3];
+  // The standard deviation of each along the line to the camera, mm.
+  float sigmas[LARIAT_MAX_POINTS];
+} lariat_descriptor3;
 
 #ifdef __cplusplus
 extern "C" {
@@ -578,6 +658,55 @@ int lariat_covariance_at(const struct lariat_descriptor *rope,
 // plain fit. Or an error; the answer is then not written.
 int lariat_covariance(const struct lariat_descriptor *rope,
                       double *matrix);
+
+// Reads where ropes are in space, too, for lariat_in_space: of a chain with a depth camera. Up to 12 readers of a rig do.
+//
+// Returns 0, or an error.
+LARIAT_MUST_USE
+int lariat_follow_in_space(struct lariat_reader *reader);
+
+// Where the rope of this track is in space, in the frame that was looked at last. Whether that is where it is now stands in its
+// lariat_rope: ask what is known of it first. `*rope` points into shared memory, as the lariat_rope does, and stays as long.
+//
+// Returns 0, or an error: LARIAT_ERROR_NO_SPACE where it is not known, with the reason; *rope is then NULL.
+LARIAT_MUST_USE
+int lariat_in_space(const struct lariat_reader *reader,
+                    struct lariat_track track,
+                    const struct lariat_descriptor3 **rope);
+
+// The point of the curve at `rho`: `xyz` is three numbers.
+//
+// This and all that follow are in millimetres, and return 0, or an error; the answer is NaN then.
+int lariat_point3_at(const struct lariat_descriptor3 *rope, double rho, double *xyz);
+
+// The point of the curve that is nearest to (x, y, z): `nearest` is five numbers, its rho, its x, y and z, and how far it is away.
+int lariat_nearest3(const struct lariat_descriptor3 *rope,
+                    double x,
+                    double y,
+                    double z,
+                    double *nearest);
+
+// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xyz` is
+// `3 * count` numbers.
+int lariat_points3(const struct lariat_descriptor3 *rope,
+                   size_t count,
+                   double *xyz);
+
+// The velocity by rho at `rho`: `xyz` is three numbers.
+int lariat_derivative3_at(const struct lariat_descriptor3 *rope, double rho, double *xyz);
+
+// The direction in which the curve goes at `rho`, of length 1: `xyz` is three numbers.
+int lariat_tangent3_at(const struct lariat_descriptor3 *rope, double rho, double *xyz);
+
+// One by the radius of the circle that the curve follows at `rho`, in 1/mm: one number.
+int lariat_curvature3_at(const struct lariat_descriptor3 *rope, double rho, double *curvature);
+
+// How much the point at `rho` moves with each control point, the same for x, y and z: `values` is `rope->count` numbers (give room
+// for `LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile). Of a rope without a curve they are not
+// written.
+int lariat_jacobian3_at(const struct lariat_descriptor3 *rope,
+                        double rho,
+                        double *values);
 
 // The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that docs/messages.md lists.
 //

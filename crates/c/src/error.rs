@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lariat_wire::{NoPrediction, NoShape, WireError, WriteError};
+use lariat_wire::{NoPrediction, NoShape, NoSpace, WireError, WriteError};
 
 /// The version of this interface. The shared library is named by it: a program never runs with another one's.
 pub const LARIAT_ABI: u32 = 1;
@@ -40,6 +40,9 @@ pub const LARIAT_ERROR_FAULT: c_int = -13;
 pub const LARIAT_ERROR_TAKEN: c_int = -14;
 /// There is no such image: its size, its pixel format, its time or its number cannot be, or no slot is on loan.
 pub const LARIAT_ERROR_IMAGE: c_int = -15;
+
+/// It is not known where the rope is in space: the sentence says why.
+pub const LARIAT_ERROR_NO_SPACE: c_int = -16;
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -127,6 +130,19 @@ impl From<NoShape> for Failure {
             NoShape::Unreadable => LARIAT_ERROR_UNREADABLE,
         };
         Self::new(code, cause.to_string())
+    }
+}
+
+impl From<NoSpace> for Failure {
+    fn from(cause: NoSpace) -> Self {
+        match cause {
+            NoSpace::NoShape(cause @ NoShape::Unreadable) => cause.into(),
+            NoSpace::NotFollowed => Self::new(
+                LARIAT_ERROR_NO_SPACE,
+                "this reader reads ropes in the image only: call lariat_follow_in_space after lariat_open",
+            ),
+            cause => Self::new(LARIAT_ERROR_NO_SPACE, cause.to_string()),
+        }
     }
 }
 

@@ -16,6 +16,7 @@ mod message;
 mod reader;
 mod rope;
 mod shape;
+mod space;
 mod writer;
 
 pub use centerline::*;
@@ -24,4 +25,5 @@ pub use message::*;
 pub use reader::*;
 pub use rope::*;
 pub use shape::*;
+pub use space::*;
 pub use writer::*;

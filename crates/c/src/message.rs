@@ -67,6 +67,19 @@ pub const LARIAT_UNIT_MM: u32 = 2;
 /// Pixels that the same camera would see without its lens's distortion.
 pub const LARIAT_UNIT_IDEAL_PX: u32 = 3;
 
+/// It is measured (lariat_descriptor3.place).
+pub const LARIAT_PLACE_KNOWN: u32 = 1;
+/// The colour image does not show it now: it is where it was.
+pub const LARIAT_PLACE_BEFORE: u32 = 2;
+/// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+pub const LARIAT_PLACE_UNMEASURED: u32 = 3;
+/// It is thinner than three pixels of the depth image.
+pub const LARIAT_PLACE_THIN: u32 = 4;
+/// No depth image came for this frame.
+pub const LARIAT_PLACE_NO_DEPTH_IMAGE: u32 = 5;
+/// The depth image, or its calibration, is not what it should be: the chain says what.
+pub const LARIAT_PLACE_UNREADABLE: u32 = 6;
+
 /// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -187,6 +200,64 @@ pub struct lariat_descriptors {
     pub centerlines: [lariat_centerline; LARIAT_MAX_ROPES],
 }
 
+/// One rope's shape in space as a few control points, in millimetres. It has one unless `place` says why not.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct lariat_descriptor3 {
+    /// The rope's number; it keeps it from frame to frame, and has it in the image, too.
+    pub track: u32,
+    /// A LARIAT_STATUS_…: what the colour image shows of it.
+    pub status: u32,
+    /// A LARIAT_PLACE_…: whether it is known where the rope is, or why not.
+    pub place: u32,
+    /// A LARIAT_BASIS_…
+    pub basis: u32,
+    /// Degree of the curve; of a Fourier series the number of its harmonics.
+    pub order: u32,
+    /// How many control points are meant; 0 where there is no shape.
+    pub count: u32,
+    /// How many points of the centerline were fitted: N.
+    pub samples: u32,
+    /// 1 if the rope is closed.
+    pub closed: u32,
+    /// Which ends leave the colour image: bit 0 the first, bit 1 the last.
+    pub border: u32,
+    /// How many of the centerline's points the depth image shows. The others are bridged.
+    pub measured: u32,
+    /// 1 if the control points are filtered in time, and have velocities.
+    pub filtered: u32,
+    /// A LARIAT_FIT_…: whether the curve lies on its points.
+    pub fit: u32,
+    /// How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+    pub confidence: f32,
+    /// Always 0.
+    pub reserved: u32,
+    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+    pub age_ns: u64,
+    /// Root mean square distance of the points from the curve at their rho, mm.
+    pub rms: f64,
+    /// Largest such distance, mm.
+    pub max: f64,
+    /// Arc length of the centerline, mm.
+    pub length: f64,
+    /// Median width of the rope, mm.
+    pub width: f64,
+    /// The control points, `[x, y, z]`, mm.
+    pub control_points: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
+    /// Their weights: rational bases only, 1 elsewhere.
+    pub weights: [f64; LARIAT_MAX_CONTROL_POINTS],
+    /// Covariance of the coordinates of each control point, `[xx, xy, xz, yy, yz, zz]`, mm².
+    pub covariances: [[f64; 6]; LARIAT_MAX_CONTROL_POINTS],
+    /// Velocity of each control point, mm/s; 0 where they are not filtered.
+    pub velocities: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
+    /// The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+    pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
+    /// The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
+    pub points: [[f32; 3]; LARIAT_MAX_POINTS],
+    /// The standard deviation of each along the line to the camera, mm.
+    pub sigmas: [f32; LARIAT_MAX_POINTS],
+}
+
 same_layout!(lariat_trace, wire::Trace:
     sequence = sequence,
     captured = captured,
@@ -239,3 +310,30 @@ same_layout!(lariat_descriptors, wire::Descriptors:
     unit = unit,
     ropes = curves,
     centerlines = centerlines);
+same_layout!(lariat_descriptor3, wire::Descriptor3:
+    track = track,
+    status = status,
+    place = place,
+    basis = basis,
+    order = order,
+    count = count,
+    samples = samples,
+    closed = closed,
+    border = border,
+    measured = measured,
+    filtered = filtered,
+    fit = fit,
+    confidence = confidence,
+    reserved = reserved,
+    age_ns = age_ns,
+    rms = rms,
+    max = max,
+    length = length,
+    width = width,
+    control_points = control_points,
+    weights = weights,
+    covariances = covariances,
+    velocities = velocities,
+    knots = knots,
+    points = points,
+    sigmas = sigmas);

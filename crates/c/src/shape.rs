@@ -35,17 +35,23 @@ fn evaluate<const N: usize>(
     numbers: *mut f64,
     work: impl FnOnce(&Shape) -> Option<[f64; N]>,
 ) -> c_int {
-    answer(|| {
-        let place = place(numbers, N)?;
-        let found = work(&curve(rope)?).ok_or_else(|| {
-            Failure::new(
-                LARIAT_ERROR_NO_DIRECTION,
-                "the curve stands still there, and has no direction: its control points lie one upon the other",
-            )
-        })?;
-        place.copy_from_slice(&found);
-        Ok(0)
-    })
+    answer(|| write(numbers, || Ok(work(&curve(rope)?))))
+}
+
+/// Writes the numbers that `work` finds, if the curve does not stand still where it was asked.
+pub(crate) fn write<const N: usize>(
+    numbers: *mut f64,
+    work: impl FnOnce() -> Result<Option<[f64; N]>, Failure>,
+) -> Result<c_int, Failure> {
+    let place = place(numbers, N)?;
+    let found = work()?.ok_or_else(|| {
+        Failure::new(
+            LARIAT_ERROR_NO_DIRECTION,
+            "the curve stands still there, and has no direction: its control points lie one upon the other",
+        )
+    })?;
+    place.copy_from_slice(&found);
+    Ok(0)
 }
 
 /// A nearest point as C has it.

@@ -51,6 +51,8 @@
 //!   takes memory for a few rows in each frame (17 pieces, 72 kB at 640×480) and gives it back; it cannot be given memory
 //!   to keep, and this is the one exception to the rule that nothing is allocated in a frame. A test holds it to that.
 //! - **Cameras** (`v4l2/camera`, `stream`, `driver`): below.
+//! - **A depth camera** beside one in colour is a source like that one (`Wanted::Depth`: `Z16`, `Y16`), which knows nothing of the other. Which
+//!   of its images belongs to which frame is known by their times alone (`pairing`); who sends both asks that.
 //! - **Rendered, simulated** (`rendered`, `simulated`): the ropes of `crates/drawn` and `crates/simulation`, as a camera would have them.
 //!
 //! **A camera while it runs.** No thread: the driver fills buffers, capture sleeps until one is full. With `USERPTR` the buffers
@@ -90,6 +92,7 @@ mod natural;
 mod open;
 mod orientation;
 mod pace;
+mod pairing;
 mod picture;
 mod pictures;
 mod piped;
@@ -112,6 +115,7 @@ pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
 pub use open::{FileOptions, Source, names_a_recording, open};
 pub use pace::{Pace, PaceError, Pacer};
+pub use pairing::{MOST_IMAGES, PairCounts, Paired, Pairing};
 pub use picture::{PICTURES, StillPicture, names_a_picture};
 pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
@@ -122,6 +126,6 @@ pub use until::{Until, Woken};
 pub use v4l2::{
     AboutCamera, CameraError, CameraOptions, Control, ControlError, ControlKind, ControlSettings,
     DEFAULT_SIZE, FormatOffer, FourCc, Interval, Io, ListedCamera, NoCommonFormat, Rates, Request,
-    SizeOffer, SizeRange, list_cameras, names_a_camera,
+    SizeOffer, SizeRange, Wanted, list_cameras, names_a_camera,
 };
 pub use video::video_fps;

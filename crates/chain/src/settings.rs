@@ -46,7 +46,7 @@ pub use view::{Camera, Unit};
 use crate::stages::status::CHAIN_PID;
 use anyhow::{Context, Result};
 use lariat_capture::Source;
-use run::nanoseconds;
+pub(crate) use run::nanoseconds;
 use std::path::{Path, PathBuf};
 
 /// The file that is read where none is named.
@@ -122,8 +122,8 @@ impl Settings {
             pose,
             ..
         } = &self.camera;
-        let beside = &self.capture.depth_images;
-        let files = [calibration, plane, depth, pose, beside, &self.file];
+        let (images, camera) = (&self.capture.depth_images, &self.capture.depth_source);
+        let files = [calibration, plane, depth, pose, images, camera, &self.file];
         let named = sources.chain(files.into_iter().flatten());
         named.map(PathBuf::as_path)
     }

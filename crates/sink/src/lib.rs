@@ -46,14 +46,14 @@ pub use drawn::points_along;
 pub use figure::Figure;
 pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
-pub use options::{FinalCounts, Options};
+pub use options::{DepthCounts, FinalCounts, Options};
 pub use receipt::Receipt;
 pub use report::Report;
 pub use saved::RestoreError;
 pub use sink::Sink;
 pub use step::Step;
 pub use summary::{
-    AtRestart, Deadline, Distances, Errors, Frames, Latencies, Lost, Spread, Summary,
+    AtRestart, Deadline, Depth, Distances, Errors, Frames, Latencies, Lost, Spread, Summary,
 };
 pub use tally::Tally;
 pub use times::Times;

@@ -42,4 +42,19 @@ pub struct FinalCounts {
     pub fitted: Option<u64>,
     /// How many frames extract skipped, as their masks, made by another process, came too late.
     pub masks_late: Option<u64>,
+    /// How many frames fit had no depth image for, if it reads depth images.
+    pub depthless: Option<u64>,
+    /// What capture says of its depth camera, if it has one.
+    pub depths: Option<DepthCounts>,
+}
+
+/// What became of a depth camera's images.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct DepthCounts {
+    /// How many it gave.
+    pub images: u64,
+    /// How many it numbered and did not give.
+    pub lost: u64,
+    /// How many of those it gave were no frame's.
+    pub unpaired: u64,
 }

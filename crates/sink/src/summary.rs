@@ -1,6 +1,6 @@
 //! `summary.json`: the whole measurement in one object whose keys are stable.
 
-use crate::Machine;
+use crate::{FinalCounts, Machine};
 use serde::Serialize;
 
 /// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
@@ -12,6 +12,9 @@ pub struct Summary {
     pub finished: bool,
     /// How many frames, and where they went.
     pub frames: Frames,
+    /// What depth images were missing, where there are any. Known at the chain's end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth: Option<Depth>,
     /// Where the time went, in microseconds.
     pub latency_us: Latencies,
     /// How far from the truth, in pixels.
@@ -35,6 +38,32 @@ pub struct Frames {
     pub lost: Lost,
     /// Of these, what was lost while a stage was started anew.
     pub at_restart: AtRestart,
+}
+
+/// Frames and depth images that did not find each other. A figure that nobody knows is `null`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Depth {
+    /// Frames that had no depth image when they were fitted: their ropes are described in the image only.
+    pub frames_without: Option<u64>,
+    /// Images that the chain's own depth camera gave.
+    pub images: Option<u64>,
+    /// Images that it numbered and did not give.
+    pub lost: Option<u64>,
+    /// Images that it gave and that were no frame's.
+    pub unpaired: Option<u64>,
+}
+
+impl Depth {
+    /// By what the stages said; `None` if there is no depth.
+    pub(crate) fn of(sent: &FinalCounts) -> Option<Self> {
+        let (frames_without, depths) = (sent.depthless, sent.depths);
+        (frames_without.is_some() || depths.is_some()).then_some(Self {
+            frames_without,
+            images: depths.map(|depths| depths.images),
+            lost: depths.map(|depths| depths.lost),
+            unpaired: depths.map(|depths| depths.unpaired),
+        })
+    }
 }
 
 /// Of the frames lost after a stage, those lost while it or another was started anew in its place.

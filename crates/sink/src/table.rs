@@ -5,7 +5,7 @@ use crate::figure::Figure;
 use crate::latency::Row;
 use crate::report::Report;
 use crate::step::Step;
-use crate::summary::Distances;
+use crate::summary::{Distances, Summary};
 use std::fmt::{Formatter, Result, Write};
 
 /// Width of the bar that stands for the whole way, in characters: with it a line has 80.
@@ -329,6 +329,7 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
             plural(facts.blank, "frame")
         ));
     }
+    notes.extend(depth_notes(&report.summary));
     if facts.stale > 0 {
         notes.push(format!(
             "{} came a second time or late and did not count.",
@@ -359,6 +360,28 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
         writeln!(f)?;
     }
     notes.iter().try_for_each(|note| paragraph("!", note, 2, f))
+}
+
+/// What of depth was missing.
+fn depth_notes(summary: &Summary) -> impl Iterator<Item = String> {
+    let depth = summary.depth.unwrap_or_default();
+    let without = depth
+        .frames_without
+        .filter(|&count| count > 0)
+        .map(|count| {
+            format!(
+                "{} had no depth image: their ropes are described in the image only.",
+                plural(count, "frame")
+            )
+        });
+    let (lost, unpaired) = (depth.lost.unwrap_or(0), depth.unpaired.unwrap_or(0));
+    let images = depth.images.filter(|_| lost + unpaired > 0).map(|images| {
+        format!(
+            "The depth camera gave {}, of which {unpaired} were no frame's; {lost} more were lost at the source.",
+            plural(images, "image")
+        )
+    });
+    without.into_iter().chain(images)
 }
 
 /// Text behind a label, in lines of at most 80 columns.

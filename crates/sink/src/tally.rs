@@ -8,7 +8,7 @@ use crate::receipt::Receipt;
 use crate::report::Facts;
 use crate::saved::{self, Kind, RestoreError};
 use crate::step::Step;
-use crate::summary::{Deadline, Errors, Frames, Latencies, Summary};
+use crate::summary::{Deadline, Depth, Errors, Frames, Latencies, Summary};
 use crate::timeline::Timeline;
 use crate::times::to_hundredths;
 use crate::{FinalCounts, Machine, Options, Report};
@@ -118,6 +118,7 @@ impl Tally {
             schema: 2,
             finished: self.finished.is_some(),
             frames: self.frames(),
+            depth: self.finished.as_ref().and_then(Depth::of),
             latency_us: Latencies {
                 total: spread(Row::Way(Step::Received)),
                 capture: spread(Row::Way(Step::Capture)),

@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use lariat_sink::{Arrival, Ledger, points_along};
 use lariat_wire::{
-    Basis, DESCRIPTORS, Descriptor, Descriptors, Domain, FitQuality, Member, Receiver, Rig, Trace,
-    Unit, WireError, members,
+    Basis, DESCRIPTORS, DESCRIPTORS3, Descriptor, Descriptors, Descriptors3, Domain, FitQuality,
+    Member, Receiver, Rig, Trace, Unit, WireError, members,
 };
 
 use super::processes::Processes;
 use super::recent::Recent;
-use super::view::{Losses, Rope, Shape, StageRow, View};
+use super::view::{InSpace, Losses, Rope, Shape, StageRow, View};
 
 /// How often the processes are looked at, and which rigs there are.
 const ROSTER_NS: u64 = 1_000_000_000;
@@ -21,6 +21,8 @@ const LINK_NS: u64 = 300_000_000;
 const RATE_NS: u64 = 1_000_000_000;
 /// Seconds whose latencies can be chosen.
 const WINDOWS_S: [u64; 5] = [1, 3, 10, 30, 60];
+/// What is said of a rope in space is shown beside its image of no more than this before or after.
+const SAME_TIME_NS: u64 = 200_000_000;
 /// Points that a rope is drawn with.
 const DRAWN: usize = 160;
 
@@ -54,6 +56,9 @@ struct Look {
     rate_from: Option<Trace>,
     rate: Option<[f64; 3]>,
     newest: Option<Box<Descriptors>>,
+    /// Where ropes are in space, of a chain that says it.
+    space: Option<Receiver<Descriptors3>>,
+    newest_in_space: Option<Box<Descriptors3>>,
     reach: Option<[f64; 4]>,
 }
 
@@ -288,12 +293,27 @@ impl Look {
             Ok(reader) => {
                 self.reader = Some(reader);
                 self.obstacle = None;
+                self.space = self.in_space(domain, rig);
             }
             Err(error) => self.obstacle = Some(error.to_string()),
         }
     }
 
+    /// A reader of the ropes in space, if there are any. None of a lossless chain, which waits for each of its readers to wake.
+    fn in_space(&self, domain: &Domain, rig: &Rig) -> Option<Receiver<Descriptors3>> {
+        let ends = domain.channel(rig, DESCRIPTORS3.name())?.ends?;
+        (ends.writer.is_some() && !self.is_lossless)
+            .then(|| Receiver::create_unwoken(domain, rig, &DESCRIPTORS3, None).ok())
+            .flatten()
+    }
+
     fn drain(&mut self) {
+        // Each is sent before those of the same frame.
+        if let Some(Ok(Some(message))) = self.space.as_ref().map(Receiver::latest) {
+            let empty = || Box::new(Descriptors3::EMPTY);
+            let newest = self.newest_in_space.get_or_insert_with(empty);
+            newest.copy_meant(&message);
+        }
         while let Some(reader) = &self.reader {
             match reader.next() {
                 Ok(Some(message)) => self.take(&message),
@@ -347,6 +367,17 @@ impl Look {
         }
     }
 
+    /// Where a rope of a frame is in space, by what came last: that of a frame or two before or after is as good to look at.
+    fn place_of(&self, track: u32, trace: &Trace) -> Option<InSpace> {
+        let newest = self.newest_in_space.as_deref()?;
+        let apart_ns = newest.trace.exposed_ns.abs_diff(trace.exposed_ns);
+        let found = newest.curves().iter().find(|curve| curve.track == track)?;
+        (apart_ns <= SAME_TIME_NS).then(|| InSpace {
+            place: found.place(),
+            length_mm: found.length,
+        })
+    }
+
     fn shape(&self, now_ns: u64) -> Option<Shape> {
         let newest = self.newest.as_deref()?;
         let unit = newest.unit();
@@ -358,7 +389,12 @@ impl Look {
             unit: unit.map_or("?", Unit::name),
             is_of_image: unit == Some(Unit::Pixel),
             age_s: age_ns as f64 / 1e9,
-            ropes: newest.curves().iter().map(rope).collect(),
+            ropes: (newest.curves().iter())
+                .map(|descriptor| Rope {
+                    in_space: self.place_of(descriptor.track, &newest.trace),
+                    ..rope(descriptor)
+                })
+                .collect(),
             reach: self.reach.unwrap_or_default(),
         })
     }
@@ -414,6 +450,7 @@ fn rope(descriptor: &Descriptor) -> Rope {
             Some(_) => descriptor.control_points().to_vec(),
         },
         points,
+        in_space: None,
     }
 }
 

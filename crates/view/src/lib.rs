@@ -44,4 +44,4 @@ mod view;
 
 pub use gather::{Gatherer, clock_bound_us};
 pub use server::{Options, Server, Shown, serve};
-pub use view::{Losses, Rope, Shape, StageRow, StepRow, View};
+pub use view::{InSpace, Losses, Rope, Shape, StageRow, StepRow, View};

@@ -1,7 +1,7 @@
 //! What is known of a rig, as plain figures: whoever draws it asks nobody.
 
 use lariat_sink::Step;
-use lariat_wire::Status;
+use lariat_wire::{Place, Status};
 
 /// A screenful.
 #[derive(Debug, Clone, Default)]
@@ -121,4 +121,15 @@ pub struct Rope {
     pub control_points: Vec<[f64; 2]>,
     /// Along the curve; none, if the descriptor means no curve.
     pub points: Vec<[f64; 2]>,
+    /// What is known of it in space; `None` where the chain has no depth camera, or what it says has not come.
+    pub in_space: Option<InSpace>,
+}
+
+/// A rope in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InSpace {
+    /// Whether it is known where it is; `None`: a word that this release does not know.
+    pub place: Option<Place>,
+    /// Arc length, mm.
+    pub length_mm: f64,
 }

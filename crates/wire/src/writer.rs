@@ -132,14 +132,15 @@ impl Writer<[u8]> {
         Self::images(domain, rig, &MASKS, delivery, largest, 1, None)
     }
 
-    /// Becomes the writer of a rig's depth images, of up to `largest` bytes each.
+    /// Becomes the writer of a rig's depth images, who borrows up to `borrowed` slots at a time, each of up to `largest` bytes.
     pub fn depths(
         domain: &Domain,
         rig: &Rig,
         delivery: &Delivery,
         largest: usize,
+        borrowed: usize,
     ) -> Result<Self, WireError> {
-        Self::images(domain, rig, &DEPTH, delivery, largest, 1, None)
+        Self::images(domain, rig, &DEPTH, delivery, largest, borrowed, None)
     }
 
     /// `meanwhile`: what is done now and then while it waits for a slow reader.

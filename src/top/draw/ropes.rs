@@ -1,7 +1,7 @@
 //! The ropes themselves, in Braille: eight dots a character, so that a terminal of 80 columns is an image of 100 pixels.
 
 use lariat_sink::Figure;
-use lariat_wire::Status;
+use lariat_wire::{Place, Status};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style};
@@ -11,7 +11,7 @@ use ratatui::widgets::canvas::{self, Canvas, Context, Rectangle};
 use ratatui::widgets::{Block, Paragraph};
 
 use super::{BAD, BOLD, DIM, DOUBTFUL, GOOD};
-use lariat_view::{Rope, Shape};
+use lariat_view::{InSpace, Rope, Shape};
 
 /// Colors by the rope's number, so that a rope keeps its own.
 const COLORS: [Color; 6] = [
@@ -121,12 +121,13 @@ fn color(rope: &Rope) -> Color {
     }
 }
 
-/// What is known of each rope: three lines each, or one if there are many.
+/// What is known of each rope: three lines each, four in space, or one if there are many.
 fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
     if shape.ropes.is_empty() {
         return vec![Line::styled("no rope", DIM)];
     }
-    let is_short = shape.ropes.len() * 3 > usize::from(height);
+    let in_space = shape.ropes.iter().filter(|rope| rope.in_space.is_some());
+    let is_short = shape.ropes.len() * 3 + in_space.count() > usize::from(height);
     let of_rope = |rope: &Rope| {
         let mut lines = vec![heading(rope)];
         if !is_short {
@@ -142,6 +143,7 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
                 format!("  {} {}, rms {rms} {unit}", rope.basis, rope.order),
                 DIM,
             ));
+            lines.extend(rope.in_space.map(placed));
         }
         lines
     };
@@ -151,6 +153,18 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
 /// The confidence: 26 columns hold it beside a length of thousands.
 fn sure(rope: &Rope) -> String {
     format!("{:.0} %", 100.0 * rope.confidence)
+}
+
+/// Where it is in space, or why that is not known.
+fn placed(InSpace { place, length_mm }: InSpace) -> Line<'static> {
+    match place {
+        Some(Place::Known) => Line::raw(format!("  {length_mm:.1} mm in space")),
+        Some(Place::Before) => {
+            Line::styled(format!("  {length_mm:.1} mm in space, before"), DOUBTFUL)
+        }
+        Some(why) => Line::styled(format!("  in space: {}", why.name()), BAD),
+        None => Line::styled("  in space: ?", BAD),
+    }
 }
 
 fn heading(rope: &Rope) -> Line<'static> {

@@ -1,12 +1,12 @@
 //! What stands on the screen, drawn into memory.
 
 use lariat_sink::Step;
-use lariat_wire::Status;
+use lariat_wire::{Place, Status};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 
 use super::*;
-use lariat_view::{Losses, Rope, Shape, StageRow, StepRow};
+use lariat_view::{InSpace, Losses, Rope, Shape, StageRow, StepRow};
 
 fn screen(view: &View, width: u16, height: u16) -> String {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("memory");
@@ -131,6 +131,28 @@ fn a_coarse_curve_and_a_doubtful_rope_stand_out() {
     };
     assert!(colored(Color::Red).contains(", coarse"));
     assert!(colored(Color::Yellow).contains("doubtful"));
+}
+
+#[test]
+fn what_is_known_in_space_stands_below_each_rope() {
+    let mut view = view();
+    let said = |place, view: &mut View| {
+        let in_space = InSpace {
+            place: Some(place),
+            length_mm: 548.94,
+        };
+        let shape = view.shape.as_mut().expect("there is one");
+        shape.ropes[0].in_space = Some(in_space);
+        screen(view, 120, 40)
+    };
+    assert!(!screen(&view, 120, 40).contains("in space"));
+    let known = said(Place::Known, &mut view);
+    assert!(known.contains("548.9 mm in space"), "{known}");
+    let thin = said(Place::Thin, &mut view);
+    assert!(
+        thin.contains("in space: thin") && !thin.contains("548.9"),
+        "{thin}"
+    );
 }
 
 #[test]

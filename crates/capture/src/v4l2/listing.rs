@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::controls::Control;
 use super::device::Device;
 use super::error::CameraError;
-use super::negotiate::{DEFAULT_SIZE, READABLE};
+use super::negotiate::{DEFAULT_SIZE, DEPTHS, READABLE};
 use super::nodes;
 use super::offers::{FormatOffer, FourCc};
 
@@ -38,9 +38,9 @@ pub struct AboutCamera {
 }
 
 impl FourCc {
-    /// Whether lariat reads this pixel format.
+    /// Whether lariat reads this pixel format, as a picture or as depth.
     pub fn is_readable(self) -> bool {
-        READABLE.contains(&self.0)
+        READABLE.contains(&self.0) || DEPTHS.contains(&self.0)
     }
 }
 

@@ -23,7 +23,7 @@ pub use camera::Io;
 pub use controls::{Control, ControlError, ControlKind, ControlSettings};
 pub use error::CameraError;
 pub use listing::{AboutCamera, ListedCamera, list_cameras};
-pub use negotiate::{DEFAULT_SIZE, NoCommonFormat, Request};
+pub use negotiate::{DEFAULT_SIZE, NoCommonFormat, Request, Wanted};
 pub use nodes::names_a_camera;
 pub use offers::{FormatOffer, FourCc, Interval, Rates, SizeOffer, SizeRange};
 pub use port::CameraOptions;

@@ -2,7 +2,7 @@
 //!
 //! The rule, in this order:
 //!
-//! 1. Only formats that lariat reads ([`READABLE`]), or the one that was asked for.
+//! 1. Only formats that lariat reads ([`READABLE`]; of a depth camera [`DEPTHS`]), or the one that was asked for.
 //! 2. Only the size that was asked for. Without a wish: sizes of about [`DEFAULT_SIZE`], which are those of at least half
 //!    and at most twice as many pixels, or, if there are none, the nearest.
 //! 3. The rate nearest to the one asked for; without a wish the highest. Rates within 2 % are the same (30 and 29.97).
@@ -38,6 +38,9 @@ pub(super) const READABLE: [u32; 16] = [
     sys::PIX_Y16,
 ];
 
+/// What lariat reads as depth, the best first: whole numbers of 16 bits, whose unit the depth camera's calibration says.
+pub(super) const DEPTHS: [u32; 2] = [sys::PIX_Z16, sys::PIX_Y16];
+
 /// About how large frames are if no size is asked for, px.
 pub const DEFAULT_SIZE: [u32; 2] = [640, 480];
 
@@ -46,6 +49,26 @@ const LARGEST: u32 = 8192;
 
 /// Rates that differ by no more than this, as a ratio, are the same.
 const SAME_RATE: f64 = 0.02;
+
+/// What a camera's frames are to show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wanted {
+    /// Pictures.
+    #[default]
+    Pictures,
+    /// How far what is seen is: a depth camera's `Z16`, or `Y16`.
+    Depth,
+}
+
+impl Wanted {
+    /// The pixel formats that are read, the best first.
+    pub(super) fn formats(self) -> &'static [u32] {
+        match self {
+            Self::Pictures => &READABLE,
+            Self::Depth => &DEPTHS,
+        }
+    }
+}
 
 /// What is asked of a camera; what is not asked for is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,6 +79,8 @@ pub struct Request {
     pub fps: Option<f64>,
     /// The pixel format.
     pub format: Option<FourCc>,
+    /// What it is to show.
+    pub wanted: Wanted,
 }
 
 impl Request {
@@ -84,6 +109,21 @@ pub enum NoCommonFormat {
         readable()
     )]
     NothingReadable {
+        /// What it has.
+        offered: Vec<FourCc>,
+    },
+    /// Pictures are wanted, and it is a depth camera.
+    #[error(
+        "it offers {}, which is depth: name it as the --depth-source, and the colour camera as the source",
+        List(offered)
+    )]
+    OnlyDepth {
+        /// What it has.
+        offered: Vec<FourCc>,
+    },
+    /// Depth is wanted, and it gives none.
+    #[error("it offers {}, and depth is read of {}", List(offered), List(&DEPTHS.map(FourCc)))]
+    NoDepth {
         /// What it has.
         offered: Vec<FourCc>,
     },
@@ -169,7 +209,7 @@ pub(super) fn negotiate(
     offers: &[FormatOffer],
     request: &Request,
 ) -> Result<Choice, NoCommonFormat> {
-    let formats = formats(offers, request.format)?;
+    let formats = formats(offers, request)?;
     let mut candidates: Vec<_> = formats
         .iter()
         .flat_map(|(rank, offer)| candidates(*rank, offer, request))
@@ -204,9 +244,19 @@ pub(super) fn negotiate(
                 .then(rate_error(a).total_cmp(&rate_error(b)))
         })
         .map(|best| best.choice)
-        .ok_or_else(|| NoCommonFormat::NothingReadable {
-            offered: offers.iter().map(|offer| offer.code).collect(),
-        })
+        .ok_or_else(|| nothing(offers, request.wanted))
+}
+
+/// Why none of these formats can be taken.
+fn nothing(offers: &[FormatOffer], wanted: Wanted) -> NoCommonFormat {
+    let offered: Vec<_> = offers.iter().map(|offer| offer.code).collect();
+    match wanted {
+        Wanted::Depth => NoCommonFormat::NoDepth { offered },
+        Wanted::Pictures if offered.contains(&FourCc(sys::PIX_Z16)) => {
+            NoCommonFormat::OnlyDepth { offered }
+        }
+        Wanted::Pictures => NoCommonFormat::NothingReadable { offered },
+    }
 }
 
 fn least(candidates: &[Candidate], of: impl Fn(&Candidate) -> f64) -> f64 {
@@ -214,22 +264,21 @@ fn least(candidates: &[Candidate], of: impl Fn(&Candidate) -> f64) -> f64 {
 }
 
 /// The formats that may be taken, each with its rank.
-fn formats(
-    offers: &[FormatOffer],
-    asked: Option<FourCc>,
-) -> Result<Vec<(usize, &FormatOffer)>, NoCommonFormat> {
-    let rank = |code: FourCc| READABLE.iter().position(|&readable| readable == code.0);
+fn formats<'o>(
+    offers: &'o [FormatOffer],
+    request: &Request,
+) -> Result<Vec<(usize, &'o FormatOffer)>, NoCommonFormat> {
+    let readable = request.wanted.formats();
+    let rank = |code: FourCc| readable.iter().position(|&readable| readable == code.0);
     let all = || offers.iter().map(|offer| offer.code);
     let readable: Vec<_> = offers
         .iter()
         .filter_map(|offer| Some((rank(offer.code)?, offer)))
         .collect();
     if readable.is_empty() {
-        return Err(NoCommonFormat::NothingReadable {
-            offered: all().collect(),
-        });
+        return Err(nothing(offers, request.wanted));
     }
-    let Some(asked) = asked else {
+    let Some(asked) = request.format else {
         return Ok(readable);
     };
     if rank(asked).is_none() {

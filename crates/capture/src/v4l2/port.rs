@@ -48,6 +48,7 @@ pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource
             size: Some([setup.width, setup.height]),
             fps: setup.interval.map(|interval| interval.fps()),
             format: Some(setup.code),
+            wanted: options.request.wanted,
         },
         shape,
         adjusted,

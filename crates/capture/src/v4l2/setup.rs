@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::error::CameraError;
-use super::negotiate::{Choice, READABLE, Request, negotiate};
+use super::negotiate::{Choice, Request, Wanted, negotiate};
 use super::offers::{FourCc, Interval};
 use super::sys;
 use lariat_message::PixelFormat;
@@ -52,7 +52,7 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
         sys::PIX_BGR3 => PixelFormat::Bgr8,
         sys::PIX_AR24 | sys::PIX_XR24 | sys::PIX_BGR4 => PixelFormat::Bgra8,
         // All 16 bits are taken to be used: `Y10 ` and `Y12 `, whose numbers end at 1023 and 4095, would be all but black.
-        sys::PIX_Y16 => PixelFormat::Gray16,
+        sys::PIX_Y16 | sys::PIX_Z16 => PixelFormat::Gray16,
         sys::PIX_RGGB => PixelFormat::BayerRggb8,
         sys::PIX_BA81 => PixelFormat::BayerBggr8,
         sys::PIX_GRBG => PixelFormat::BayerGrbg8,
@@ -83,7 +83,9 @@ impl Device {
     /// # Errors
     /// There is nothing in common, another program streams, or the driver sets something else than it has listed.
     pub(crate) fn set_up(&self, request: &Request) -> Result<Setup, CameraError> {
-        let offers = self.offers(request.near(), FourCc::is_readable);
+        let offers = self.offers(request.near(), |code: FourCc| {
+            request.wanted.formats().contains(&code.0)
+        });
         let choice = negotiate(&offers, request).map_err(|why| CameraError::NoCommonFormat {
             path: self.path().to_owned(),
             why,
@@ -199,7 +201,7 @@ impl Device {
         };
         let [width, height] = answer.size;
         // JPEG and MJPG are the same bytes under two names.
-        if !READABLE.contains(&answer.code.0)
+        if !request.wanted.formats().contains(&answer.code.0)
             || (request.format.is_some() && answer.code != choice.code)
         {
             return Err(other(
@@ -207,7 +209,10 @@ impl Device {
             ));
         }
         if request.size.is_some_and(|asked| asked != answer.size) {
-            return Err(other(format!("ask for --size {width}x{height}")));
+            return Err(other(match request.wanted {
+                Wanted::Pictures => format!("ask for --size {width}x{height}"),
+                Wanted::Depth => format!("name a calibration for {width}x{height}"),
+            }));
         }
         if let Some(format) = pixel_format(answer.code) {
             let needed = format.image_bytes(answer.stride, height);

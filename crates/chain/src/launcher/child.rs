@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use anyhow::Context;
+use lariat_sink::DepthCounts;
 use rustix::fs::{MemfdFlags, memfd_create};
 use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
@@ -91,6 +92,8 @@ pub(super) struct Child {
     unread_output: bool,
     sent: Option<Sent>,
     masks_late: Option<u64>,
+    depthless: Option<u64>,
+    depths: Option<DepthCounts>,
     taken: Option<Taken>,
     ending: Option<Ending>,
     told_to_stop: bool,
@@ -206,6 +209,8 @@ impl Child {
             unread_output: false,
             sent: None,
             masks_late: None,
+            depthless: None,
+            depths: None,
             taken: None,
             ending: None,
             told_to_stop: false,
@@ -254,6 +259,16 @@ impl Child {
     /// How many frames it said it skipped for want of a mask, if it waited for masks.
     pub(super) fn masks_late(&self) -> Option<u64> {
         self.masks_late
+    }
+
+    /// How many frames it said had no depth image, if it waited for those.
+    pub(super) fn depthless(&self) -> Option<u64> {
+        self.depthless
+    }
+
+    /// What it said of its depth camera, if it has one.
+    pub(super) fn depths(&self) -> Option<DepthCounts> {
+        self.depths
     }
 
     /// What it said of the frames that came to it from elsewhere, if they did.
@@ -313,6 +328,8 @@ impl Child {
                 Ok(Word::Ending) => self.told_by_another |= !self.told_to_stop,
                 Ok(Word::Unread) => self.unread_output = true,
                 Ok(Word::Late(count)) => self.masks_late = Some(count),
+                Ok(Word::Depthless(count)) => self.depthless = Some(count),
+                Ok(Word::Depths(counts)) => self.depths = Some(counts),
                 Ok(Word::Taken(taken)) => self.taken = Some(taken),
                 Ok(Word::Sent(sent)) => self.sent = Some(sent),
                 Err(why) => tracing::warn!("{}: {why}", self.part.name()),

@@ -133,6 +133,8 @@ impl Chain {
             extracted: sent(Part::Extract).map(|sent| sent.count),
             fitted: sent(Part::Fit).map(|sent| sent.count),
             masks_late: extract.and_then(Child::masks_late),
+            depthless: self.child(Part::Fit).and_then(Child::depthless),
+            depths: self.child(Part::Capture).and_then(Child::depths),
         }
     }
 

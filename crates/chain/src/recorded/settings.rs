@@ -74,9 +74,10 @@ impl RecordedSettings {
                 }
             }
         }
-        // They lay beside pictures, and the recording is no folder of those.
+        // They lay beside pictures or cameras, and the recording is neither.
         if let Some(capture) = table.get_mut("capture").and_then(toml::Value::as_table_mut) {
             capture.remove("depth_images");
+            capture.remove("depth_source");
         }
         let path = folder.path().join(SETTINGS);
         std::fs::write(&path, table.to_string()).with_context(about)?;

@@ -3,9 +3,10 @@
 use crate::settings::CameraSettings;
 use lariat_capture::{
     CameraOptions, FileOptions, FollowOptions, Pace, PipeOptions, Range, RawFrames, RenderOptions,
-    Request, Source, names_a_camera, names_a_recording, video_fps,
+    Request, Source, Wanted, names_a_camera, names_a_recording, video_fps,
 };
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// How fast frames are sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +43,10 @@ pub struct Capture {
     pub topic: Option<String>,
     /// Depth images beside pictures: a folder of them.
     pub depth_images: Option<PathBuf>,
+    /// A depth camera beside a camera.
+    pub depth_source: Option<PathBuf>,
+    /// How far in time a frame may be from its depth image, of that camera; if not set, by that camera's period.
+    pub depth_within: Option<Duration>,
     /// What is asked of a camera.
     pub camera: CameraSettings,
 }
@@ -61,6 +66,8 @@ impl Default for Capture {
             follow: false,
             topic: None,
             depth_images: None,
+            depth_source: None,
+            depth_within: None,
             camera: CameraSettings::default(),
         }
     }
@@ -82,10 +89,7 @@ impl Capture {
         {
             return Source::Followed(FollowOptions {
                 folder: folder.clone(),
-                fps: match self.fps {
-                    Fps::PerSecond(fps) => Some(fps),
-                    Fps::Max | Fps::Auto => None,
-                },
+                fps: self.asked_fps(),
                 every: self.range.every,
             });
         }
@@ -194,15 +198,37 @@ impl Capture {
         is_live || self.follow || is_recording
     }
 
-    /// What is asked of a camera; "max" is its best rate too.
+    /// The depth camera beside the camera: asked for images of its calibration's size, as many as the other gives.
+    pub(crate) fn depth_camera(&self, size: [u32; 2], fps: Option<f64>) -> Option<CameraOptions> {
+        let path = self.depth_source.clone().filter(|_| self.is_camera())?;
+        Some(CameraOptions {
+            path,
+            request: Request {
+                size: Some(size),
+                fps: self.asked_fps().or(fps),
+                format: None,
+                wanted: Wanted::Depth,
+            },
+            io: self.camera.io,
+            ..CameraOptions::default()
+        })
+    }
+
+    /// "max" is a camera's best rate, too.
+    fn asked_fps(&self) -> Option<f64> {
+        match self.fps {
+            Fps::PerSecond(fps) => Some(fps),
+            Fps::Max | Fps::Auto => None,
+        }
+    }
+
+    /// What is asked of a camera.
     fn request(&self) -> Request {
         Request {
             size: self.size,
-            fps: match self.fps {
-                Fps::PerSecond(fps) => Some(fps),
-                Fps::Max | Fps::Auto => None,
-            },
+            fps: self.asked_fps(),
             format: self.camera.pixel_format.and_then(|name| name.code),
+            wanted: Wanted::Pictures,
         }
     }
 }

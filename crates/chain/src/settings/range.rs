@@ -99,13 +99,14 @@ impl Kind {
 }
 
 /// The settings that are of one kind of source alone.
-const OF_ONE_KIND: [(&str, Kind); 11] = [
+const OF_ONE_KIND: [(&str, Kind); 12] = [
     ("from", Kind::Files),
     ("to", Kind::Files),
     ("every", Kind::Files),
     ("loop", Kind::Files),
     ("follow", Kind::Files),
     ("topic", Kind::Files),
+    ("depth_source", Kind::Camera),
     ("pixel_format", Kind::Camera),
     ("io", Kind::Camera),
     ("controls", Kind::Camera),
@@ -139,6 +140,12 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
         return Some((
             "depth_images",
             "depth images lie beside pictures, one for each: name a folder of pictures as the source".to_owned(),
+        ));
+    }
+    if capture.is_camera() && capture.depth_source.as_ref() == capture.source.first() {
+        return Some((
+            "depth_source",
+            "it is the source itself, and a node gives pictures or depth: name the camera's other node".to_owned(),
         ));
     }
     if let Some(name) = capture.camera.pixel_format {

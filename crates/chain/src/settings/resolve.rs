@@ -61,6 +61,7 @@ impl Resolved {
         // What depends on several settings is judged only where each of them makes sense.
         if problems.is_empty() {
             resolved.check_arrangement(&mut problems);
+            resolved.check_depth_source(&mut problems);
             resolved.check_camera(&mut problems);
             resolved.check_source(&mut problems);
         }
@@ -188,6 +189,21 @@ impl Resolved {
             let get = KEYS[key].get;
             get(&self.settings) == get(&Settings::default())
         })
+    }
+
+    /// Whether it is known what a depth camera is.
+    fn check_depth_source(&self, problems: &mut Problems) {
+        let Settings {
+            capture, camera, ..
+        } = &self.settings;
+        if capture.is_camera()
+            && capture.depth_source.is_some()
+            && camera.depth.is_none()
+            && let Some(key) = keys::position("capture", "depth_source")
+        {
+            let why = "of a depth camera it must be known what it is: name its calibration (--depth FILE)";
+            problems.add(&self.origins[key], why.to_owned());
+        }
     }
 
     /// Whether the stages can be arranged so.

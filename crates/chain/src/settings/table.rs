@@ -158,6 +158,13 @@ pub(super) const KEYS: &[Key] = keys! {
         "Depth images beside the source's pictures: a folder of PNG files of 16 bits, one for each, in the same order. camera.depth\n\
          says what they are.",
         "--depth-images PATH", "capture", "Source", "Depth images beside the pictures: a folder";
+    capture.depth_source: Maybe("\"/dev/video2\"", PATH),
+        "A depth camera beside the source, which is a camera, too: a node that gives Z16 or Y16, as `lariat devices` lists it, or better a\n\
+         name in /dev/v4l/by-id. camera.depth says what it is; its images have that file's size.",
+        "--depth-source PATH", "capture", "Camera", "Depth camera beside the camera: /dev/video2";
+    capture.depth_within as depth_within_us: Maybe("20000", MICROSECONDS),
+        "Of that camera each frame has the image nearest in time, taken no more than this before or after it, in microseconds. If not\n\
+         set, three fifths of the time between two of its images.";
     capture.camera.pixel_format: By(camera::pixel_format, camera::pixel_format_value, Takes::Text),
         "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.\n\
          Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, yuyv, uyvy, nv12, gray16, bayer_rggb8, ...",
@@ -193,7 +200,7 @@ pub(super) const KEYS: &[Key] = keys! {
     camera.calibration: Maybe("\"camera.yaml\"", PATH),
         "The lens: a file of OpenCV's FileStorage or of ROS's camera_calibration (YAML). A rope's points are undistorted\n\
          by it, never the image.",
-        "--calibration FILE", SHAPES, "Millimetres", "Lens: a YAML file of OpenCV or ROS";
+        "--calibration FILE", "capture fit trace replay", "Millimetres", "Lens: a YAML file of OpenCV or ROS";
     camera.plane: Maybe("\"plane.toml\"", PATH),
         "The table that the rope lies on: a file as `lariat calibrate plane` writes it.",
         "--plane FILE", SHAPES, "Millimetres", "Table, by `lariat calibrate plane`";

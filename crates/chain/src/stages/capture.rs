@@ -1,12 +1,13 @@
 //! Capture as a process: a source's frames, written into shared memory and sent when they are due.
 
+mod depths;
+
 use std::os::fd::AsFd;
 
 use anyhow::Context;
-use lariat_capture::{DepthFiles, Frame, FrameSource, Next, Source, SourceError, Until};
+use lariat_capture::{Frame, FrameSource, Next, Source, SourceError, Until};
 use lariat_wire::{
-    Centerlines, Command, CommandReader, Delivery, Domain, Slot, SourceKind, TRUTH, Trace, Writer,
-    now_ns,
+    Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
 };
 
 use super::arrangement::precise_timer;
@@ -16,6 +17,7 @@ use super::status::{Sent, Word};
 use super::{Station, Supervision};
 use crate::pipeline::{Schedule, frame_header};
 use crate::settings::{Fps, Settings, Stage};
+use depths::{DepthSlot, Depths};
 
 /// How often it says that it lives, if nothing else does.
 const BEAT_NS: u64 = 1_000_000_000;
@@ -26,7 +28,8 @@ const LOOK_AGAIN_NS: u64 = 200_000_000;
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Capture, supervision)?;
     let before = station.heirloom.progress();
-    let Some(mut source) = open_again(settings, &mut station, before.restarts)? else {
+    let Some((mut source, depth_camera)) = open_again(settings, &mut station, before.restarts)?
+    else {
         if !station.stop.asked() {
             station.status.say(Word::Done);
         }
@@ -67,7 +70,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery)
         })
         .transpose()?;
-    let depths = Depths::open(settings, &station)?;
+    let depths = Depths::open(settings, &station, depth_camera)?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
     let mut sender = Sender {
@@ -94,8 +97,16 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let most = settings.run.frames.unwrap_or(u64::MAX);
     let outcome = sender.send_all(&mut station, &changes, most);
     let sent = sender.sent;
+    let depths = sender.depths.take();
     // A camera is stopped, a thread joined, before the last word.
     drop(sender);
+    let ended = depths.map_or(Ok(None), Depths::end);
+    let outcome = outcome.and_then(|()| {
+        if let Some(counts) = ended? {
+            station.status.say(Word::Depths(counts));
+        }
+        Ok(())
+    });
     if outcome.is_ok() && !station.stop.asked() {
         station.status.say(Word::Done);
     }
@@ -103,19 +114,22 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     outcome
 }
 
+/// A source, and the depth camera beside it, if there is one.
+type Sources = (Box<dyn FrameSource>, Option<Box<dyn FrameSource>>);
+
 /// Opens the source. A camera that a predecessor had is waited for, as after an unplug; `None` if a signal came
 /// first, or the chain's time was over.
 fn open_again(
     settings: &Settings,
     station: &mut Station,
     restarts: u64,
-) -> anyhow::Result<Option<Box<dyn FrameSource>>> {
+) -> anyhow::Result<Option<Sources>> {
     let lasts_ns = settings.run.duration_ns();
     let end_ns = lasts_ns.map_or(u64::MAX, |lasts_ns| now_ns().saturating_add(lasts_ns));
     let mut is_told = false;
     while !station.stop.asked() && now_ns() < end_ns {
-        let cause = match open(settings, station) {
-            Ok(source) => return Ok(Some(source)),
+        let cause = match open_both(settings, station) {
+            Ok(sources) => return Ok(Some(sources)),
             Err(cause) => cause,
         };
         let error = cause.downcast_ref::<SourceError>();
@@ -129,6 +143,14 @@ fn open_again(
         station.stop.sleep_until(now_ns() + LOOK_AGAIN_NS);
     }
     Ok(None)
+}
+
+/// Opens the source, and the depth camera that is to have as many images a second.
+fn open_both(settings: &Settings, station: &Station) -> anyhow::Result<Sources> {
+    let source = open(settings, station)?;
+    let options = depths::camera_options(settings, source.native_fps())?;
+    let depth = options.map(|options| lariat_capture::open(&Source::Camera(options)));
+    Ok((source, depth.transpose()?))
 }
 
 /// Opens the source; a simulated robot takes its rig's commands.
@@ -259,6 +281,9 @@ impl Sender<'_> {
             slot.send()?;
         }
         slot.send()?;
+        if let Some(depths) = &mut self.depths {
+            depths.sent(&header)?;
+        }
         if let Some(mut slot) = truth_slot {
             slot.trace = trace;
             slot.send()?;
@@ -269,54 +294,6 @@ impl Sender<'_> {
         self.lender.lend()?;
         Ok(true)
     }
-}
-
-/// The depth images beside pictures.
-struct Depths {
-    images: DepthFiles,
-    writer: Writer<[u8]>,
-    is_told: bool,
-}
-
-impl Depths {
-    /// `None` if there are none.
-    fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
-        let Some(folder) = &settings.capture.depth_images else {
-            return Ok(None);
-        };
-        let options = settings.capture.file_options();
-        let images = DepthFiles::open(std::slice::from_ref(folder), &options)?;
-        let Station {
-            domain,
-            rig,
-            delivery,
-            ..
-        } = station;
-        Ok(Some(Self {
-            writer: Writer::depths(domain, rig, delivery, images.bytes())?,
-            images,
-            is_told: false,
-        }))
-    }
-
-    /// The depth image of the frame of this number; `None` if it has none, which is said once. Fit counts those frames.
-    fn slot(&mut self, sequence: u64) -> anyhow::Result<Option<DepthSlot<'_>>> {
-        let mut slot = self.writer.frame_slot(self.images.bytes())?;
-        if let Err(why) = self.images.write(sequence, &mut slot) {
-            if !std::mem::replace(&mut self.is_told, true) {
-                tracing::warn!("{why}");
-            }
-            return Ok(None);
-        }
-        let size = self.images.size();
-        Ok(Some(DepthSlot { size, slot }))
-    }
-}
-
-/// A depth image, to be sent.
-struct DepthSlot<'w> {
-    size: [u32; 2],
-    slot: Slot<'w, [u8]>,
 }
 
 /// Sleeps until a frame is due; `false` if a signal came.

@@ -11,7 +11,7 @@
 //! has just taken up. A `--lossless` chain needs a `--lossless` maker of masks. A frame without its mask is skipped, and counted.
 //!
 //! `[camera] depth`: a depth image is a `Gray16` of its own size (`FrameHeader::of_depth`), which fit reads. A frame without one has its
-//! curves in the image, and in space the word that there was none.
+//! curves in the image, and in space the word that there was none. One of 0 × 0 pixels says that none will come, so that it is not waited for.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -44,6 +44,7 @@ pub(super) struct Companions {
     /// The newest that came. It may be for a frame that is still to come.
     held: Option<Message<[u8]>>,
     late: u64,
+    is_told: bool,
 }
 
 impl Companions {
@@ -67,6 +68,7 @@ impl Companions {
             deadline,
             held: None,
             late: 0,
+            is_told: false,
         })
     }
 
@@ -77,12 +79,12 @@ impl Companions {
         frame: &Trace,
         stop: &Stop,
     ) -> Result<Option<&Message<[u8]>>, WireError> {
-        let found = self.wait_for(frame, stop)?;
-        if !found {
-            self.late += 1;
-        }
+        let came = self.wait_for(frame, stop)?;
+        let is_image = |held: &Message<[u8]>| held.header().width > 0;
+        let found = came && self.held.as_ref().is_some_and(is_image);
+        self.late += u64::from(!found);
         // Said once: a fault of every frame would fill the screen.
-        if !found && self.late == 1 {
+        if !came && !std::mem::replace(&mut self.is_told, true) {
             let Words {
                 what,
                 without,

@@ -76,7 +76,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         slot.send()?;
     }
     if let Some(space) = space {
-        space.tell_of_missing();
+        space.tell_of_missing(&mut station);
     }
     station.status.say(Word::Sent(sent));
     Ok(())
@@ -113,10 +113,11 @@ impl Space {
         }))
     }
 
-    /// Says how many frames had no depth image, if any.
-    fn tell_of_missing(&self) {
+    /// Says how many frames had no depth image: to the chain, for its report; by hand, if there are any.
+    fn tell_of_missing(&self, station: &mut Station) {
         let missing = self.depths.late();
-        if missing > 0 {
+        station.status.say(Word::Depthless(missing));
+        if missing > 0 && !station.status.is_supervised() {
             tracing::warn!(
                 "{missing} frames were described in the image only, without a depth image"
             );

@@ -7,7 +7,7 @@
 //! it with what it may not have of `priority`, `memory` and `core` (see `arrangement`). Capture writes
 //! `done` when its source has ended; sink `ending` when a signal has ended its work, so that a chain that did not send it
 //! still tells it the counts, and `unread` when nobody reads standard output any more, which ends the chain like Ctrl-C; the other three `sent COUNT LAST_SEQUENCE` last, and extract before it `late COUNT` if it
-//! waited for masks. The pipe's end says that the process is gone, however it went. A stage without the variable was
+//! waited for masks, fit `depthless COUNT` if it waited for depth images, and capture `depths IMAGES LOST UNPAIRED` if it had a depth camera. The pipe's end says that the process is gone, however it went. A stage without the variable was
 //! started by hand, and behaves the same but for that.
 
 use std::fmt;
@@ -18,7 +18,7 @@ use std::str::FromStr;
 
 use super::arrangement::Lacks;
 use anyhow::Context;
-use lariat_sink::FinalCounts;
+use lariat_sink::{DepthCounts, FinalCounts};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
 /// The variable that holds the pipe's number.
@@ -59,6 +59,10 @@ pub enum Word {
     Unread,
     /// So many frames were skipped, as their masks came too late.
     Late(u64),
+    /// So many frames had no depth image.
+    Depthless(u64),
+    /// What became of the depth camera's images.
+    Depths(DepthCounts),
     /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
     Taken(Taken),
     /// Its last word: what it sent in all.
@@ -74,6 +78,8 @@ impl fmt::Display for Word {
             Self::Ending => write!(f, "ending"),
             Self::Unread => write!(f, "unread"),
             Self::Late(count) => write!(f, "late {count}"),
+            Self::Depthless(count) => write!(f, "depthless {count}"),
+            Self::Depths(counts) => write!(f, "depths {}", words(&counts)),
             Self::Taken(Taken { before_first, last }) => {
                 let [sequence, captured] = before_first;
                 let (count, last_sequence) = (last.count, last.last_sequence);
@@ -81,6 +87,23 @@ impl fmt::Display for Word {
             }
             Self::Sent(sent) => write!(f, "sent {} {}", sent.count, sent.last_sequence),
         }
+    }
+}
+
+fn words(counts: &DepthCounts) -> String {
+    let DepthCounts {
+        images,
+        lost,
+        unpaired,
+    } = counts;
+    format!("{images} {lost} {unpaired}")
+}
+
+fn depths([images, lost, unpaired]: [u64; 3]) -> DepthCounts {
+    DepthCounts {
+        images,
+        lost,
+        unpaired,
     }
 }
 
@@ -118,6 +141,8 @@ impl FromStr for Word {
             ("ending", []) => Self::Ending,
             ("unread", []) => Self::Unread,
             ("late", &[count]) => Self::Late(count),
+            ("depthless", &[count]) => Self::Depthless(count),
+            ("depths", &[images, lost, unpaired]) => Self::Depths(depths([images, lost, unpaired])),
             ("taken", &[sequence, captured, count, last]) => Self::Taken(Taken {
                 before_first: [sequence, captured],
                 last: sent(count, last),
@@ -162,10 +187,14 @@ impl fmt::Display for LastWord {
             ("extracted", counts.extracted),
             ("fitted", counts.fitted),
             ("late", counts.masks_late),
+            ("depthless", counts.depthless),
         ] {
             if let Some(number) = number {
                 writeln!(f, "{name} {number}")?;
             }
+        }
+        if let Some(depths) = &counts.depths {
+            writeln!(f, "depths {}", words(depths))?;
         }
         Ok(())
     }
@@ -186,6 +215,10 @@ impl FromStr for LastWord {
                 ("extracted", &[count]) => counts.extracted = Some(count),
                 ("fitted", &[count]) => counts.fitted = Some(count),
                 ("late", &[count]) => counts.masks_late = Some(count),
+                ("depthless", &[count]) => counts.depthless = Some(count),
+                ("depths", &[images, lost, unpaired]) => {
+                    counts.depths = Some(depths([images, lost, unpaired]));
+                }
                 _ => return Err(unknown(line)),
             }
         }
@@ -266,6 +299,8 @@ mod tests {
             (Word::Ending, "ending"),
             (Word::Unread, "unread"),
             (Word::Late(7), "late 7"),
+            (Word::Depthless(8), "depthless 8"),
+            (Word::Depths(depths([9, 1, 2])), "depths 9 1 2"),
             (Word::Taken(taken), "taken 1 2 3 18446744073709551615"),
             (Word::Sent(last), "sent 3 18446744073709551615"),
         ] {
@@ -281,6 +316,8 @@ mod tests {
             last_sequence: Some(9),
             captured: Some(8),
             fitted: Some(0),
+            depthless: Some(7),
+            depths: Some(depths([6, 5, 4])),
             ..FinalCounts::default()
         };
         for word in [

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use lariat_message::fields::{Field, Layout, Meaning, Type};
-use lariat_message::{CenterlinePoints, Descriptor, Descriptors, Trace};
+use lariat_message::{CenterlinePoints, Descriptor, Descriptor3, Descriptors, Trace};
 
 use crate::{hold, plain};
 
 /// What C calls a message, and what it is for.
-const STRUCTS: [(&Layout, &str, &str); 4] = [
+const STRUCTS: [(&Layout, &str, &str); 5] = [
     (
         &Trace::LAYOUT,
         "lariat_trace",
@@ -28,6 +28,11 @@ const STRUCTS: [(&Layout, &str, &str); 4] = [
         &Descriptors::LAYOUT,
         "lariat_descriptors",
         "What the chain says of one frame.",
+    ),
+    (
+        &Descriptor3::LAYOUT,
+        "lariat_descriptor3",
+        "One rope's shape in space as a few control points, in millimetres. It has one unless `place` says why not.",
     ),
 ];
 
@@ -77,6 +82,10 @@ fn constants(of: &str, field: &Field, text: &mut String) {
         return;
     };
     let field = field.name;
+    // The same numbers of another struct.
+    if text.contains(&format!("LARIAT_{}_", field.to_uppercase())) {
+        return;
+    }
     text.push('\n');
     for (i, code) in codes.all.iter().enumerate() {
         let about = ascii(code.about);

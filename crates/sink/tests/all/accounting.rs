@@ -5,7 +5,7 @@ use crate::chain;
 
 use chain::{Chain, Stage, descriptors, received_ns};
 use lariat_message::Trace;
-use lariat_sink::{AtRestart, FinalCounts, Frames, Lost, Options, Sink};
+use lariat_sink::{AtRestart, DepthCounts, FinalCounts, Frames, Lost, Options, Sink};
 use proptest::prelude::*;
 
 fn sink(from_start: bool) -> Sink {
@@ -388,6 +388,7 @@ fn of_frames_from_elsewhere_those_count_that_came_since_the_chain_began() {
         extracted: Some(10),
         fitted: Some(10),
         masks_late: Some(3),
+        ..FinalCounts::default()
     });
     let found = sink.frames();
     assert!(is_whole(&found));
@@ -413,6 +414,7 @@ fn of_frames_from_elsewhere_that_no_stage_sent_on_all_are_lost() {
         extracted: Some(0),
         fitted: Some(0),
         masks_late: Some(4),
+        ..FinalCounts::default()
     });
     let found = sink.frames();
     assert!(is_whole(&found));
@@ -471,4 +473,65 @@ fn what_was_lost_while_a_stage_was_started_anew_is_told_apart() {
     assert_eq!(report.restarts().extract, 1);
     assert!(report.to_string().contains("at a restart"), "{report}");
     assert!(is_whole(&frames));
+}
+
+#[test]
+fn frames_and_depth_images_that_did_not_find_each_other_are_in_the_report() {
+    let run = || {
+        let mut chain = Chain::default();
+        let mut sink = sink(true);
+        for _ in 0..30 {
+            let trace = chain.frame(None).expect("none is lost");
+            receive(&mut sink, trace);
+        }
+        sink
+    };
+    assert_eq!(run().report().summary().depth, None);
+    let counts = FinalCounts {
+        last_sequence: Some(30),
+        captured: Some(30),
+        extracted: Some(30),
+        fitted: Some(30),
+        depthless: Some(4),
+        ..FinalCounts::default()
+    };
+    let said = |counts| {
+        let mut sink = run();
+        sink.finish(counts);
+        let report = sink.report();
+        let lines = report.to_string();
+        let words = lines.split_whitespace().collect::<Vec<_>>().join(" ");
+        (report.summary().depth.expect("there is depth"), words)
+    };
+    // Of images from elsewhere nobody knows how many there were.
+    let (depth, text) = said(counts);
+    assert_eq!((depth.frames_without, depth.images), (Some(4), None));
+    assert!(text.contains("4 frames had no depth image"), "{text}");
+    assert!(!text.contains("depth camera"), "{text}");
+    let depths = DepthCounts {
+        images: 31,
+        lost: 2,
+        unpaired: 5,
+    };
+    let (depth, text) = said(FinalCounts {
+        depths: Some(depths),
+        ..counts
+    });
+    assert_eq!(
+        [depth.images, depth.lost, depth.unpaired],
+        [31, 2, 5].map(Some)
+    );
+    assert!(
+        text.contains("gave 31 images, of which 5 were no frame's; 2 more were lost"),
+        "{text}"
+    );
+    let (_, text) = said(FinalCounts {
+        depthless: Some(0),
+        depths: Some(DepthCounts {
+            images: 30,
+            ..DepthCounts::default()
+        }),
+        ..counts
+    });
+    assert!(!text.contains("depth"), "{text}");
 }

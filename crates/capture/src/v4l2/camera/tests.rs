@@ -9,6 +9,7 @@ use std::os::unix::net::UnixStream;
 use lariat_counting::allocations;
 
 use super::*;
+use crate::pairing::{Paired, Pairing};
 use fake::{Bench, DAMAGED, GOOD, SHORT, lock};
 
 #[test]
@@ -182,4 +183,47 @@ fn before_the_first_frame_nothing_is_told_and_the_wait_can_be_ended() {
     let hardware = lock(&bench.hardware);
     assert!(!hardware.streaming);
     assert_eq!(hardware.left, 1);
+}
+
+#[test]
+fn a_depth_camera_s_images_are_paired_by_the_drivers_stamps_and_one_that_is_gone_holds_no_frame_up()
+{
+    let mut color = Bench::new(Io::Auto, true);
+    let mut depth = Bench::new(Io::Auto, true);
+    let stamp = |frame: &Frame| frame.exposed_ns.expect("the driver stamps it");
+    let mut pairing = Pairing::new(u64::MAX / 2, None);
+    let mut images = Vec::new();
+    for number in 1..=20 {
+        color.expose(number, GOOD);
+        let frame = color.next_image();
+        pairing.frame(frame, stamp(&frame), u64::MAX);
+        // The first image ends the silence; each later one answers the frame before it.
+        depth.expose(number, if number == 7 { DAMAGED } else { GOOD });
+        if number != 7 {
+            let image = depth.next_image();
+            images.push(image);
+            pairing.image(image, stamp(&image));
+        }
+        while let Some(paired) = pairing.next(0) {
+            let (frame, image) = match paired {
+                Paired::With(frame, image) => (frame, image),
+                Paired::Sharing(frame) => (frame, *pairing.shared().expect("it is there")),
+                Paired::Alone(frame) => panic!("frame {} has none", frame.sequence),
+            };
+            let apart = |image: &Frame| stamp(image).abs_diff(stamp(&frame));
+            assert_eq!(images.iter().map(apart).min(), Some(apart(&image)));
+        }
+    }
+    assert_eq!(pairing.counts().paired, 20);
+    color.expose(1, GOOD);
+    let frame = color.next_image();
+    pairing.frame(frame, stamp(&frame), u64::MAX);
+    assert_eq!(pairing.next(0), None, "a nearer image may come");
+    depth.hardware().is_absent = true;
+    depth.hardware().broken = Some(Errno::NODEV);
+    depth.expose(0, GOOD);
+    let blank = depth.next();
+    assert_eq!(blank.width, 0);
+    pairing.silence();
+    assert!(pairing.next(0).is_some(), "there is nothing to wait for");
 }

@@ -148,6 +148,7 @@ const ANYTHING: Request = Request {
     size: None,
     fps: None,
     format: None,
+    wanted: Wanted::Pictures,
 };
 
 /// Format, size and rate in words.
@@ -240,8 +241,8 @@ fn the_format_asked_for_is_taken() {
 fn what_there_is_not_is_answered_with_what_there_is() {
     let request = |size, format: Option<&str>| Request {
         size,
-        fps: None,
         format: format.map(code),
+        ..ANYTHING
     };
     let c270 = logitech_c270();
     assert_eq!(
@@ -266,6 +267,53 @@ fn what_there_is_not_is_answered_with_what_there_is() {
          GBRG, MJPG, JPEG, GREY and Y16"
     );
     assert!(chosen(&[], ANYTHING).starts_with("it offers no format at all"));
+}
+
+/// As `v4l2-ctl --list-formats-ext` lists the first node of a D435.
+fn realsense_depth() -> Vec<FormatOffer> {
+    const TO_90: &[f64] = &[90.0, 60.0, 30.0, 15.0, 6.0];
+    let sizes: [([u32; 2], &[f64]); 6] = [
+        ([256, 144], &[90.0]),
+        ([424, 240], TO_90),
+        ([480, 270], TO_90),
+        ([640, 480], TO_90),
+        ([848, 480], TO_90),
+        ([1280, 720], &TO_90[2..]),
+    ];
+    vec![format("Z16", &sizes)]
+}
+
+#[test]
+fn of_a_depth_camera_depth_is_taken_and_of_none_it_is_not() {
+    let depth = Request {
+        size: Some([848, 480]),
+        fps: Some(30.0),
+        wanted: Wanted::Depth,
+        ..ANYTHING
+    };
+    assert_eq!(chosen(&realsense_depth(), depth), "Z16 848x480 30");
+    let size = |size| Request {
+        size: Some(size),
+        ..depth
+    };
+    assert_eq!(
+        chosen(&realsense_depth(), size([1280, 960])),
+        "it has no size 1280x960; the nearest are 1280x720, 848x480, 640x480, 480x270"
+    );
+    let both = [&mono_ov9281()[..], &realsense_depth()].concat();
+    let any = Request {
+        size: None,
+        ..depth
+    };
+    assert_eq!(chosen(&both, any), "Z16 640x480 30");
+    assert_eq!(
+        chosen(&logitech_c270(), any),
+        "it offers YUYV and MJPG, and depth is read of Z16 and Y16"
+    );
+    assert_eq!(
+        chosen(&realsense_depth(), ANYTHING),
+        "it offers Z16, which is depth: name it as the --depth-source, and the colour camera as the source"
+    );
 }
 
 #[test]
@@ -315,7 +363,7 @@ proptest! {
         fps in proptest::option::of(1.0..240.0_f64),
         name in proptest::option::of(proptest::sample::select(vec!["YUYV", "MJPG", "GREY"])),
     ) {
-        let request = Request { size, fps, format: name.map(code) };
+        let request = Request { size, fps, format: name.map(code), ..ANYTHING };
         let Ok(choice) = negotiate(&offers, &request) else { return Ok(()) };
         prop_assert!(size.is_none_or(|size| size == choice.size));
         prop_assert!(request.format.is_none_or(|format| format == choice.code));

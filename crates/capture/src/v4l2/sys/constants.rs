@@ -37,6 +37,7 @@ pub(crate) const PIX_AR24: u32 = fourcc(b"AR24");
 pub(crate) const PIX_XR24: u32 = fourcc(b"XR24");
 pub(crate) const PIX_BGR4: u32 = fourcc(b"BGR4");
 pub(crate) const PIX_Y16: u32 = fourcc(b"Y16 ");
+pub(crate) const PIX_Z16: u32 = fourcc(b"Z16 ");
 pub(crate) const PIX_RGGB: u32 = fourcc(b"RGGB");
 pub(crate) const PIX_BA81: u32 = fourcc(b"BA81");
 pub(crate) const PIX_GRBG: u32 = fourcc(b"GRBG");

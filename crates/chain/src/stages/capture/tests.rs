@@ -3,7 +3,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use lariat_capture::{LentSlot, SourceError};
-use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver};
+use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver, WireError};
 
 use super::*;
 use crate::settings::{Arrangement, Capture};
@@ -149,16 +149,13 @@ impl Bench<'_> {
     }
 }
 
-fn with_sender(
-    rig: &str,
-    source: Box<dyn FrameSource>,
-    lasts_ns: Option<u64>,
-    test: impl FnOnce(Bench),
-) {
-    let domain = || Domain::named(&format!("f{}", std::process::id())).expect("a domain");
-    let (stop, stopper) = Stop::by_another().expect("a stop");
-    let station = Station {
-        domain: domain(),
+pub(super) fn domain() -> Result<Domain, WireError> {
+    Domain::named(&format!("f{}", std::process::id()))
+}
+
+pub(super) fn station(rig: &str, stop: Stop) -> Station {
+    Station {
+        domain: domain().expect("a domain"),
         rig: rig.parse().expect("a plain name"),
         delivery: Delivery::NewestWins,
         stop,
@@ -172,7 +169,18 @@ fn with_sender(
         settings: String::new(),
         reads: Default::default(),
         announcement: None,
-    };
+    }
+}
+
+fn with_sender(
+    rig: &str,
+    source: Box<dyn FrameSource>,
+    lasts_ns: Option<u64>,
+    test: impl FnOnce(Bench),
+) {
+    let (stop, stopper) = Stop::by_another().expect("a stop");
+    let station = station(rig, stop);
+    let domain = || domain().expect("a domain");
     let frames = slot_lender::writer(&station, source.as_ref()).expect("a writer");
     let reader = Receiver::create(&domain(), &station.rig, &FRAMES, None).expect("a reader");
     let changes = Orders::default().listen(&Settings::default(), |_, _| Ok(None));

@@ -281,6 +281,19 @@ impl Bench {
         self.camera.next().expect("no fault").expect("no end")
     }
 
+    /// The next frame that is no blank one. Its slot is lent anew.
+    pub(super) fn next_image(&mut self) -> Frame {
+        loop {
+            let frame = self.next();
+            if let Some(key) = frame.slot {
+                self.lend(key.index());
+            }
+            if frame.width > 0 {
+                return frame;
+            }
+        }
+    }
+
     /// The next frame's number and value; blank ones are passed over. Its slot is lent anew.
     pub(super) fn shown(&mut self) -> (u64, u8) {
         loop {
