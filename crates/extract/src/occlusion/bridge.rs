@@ -5,7 +5,7 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
-use super::ends::{End, Scenery, cubic, is_stretched, known_way, plain_cost};
+use super::ends::{End, Scenery, cubic, drawn_in, is_stretched, known_way, length_px, plain_cost};
 use super::pieces::{self, Piece};
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::image::color;
@@ -457,11 +457,10 @@ fn way_covered(
 /// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
 /// cubic.
 fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
-    let chord_px = vec2::distance(from.at, to.at);
-    let plain = move |t: f32| cubic(from, to, chord_px, t);
+    let plain = cubic([from.at, from.out], [to.at, to.out]);
     let known = move |t: f32| {
         let Some(([a, b], past)) = way else {
-            return plain(t);
+            return from.at;
         };
         let rope = &past.ropes()[a.rope as usize];
         let way = rope.way_px(&a, &b, a.ahead);
@@ -473,23 +472,12 @@ fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl
         let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
         vec2::add(rope.at(along(t)), shift)
     };
-    let share = way.map_or(0.0, |([a, _], past)| {
+    let share = way.map_or(1.0, |([a, _], past)| {
         let rope = &past.ropes()[a.rope as usize];
         let spare_px = rope.length_px - rope.usual_px;
-        if rope.closed || spare_px <= 0.0 {
-            return 0.0;
-        }
-        let longer_px = length_px(known) - length_px(plain);
-        (spare_px / longer_px.max(spare_px)).min(1.0) * f32::from(u8::from(longer_px > 0.0))
+        drawn_in(spare_px, length_px(known), length_px(&plain))
     });
     move |t| vec2::along(known(t), vec2::sub(plain(t), known(t)), share)
-}
-
-/// The length of a way from 0 to 1.
-fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
-    const PIECES: usize = 12;
-    let at = |k: usize| at(k as f32 / PIECES as f32);
-    (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
 }
 
 /// Lays the samples between two ends behind the first one's.

@@ -216,7 +216,6 @@ fn unlike_ground(a: &End, b: &End, image: &Image, yuv: bool) -> f32 {
 /// band of the ropes' color: not so on a bare table.
 fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
     const ASKED: usize = 24;
-    let chord_px = vec2::distance(a.at, b.at);
     let aside = vec2::normal(vec2::unit_or(vec2::sub(b.at, a.at), a.out));
     let aside_px = 0.75 * (a.width_px + b.width_px);
     let mut color = [0.0; 3];
@@ -224,8 +223,9 @@ fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
         *color = 0.5 * (a.color[c] + b.color[c]);
     }
     let off = |at: Vec2| color::distance(color::between(image, at), color, scenery.yuv);
+    let way = cubic([a.at, a.out], [b.at, b.out]);
     let hits = (1..ASKED).filter(|&k| {
-        let at = cubic(a, b, chord_px, k as f32 / ASKED as f32);
+        let at = way(k as f32 / ASKED as f32);
         let covered = scenery.occluder.get(at[0] as i32, at[1] as i32);
         if covered || scenery.difference.sample(at) >= TRACE {
             return true;
@@ -236,15 +236,31 @@ fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
     hits.count() as f32 / (ASKED - 1) as f32
 }
 
-/// Hermite's cubic from one end to the other, as fast at both as makes it nearly a circle's arc where both turn alike.
-pub(crate) fn cubic(from: &End, to: &End, chord_px: f32, t: f32) -> Vec2 {
-    let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-    let straight = vec2::along(from.at, vec2::sub(to.at, from.at), s);
+/// Hermite's cubic from one place and the direction out of it to another, as fast at both as makes it nearly a circle's arc where both turn
+/// alike.
+pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
     // 4 tan(θ/4) radii for a turn by θ.
-    let cos_half = (0.5 - 0.5 * vec2::dot(from.out, to.out))
-        .clamp(0.0, 1.0)
-        .sqrt();
-    let pace_px = 2.0 * chord_px / (1.0 + cos_half);
-    let leaving = vec2::along(straight, from.out, pace_px * t * u * u);
-    vec2::along(leaving, to.out, pace_px * t * t * u)
+    let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
+    let pace_px = 2.0 * vec2::distance(from, to) / (1.0 + cos_half);
+    move |t| {
+        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+        let straight = vec2::along(from, vec2::sub(to, from), s);
+        let leaving = vec2::along(straight, out, pace_px * t * u * u);
+        vec2::along(leaving, back, pace_px * t * t * u)
+    }
+}
+
+/// The length of a way from 0 to 1.
+pub(crate) fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
+    const PIECES: usize = 12;
+    let at = |k: usize| at(k as f32 / PIECES as f32);
+    (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
+}
+
+/// How far a hidden way is to come to a plain one, from 0 to 1, to be so much shorter.
+pub(crate) fn drawn_in(spare_px: f32, way_px: f32, plain_px: f32) -> f32 {
+    match way_px - plain_px {
+        longer_px if spare_px > 0.0 && longer_px > 0.0 => (spare_px / longer_px).min(1.0),
+        _ => 0.0,
+    }
 }

@@ -17,6 +17,7 @@ use crate::centerline::section::{Measure, Sections};
 use crate::centerline::shading::Shading;
 use crate::centerline::smooth::Smoother;
 use crate::image::gray::GrayPlane;
+use crate::occlusion::ends::{cubic, drawn_in, length_px};
 use crate::past::{Move, Past, Rope};
 use crate::skeleton::Skeleton;
 use crate::statistics::quantile;
@@ -40,6 +41,8 @@ const EXPLAINED: f32 = 0.95;
 const LEFT_WIDTHS: f32 = 1.0;
 /// How much a rope's length may seem to change from one image to the next.
 const LENGTH: f32 = 0.06;
+/// Samples over which it is seen how a line runs into what hides it.
+const DIRECTION: usize = 6;
 /// Skeleton pixels that are asked whether they are accounted for.
 const ASKED: usize = 400;
 /// Points that two shapes are compared at.
@@ -216,6 +219,7 @@ impl Refitter {
         self.smoother
             .smooth(line, (0.35 * half_px).max(2.5) / step_px);
         if !line.closed {
+            draw_in(line, rope.usual_px, scene.occluder);
             for _end in 0..2 {
                 let room_px = rope.usual_px - line.length_px();
                 self.find_tip(line, scene.difference, [half_px, step_px, room_px]);
@@ -402,6 +406,46 @@ impl Refitter {
     }
 }
 
+/// Draws the longest hidden stretch of a line in as far as the line is longer than its rope usually is: nothing else holds it to its
+/// length.
+fn draw_in(line: &mut Line, usual_px: f32, occluder: &BitPlane) {
+    let spare_px = line.length_px() - usual_px;
+    if spare_px <= 0.0 {
+        return;
+    }
+    let samples = &mut line.samples;
+    let is_under = |sample: &Sample| occluder.get(sample.at[0] as i32, sample.at[1] as i32);
+    let (mut from, mut to, mut run) = (0, 0, 0);
+    for (i, sample) in samples.iter().enumerate() {
+        run = if is_under(sample) { run + 1 } else { 0 };
+        if run > to - from {
+            (from, to) = (i + 1 - run, i + 1);
+        }
+    }
+    if from == to || from < 2 * DIRECTION || to + 2 * DIRECTION > samples.len() {
+        return;
+    }
+    let end = |tip: usize, inner: usize| {
+        let out = vec2::sub(samples[tip].at, samples[inner].at);
+        [samples[tip].at, vec2::unit_or(out, [1.0, 0.0])]
+    };
+    let (before, after) = (from - 1, to);
+    let plain = cubic(
+        end(before, before - DIRECTION),
+        end(after, after + DIRECTION),
+    );
+    let pairs = samples[before..=after].windows(2);
+    let way_px = pairs
+        .map(|pair| vec2::distance(pair[0].at, pair[1].at))
+        .sum();
+    let share = drawn_in(spare_px, way_px, length_px(&plain));
+    let pieces = (after - before) as f32;
+    for (k, sample) in samples[from..to].iter_mut().enumerate() {
+        let off = vec2::sub(plain((k + 1) as f32 / pieces), sample.at);
+        sample.at = vec2::along(sample.at, off, share);
+    }
+}
+
 /// How a place of a rope has moved: as those moves on both sides of it, by their distance.
 fn moved(rope: &Rope, along_px: f32, moves: &[Move]) -> Vec2 {
     let mut before: Option<&Move> = None;
@@ -425,4 +469,42 @@ const CARRIED: f32 = 0.05;
 fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
     let (x, y) = ((x + 0.5) as i32, (y + 0.5) as i32);
     !scene.mask.get(x, y) && !scene.occluder.get(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hidden_part_is_drawn_in_to_the_ropes_usual_length() {
+        let mut occluder = BitPlane::default();
+        occluder.resize(240, 120);
+        (20..110).for_each(|y| occluder.fill(y, 80, 160, true));
+        // Along a line, with a detour by 40 px while nobody sees it.
+        let bulge = |x: f32| {
+            let off = (x - 120.0) / 15.0;
+            40.0 * (-off * off).exp()
+        };
+        let mut line = Line::default();
+        line.samples.extend((20..=220).map(|x| Sample {
+            at: [x as f32, 100.0 - bulge(x as f32)],
+            weight: 1.0,
+            width_px: 8.0,
+            side: 0.0,
+        }));
+        let before_px = line.length_px();
+        draw_in(&mut line, before_px, &occluder);
+        assert_eq!(line.length_px(), before_px);
+        draw_in(&mut line, 200.0, &occluder);
+        assert!(
+            (line.length_px() - 200.0).abs() < 2.0,
+            "{}",
+            line.length_px()
+        );
+        let seen = line
+            .samples
+            .iter()
+            .filter(|s| !(80.0..160.0).contains(&s.at[0]));
+        assert!(seen.into_iter().all(|s| (s.at[1] - 100.0).abs() < 0.1));
+    }
 }

@@ -600,6 +600,8 @@ impl Track {
                 // Of the first few, the mean.
                 (1.0 / self.free_frames as f32).max(0.005)
             }
+            // How long the hidden part is, nobody sees.
+            (true, _) if curve.hidden.contains(&true) => 0.0005,
             (true, _) => 0.005,
             (false, Status::Ok) => 0.0005,
             (false, _) => 0.002,
