@@ -22,7 +22,7 @@ const ASIDE: f64 = 2.0;
 const UNEVEN: f64 = 0.1;
 /// A width is the mean over so many neighbors to each side.
 const WIDTHS: usize = 4;
-/// A rope is thinner than can be told if fewer depth pixels than this lie across it.
+/// A rope of which too little can be measured is too thin for it if fewer depth pixels than this lie across it.
 const THINNEST_PX: f64 = 3.0;
 
 /// A rope in the colour image.

@@ -42,6 +42,45 @@ fn assert_near(curve: &lariat_extract::Curve, rope: &Rope, what: &str) {
     );
 }
 
+/// A rope that becomes wider over its second half, as one that rises to the camera does, in pieces.
+fn rising(from_px: f32, to_px: f32) -> Vec<Rope> {
+    let pieces = 60;
+    let part = |i: usize| {
+        let first = i as f32 / pieces as f32;
+        let risen = (2.0 * first - 1.0).max(0.0);
+        let width_px = from_px + risen * (to_px - from_px);
+        Rope::along(width_px, RED, move |t| wave(0.0)(first + t / pieces as f32))
+    };
+    (0..pieces).map(part).collect()
+}
+
+#[test]
+fn a_rope_that_rises_to_the_camera_is_measured_where_it_is_wide() {
+    for (from_px, to_px) in [(8.0, 13.5), (12.0, 8.0), (6.0, 9.5)] {
+        let table = Table::new(320, 240, BLACK);
+        let rgb = table.draw(&rising(from_px, to_px));
+        let mut extractor = extractor();
+        let scene = see(&mut extractor, &rgb, &table);
+        let [curve] = scene.curves else {
+            panic!("{from_px} to {to_px} px: {} ropes", scene.curves.len());
+        };
+        let axis = Rope::along(from_px, RED, wave(0.0));
+        let error = error(curve, &axis);
+        assert!(error.mean_px < 0.3, "{from_px} to {to_px} px: {error:?}");
+        assert!(error.ends_px < 1.0, "{from_px} to {to_px} px: {error:?}");
+        let far = |&p: &Vec2| distance_to(p, &axis.points);
+        let worst = curve.points.iter().map(far).fold(0.0, f32::max);
+        assert!(worst < 1.0, "{from_px} to {to_px} px: {worst} px beside it");
+        let first = curve.widths_px[curve.widths_px.len() / 20];
+        let last = curve.widths_px[curve.widths_px.len() * 19 / 20];
+        let (least, most) = (first.min(last), first.max(last));
+        assert!(
+            most > 1.4 * least,
+            "{from_px} to {to_px} px: {first} to {last}"
+        );
+    }
+}
+
 #[test]
 fn ropes_of_every_width_and_color_come_out_where_they_are() {
     let mut random = SplitMix64::new(7);

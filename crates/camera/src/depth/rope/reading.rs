@@ -3,14 +3,14 @@
 //! A section is the stretch of the rope around every second of its points. Its inner width is read at places of a fixed pattern.
 
 use super::look::{Found, Look};
-use super::{
-    Axis, DepthImage, RopeDepth, STEEPEST, SeenRope, THINNEST_PX, between, cross, dot, length,
-    pixel,
-};
+use super::{Axis, DepthImage, RopeDepth, STEEPEST, SeenRope, between, cross, dot, length, pixel};
 
 /// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
 const INNER: f64 = 0.8;
 const EDGE_PX: f64 = 0.8;
+/// Where a rope is thinner than this in the depth image, it is not read: the pixel on its axis may lie half a pixel beside it, and reaches
+/// half a pixel farther, or 0.7 along its diagonal.
+const LEAST_PX: f64 = 2.5;
 /// Points between sections: those between have the depth of their neighbors' curve.
 pub(super) const SECTION_STEP: usize = 2;
 /// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
@@ -147,7 +147,7 @@ impl RopeDepth {
         let half = radius / mm_per_px;
         // At least the pixel on the axis; but of a rope that is no wider than that there is none without an edge.
         let inner = (INNER * half).min(half - EDGE_PX);
-        if inner < 0.5 * (THINNEST_PX - 2.0 * EDGE_PX) - 0.5 || half < 0.5 * THINNEST_PX {
+        if half < 0.5 * LEAST_PX {
             return None;
         }
         let points = rope.hidden.len();
