@@ -4,3 +4,4 @@ pub(crate) mod bridge;
 pub(crate) mod ends;
 pub(crate) mod occluder;
 mod pieces;
+pub(crate) mod way;

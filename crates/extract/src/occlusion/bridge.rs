@@ -5,11 +5,12 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
-use super::ends::{End, Scenery, cubic, drawn_in, is_stretched, known_way, length_px, plain_cost};
+use super::ends::{End, Scenery, is_stretched, known_way, plain_cost};
 use super::pieces::{self, Piece};
+use super::way;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::image::color;
-use crate::past::{FormerPlace, Move, Past, Rope};
+use crate::past::{FormerPlace, Move, Rope};
 use crate::vec2::{self, Vec2};
 
 /// A stretch of a joined line that is hidden, in arc length from the line's first sample.
@@ -276,9 +277,9 @@ impl Bridger {
         let way = candidate.way.map(|way| (way, scenery.past));
         // A way on which the table is seen is not the one that is hidden.
         let way = way.filter(|_| {
-            !runs_into(&from, &to, scenery) || way_covered(&from, &to, way, scenery) >= COVERED
+            !runs_into(&from, &to, scenery) || way::covered(&from, &to, way, scenery) >= COVERED
         });
-        lay(&mut lines[a].samples, &from, &to, way);
+        way::lay(&mut lines[a].samples, &from, &to, way);
         // To the first sample of what follows, which is yet to come.
         let last = lines[a].samples.len() - 1;
         let to_px = lines[a].length_px() + vec2::distance(lines[a].samples[last].at, to.at);
@@ -439,75 +440,12 @@ fn kept(a: &End, b: &End, lines: &[Line]) -> Option<[usize; 2]> {
     Some([back(a, middle_a)?, back(b, middle_b)?])
 }
 
-/// The share of the way between two ends that lies under something.
-fn way_covered(
-    from: &End,
-    to: &End,
-    way: Option<([FormerPlace; 2], &Past)>,
-    scenery: &Scenery,
-) -> f32 {
-    const ASKED: usize = 16;
-    let at = between(from, to, way);
-    let reach_px = 0.25 * (from.width_px + to.width_px);
-    let hits = (1..ASKED).filter(|&k| scenery.is_hidden(at(k as f32 / ASKED as f32), reach_px));
-    hits.count() as f32 / (ASKED - 1) as f32
-}
-
-/// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
-/// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
-/// cubic.
-fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
-    let plain = cubic([from.at, from.out], [to.at, to.out]);
-    let known = move |t: f32| {
-        let Some(([a, b], past)) = way else {
-            return from.at;
-        };
-        let rope = &past.ropes()[a.rope as usize];
-        let way = rope.way_px(&a, &b, a.ahead);
-        let along = |t: f32| a.along_px + if a.ahead { way * t } else { -way * t };
-        let moved = [
-            vec2::sub(from.at, rope.at(along(0.0))),
-            vec2::sub(to.at, rope.at(along(1.0))),
-        ];
-        let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
-        vec2::add(rope.at(along(t)), shift)
-    };
-    let share = way.map_or(1.0, |([a, _], past)| {
-        let rope = &past.ropes()[a.rope as usize];
-        let spare_px = rope.length_px - rope.usual_px;
-        drawn_in(spare_px, length_px(known), length_px(&plain))
-    });
-    move |t| vec2::along(known(t), vec2::sub(plain(t), known(t)), share)
-}
-
-/// Lays the samples between two ends behind the first one's.
-fn lay(samples: &mut Vec<Sample>, from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) {
-    let chord_px = vec2::distance(from.at, to.at);
-    let width_px = [from, to].map(|end| end.width_px);
-    let way_px = way.map_or(chord_px, |([a, b], past)| {
-        past.ropes()[a.rope as usize]
-            .way_px(&a, &b, a.ahead)
-            .max(chord_px)
-    });
-    let step_px = (0.125 * (width_px[0] + width_px[1])).clamp(0.75, 4.0);
-    let count = (way_px / step_px).ceil().max(1.0) as usize;
-    let at = between(from, to, way);
-    for k in 1..count {
-        let t = k as f32 / count as f32;
-        samples.push(Sample {
-            at: at(t),
-            weight: 0.0,
-            width_px: width_px[0] + t * (width_px[1] - width_px[0]),
-            side: 0.0,
-        });
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bitmap::bits::BitPlane;
     use crate::image::gray::GrayPlane;
+    use crate::past::Past;
 
     fn straight(from: Vec2, to: Vec2) -> Line {
         let count = vec2::distance(from, to) as usize;

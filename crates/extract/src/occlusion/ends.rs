@@ -1,5 +1,6 @@
 //! Whether two ends of lines are of one rope, whose rest between them is hidden.
 
+use super::way::cubic;
 use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
 use crate::image::gray::GrayPlane;
@@ -234,33 +235,4 @@ fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
         off(at) < RIDGE.1.min(RIDGE.0 * beside[0].min(beside[1]))
     });
     hits.count() as f32 / (ASKED - 1) as f32
-}
-
-/// Hermite's cubic from one place and the direction out of it to another, as fast at both as makes it nearly a circle's arc where both turn
-/// alike.
-pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
-    // 4 tan(θ/4) radii for a turn by θ.
-    let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
-    let pace_px = 2.0 * vec2::distance(from, to) / (1.0 + cos_half);
-    move |t| {
-        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-        let straight = vec2::along(from, vec2::sub(to, from), s);
-        let leaving = vec2::along(straight, out, pace_px * t * u * u);
-        vec2::along(leaving, back, pace_px * t * t * u)
-    }
-}
-
-/// The length of a way from 0 to 1.
-pub(crate) fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
-    const PIECES: usize = 12;
-    let at = |k: usize| at(k as f32 / PIECES as f32);
-    (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
-}
-
-/// How far a hidden way is to come to a plain one, from 0 to 1, to be so much shorter.
-pub(crate) fn drawn_in(spare_px: f32, way_px: f32, plain_px: f32) -> f32 {
-    match way_px - plain_px {
-        longer_px if spare_px > 0.0 && longer_px > 0.0 => (spare_px / longer_px).min(1.0),
-        _ => 0.0,
-    }
 }

@@ -17,7 +17,7 @@ use crate::centerline::section::{Measure, Sections};
 use crate::centerline::shading::Shading;
 use crate::centerline::smooth::Smoother;
 use crate::image::gray::GrayPlane;
-use crate::occlusion::ends::{cubic, drawn_in, length_px};
+use crate::occlusion::way::{cubic, drawn_in, length_px};
 use crate::past::{Move, Past, Rope};
 use crate::skeleton::Skeleton;
 use crate::statistics::quantile;
@@ -413,15 +413,16 @@ fn draw_in(line: &mut Line, usual_px: f32, occluder: &BitPlane) {
     if spare_px <= 0.0 {
         return;
     }
-    let samples = &mut line.samples;
-    let is_under = |sample: &Sample| occluder.get(sample.at[0] as i32, sample.at[1] as i32);
-    let (mut from, mut to, mut run) = (0, 0, 0);
-    for (i, sample) in samples.iter().enumerate() {
-        run = if is_under(sample) { run + 1 } else { 0 };
-        if run > to - from {
-            (from, to) = (i + 1 - run, i + 1);
+    let step_px = line.length_px() / (line.samples.len().max(2) - 1) as f32;
+    let (mut from, mut to) = (0, 0);
+    Refitter::covered(line, occluder, |from_px, to_px| {
+        // It begins and ends between two samples.
+        let ends = [from_px, to_px].map(|px| (px / step_px + 0.5).round() as usize);
+        if ends[1] - ends[0] > to - from {
+            [from, to] = ends;
         }
-    }
+    });
+    let samples = &mut line.samples;
     if from == to || from < 2 * DIRECTION || to + 2 * DIRECTION > samples.len() {
         return;
     }

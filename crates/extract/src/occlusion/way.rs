@@ -1,0 +1,104 @@
+//! The hidden way between two ends: as the past has it, or the nearest to an arc.
+
+use super::ends::{End, Scenery};
+use crate::centerline::line::Sample;
+use crate::past::{FormerPlace, Past};
+use crate::vec2::{self, Vec2};
+
+/// The share of the way between two ends that lies under something.
+pub(super) fn covered(
+    from: &End,
+    to: &End,
+    way: Option<([FormerPlace; 2], &Past)>,
+    scenery: &Scenery,
+) -> f32 {
+    const ASKED: usize = 16;
+    let at = between(from, to, way);
+    let reach_px = 0.25 * (from.width_px + to.width_px);
+    let hits = (1..ASKED).filter(|&k| scenery.is_hidden(at(k as f32 / ASKED as f32), reach_px));
+    hits.count() as f32 / (ASKED - 1) as f32
+}
+
+/// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
+/// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
+/// cubic.
+fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
+    let plain = cubic([from.at, from.out], [to.at, to.out]);
+    let known = move |t: f32| {
+        let Some(([a, b], past)) = way else {
+            return from.at;
+        };
+        let rope = &past.ropes()[a.rope as usize];
+        let way = rope.way_px(&a, &b, a.ahead);
+        let along = |t: f32| a.along_px + if a.ahead { way * t } else { -way * t };
+        let moved = [
+            vec2::sub(from.at, rope.at(along(0.0))),
+            vec2::sub(to.at, rope.at(along(1.0))),
+        ];
+        let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
+        vec2::add(rope.at(along(t)), shift)
+    };
+    let share = way.map_or(1.0, |([a, _], past)| {
+        let rope = &past.ropes()[a.rope as usize];
+        let spare_px = rope.length_px - rope.usual_px;
+        drawn_in(spare_px, length_px(known), length_px(&plain))
+    });
+    move |t| vec2::along(known(t), vec2::sub(plain(t), known(t)), share)
+}
+
+/// Lays the samples between two ends behind the first one's.
+pub(super) fn lay(
+    samples: &mut Vec<Sample>,
+    from: &End,
+    to: &End,
+    way: Option<([FormerPlace; 2], &Past)>,
+) {
+    let chord_px = vec2::distance(from.at, to.at);
+    let width_px = [from, to].map(|end| end.width_px);
+    let way_px = way.map_or(chord_px, |([a, b], past)| {
+        past.ropes()[a.rope as usize]
+            .way_px(&a, &b, a.ahead)
+            .max(chord_px)
+    });
+    let step_px = (0.125 * (width_px[0] + width_px[1])).clamp(0.75, 4.0);
+    let count = (way_px / step_px).ceil().max(1.0) as usize;
+    let at = between(from, to, way);
+    for k in 1..count {
+        let t = k as f32 / count as f32;
+        samples.push(Sample {
+            at: at(t),
+            weight: 0.0,
+            width_px: width_px[0] + t * (width_px[1] - width_px[0]),
+            side: 0.0,
+        });
+    }
+}
+
+/// Hermite's cubic from one place and the direction out of it to another, as fast at both as makes it nearly a circle's arc where both turn
+/// alike.
+pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
+    // 4 tan(θ/4) radii for a turn by θ.
+    let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
+    let pace_px = 2.0 * vec2::distance(from, to) / (1.0 + cos_half);
+    move |t| {
+        let (s, u) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
+        let straight = vec2::along(from, vec2::sub(to, from), s);
+        let leaving = vec2::along(straight, out, pace_px * t * u * u);
+        vec2::along(leaving, back, pace_px * t * t * u)
+    }
+}
+
+/// The length of a way from 0 to 1.
+pub(crate) fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
+    const PIECES: usize = 12;
+    let at = |k: usize| at(k as f32 / PIECES as f32);
+    (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
+}
+
+/// How far a hidden way is to come to a plain one, from 0 to 1, to be so much shorter.
+pub(crate) fn drawn_in(spare_px: f32, way_px: f32, plain_px: f32) -> f32 {
+    match way_px - plain_px {
+        longer_px if spare_px > 0.0 && longer_px > 0.0 => (spare_px / longer_px).min(1.0),
+        _ => 0.0,
+    }
+}
