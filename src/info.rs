@@ -61,6 +61,7 @@ struct Lost {
     source: u64,
     capture: u64,
     extract: u64,
+    bridge: u64,
     fit: u64,
     dropped_frames: u64,
     dropped_centerlines: u64,
@@ -75,6 +76,7 @@ impl From<&Losses> for Lost {
             source: losses.source,
             capture: losses.capture,
             extract: losses.extract,
+            bridge: losses.bridge,
             fit: losses.fit,
             dropped_frames: losses.dropped_frames,
             dropped_centerlines: losses.dropped_centerlines,
@@ -86,11 +88,12 @@ impl From<&Losses> for Lost {
 }
 
 impl Lost {
-    fn rows(&self) -> [(&'static str, u64); 9] {
+    fn rows(&self) -> [(&'static str, u64); 10] {
         [
             ("at the source", self.source),
             ("between capture and extract", self.capture),
             ("between extract and fit", self.extract),
+            ("over the bridge", self.bridge),
             ("between fit and the recorder", self.fit),
             ("frames not recorded", self.dropped_frames),
             ("centerlines not recorded", self.dropped_centerlines),

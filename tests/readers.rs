@@ -245,7 +245,7 @@ fn every_field_of_a_message_is_read_in_its_place() {
             })+
         };
     }
-    integers!(Trace, message.trace, 0; sequence, captured, extracted, fitted, exposed_ns, captured_ns,
+    integers!(Trace, message.trace, 0; sequence, captured, extracted, fitted, bridged, exposed_ns, captured_ns,
         extract_started_ns, extracted_ns, fit_started_ns, fitted_ns);
     integers!(Descriptors, message, 0; width, height, count, unit);
     for (i, rope) in message.curves.iter().enumerate() {

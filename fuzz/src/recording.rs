@@ -403,7 +403,7 @@ impl Image {
             stride,
             pixel_format: format as u32,
             source: 4,
-            reserved: [0; 5],
+            reserved: [0; 3],
         };
         let [headers, raw, files] = match self.is_mask {
             false => ["/r/frames", "/r/image", "/r/picture/image"],

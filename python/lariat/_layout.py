@@ -13,6 +13,7 @@ _TRACE = np.dtype(
         ("captured", "u8"),
         ("extracted", "u8"),
         ("fitted", "u8"),
+        ("bridged", "u8"),
         ("exposed_ns", "u8"),
         ("captured_ns", "u8"),
         ("extract_started_ns", "u8"),
@@ -74,7 +75,7 @@ MESSAGE = np.dtype(
         ("centerlines", _CENTERLINE, (24,)),
     ]
 )
-"""The type of ``Frame.message``: ``lariat.Descriptors.v7``."""
+"""The type of ``Frame.message``: ``lariat.Descriptors.v8``."""
 
 
 def record(message: NDArray[np.uint8]) -> Any:

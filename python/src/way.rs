@@ -14,6 +14,8 @@ pub(crate) struct Trace {
     extracted: u64,
     /// How many fit has sent.
     fitted: u64,
+    /// How many a bridge has written on this machine; 0 if it came over none.
+    bridged: u64,
     /// When the image was taken: for files, the moment the frame was due.
     exposed_ns: u64,
     /// When capture had it ready to send.
@@ -40,6 +42,7 @@ impl From<lariat_wire::Trace> for Trace {
             captured,
             extracted,
             fitted,
+            bridged,
             exposed_ns,
             captured_ns,
             extract_started_ns,
@@ -54,6 +57,7 @@ impl From<lariat_wire::Trace> for Trace {
             captured,
             extracted,
             fitted,
+            bridged,
             exposed_ns,
             captured_ns,
             extract_started_ns,

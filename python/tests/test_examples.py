@@ -148,5 +148,5 @@ def test_frames_and_masks_of_two_programs_make_a_rope(domain: str, tmp_path: Pat
     assert all("KeyboardInterrupt" in text for text in said), said
     frames = json.loads((tmp_path / "out/summary.json").read_text())["frames"]
     assert frames["received"] > 0 and frames["published"] == frames["received"] + sum(
-        frames["lost"][link] for link in ["capture", "mask", "extract", "fit", "sink"]
+        frames["lost"][link] for link in ["capture", "mask", "extract", "bridge", "fit", "sink"]
     )

@@ -235,6 +235,7 @@ impl Reel {
             source: lost.source,
             capture: lost.capture + lost.mask,
             extract: lost.extract,
+            bridge: lost.bridge,
             fit: lost.fit,
             dropped_frames: drops.frames,
             dropped_centerlines: drops.centerlines,

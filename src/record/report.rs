@@ -103,6 +103,7 @@ fn lost(losses: &Losses) -> String {
         (losses.source, "at the source"),
         (losses.capture, "between capture and extract"),
         (losses.extract, "between extract and fit"),
+        (losses.bridge, "over the bridge"),
         (losses.fit, "after fit"),
     ];
     listed(counts).map_or("the chain lost no frame".to_owned(), |list| {

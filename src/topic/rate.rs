@@ -154,6 +154,7 @@ impl Rate {
                 "lost:\nsource",
                 "\ncapture",
                 "\nextract",
+                "\nbridge",
                 "\nhere",
             ]),
             interval: Intervals::default(),
@@ -183,6 +184,7 @@ impl Rate {
                 source: lost.source - before.source,
                 capture: lost.capture - before.capture,
                 extract: lost.extract - before.extract,
+                bridge: lost.bridge - before.bridge,
                 here: lost.fit - before.fit,
             },
             ropes: (self.channel == ChannelName::Descriptors).then_some(seen.unsure),
@@ -215,12 +217,13 @@ struct Spread {
     jitter: Option<f64>,
 }
 
-/// Frames lost: at the source, after capture, after extract, and between the channel and this reader.
+/// Frames lost: at the source, after capture, after extract, on the way from another machine, and between the channel and this reader.
 #[derive(Serialize)]
 struct LostHere {
     source: u64,
     capture: u64,
     extract: u64,
+    bridge: u64,
     here: u64,
 }
 
@@ -276,11 +279,12 @@ impl Meter for Rate {
                 source,
                 capture,
                 extract,
+                bridge,
                 here,
             } = figures.lost;
             let hz = Some(figures.hz.unwrap_or(0.0));
             let spread = [hz, mean, min, max, jitter].map(|figure| Figure(figure).to_string());
-            let lost = [source, capture, extract, here].map(|count| count.to_string());
+            let lost = [source, capture, extract, bridge, here].map(|count| count.to_string());
             self.table.lines(spread.into_iter().chain(lost)) + &self.interval.unsure.line()
         };
         self.lost_before = self.ledger.lost();
@@ -348,13 +352,18 @@ mod tests {
     #[test]
     fn what_was_lost_is_told_by_the_link_and_each_time_only_since_the_last() {
         let mut rate = Rate::new(ChannelName::Descriptors);
-        for message in [shape(1, 1, 1, 1, 10), shape(10, 8, 5, 4, 40)] {
+        let mut messages = [shape(1, 1, 1, 1, 10), shape(10, 8, 5, 4, 40)];
+        for (message, bridged) in messages.iter_mut().zip([7, 9]) {
+            message.trace.bridged = bridged;
+        }
+        for message in messages {
             rate.see(Any::Descriptors(&message), LATER_NS)
                 .expect("seen");
         }
         let lost = &figures(&rate)["lost"];
-        let counts = ["source", "capture", "extract", "here"].map(|link| lost[link].as_u64());
-        assert_eq!(counts, [2, 3, 1, 2].map(Some));
+        let counts =
+            ["source", "capture", "extract", "bridge", "here"].map(|link| lost[link].as_u64());
+        assert_eq!(counts, [2, 3, 1, 1, 1].map(Some));
         rate.report(&Rig::default(), true).expect("JSON");
         assert_eq!(figures(&rate)["lost"]["source"], 0);
     }

@@ -25,14 +25,15 @@ static void read_trace(const lariat_trace *trace) {
     U64(trace->captured, 8);
     U64(trace->extracted, 16);
     U64(trace->fitted, 24);
-    U64(trace->exposed_ns, 32);
-    U64(trace->captured_ns, 40);
-    U64(trace->extract_started_ns, 48);
-    U64(trace->extracted_ns, 56);
-    U64(trace->fit_started_ns, 64);
-    U64(trace->fitted_ns, 72);
-    U64(trace->settings, 80);
-    U64(trace->restarts, 84);
+    U64(trace->bridged, 32);
+    U64(trace->exposed_ns, 40);
+    U64(trace->captured_ns, 48);
+    U64(trace->extract_started_ns, 56);
+    U64(trace->extracted_ns, 64);
+    U64(trace->fit_started_ns, 72);
+    U64(trace->fitted_ns, 80);
+    U64(trace->settings, 88);
+    U64(trace->restarts, 92);
 }
 
 static void read_rope(const lariat_descriptor *rope, uint64_t at) {
@@ -87,12 +88,12 @@ int main(void) {
     }
     const lariat_descriptors *message = lariat_message(reader);
     read_trace(&message->trace);
-    U64(message->width, 88);
-    U64(message->height, 92);
-    U64(message->count, 96);
-    U64(message->unit, 100);
-    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 104 + 2408 * i);
-    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 104 + LARIAT_MAX_ROPES * 2408 + 3112 * i);
+    U64(message->width, 96);
+    U64(message->height, 100);
+    U64(message->count, 104);
+    U64(message->unit, 108);
+    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 112 + 2408 * i);
+    for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 112 + LARIAT_MAX_ROPES * 2408 + 3112 * i);
     // These numbers are a message, and no rope.
     if (lariat_rope_at(reader, LARIAT_MAX_ROPES - 1, UINT64_MAX, &rope) != LARIAT_UNREADABLE
         || lariat_rope_at(reader, LARIAT_MAX_ROPES, UINT64_MAX, &rope) != LARIAT_NO_ROPE

@@ -314,6 +314,8 @@ typedef struct lariat_trace {
   uint64_t extracted;
   // How many frames fit has sent, this one included.
   uint64_t fitted;
+  // How many messages of this channel a bridge has written on this machine, this one included; 0 if it came over none, and for pictures.
+  uint64_t bridged;
   // When the image was taken: the driver's timestamp, or the moment a file's frame was due.
   uint64_t exposed_ns;
   // When capture had the frame ready to send.

@@ -92,6 +92,8 @@ pub struct lariat_trace {
     pub extracted: u64,
     /// How many frames fit has sent, this one included.
     pub fitted: u64,
+    /// How many messages of this channel a bridge has written on this machine, this one included; 0 if it came over none, and for pictures.
+    pub bridged: u64,
     /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
     pub exposed_ns: u64,
     /// When capture had the frame ready to send.
@@ -263,6 +265,7 @@ same_layout!(lariat_trace, wire::Trace:
     captured = captured,
     extracted = extracted,
     fitted = fitted,
+    bridged = bridged,
     exposed_ns = exposed_ns,
     captured_ns = captured_ns,
     extract_started_ns = extract_started_ns,

@@ -15,7 +15,9 @@ pub struct Losses {
     pub capture: u64,
     /// Frames lost between extract and fit.
     pub extract: u64,
-    /// Frames whose descriptors never came to the recorder.
+    /// On another machine: frames whose descriptors the bridge never wrote there.
+    pub bridge: u64,
+    /// Frames whose descriptors never came to the recorder, for another reason than that.
     pub fit: u64,
     /// Frames that the recorder did not get or had no room for: their images are not in the recording.
     pub dropped_frames: u64,
@@ -38,6 +40,7 @@ fields!(Losses {
     source,
     capture,
     extract,
+    bridge,
     fit,
     dropped_frames,
     dropped_centerlines,

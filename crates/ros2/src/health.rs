@@ -72,7 +72,7 @@ impl Health {
     /// What there is to say of it now. `unsent`: messages that did not go out.
     pub(crate) fn status(&mut self, rig: &str, unsent: u64, now_ns: u64) -> Status {
         let lost = self.ledger.lost();
-        let lost_now = lost.source + lost.capture + lost.extract + lost.fit;
+        let lost_now = lost.source + lost.capture + lost.extract + lost.bridge + lost.fit;
         let lost_new = lost_now - std::mem::replace(&mut self.lost_before, lost_now).min(lost_now);
         let age_ns = self
             .newest
@@ -97,6 +97,7 @@ impl Health {
         values.push(("lost at the source".to_owned(), lost.source.to_string()));
         values.push(("lost after capture".to_owned(), lost.capture.to_string()));
         values.push(("lost after extract".to_owned(), lost.extract.to_string()));
+        values.push(("lost over the bridge".to_owned(), lost.bridge.to_string()));
         values.push(("lost after fit".to_owned(), lost.fit.to_string()));
         values.push(("messages not sent".to_owned(), unsent.to_string()));
         self.add_latencies(&mut values);

@@ -11,10 +11,13 @@
 //! again: then its counter itself is the difference. As no stage sends more than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where such a
 //! start breaks that, the frame that proves a send is believed.
 //!
+//! On another machine the bridge is one more stage: it counts what it writes there, Δb. Then what was lost on the way there is Δf − Δb, and what was lost
+//! behind it Δb − 1.
+//!
 //! A sink that was started anew, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
 //! one: what that had received and not written down, and what came while there was none.
 //!
-//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
+//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
 //! skipped for want of a mask are in `lost.capture`. What was under way when the chain stopped is known too: each stage says at its end what it
 //! sent, the chain tells sink on its standard input, and the difference to the last message is lost on its link. A stage that did not live to say
 //! leaves its share on the link before it, with the sum still exact.
@@ -62,6 +65,10 @@ pub struct Ledger {
     /// Sums of the steps Δs, Δc, Δe, Δf.
     steps: Counters,
     received: u64,
+    /// The bridge's counter; 0 if the last message came over none.
+    bridged: u64,
+    /// What fit sent and no bridge wrote on this machine.
+    over_bridge: u64,
     /// What fit sent and no sink has counted, as there was none.
     with_sink: u64,
     /// Nothing has come since the sink goes on where another stopped.
@@ -86,6 +93,8 @@ impl Ledger {
             last: None,
             steps: [0; 4],
             received: 0,
+            bridged: 0,
+            over_bridge: 0,
             with_sink: 0,
             resumed: false,
             stale: 0,
@@ -98,7 +107,7 @@ impl Ledger {
 
     /// Counts one descriptors message, which came at that moment.
     pub fn received(&mut self, trace: &Trace, received_ns: u64) -> Arrival {
-        let counts = [trace.captured, trace.extracted, trace.fitted];
+        let counts = [trace.captured, trace.extracted, trace.fitted, trace.bridged];
         if counts.iter().any(|&count| count > LARGEST_COUNT) || trace.fitted_ns > received_ns {
             // Taken as it is, it would be ahead of all messages that are to come, and none of them would count.
             self.stale += 1;
@@ -130,11 +139,26 @@ impl Ledger {
         let lost_before = self.lost();
         self.received += 1;
         self.first.get_or_insert(now);
-        self.advance(before, now.map(Some), 1);
+        let written = self.follow_bridge(trace.bridged);
+        let fitted = self.steps[3];
+        self.advance(before, now.map(Some), written);
+        if trace.bridged > 0 {
+            self.over_bridge += self.steps[3] - fitted - written;
+        }
         self.lose_with_sink(lost_before.fit);
         self.note_restarts(trace, arrival, &lost_before);
         self.last = Some((now, trace.fitted_ns));
         arrival
+    }
+
+    /// How many messages a bridge has written here since the last one, this one included; 1 if there is none.
+    fn follow_bridge(&mut self, bridged: u64) -> u64 {
+        match std::mem::replace(&mut self.bridged, bridged) {
+            last if last > 0 && last < bridged => bridged - last,
+            // Begun anew.
+            last if bridged > 0 && last > bridged => bridged,
+            _ => 1,
+        }
     }
 
     /// Counts what was under way when the chain stopped.
@@ -276,7 +300,8 @@ impl Ledger {
             capture: captured - extracted - mask,
             mask,
             extract: extracted - fitted,
-            fit: fitted - self.received - self.with_sink,
+            bridge: self.over_bridge,
+            fit: fitted - self.over_bridge - self.received - self.with_sink,
             sink: self.with_sink,
         }
     }
@@ -285,7 +310,13 @@ impl Ledger {
         to.optional(self.first);
         to.optional(self.last.map(|([s, c, e, f], at_ns)| [s, c, e, f, at_ns]));
         to.numbers(self.steps);
-        to.numbers([self.received, self.with_sink, self.stale, self.masks_late]);
+        to.numbers([
+            self.received,
+            self.bridged,
+            self.over_bridge,
+            self.with_sink,
+        ]);
+        to.numbers([self.stale, self.masks_late]);
         to.number(self.resumed.into());
         let Restarts {
             capture,
@@ -302,9 +333,11 @@ impl Ledger {
         let first = from.optional()?;
         let last = from.optional()?;
         let steps = from.numbers()?;
-        let [received, with_sink, stale, masks_late] =
-            [from.count()?, from.count()?, from.count()?, from.number()?];
-        let is_sound = steps.is_sorted_by(|a, b| a >= b) && received + with_sink <= steps[3];
+        let [received, bridged, over_bridge, with_sink] =
+            [from.count()?, from.count()?, from.count()?, from.count()?];
+        let [stale, masks_late] = [from.count()?, from.number()?];
+        let is_sound =
+            steps.is_sorted_by(|a, b| a >= b) && received + over_bridge + with_sink <= steps[3];
         sound((), |()| is_sound)?;
         Ok(Self {
             from_start,
@@ -312,6 +345,8 @@ impl Ledger {
             last: last.map(|[s, c, e, f, at_ns]| ([s, c, e, f], at_ns)),
             steps,
             received,
+            bridged,
+            over_bridge,
             with_sink,
             resumed: from.flag()?,
             stale,

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The version of these keys: 2. With 2 came `finished`, `frames.lost.sink` and `frames.at_restart`.
+    /// The version of these keys: 2. With 2 came `finished`, `frames.lost.sink`, `frames.lost.bridge` and `frames.at_restart`.
     pub schema: u32,
     /// Whether the run has ended. A summary that was written while it went on, as every 10 s, says how it stood then.
     pub finished: bool,
@@ -25,7 +25,8 @@ pub struct Summary {
     pub machine: Machine,
 }
 
-/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.fit` + `lost.sink`, always.
+/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` +
+/// `lost.sink`, always.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Frames {
     /// What capture sent, as far as known.
@@ -89,7 +90,9 @@ pub struct Lost {
     pub mask: u64,
     /// Sent by extract, never by fit.
     pub extract: u64,
-    /// Sent by fit, never received here, though there was a sink.
+    /// On another machine: sent by fit, never written by the bridge there.
+    pub bridge: u64,
+    /// Sent by fit (on another machine: written by the bridge there), never received here, though there was a sink.
     pub fit: u64,
     /// Sent by fit while the sink was dead, until another one went on where it had stopped; with what it had received and could
     /// not write down any more.
@@ -99,7 +102,7 @@ pub struct Lost {
 impl Lost {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.source + self.capture + self.mask + self.extract + self.fit + self.sink
+        self.source + self.capture + self.mask + self.extract + self.bridge + self.fit + self.sink
     }
 }
 

@@ -182,7 +182,7 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
         lost.source,
         after_capture,
         lost.extract,
-        lost.fit + lost.sink,
+        lost.bridge + lost.fit + lost.sink,
     ] {
         write!(f, " {count:>8}")?;
     }
@@ -199,6 +199,13 @@ fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
             f,
             "\n{:<20} {:>8} {:>8} {:>8} {:>8}",
             "    at a restart", "", at_restart.capture, at_restart.extract, at_restart.fit
+        )?;
+    }
+    if lost.bridge > 0 {
+        write!(
+            f,
+            "\n{:<20} {:>8} {:>8} {:>8} {:>8}",
+            "    over the bridge", "", "", "", lost.bridge
         )?;
     }
     if lost.sink > 0 {

@@ -47,7 +47,7 @@ function showLatency(status) {
 }
 
 function stageRow(stage, lost) {
-  const after = { capture: lost.capture, extract: lost.extract }[stage.stage];
+  const after = { capture: lost.capture, extract: lost.extract, bridge: lost.bridge }[stage.stage];
   const cell = (text, className = "") => element("td", { textContent: text, className });
   const name = STAGES.includes(stage.stage) ? stage.stage : `+ ${stage.stage}`;
   return element("tr", { title: `process ${stage.pid}` },

@@ -132,6 +132,7 @@ impl<'d> Gatherer<'d> {
             source: lost.source,
             capture: lost.capture,
             extract: lost.extract,
+            bridge: lost.bridge,
             ..Default::default()
         }
     }
@@ -233,6 +234,7 @@ impl<'d> Gatherer<'d> {
                 source: lost.source,
                 capture: lost.capture,
                 extract: lost.extract,
+                bridge: lost.bridge,
             },
             shape: look.shape(now_ns),
         }

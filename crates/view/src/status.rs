@@ -70,6 +70,7 @@ struct Lost {
     source: u64,
     capture: u64,
     extract: u64,
+    bridge: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -210,6 +211,7 @@ impl Lost {
             source: lost.source,
             capture: lost.capture,
             extract: lost.extract,
+            bridge: lost.bridge,
         }
     }
 }

@@ -71,6 +71,8 @@ pub struct Losses {
     pub capture: u64,
     /// Between extract and fit.
     pub extract: u64,
+    /// On another machine: between fit and what the bridge wrote there.
+    pub bridge: u64,
 }
 
 /// The newest descriptors.

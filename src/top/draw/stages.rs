@@ -50,23 +50,35 @@ fn stage(row: &StageRow) -> Line<'static> {
 
 /// Frames that were lost on their way, under where they were.
 fn lost(view: &View) -> [Line<'static>; 2] {
-    let count = |count: u64| {
+    let count = |count: u64, width: usize| {
         let style = if count > 0 { BAD } else { Style::new() };
-        Span::styled(format!("{count:>10}"), style)
+        Span::styled(format!("{count:>width$}"), style)
     };
-    [
-        Line::styled(
-            format!(
-                "{:<4}{:>10}{:>10}{:>10}",
-                "lost", "at source", "→ extract", "→ fit"
-            ),
-            DIM,
+    let here = [view.lost.source, view.lost.capture, view.lost.extract];
+    let far = [here[0], here[1], here[2], view.lost.bridge];
+    // On another machine there is the way to it, too.
+    let (names, losses, widths) = match view.clock_bound_us {
+        None => (
+            &["at source", "→ extract", "→ fit"][..],
+            &here[..],
+            &[10; 3][..],
         ),
-        Line::from(vec![
-            Span::raw("    "),
-            count(view.lost.source),
-            count(view.lost.capture),
-            count(view.lost.extract),
-        ]),
+        Some(_) => (
+            &["source", "extract", "fit", "here"][..],
+            &far[..],
+            &[8, 8, 7, 7][..],
+        ),
+    };
+    let heading = names.iter().zip(widths);
+    let heading: String = heading
+        .map(|(name, &width)| format!("{name:>width$}"))
+        .collect();
+    let counts = losses
+        .iter()
+        .zip(widths)
+        .map(|(lost, width)| count(*lost, *width));
+    [
+        Line::styled(format!("lost{heading}"), DIM),
+        Line::from_iter([Span::raw("    ")].into_iter().chain(counts)),
     ]
 }

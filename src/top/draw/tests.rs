@@ -80,6 +80,7 @@ fn view() -> View {
             source: 0,
             capture: 12,
             extract: 0,
+            bridge: 0,
         },
         shape: Some(Shape {
             frame: 1234,
@@ -188,11 +189,15 @@ fn a_camera_that_is_gone_and_a_chain_that_is_silent_are_told() {
 }
 
 #[test]
-fn how_well_another_machine_s_clock_is_known_is_told() {
+fn how_well_another_machine_s_clock_is_known_and_what_was_lost_on_the_way_is_told() {
     let mut view = view();
     assert!(!screen(&view, 120, 24).contains("of clock"));
     view.clock_bound_us = Some(41.6);
-    assert!(screen(&view, 120, 24).contains("± 41.6 µs of clock"));
+    view.lost.bridge = 208;
+    let screen = screen(&view, 120, 24);
+    assert!(screen.contains("± 41.6 µs of clock"));
+    assert!(screen.contains("source extract    fit   here"), "{screen}");
+    assert!(screen.contains("     0      12      0    208"), "{screen}");
 }
 
 #[test]

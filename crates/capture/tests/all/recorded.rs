@@ -93,7 +93,7 @@ fn header(sequence: u64, at_ms: u64) -> FrameHeader {
         stride: 24,
         pixel_format: PixelFormat::Bgr8 as u32,
         source: SourceKind::Camera as u32,
-        reserved: [0; 5],
+        reserved: [0; 3],
     }
 }
 

@@ -61,6 +61,6 @@ pub fn frame_header(frame: &Frame, source: SourceKind, trace: Trace) -> FrameHea
         stride: frame.stride,
         pixel_format: frame.format as u32,
         source: source as u32,
-        reserved: [0; 5],
+        reserved: [0; 3],
     }
 }

@@ -86,7 +86,7 @@ message! {
 
 message! {
     /// What extract saw in one frame. No rope is an answer too: `count` is 0.
-    pub struct Centerlines = "lariat.Centerlines.v4" {
+    pub struct Centerlines = "lariat.Centerlines.v5" {
         /// The frame's way so far.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels.

@@ -175,7 +175,7 @@ impl CenterlinePoints {
 
 message! {
     /// What a control loop reads: the shape of every rope in one frame.
-    pub struct Descriptors = "lariat.Descriptors.v7" {
+    pub struct Descriptors = "lariat.Descriptors.v8" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels; 0 while the camera gives none.

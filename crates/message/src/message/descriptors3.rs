@@ -171,7 +171,7 @@ impl Descriptor3 {
 message! {
     /// What a control loop reads of ropes in space: the shape of each rope of one frame, in the order of
     /// [`Descriptors`](crate::Descriptors), which come right after it.
-    pub struct Descriptors3 = "lariat.Descriptors3.v1" {
+    pub struct Descriptors3 = "lariat.Descriptors3.v2" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// How many curves are meant. 0 is an answer: there is no rope.

@@ -12,7 +12,7 @@ message! {
     /// the bytes would align each of them, and take 64 times the memory.)
     #[repr(align(64))]
     #[derive(Eq)]
-    pub struct FrameHeader = "lariat.FrameHeader.v2" {
+    pub struct FrameHeader = "lariat.FrameHeader.v3" {
         /// The frame's way so far.
         trace: Trace = Trace::EMPTY => message,
         /// Pixels in a row; 0 if there is [no image](Self::is_blank).
@@ -26,7 +26,7 @@ message! {
         /// A [`SourceKind`](crate::SourceKind)'s number.
         source: u32 = 0 => code(SourceKind),
         /// Always 0.
-        reserved: [u32; 5] = [0; 5] => reserved,
+        reserved: [u32; 3] = [0; 3] => reserved,
     }
 }
 
@@ -89,7 +89,7 @@ mod tests {
             stride: 1920,
             pixel_format: PixelFormat::Rgb8 as u32,
             source: SourceKind::Files as u32,
-            reserved: [0; 5],
+            reserved: [0; 3],
         };
         assert_eq!(header.image_bytes(), Some(640 * 480 * 3));
         assert_eq!(

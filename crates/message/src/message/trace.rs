@@ -10,7 +10,7 @@ message! {
     /// `captured` was lost at the source, what `captured` advanced more than `extracted` between capture and extract, and
     /// so on. All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
     #[derive(Eq)]
-    pub struct Trace = "lariat.Trace.v2" {
+    pub struct Trace = "lariat.Trace.v3" {
         /// The source's own frame number, from 1.
         sequence: u64 = 0 => number,
         /// How many frames capture has sent, this one included.
@@ -19,6 +19,9 @@ message! {
         extracted: u64 = 0 => number,
         /// How many frames fit has sent, this one included.
         fitted: u64 = 0 => number,
+        /// How many messages of this channel a bridge has written on this machine, this one included; 0 if it came over none, and
+        /// for pictures.
+        bridged: u64 = 0 => number,
         /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
         exposed_ns: u64 = 0 => number,
         /// When capture had the frame ready to send.

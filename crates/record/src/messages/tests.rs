@@ -40,6 +40,7 @@ fn trace(of: &mut Numbers) -> Trace {
         captured: of.next(),
         extracted: of.next(),
         fitted: of.next(),
+        bridged: of.next(),
         exposed_ns: of.next(),
         captured_ns: of.next(),
         extract_started_ns: of.next(),
@@ -196,7 +197,7 @@ fn lists_that_belong_together_have_one_length() {
     let mut cdr = Vec::new();
     centerlines(1, 1, 0, 3).encode(&mut cdr);
     // Head, trace, size, count, the curve's words, sizes and age: then the points' count.
-    let at = 4 + 88 + 8 + 4 + 16 + 8 + 4 + 8;
+    let at = 4 + 96 + 8 + 4 + 16 + 8 + 4 + 8;
     assert_eq!(cdr[at..at + 4], [1, 0, 0, 0]);
     cdr[at] = 0;
     let mut read = Centerlines::EMPTY;

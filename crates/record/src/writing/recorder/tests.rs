@@ -69,7 +69,7 @@ pub(super) fn header(count: u64) -> FrameHeader {
         stride: 512,
         pixel_format: PixelFormat::Gray8 as u32,
         source: 1,
-        reserved: [0; 5],
+        reserved: [0; 3],
     }
 }
 
