@@ -44,6 +44,9 @@ pub(crate) struct Args {
     /// With --listen: a command that is older than this when it comes is dropped
     #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration::parse)]
     pub(crate) command_age: Duration,
+    /// Run before all ordinary programs
+    #[arg(long)]
+    pub(crate) realtime: bool,
     /// The file with the key that both sides share
     #[arg(long, value_name = "FILE", conflicts_with = "insecure")]
     key: Option<PathBuf>,

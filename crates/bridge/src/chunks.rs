@@ -1,4 +1,4 @@
-//! A picture in datagrams, each small enough that what comes behind it waits a tenth of a millisecond at most on a link of 100 Mbit/s. Pure.
+//! A picture, or a datagram that is larger than UDP can carry, in datagrams, each small enough that what comes behind it waits a tenth of a millisecond at most on a link of 100 Mbit/s. Pure.
 //!
 //! Each is `picture (u32), the how many-th of it (u16), of how many (u16)`, then bytes. One that is lost, or comes out of order, takes its picture
 //! along: the next one wins.

@@ -45,10 +45,12 @@ pub(crate) enum Kind {
     Descriptors3 = 7,
     /// From the near side: a part of a mask.
     Mask = 8,
+    /// From the near side: a part of a datagram that is larger than UDP can carry.
+    Part = 9,
 }
 
 impl Kind {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Ask,
         Self::Answer,
         Self::Descriptors,
@@ -58,6 +60,7 @@ impl Kind {
         Self::Picture,
         Self::Descriptors3,
         Self::Mask,
+        Self::Part,
     ];
     /// Messages of the rig's channels: how many were sent stands in each answer.
     pub(crate) const COUNTED: [Self; 4] = [
@@ -91,10 +94,6 @@ pub(crate) enum Refused {
         "a message makes no sense, and is not passed on: use the same release of lariat on both sides"
     )]
     Nonsense,
-    #[error(
-        "a message is larger than UDP can carry, 65 kB, and is not sent: ropes of fewer control points and fewer samples are smaller"
-    )]
-    Large,
 }
 
 /// The versions of all messages, as one number.

@@ -23,6 +23,7 @@ use lariat_wire::{
 };
 
 use crate::args::{Also, Args, Place};
+use crate::chunks::Assembly;
 use crate::clock::Offset;
 use crate::datagram::{Incoming, Kind, Outgoing, Refused};
 use crate::key::{self, Side};
@@ -36,6 +37,8 @@ use written::Written;
 
 /// How often it is asked.
 const ASK_NS: u64 = 50_000_000;
+/// And so much earlier, where a message has just come.
+const ASK_EARLY_NS: u64 = 10_000_000;
 /// Unanswered for so long, it begins anew: eight questions.
 const SILENCE_NS: u64 = 8 * ASK_NS;
 /// Between two tries, where a name is not known or an address not to be reached.
@@ -67,11 +70,15 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     ));
     let upward = Arc::new(Mutex::new(Upward::default()));
     let (controller_stop, mut stopper) = Stop::by_another()?;
+    let realtime = args.realtime;
     let controller = {
         let (rig, outgoing, upward) = (args.rig.clone(), outgoing.clone(), upward.clone());
         thread::Builder::new()
             .name("controller".into())
-            .spawn(move || controller::run(&rig, &outgoing, &upward, &controller_stop))
+            .spawn(move || {
+                crate::hurry(realtime);
+                controller::run(&rig, &outgoing, &upward, &controller_stop)
+            })
             .context("no thread could be started")?
     };
     let (pictures_stop, mut pictures_stopper) = Stop::by_another()?;
@@ -90,6 +97,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             Some(thread.context("no thread could be started")?)
         }
     };
+    crate::hurry_or_say(realtime);
     let mut far = Far::new(
         args,
         &domain,
@@ -124,6 +132,9 @@ struct Far<'a> {
     outgoing: Arc<Outgoing>,
     upward: Arc<Mutex<Upward>>,
     incoming: Incoming,
+    /// Of a datagram that is larger than UDP can carry, and it.
+    parts: Assembly,
+    whole: Vec<u8>,
     link: Link,
     descriptors: Written<Descriptors>,
     descriptors3: Written<Descriptors3>,
@@ -157,6 +168,8 @@ impl<'a> Far<'a> {
             outgoing,
             upward,
             incoming,
+            parts: Assembly::default(),
+            whole: Vec::new(),
             link: Link::default(),
             descriptors: Written::new(&DESCRIPTORS, Descriptors::EMPTY),
             descriptors3: Written::new(&DESCRIPTORS3, Descriptors3::EMPTY),
@@ -247,6 +260,10 @@ impl<'a> Far<'a> {
                 continue;
             };
             let Some(answer) = self.take(now_ns(), bytes) else {
+                // Behind a message a question and its answer are in the way of none.
+                if now_ns() + ASK_EARLY_NS >= ask_due_ns {
+                    ask_due_ns = now_ns();
+                }
                 continue;
             };
             silent_ns = now_ns() + SILENCE_NS;
@@ -282,6 +299,15 @@ impl<'a> Far<'a> {
     /// Takes a datagram that came at a moment; the answer, if it is one.
     fn take(&mut self, at_ns: u64, bytes: &mut [u8]) -> Option<Answer> {
         let datagram = match self.incoming.read(bytes) {
+            Ok(datagram) if datagram.kind == Kind::Part => {
+                let whole = self.link.is_of_near(&datagram).then_some(datagram.says);
+                self.whole.clear();
+                self.whole.extend(self.parts.take(whole?)?);
+                self.incoming.read(&mut self.whole)
+            }
+            read => read,
+        };
+        let datagram = match datagram {
             Ok(datagram) => datagram,
             Err(cause) => {
                 self.refusals.add(cause);

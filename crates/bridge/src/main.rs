@@ -24,10 +24,9 @@
 //!
 //! # Losses
 //!
-//! Descriptors carry the counts of capture, extract and fit, by which every reader's ledger finds what was lost before it: on the other side what the
-//! wire lost is in the row behind fit. A row of its own would need a count of the bridge in each message's trace, a new version of every message, for
-//! all who have no bridge. So the bridge counts by itself (`tally`), exactly, and says so when it ends, when the link is silent, and in the roster
-//! each second.
+//! The far side is one more stage of the chain: it counts what it writes into each trace (`bridged`), so that every reader's ledger finds what was lost
+//! between fit and there, on whichever part of the way, also while either side was away. What the wire lost the bridge itself counts (`tally`), exactly, from
+//! the count in each datagram, and says so when it ends, when the link is silent, and in the roster each second.
 //!
 //! | | |
 //! |---|---|
@@ -62,6 +61,10 @@ use std::process::ExitCode;
 use anyhow::Result;
 use args::Args;
 use clap::Parser;
+use lariat_chain::stages::arrangement::{run_before_others, take_short_slices};
+
+/// Above those of a chain, 40 to 43: what is on its way goes before what is still made.
+const PRIORITY: u8 = 44;
 
 fn main() -> ExitCode {
     match run(&Args::parse()) {
@@ -83,10 +86,22 @@ fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Has the calling thread, which makes pictures, get a core after those that carry descriptors. `nice`, of Linux a thread's own.
-fn give_way() {
-    // Without it descriptors are only later.
-    let _ = rustix::process::setpriority_process(None, 10);
+/// Has the calling thread, which carries descriptors, questions or commands, have a core as soon as it wakes; whether by realtime priority, if that is asked for.
+fn hurry(realtime: bool) -> bool {
+    if realtime && run_before_others(PRIORITY) {
+        return true;
+    }
+    take_short_slices();
+    !realtime
+}
+
+/// The same for the main thread, which says what it cannot have.
+fn hurry_or_say(realtime: bool) {
+    if !hurry(realtime) {
+        say(
+            "this user may not have realtime priority, and the bridge runs without: `lariat doctor` says what to type",
+        );
+    }
 }
 
 /// Says a sentence on standard error.

@@ -25,6 +25,7 @@ use rustix::event::{EventfdFlags, eventfd};
 
 use crate::args::{Also, Args, Place};
 use crate::channel::{Read, Woken};
+use crate::chunks::chunks;
 use crate::datagram::{Datagram, Incoming, Kind, Outgoing, Refused};
 use crate::key::{self, Side};
 use crate::pack::pack;
@@ -121,6 +122,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
         let hearing = thread::Builder::new()
             .name("hearing".into())
             .spawn_scoped(scope, || {
+                crate::hurry(args.realtime);
                 hearing::run(near, socket, hears, robot, &hearing_stop)
             })
             .context("no thread could be started")?;
@@ -129,6 +131,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
             .spawn_scoped(scope, || {
                 pictures::run(rig, place, near, pictures_hear, &pictures_stop)
             });
+        crate::hurry_or_say(args.realtime);
         let mut sender = Sender::new(near, socket);
         while pictures.is_ok() && !stop.asked() {
             sender.look(&domain, args);
@@ -174,6 +177,7 @@ struct Sender<'n> {
     fitted: Option<u64>,
     missed: u64,
     datagram: Vec<u8>,
+    part: Vec<u8>,
     to: Vec<SocketAddr>,
 }
 
@@ -191,6 +195,7 @@ impl<'n> Sender<'n> {
             fitted: None,
             missed: 0,
             datagram: Vec::new(),
+            part: Vec::new(),
             to: Vec::new(),
         }
     }
@@ -261,14 +266,18 @@ impl<'n> Sender<'n> {
     fn put(&mut self, message: &dyn Message, kind: Kind, wants: Wants) {
         let outgoing = &self.near.outgoing;
         outgoing.write(kind, &mut self.datagram, |to| pack(message, to));
-        if self.datagram.len() > LARGEST_DATAGRAM {
-            // Far sides count it as lost, as it is.
-            return self.near.refuse(Refused::Large);
-        }
         self.to.clear();
         self.to.extend(self.near.peers().addresses(wants, now_ns()));
-        for to in &self.to {
-            self.socket.send(&self.datagram, *to);
+        if self.datagram.len() <= LARGEST_DATAGRAM {
+            return self.socket.send_all(&self.datagram, &self.to);
+        }
+        let whole = outgoing.sent(Kind::Part) as u32;
+        for (head, chunk) in chunks(whole, &self.datagram) {
+            outgoing.write(Kind::Part, &mut self.part, |to| {
+                to.extend(head);
+                to.extend(chunk);
+            });
+            self.socket.send_all(&self.part, &self.to);
         }
     }
 }

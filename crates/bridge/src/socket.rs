@@ -77,6 +77,11 @@ impl Socket {
         let _ = self.0.send_to(datagram, to);
     }
 
+    /// Sends a datagram to each of these.
+    pub(crate) fn send_all(&self, datagram: &[u8], to: &[SocketAddr]) {
+        to.iter().for_each(|to| self.send(datagram, *to));
+    }
+
     /// The next datagram that waits, into `buffer`, which is of [`LARGEST_DATAGRAM`] bytes; and who sent it.
     pub(crate) fn next<'b>(&self, buffer: &'b mut [u8]) -> Option<(&'b mut [u8], SocketAddr)> {
         loop {

@@ -1,6 +1,8 @@
 //! A rope as a chain sends it: nine control points and 120 points, a little further each time.
 
-use lariat_wire::{Basis, Descriptors, FitQuality, Status, Unit};
+use lariat_wire::{
+    Basis, Descriptors, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Status, Unit,
+};
 
 /// Writes the `count`-th message of a chain that was quick: all its [stamps](stamp) are `now_ns`.
 pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
@@ -43,6 +45,30 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
         line.widths[i] = 12.0 + (i as f32).sin();
     }
     stamp(message, now_ns);
+}
+
+/// As many ropes, control points and points as a message holds: more than a datagram can carry.
+#[allow(dead_code, reason = "only tests use it")]
+pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
+    write(message, count, now_ns);
+    message.count = MAX_CURVES as u32;
+    let lists = message.curves.iter_mut().zip(&mut message.centerlines);
+    for (at, (curve, line)) in lists.enumerate() {
+        (curve.track, curve.basis, curve.order) = (at as u32, Basis::BSpline as u32, 3);
+        (curve.count, curve.samples) = (MAX_CONTROL_POINTS as u32, MAX_POINTS as u32);
+        (curve.status, curve.fit) = (Status::Ok as u32, FitQuality::Good as u32);
+        for i in 0..MAX_CONTROL_POINTS {
+            let along = (i as u64 * 31 + count) as f64;
+            curve.control_points[i] = [along, (at as f64 + 1.0) / (along + 1.0)];
+            curve.covariances[i] = [0.1 + along.sqrt(), 0.0, 0.1 + along.sqrt()];
+            curve.knots[i] = 0.01 + i as f64 / 33.0;
+        }
+        line.count = MAX_POINTS as u32;
+        for i in 0..MAX_POINTS {
+            line.points[i] = [i as f32, (i * at) as f32];
+            line.widths[i] = 12.0;
+        }
+    }
 }
 
 /// Stamps a message. When that was is also said where no bridge looks, in the residuals' variance, so that a reader on the same machine knows it to the

@@ -128,6 +128,12 @@ impl Link {
         near.tallies[at].receive(datagram.count).then_some(offset)
     }
 
+    /// Whether a datagram is of the process that answers.
+    pub(super) fn is_of_near(&self, datagram: &Datagram) -> bool {
+        let near = self.near.as_ref();
+        near.is_some_and(|near| near.process == datagram.process)
+    }
+
     /// The process at the other end, and its clock.
     pub(super) fn near(&self) -> Option<(u64, Offset)> {
         let near = self.near.as_ref()?;

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, ImageDecoder};
+use lariat_chain::stages::arrangement;
 use lariat_chain::stop::Stop;
 use lariat_wire::{Delivery, Domain, FrameHeader, PixelFormat, Rig, WireError, Writer, now_ns};
 
@@ -72,7 +73,7 @@ pub(super) fn run(
     upward: &Mutex<Upward>,
     stop: &Stop,
 ) -> [u64; 2] {
-    crate::give_way();
+    arrangement::give_way();
     match Pictures::new(rig, asks, incoming)
         .and_then(|mut pictures| pictures.carry(place, upward, stop))
     {

@@ -84,6 +84,8 @@ pub(super) struct Written<M: Carried + 'static> {
     channel: &'static Channel<M>,
     writer: Option<Writer<M>>,
     message: Box<M>,
+    /// How many messages were written.
+    count: u64,
     tried_ns: u64,
     said: Option<String>,
 }
@@ -94,6 +96,7 @@ impl<M: Carried> Written<M> {
             channel,
             writer: None,
             message: Box::new(empty),
+            count: 0,
             tried_ns: 0,
             said: None,
         }
@@ -126,6 +129,8 @@ impl<M: Carried> Written<M> {
         self.message.is_sound().then_some(())?;
         stamps.set(self.message.trace_mut(), offset, at_ns);
         if let Some(writer) = &self.writer {
+            self.count += 1;
+            self.message.trace_mut().bridged = self.count;
             let sent = self.message.send(writer);
             self.note(sent);
         }

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use lariat_chain::pipeline::FrameView;
+use lariat_chain::stages::arrangement;
 use lariat_chain::stop::Stop;
 use lariat_wire::{Domain, FRAMES, FrameHeader, MASKS, Message, Rig, now_ns};
 use zstd::bulk::Compressor;
@@ -39,7 +40,7 @@ pub(super) fn run(
     mut incoming: Incoming,
     stop: &Stop,
 ) -> [u64; 2] {
-    crate::give_way();
+    arrangement::give_way();
     let mut sent = [0; 2];
     let mut said = None;
     while !stop.asked() {

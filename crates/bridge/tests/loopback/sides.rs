@@ -37,7 +37,6 @@ pub(crate) struct Side {
 impl Side {
     pub(crate) fn start(domain: &str, words: &[&str]) -> Self {
         let mut process = Process::new(PROGRAM)
-            .args(["--rig", "cell"])
             .args(words)
             .env("LARIAT_DOMAIN", domain)
             .stdout(Stdio::piped())
@@ -75,11 +74,12 @@ impl Side {
     }
 }
 
-/// Two domains, and a port.
+/// Two domains, a port and a rig.
 pub(crate) struct Place {
     pub(crate) near: String,
     pub(crate) far: String,
     pub(crate) port: u16,
+    pub(crate) rig: Rig,
 }
 
 impl Place {
@@ -94,6 +94,7 @@ impl Place {
             near: format!("bn{name}"),
             far: format!("bf{name}"),
             port: free_port(),
+            rig: rig(),
         }
     }
 
@@ -103,13 +104,19 @@ impl Place {
 
     pub(crate) fn listen(&self, more: &[&str]) -> Side {
         let at = Self::at(self.port);
-        Side::start(&self.near, &[&["--listen", &at], more].concat())
+        Side::start(
+            &self.near,
+            &[&["--rig", self.rig.as_str(), "--listen", &at], more].concat(),
+        )
     }
 
     /// `port`: the relay's, if there is one.
     pub(crate) fn connect(&self, port: u16, more: &[&str]) -> Side {
         let at = Self::at(port);
-        Side::start(&self.far, &[&["--connect", &at], more].concat())
+        Side::start(
+            &self.far,
+            &[&["--rig", self.rig.as_str(), "--connect", &at], more].concat(),
+        )
     }
 
     pub(crate) fn near(&self) -> Domain {
@@ -155,7 +162,11 @@ pub(crate) struct Relayed {
 
 impl Relayed {
     pub(crate) fn start(to: u16, weather: Weather) -> Self {
-        let (port, wanted) = (free_port(), Arc::new(AtomicBool::new(true)));
+        Self::at(free_port(), to, weather)
+    }
+
+    pub(crate) fn at(port: u16, to: u16, weather: Weather) -> Self {
+        let wanted = Arc::new(AtomicBool::new(true));
         let [at, to] = [port, to].map(|port| ([127, 0, 0, 1], port).into());
         let mut relay = Relay::new(at, to, weather, 3).expect("a port");
         let wants = wanted.clone();
@@ -181,7 +192,7 @@ impl Drop for Relayed {
     }
 }
 
-/// A chain's end: sends a rope 100 times a second, in a thread of its own, until it is dropped.
+/// A chain's end: sends a rope 100 times a second from when somebody reads it on, in a thread of its own, until it is dropped.
 pub(crate) struct Chain {
     wanted: Arc<AtomicBool>,
     thread: Option<JoinHandle<u64>>,
@@ -189,19 +200,27 @@ pub(crate) struct Chain {
 
 impl Chain {
     pub(crate) fn start(place: &Place) -> Self {
+        Self::of(place, rope::write)
+    }
+
+    /// Of other ropes: `write` is given the message, its count and the time.
+    pub(crate) fn of(place: &Place, write: fn(&mut Descriptors, u64, u64)) -> Self {
         let wanted = Arc::new(AtomicBool::new(true));
-        let (wants, name) = (wanted.clone(), place.near.clone());
+        let (wants, name, rig) = (wanted.clone(), place.near.clone(), place.rig.clone());
         let thread = thread::spawn(move || {
             let domain = Domain::named(&name).expect("a domain");
             let writer =
-                Writer::<Descriptors>::create(&domain, &rig(), &DESCRIPTORS, &Delivery::NewestWins);
+                Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins);
             let (writer, mut count) = (writer.expect("the only one"), 0);
             while wants.load(Ordering::Relaxed) {
                 // A camera's pace.
                 thread::sleep(Duration::from_millis(10));
+                if count == 0 && writer.readers() == 0 {
+                    continue;
+                }
                 count += 1;
                 let mut slot = writer.slot().expect("a slot");
-                rope::write(&mut slot, count, now_ns());
+                write(&mut slot, count, now_ns());
                 slot.send().expect("sent");
             }
             count

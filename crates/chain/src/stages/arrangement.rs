@@ -58,6 +58,8 @@
 //! | resident, five processes, shared memory once, 640×480 | 27 MB; with every slot of every channel, used or not, 50 MB |
 //! | from `exec` of `lariat run` to all stages ready | 57 ms (56 ms with `--realtime`; 135 ms at 1920×1080); the first descriptor comes with the first frame, a latency later |
 
+mod slices;
+
 use std::fmt;
 use std::fs;
 use std::time::Duration;
@@ -73,6 +75,7 @@ use thread_priority::{
 };
 
 use crate::settings::{Arrangement, Cpus, STAGES, Stage, Wake};
+pub use slices::take_short_slices;
 
 /// Memory that a stage may come to map after it has locked what it has: the channels of readers yet to come, other sizes
 /// of frames. With a limit below that a later mapping would fail, which is worse than a page that is not locked.
@@ -305,6 +308,13 @@ fn lock_memory() -> bool {
 /// Lets a wait end when it is due: the kernel otherwise takes 50 µs of leeway. Not to be had is no fault.
 pub fn precise_timer() {
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
+}
+
+/// Has this thread, which makes pictures to look at, give its core to whoever wakes, within a tenth of a millisecond, and yet have some of it on a busy machine.
+pub fn give_way() {
+    // Without it others are only later. `nice` is of Linux a thread's own.
+    let _ = rustix::process::nice(15);
+    take_short_slices();
 }
 
 /// Gives this thread realtime priority, and no more of it at a time than the kernel ends it for.

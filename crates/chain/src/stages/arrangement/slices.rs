@@ -1,0 +1,47 @@
+#![allow(unsafe_code)] // Two system calls that rustix does not have.
+//! Short slices: a thread that asks for less of a core at a time has it sooner when it wakes, without any privilege.
+//!
+//! A kernel of 6.12 or later (EEVDF) lets a thread that wakes run before one whose slice is longer, and keeps nobody on a core beyond its own slice. The
+//! usual slice is 1.4 ms on two cores and 2.8 on eight, which is what a thread otherwise waits for whatever program has its core. Older kernels go on as they do.
+
+/// The shortest there is.
+const SLICE_NS: u64 = 100_000;
+
+/// Asks for short slices for this thread, if it is an ordinary one. Its niceness stays.
+pub fn take_short_slices() {
+    let mut attributes = libc::sched_attr {
+        size: 0,
+        sched_policy: 0,
+        sched_flags: 0,
+        sched_nice: 0,
+        sched_priority: 0,
+        sched_runtime: 0,
+        sched_deadline: 0,
+        sched_period: 0,
+    };
+    let size = size_of_val(&attributes) as u32;
+    // SAFETY: of this thread (0), the kernel writes at most `size` bytes to what is as large and lives here.
+    let read = unsafe { libc::syscall(libc::SYS_sched_getattr, 0, &raw mut attributes, size, 0) };
+    if read == 0 && attributes.sched_policy == libc::SCHED_OTHER as u32 {
+        attributes.sched_runtime = SLICE_NS;
+        // SAFETY: the kernel only reads it, as far as its `size`, which the kernel itself has written. Not to be had is no fault.
+        unsafe { libc::syscall(libc::SYS_sched_setattr, 0, &raw const attributes, 0) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thread_keeps_its_niceness() {
+        std::thread::spawn(|| {
+            rustix::process::nice(3).expect("anybody may");
+            take_short_slices();
+            let niceness = rustix::process::getpriority_process(None).expect("it is this one");
+            assert_eq!(niceness, 3);
+        })
+        .join()
+        .expect("it holds");
+    }
+}
