@@ -5,7 +5,7 @@
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
 //! wire frames RIG HZ SECONDS              pictures of 1280 x 1024
 //! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 40 ms
-//! wire serve udp|tcp ADDRESS:PORT         sends back what comes
+//! wire serve udp|tcp ADDRESS:PORT         sends back what comes, and when that was
 //! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
 //! wire relay LISTEN TO DELAY_US JITTER_US LOST_OF_1000
 //! ```
@@ -103,19 +103,21 @@ fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
     let bytes = 3 * (width * height) as usize;
     let domain = Domain::open()?;
     let writer = Writer::<[u8]>::frames(&domain, rig, &Delivery::NewestWins, bytes)?;
+    // Some texture, so that a JPEG of it is as large as of a camera's picture; drawn once, as a camera takes no processor to see.
+    let texture = (0..(width * (height + 1)) as usize).flat_map(|at| {
+        let grain = (((at as u64 * 0x9e37_79b9) >> 16) & 15) as u8;
+        [
+            grain + (at % 160) as u8,
+            grain + (at / 16384) as u8,
+            90 + grain,
+        ]
+    });
+    let texture: Vec<u8> = texture.collect();
     let mut beat = Beat::new(hz);
-    for count in 0..(hz * seconds) as u64 {
+    for count in 0..(hz * seconds) as usize {
         beat.wait();
         let mut slot = writer.frame_slot(bytes)?;
-        for (at, pixel) in slot.chunks_exact_mut(3).enumerate() {
-            // Some texture, so that a JPEG of it is as large as of a camera's picture.
-            let grain = (((at as u64 * 0x9e37_79b9) >> 16) & 15) as u8;
-            pixel.copy_from_slice(&[
-                grain + (at % 160) as u8,
-                grain + count as u8 / 2,
-                90 + grain,
-            ]);
-        }
+        slot.copy_from_slice(&texture[3 * (count % width as usize)..][..bytes]);
         *slot.header_mut() = FrameHeader {
             width,
             height,
@@ -183,11 +185,19 @@ fn figures(ns: &mut [u64]) -> String {
     )
 }
 
+/// What a ping begins with: when it left; how many bytes it has, and on its way back when it was there.
+const HEAD: usize = 16;
+
+fn number(bytes: &[u8]) -> u64 {
+    u64::from_le_bytes(std::array::from_fn(|i| bytes[i]))
+}
+
 fn serve_udp(at: &str) -> Result<()> {
     let socket = UdpSocket::bind(at)?;
     let mut buffer = [0; 65536];
     loop {
         let (length, from) = socket.recv_from(&mut buffer)?;
+        buffer[8..HEAD].copy_from_slice(&now_ns().to_le_bytes());
         socket.send_to(&buffer[..length], from)?;
     }
 }
@@ -197,16 +207,20 @@ fn serve_tcp(at: &str) -> Result<()> {
     loop {
         let (mut stream, _) = listener.accept()?;
         stream.set_nodelay(true)?;
-        let mut buffer = [0; 65536];
-        while let Ok(length @ 1..) = stream.read(&mut buffer) {
-            stream.write_all(&buffer[..length])?;
+        let mut buffer = vec![0; HEAD];
+        while stream.read_exact(&mut buffer[..HEAD]).is_ok() {
+            buffer.resize(number(&buffer[8..HEAD]) as usize, 0);
+            stream.read_exact(&mut buffer[HEAD..])?;
+            buffer[8..HEAD].copy_from_slice(&now_ns().to_le_bytes());
+            stream.write_all(&buffer)?;
         }
     }
 }
 
-/// There and back, with so many bytes each way; what did not come within 2 s is lost. Each carries when it left, so that many may be under way.
+/// There, and back, with so many bytes each way; what did not come within 2 s is lost. Each carries when it left, so that many may be under way.
 fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<()> {
-    let mut message = vec![0; bytes.max(8)];
+    let length = bytes.max(HEAD);
+    let mut message = vec![0; length];
     let socket = UdpSocket::bind("0.0.0.0:0")?;
     let stream = match how {
         "tcp" => Some(TcpStream::connect(to)?),
@@ -222,11 +236,10 @@ fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<
             socket.set_read_timeout(Some(Duration::from_secs(2)))?;
         }
     }
-    let mut back_ns = std::thread::scope(|scope| {
-        let length = message.len();
+    let (mut back_ns, mut there_ns) = std::thread::scope(|scope| {
         let (stream, socket) = (&stream, &socket);
         let reads = scope.spawn(move || {
-            let (mut buffer, mut back_ns) = (vec![0; length], Vec::new());
+            let (mut buffer, mut back_ns, mut there_ns) = (vec![0; length], Vec::new(), Vec::new());
             while (back_ns.len() as u64) < count {
                 let came = match stream {
                     Some(stream) => (&*stream).read_exact(&mut buffer).is_ok(),
@@ -235,15 +248,17 @@ fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<
                 if !came {
                     break;
                 }
-                let left_ns = u64::from_le_bytes(std::array::from_fn(|i| buffer[i]));
+                let left_ns = number(&buffer);
                 back_ns.push(now_ns() - left_ns);
+                there_ns.push(number(&buffer[8..]).saturating_sub(left_ns));
             }
-            back_ns
+            (back_ns, there_ns)
         });
         let mut beat = Beat::new(hz);
         for _ in 0..count {
             beat.wait();
             message[..8].copy_from_slice(&now_ns().to_le_bytes());
+            message[8..HEAD].copy_from_slice(&(length as u64).to_le_bytes());
             let sent = match stream {
                 Some(stream) => (&*stream).write_all(&message),
                 None => socket.send(&message).map(drop),
@@ -254,6 +269,10 @@ fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<
         }
         reads.join().unwrap_or_default()
     });
-    println!("{{{}}}", figures(&mut back_ns));
+    println!(
+        "{{{}, \"there\": {{{}}}}}",
+        figures(&mut back_ns),
+        figures(&mut there_ns)
+    );
     Ok(())
 }
