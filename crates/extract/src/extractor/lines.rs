@@ -161,7 +161,8 @@ impl Extractor {
         // Where no strands meet and nothing lies over them, one image leaves nothing open.
         let ring = self.strands.strands.iter().any(|strand| strand.closed);
         let open = self.zones.has_meeting() || self.occluder.any() || ring;
-        if !open || !self.refitter.refit(&self.lines[..count], &scene) {
+        if !open || self.bridger.is_untangled || !self.refitter.refit(&self.lines[..count], &scene)
+        {
             return count;
         }
         let count = self.refitter.take(&mut self.lines, count);

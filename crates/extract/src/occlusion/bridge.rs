@@ -5,6 +5,8 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
+mod untangle;
+
 use super::ends::{End, Scenery, is_stretched, known_way, plain_cost};
 use super::pieces::{self, Piece};
 use super::way;
@@ -56,6 +58,8 @@ pub(crate) struct Bridger {
     /// How the ropes of the past have moved, as far as pieces of them are seen: rope by rope, in their order along each.
     pub(crate) moves: Vec<Move>,
     pub(crate) gaps: Vec<Gap>,
+    /// Whether what was known of hidden ways was found wrong.
+    pub(crate) is_untangled: bool,
     spaced: Vec<Sample>,
 }
 
@@ -79,6 +83,7 @@ impl Bridger {
         scenery: &Scenery,
     ) -> usize {
         self.gaps.clear();
+        self.is_untangled = false;
         self.list_ends(lines, colors, scenery);
         if scenery.elsewhere.is_some() && self.part(lines, scenery) {
             self.list_ends(lines, colors, scenery);
@@ -86,11 +91,17 @@ impl Bridger {
         self.list_candidates(lines, scenery);
         self.candidates
             .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
+        let ends = &mut self.ends;
+        self.candidates.retain(|candidate| {
+            let is_free = candidate.ends.iter().all(|&e| !ends[e].used);
+            if is_free {
+                candidate.ends.iter().for_each(|&e| ends[e].used = true);
+            }
+            is_free
+        });
+        self.untangle(scenery);
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
-            if candidate.ends.iter().any(|&e| self.ends[e].used) {
-                continue;
-            }
             self.bridge(&candidate, lines, scenery);
         }
         self.join_pairs(lines, scenery);
@@ -613,6 +624,76 @@ mod tests {
         assert_eq!((count, gaps.len()), (1, 1));
         let farthest = lines[0].samples.iter().map(|s| s.at[0]).fold(0.0, f32::max);
         assert!(farthest < 182.0, "{farthest}");
+    }
+
+    /// A line along straight stretches, its samples a pixel apart.
+    fn along(corners: &[Vec2]) -> Line {
+        let mut lines = corners.windows(2).map(|pair| straight(pair[0], pair[1]));
+        let first = lines.next().expect("two corners");
+        lines.fold(first, |mut line, next| {
+            line.samples.extend_from_slice(&next.samples[1..]);
+            line
+        })
+    }
+
+    /// How often one of the joined lines passes the thing's middle from left to right, or back.
+    fn passes(lines: &[Line]) -> usize {
+        let samples = |line: &Line| line.samples.iter().map(|s| s.at).collect::<Vec<_>>();
+        let lines = lines.iter().map(samples);
+        let pairs = |line: Vec<Vec2>| {
+            let is_pass = |p: &&[Vec2]| (p[0][0] < 150.0) != (p[1][0] < 150.0) && p[0][1] < 140.0;
+            line.windows(2).filter(is_pass).count()
+        };
+        lines.map(pairs).sum()
+    }
+
+    #[test]
+    fn two_hairpins_under_a_thing_give_way_to_two_ways_that_run_on() {
+        // In at the left, out at the right, around below the thing, and the same again; of which the past has that it turns back at
+        // both sides.
+        let around = [
+            [117.0, 120.0],
+            [60.0, 120.0],
+            [60.0, 180.0],
+            [350.0, 180.0],
+            [350.0, 80.0],
+            [183.0, 80.0],
+        ];
+        let mut corners = vec![[20.0, 80.0], [117.0, 80.0], [127.0, 90.0], [127.0, 110.0]];
+        corners.extend(around);
+        corners.extend([
+            [173.0, 90.0],
+            [173.0, 110.0],
+            [183.0, 120.0],
+            [330.0, 120.0],
+        ]);
+        let (rope, mut past) = (along(&corners), Past::default());
+        let points: Vec<Vec2> = rope.samples.iter().map(|s| s.at).collect();
+        past.add(false, [rope.length_px(), 6.0], &points);
+        let mut lines = [
+            straight([20.0, 80.0], [117.0, 80.0]),
+            along(&around),
+            straight([183.0, 120.0], [330.0, 120.0]),
+        ];
+        let (count, gaps) = join_under(&mut lines, &past, false, &thing());
+        assert_eq!((count, gaps.len()), (1, 2));
+        assert_eq!(passes(&lines), 2);
+    }
+
+    #[test]
+    fn a_known_way_over_the_bare_table_gives_way_to_one_under_a_thing() {
+        let corners = [[183.0, 80.0], [350.0, 80.0], [350.0, 120.0], [183.0, 120.0]];
+        let (rope, mut past) = (along(&corners), Past::default());
+        let points: Vec<Vec2> = rope.samples.iter().map(|s| s.at).collect();
+        past.add(false, [rope.length_px(), 6.0], &points);
+        let mut lines = [
+            straight([183.0, 80.0], [260.0, 80.0]),
+            along(&[[300.0, 80.0], [350.0, 80.0], [350.0, 120.0], [183.0, 120.0]]),
+        ];
+        let (count, gaps) = join_under(&mut lines, &past, false, &thing());
+        assert_eq!((count, gaps.len()), (1, 1));
+        let on_table = |s: &Sample| s.at[1] < 90.0 && (270.0..290.0).contains(&s.at[0]);
+        assert!(!lines[0].samples.iter().any(on_table));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::vec2::{self, Vec2};
 
 /// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
 /// turn by 20°). It is a flaw of the mask, such as shine, not a thing that lies on the rope.
-const FLAW: (f32, f32) = (2.5, 0.03);
+pub(super) const FLAW: (f32, f32) = (2.5, 0.03);
 /// Without a past: the same where something else than the table shows in the gap (a turn by 57°).
 const COVERED: (f32, f32) = (16.0, 0.25);
 /// Share of a gap that must differ from the table for something to lie there.
@@ -184,7 +184,7 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
 }
 
 /// The share of the straight way from a to b, less half a width at each end, that is not table.
-fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
+pub(super) fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
     let hits = (1..ASKED).filter(|&k| {
         let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
