@@ -46,6 +46,8 @@ pub struct Camera {
     pub unit: Option<Unit>,
     /// The depth camera beside it.
     pub depth: Option<PathBuf>,
+    /// The second colour camera beside it.
+    pub second: Option<PathBuf>,
     /// Its pose before a robot.
     pub pose: Option<PathBuf>,
     /// How long after its capture a frame's depth image is waited for.
@@ -59,6 +61,7 @@ impl Default for Camera {
             plane: None,
             unit: None,
             depth: None,
+            second: None,
             pose: None,
             depth_deadline: Duration::from_millis(50),
         }
@@ -70,7 +73,7 @@ impl Camera {
     pub(super) fn problem(&self) -> Option<String> {
         let load = Calibrated::load(self).map(|_| ());
         let error = load
-            .and_then(|()| Calibrated::depth(self).map(|_| ()))
+            .and_then(|()| Calibrated::beside(self).map(|_| ()))
             .err()?;
         Some(format!("{error:#}"))
     }

@@ -12,7 +12,7 @@ use super::heirloom::Progress;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
 use crate::calibrated::Calibrated;
-use crate::pipeline::{CurveFitter, FrameView, SpaceFitter};
+use crate::pipeline::{Companion, CurveFitter, FrameView, SpaceFitter};
 use crate::settings::{Settings, Stage};
 
 /// Fits until a signal comes.
@@ -23,7 +23,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
     let read = |settings: &Settings| {
         let camera = &settings.camera;
-        anyhow::Ok((Calibrated::load(camera)?, Calibrated::depth(camera)?))
+        anyhow::Ok((Calibrated::load(camera)?, Calibrated::beside(camera)?))
     };
     let mut calibrated = read(settings)?;
     let changes = station.listen(settings, move |before, now| {
@@ -143,7 +143,7 @@ impl Space {
         slot.trace = seen.trace;
         slot.trace.fit_started_ns = started_ns;
         slot.trace.settings = station.version;
-        let depth = depth.map(|image| FrameView::new(image.header(), image));
+        let depth = depth.map(|image| Companion::Depth(FrameView::new(image.header(), image)));
         self.fitter.answer(seen, depth, &mut slot);
         (slot.trace.fitted, slot.trace.fitted_ns) = (fitted, now_ns());
         slot.send()?;
