@@ -75,6 +75,8 @@ fn the_examples_in_a_new_file_are_good() {
         "plane",
         "unit",
         "depth",
+        "second",
+        "second_rig",
         "pose",
         "depth_images",
         "depth_source",
@@ -204,7 +206,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     assert_eq!(
         complaint("[camera]\n\n# in the world\nunits = 7\n"),
         "lariat: lariat.toml, line 4: [camera] has no key \"units\". Did you mean \"unit\"? Its keys are calibration, \
-         plane, unit, depth, pose, depth_deadline_us\n"
+         plane, unit, depth, second, second_rig, second_within_us, pose, depth_deadline_us\n"
     );
     for (text, why) in [
         (

@@ -17,10 +17,11 @@ use lariat_chain::settings::{
 };
 
 /// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
-const FILES: [(&str, &str, &str); 4] = [
+const FILES: [(&str, &str, &str); 5] = [
     ("calibration", "calibration.yaml", "application/yaml"),
     ("plane", "plane.toml", "application/toml"),
     ("depth", "depth.yaml", "application/yaml"),
+    ("second", "second.yaml", "application/yaml"),
     ("pose", "pose.yaml", "application/yaml"),
 ];
 
@@ -97,6 +98,7 @@ impl Rig {
                     &camera.calibration,
                     &camera.plane,
                     &camera.depth,
+                    &camera.second,
                     &camera.pose,
                 ];
                 for ((_, name, media_type), path) in FILES.iter().zip(paths) {

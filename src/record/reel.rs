@@ -41,7 +41,8 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     // One that was started anew has not seen what was before.
     let from_start =
         supervised && !settings.capture.is_external() && station.heirloom.progress().restarts == 0;
-    let space = !supervised || settings.camera.depth.is_some();
+    let camera = &settings.camera;
+    let space = !supervised || camera.depth.is_some() || camera.second.is_some();
     let channels = Channels::open(&station, masks, space)?;
     let recorder = begin(settings, file)?;
     let mut reel = Reel {

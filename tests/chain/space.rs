@@ -1,4 +1,5 @@
-//! Ropes in space: pictures and depth images of drawn ropes in folders, through the chain's processes, to a reader in space.
+//! Ropes in space: pictures and depth images of drawn ropes in folders, or pictures for two rigs, through the chains' processes, to a
+//! reader in space.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -50,6 +51,30 @@ fn drawn(bench: &Bench) -> LiftedRope {
     fs::write(bench.path("depth.yaml"), camera.to_owned() + pose).unwrap();
     rope
 }
+
+/// What a second camera sees of it, and its calibration.
+fn drawn_again(bench: &Bench, rope: &LiftedRope) {
+    let second = eye().verging([100.0, 0.0, 0.0], 500.0);
+    let [width, height] = SIZE.map(|side| side as u32);
+    fs::create_dir(bench.path("right")).unwrap();
+    let pixels = picture(rope, &second, 3);
+    ImageBuffer::<Rgb<u8>, _>::from_raw(width, height, pixels)
+        .unwrap()
+        .save(bench.path("right/1.png"))
+        .unwrap();
+    let (rotation, place) = second.pose_in(&eye());
+    let camera = fs::read_to_string(bench.path("camera.yaml")).unwrap();
+    let pose = format!(
+        "rotation: {:?}\ntranslation_mm: {place:?}\n",
+        rotation.as_flattened()
+    );
+    fs::write(bench.path("right.yaml"), camera + &pose).unwrap();
+}
+
+const RIGHT: [&str; 7] = [
+    "--rig", "right", "--source", "right", "--loop", "--fps", "30",
+];
+const BESIDE: [&str; 4] = ["--second", "right.yaml", "--second-rig", "right"];
 
 const SOURCE: [&str; 7] = [
     "--source",
@@ -257,5 +282,114 @@ fn depth_images_that_are_none_and_cameras_that_do_not_fit_are_refused_with_a_sen
     let cameras = ["--calibration", "camera.yaml", "--depth", "depth.yaml"];
     let said = beside(&[&["--source", "/dev/video98"][..], &cameras].concat());
     assert!(said.contains("it is the source itself"), "{said}");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_lifted_rope_comes_out_where_two_cameras_see_it() {
+    let bench = Bench::new();
+    let rope = drawn(&bench);
+    drawn_again(&bench, &rope);
+    let axis: Vec<[f64; 3]> = rope.points.iter().map(|&p| eye().see(p)).collect();
+    let right = bench.start(&RIGHT);
+    let chain = bench.start(&[&SOURCE[..], &BESIDE].concat());
+    let mut reader = reader(&bench);
+    reader.follow_in_space().expect("room for one more");
+    wait_for(&mut reader, |seen| {
+        let Seen::Fresh(rope) = seen else {
+            return false;
+        };
+        let Ok(shape) = rope.in_space() else {
+            return false;
+        };
+        // A pixel of these small pictures is 8 mm of depth.
+        let off = shape.points::<60>().map(|point| {
+            let away = axis.iter().map(|&on| far(on, point));
+            away.fold(f64::MAX, f64::min)
+        });
+        let mean = off.iter().sum::<f64>() / 60.0;
+        assert!(mean < 2.0, "{mean} mm beside the axis in the mean: {off:?}");
+        let said = rope.descriptor3().expect("it was said");
+        assert_eq!(said.place(), Some(Place::Known));
+        assert!(said.measured > 60 && said.measured <= 120);
+        true
+    });
+    // Without its partner this rig goes on, and says so.
+    right.signal_chain(Signal::INT);
+    assert!(right.end().status.success());
+    wait_for(&mut reader, |seen| {
+        let Seen::Fresh(rope) = seen else {
+            return false;
+        };
+        rope.shape().expect("a shape in the image");
+        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoImage)))
+    });
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    let said = ended.stderr;
+    assert!(said.contains("is described in the image only"), "{said}");
+    assert!(said.contains("rig right"), "{said}");
+    drop(reader);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn of_a_second_camera_of_another_size_it_is_said_that_it_is_unreadable() {
+    let bench = Bench::new();
+    let rope = drawn(&bench);
+    drawn_again(&bench, &rope);
+    let text = fs::read_to_string(bench.path("right.yaml")).unwrap();
+    let larger = text.replace("image_width: 424", "image_width: 640");
+    fs::write(bench.path("right.yaml"), larger).unwrap();
+    let right = bench.start(&RIGHT);
+    let chain = bench.start(&[&SOURCE[..], &BESIDE].concat());
+    let mut reader = reader(&bench);
+    reader.follow_in_space().expect("room for one more");
+    wait_for(&mut reader, |seen| {
+        let Seen::Fresh(rope) = seen else {
+            return false;
+        };
+        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::Unreadable)))
+    });
+    right.signal_chain(Signal::INT);
+    assert!(right.end().status.success());
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    assert!(
+        ended
+            .stderr
+            .contains("frames of the second camera of 640×240 pixels"),
+        "{}",
+        ended.stderr
+    );
+    drop(reader);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn second_cameras_of_which_too_little_is_known_are_refused_with_a_sentence() {
+    let bench = Bench::new();
+    let rope = drawn(&bench);
+    drawn_again(&bench, &rope);
+    let ended = |more: &[&str]| {
+        let output = bench.run(&[&["run"], &SOURCE[..], more].concat());
+        assert!(!output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = ended(&BESIDE[..2]);
+    assert!(said.contains("say which (--second-rig NAME)"), "{said}");
+    let said = ended(&BESIDE[2..]);
+    assert!(
+        said.contains("name its calibration (--second FILE)"),
+        "{said}"
+    );
+    let said = ended(&["--second", "right.yaml", "--second-rig", "default"]);
+    assert!(said.contains("it is this rig itself"), "{said}");
+    let said = ended(&["--second", "camera.yaml", "--second-rig", "right"]);
+    assert!(said.contains("pose beside the first camera"), "{said}");
+    let said = ended(&[&BESIDE[..], &["--depth", "depth.yaml"]].concat());
+    assert!(said.contains("name one of them"), "{said}");
     bench.assert_nothing_is_left();
 }

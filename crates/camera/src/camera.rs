@@ -93,6 +93,16 @@ impl Camera {
         self.through(pixel, |seen| self.lens.undistort(seen))
     }
 
+    /// The ray through a pixel in the camera's frame, a millimetre ahead for each of depth, and its derivative by the pixel; `None` where
+    /// the lens's model ends.
+    pub(crate) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
+        let ideal = self.undistort(pixel)?;
+        let (f, c) = (self.focal_px, self.center_px);
+        let [x, y] = [0, 1].map(|k| (ideal.point[k] - c[k]) / f[k]);
+        let by_pixel = [0, 1].map(|k| ideal.jacobian[k].map(|d| d / f[k]));
+        Some(([x, y, 1.0], by_pixel))
+    }
+
     /// Where what lies at this ideal pixel is seen. `None` where the lens's model is not one-to-one.
     pub fn distort(&self, ideal: [f64; 2]) -> Option<Place> {
         self.through(ideal, |ray| self.lens.distort(ray))

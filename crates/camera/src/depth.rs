@@ -24,6 +24,7 @@ mod pair;
 mod rope;
 
 pub use file::DepthCalibration;
+pub(crate) use file::read_range;
 pub use image::{DepthImage, DepthImageError, DepthKind};
 pub use pair::{DepthCamera, DepthCameraError};
-pub use rope::{NoDepth, RopeDepth, SeenRope, SpacePoint};
+pub use rope::{NoDepth, RopeDepth};

@@ -3,7 +3,7 @@
 use crate::plane_file;
 use crate::settings;
 use anyhow::{Context, Result, bail};
-use lariat_camera::{Camera, DepthCalibration, Mapping, Plane, Pose};
+use lariat_camera::{Camera, DepthCalibration, Mapping, Plane, Pose, SecondCalibration};
 use lariat_wire::{Rig, Unit, members};
 use std::path::{Path, PathBuf};
 use toml::Table;
@@ -14,6 +14,15 @@ pub struct Calibrated {
     camera: Option<Camera>,
     plane: Option<Plane>,
     unit: Unit,
+}
+
+/// What stands beside the colour camera, so that ropes are found in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Beside {
+    /// A depth camera.
+    Depth(DepthCalibration),
+    /// A second colour camera.
+    Second(SecondCalibration),
 }
 
 impl Calibrated {
@@ -53,11 +62,12 @@ impl Calibrated {
         }))
     }
 
-    /// The depth camera beside the colour one, and the colour camera's pose before the robot; `None` if the settings name none.
+    /// What stands beside the colour camera, and that camera's pose before the robot; `None` if the settings name neither a depth
+    /// camera nor a second one.
     ///
     /// # Errors
-    /// As [`load`](Self::load); no calibration of the colour camera.
-    pub fn depth(settings: &settings::Camera) -> Result<Option<(DepthCalibration, Option<Pose>)>> {
+    /// As [`load`](Self::load); both of them; no calibration of the colour camera.
+    pub fn beside(settings: &settings::Camera) -> Result<Option<(Beside, Option<Pose>)>> {
         let read = |path: &Path, what: &str| {
             crate::bounded::read_text(path)
                 .with_context(|| format!("cannot read {what} {}", path.display()))
@@ -70,19 +80,29 @@ impl Calibrated {
                 Some(pose)
             }
         };
-        let Some(path) = &settings.depth else {
-            return Ok(None);
+        let (path, what) = match (&settings.depth, &settings.second) {
+            (None, None) => return Ok(None),
+            (Some(_), Some(_)) => {
+                bail!("ropes are found in space by depth or by a second camera: name one of them")
+            }
+            (Some(path), None) => (path, "depth"),
+            (None, Some(path)) => (path, "a second camera"),
         };
         let Some(color) = &settings.calibration else {
             bail!(
-                "depth needs the colour camera's own calibration, too: name it (--calibration FILE)"
+                "{what} needs the colour camera's own calibration, too: name it (--calibration FILE)"
             );
         };
         let color = read_camera(color)?;
-        let text = read(path, "the depth camera's calibration")?;
-        let depth = DepthCalibration::from_yaml(&text, color)
-            .with_context(|| path.display().to_string())?;
-        Ok(Some((depth, pose)))
+        let beside = if settings.depth.is_some() {
+            let text = read(path, "the depth camera's calibration")?;
+            DepthCalibration::from_yaml(&text, color).map(Beside::Depth)
+        } else {
+            let text = read(path, "the second camera's calibration")?;
+            SecondCalibration::from_yaml(&text, color).map(Beside::Second)
+        };
+        let beside = beside.with_context(|| path.display().to_string())?;
+        Ok(Some((beside, pose)))
     }
 
     /// What points come in.

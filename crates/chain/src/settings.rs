@@ -119,11 +119,21 @@ impl Settings {
             calibration,
             plane,
             depth,
+            second,
             pose,
             ..
         } = &self.camera;
         let (images, camera) = (&self.capture.depth_images, &self.capture.depth_source);
-        let files = [calibration, plane, depth, pose, images, camera, &self.file];
+        let files = [
+            calibration,
+            plane,
+            depth,
+            second,
+            pose,
+            images,
+            camera,
+            &self.file,
+        ];
         let named = sources.chain(files.into_iter().flatten());
         named.map(PathBuf::as_path)
     }

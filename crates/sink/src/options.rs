@@ -42,7 +42,7 @@ pub struct FinalCounts {
     pub fitted: Option<u64>,
     /// How many frames extract skipped, as their masks, made by another process, came too late.
     pub masks_late: Option<u64>,
-    /// How many frames fit had no depth image for, if it reads depth images.
+    /// How many frames fit had no depth image or second view for, if it reads those.
     pub depthless: Option<u64>,
     /// What capture says of its depth camera, if it has one.
     pub depths: Option<DepthCounts>,

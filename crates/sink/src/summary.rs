@@ -41,10 +41,10 @@ pub struct Frames {
     pub at_restart: AtRestart,
 }
 
-/// Frames and depth images that did not find each other. A figure that nobody knows is `null`.
+/// Frames and depth images, or second views, that did not find each other. A figure that nobody knows is `null`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Depth {
-    /// Frames that had no depth image when they were fitted: their ropes are described in the image only.
+    /// Frames that had no depth image or second view when they were fitted: their ropes are described in the image only.
     pub frames_without: Option<u64>,
     /// Images that the chain's own depth camera gave.
     pub images: Option<u64>,

@@ -377,7 +377,7 @@ fn depth_notes(summary: &Summary) -> impl Iterator<Item = String> {
         .filter(|&count| count > 0)
         .map(|count| {
             format!(
-                "{} had no depth image: their ropes are described in the image only.",
+                "{} had no depth image, or second view, beside them: their ropes are described in the image only.",
                 plural(count, "frame")
             )
         });

@@ -46,13 +46,7 @@ impl DepthCalibration {
         let number = |name: &str, default: f64| number(&file, name, default);
         let unit_mm = number("depthunitmm", 1.0)?;
         let noise_mm = number("noisemmat1m", NOISE_MM)?;
-        let range_mm = match calibration::find(&file, &["rangemm"]) {
-            None => RANGE_MM,
-            Some((key, value)) => match calibration::numbers(key, value)?[..] {
-                [near, far] => [near, far],
-                _ => return calibration::wrong(key, "a range is two depths in mm: [ near, far ]"),
-            },
-        };
+        let range_mm = read_range(&file)?;
         if !(unit_mm > 0.0 && unit_mm <= 1000.0) {
             return calibration::wrong(
                 "depth_unit_mm",
@@ -66,6 +60,17 @@ impl DepthCalibration {
             kind: DepthKind::Whole { unit_mm },
             size,
         })
+    }
+}
+
+/// Where ropes are looked for, mm.
+pub(crate) fn read_range(file: &Node) -> Result<[f64; 2], CalibrationError> {
+    match calibration::find(file, &["rangemm"]) {
+        None => Ok(RANGE_MM),
+        Some((key, value)) => match calibration::numbers(key, value)?[..] {
+            [near, far] => Ok([near, far]),
+            _ => calibration::wrong(key, "a range is two depths in mm: [ near, far ]"),
+        },
     }
 }
 

@@ -73,16 +73,6 @@ impl DepthCamera {
         (x * y).sqrt()
     }
 
-    /// The ray through a pixel of the colour image, in its camera's frame, a millimetre ahead for each of depth, and its derivative by
-    /// the pixel; `None` where the lens's model ends.
-    pub(super) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
-        let ideal = self.color.undistort(pixel)?;
-        let (f, c) = (self.color.focal_px(), self.color.center_px());
-        let [x, y] = [0, 1].map(|k| (ideal.point[k] - c[k]) / f[k]);
-        let by_pixel = [0, 1].map(|k| ideal.jacobian[k].map(|d| d / f[k]));
-        Some(([x, y, 1.0], by_pixel))
-    }
-
     /// A direction of the colour camera's frame in the depth camera's.
     pub(super) fn turned(&self, way: [f64; 3]) -> [f64; 3] {
         self.pose.way(way)

@@ -1,13 +1,13 @@
 //! A rope's points in space.
 
 mod anchors;
-mod ends;
 mod look;
 mod reading;
 mod unsure;
 
 use super::image::DepthImage;
 use super::pair::DepthCamera;
+use crate::space::{SeenRope, Sight, SpacePoint, between, cross, cut_ends, dot, length, sight};
 use lariat_portable::Arch;
 use reading::{Reading, SECTION_STEP};
 use thiserror::Error;
@@ -20,44 +20,8 @@ const NOT_ASIDE: f64 = 0.15;
 const ASIDE: f64 = 2.0;
 /// As a share: how much thicker or thinner than mostly a rope is anywhere.
 const UNEVEN: f64 = 0.1;
-/// A width is the mean over so many neighbors to each side.
-const WIDTHS: usize = 4;
 /// A rope of which too little can be measured is too thin for it if fewer depth pixels than this lie across it.
 const THINNEST_PX: f64 = 3.0;
-
-/// A rope in the colour image.
-#[derive(Debug, Clone, Copy)]
-pub struct SeenRope<'a> {
-    /// Points of its centerline in their order, px.
-    pub points: &'a [[f32; 2]],
-    /// Its width at each, px.
-    pub widths_px: &'a [f32],
-    /// Whether something else is seen at each of them: another strand, or a hand.
-    pub hidden: &'a [bool],
-    /// Whether the first comes after the last.
-    pub closed: bool,
-    /// Whether its first and its last end are seen: not where it leaves the image, or goes on under something.
-    pub ends: [bool; 2],
-}
-
-/// A point of a rope's axis in space, in the colour camera's frame: x right, y down, z ahead, mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpacePoint {
-    /// Where it is.
-    pub point: [f64; 3],
-    /// Its derivative by the pixel, mm/px.
-    pub by_pixel: [[f64; 2]; 3],
-    /// Its derivative by the depth: along the ray.
-    pub ray: [f64; 3],
-    /// The variance of the depth, mm².
-    pub variance: f64,
-    /// Whether it was measured here; otherwise it is bridged from where it was.
-    pub is_measured: bool,
-    /// How far beside the rope the pixel may be, px, as the depth image shows the rope there to one side of it, or not at all.
-    pub doubt_px: f64,
-    /// The rope's width there, mm.
-    pub width_mm: f64,
-}
 
 /// Why a rope has no place in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -113,6 +77,7 @@ struct Axis {
 #[derive(Debug, Clone)]
 pub struct RopeDepth {
     camera: DepthCamera,
+    sights: Vec<Sight>,
     axes: Vec<Axis>,
     anchors: Vec<(usize, f64)>,
     /// For the best chain through the anchors: how many are in it up to each, and the one before.
@@ -135,6 +100,7 @@ impl RopeDepth {
         Self {
             focal_px: (x * y).sqrt(),
             camera,
+            sights: Vec::new(),
             axes: Vec::new(),
             anchors: Vec::new(),
             chain: Vec::new(),
@@ -156,7 +122,7 @@ impl RopeDepth {
         rope: &SeenRope,
     ) -> Result<&[SpacePoint], NoDepth> {
         let count = rope.points.len();
-        if count < 8 || rope.widths_px.len() != count || rope.hidden.len() != count {
+        if !rope.is_whole() {
             return Err(NoDepth::Points);
         }
         self.aim(rope)?;
@@ -187,7 +153,7 @@ impl RopeDepth {
         self.doubt();
         self.bridge();
         self.write(rope);
-        self.cut_ends(rope.ends);
+        cut_ends(&mut self.places, rope.ends, &mut self.before);
         Ok(&self.places)
     }
 
@@ -200,52 +166,17 @@ impl RopeDepth {
 
     /// The rays of the points.
     fn aim(&mut self, rope: &SeenRope) -> Result<(), NoDepth> {
+        let aimed = sight::aim(&self.camera.color, rope, &mut self.row, &mut self.sights);
+        aimed.ok_or(NoDepth::Lens)?;
         self.axes.clear();
-        for &pixel in rope.points {
-            let (ray, by_pixel) = self.camera.ray(pixel.map(f64::from)).ok_or(NoDepth::Lens)?;
+        for sight in &self.sights {
             self.axes.push(Axis {
-                ray,
-                by_pixel,
-                turned: self.camera.turned(ray),
+                ray: sight.ray,
+                by_pixel: sight.by_pixel,
+                turned: self.camera.turned(sight.ray),
+                slim: sight.slim,
                 ..Axis::default()
             });
-        }
-        let last = self.axes.len() - 1;
-        for (i, width) in rope.widths_px.iter().enumerate() {
-            let [from, to] = [i.saturating_sub(1), (i + 1).min(last)];
-            let [a, b] = [from, to].map(|k| rope.points[k].map(f64::from));
-            let way = [b[0] - a[0], b[1] - a[1]];
-            let far = length(way[0], way[1]);
-            let axis = &self.axes[i];
-            // Half of the width in the picture, as a way in the plane a millimetre ahead; of it that counts which leaves the plane
-            // of the ray and the rope.
-            let half = match far > 0.0 {
-                true => 0.5 * f64::from(*width) / far,
-                false => 0.0,
-            };
-            let aside = axis
-                .by_pixel
-                .map(|by| half * (by[1] * way[0] - by[0] * way[1]));
-            let [x, y] = [0, 1].map(|k| self.axes[to].ray[k] - self.axes[from].ray[k]);
-            let ray = axis.ray;
-            let square = [-y, x, ray[0] * y - ray[1] * x];
-            let size = dot(square, square).sqrt();
-            self.axes[i].slim = match size > 0.0 {
-                true => (aside[0] * square[0] + aside[1] * square[1]).abs() / size,
-                false => 0.0,
-            };
-        }
-        // Widths err by themselves; a rope's does not change from one point to the next.
-        let count = self.axes.len();
-        self.row.clear();
-        self.row.extend(self.axes.iter().map(|axis| axis.slim));
-        let (mut sum, mut from, mut to) = (0.0, 0, 0);
-        for i in 0..count {
-            let [first, last] = [i.saturating_sub(WIDTHS), (i + WIDTHS + 1).min(count)];
-            sum +=
-                self.row[to..last].iter().sum::<f64>() - self.row[from..first].iter().sum::<f64>();
-            (from, to) = (first, last);
-            self.axes[i].slim = sum / (last - first) as f64;
         }
         Ok(())
     }
@@ -346,32 +277,13 @@ impl RopeDepth {
                 ],
                 ray: axis.ray,
                 variance: axis.variance,
+                in_common: if axis.is_measured { 0.0 } else { 1.0 },
                 is_measured: axis.is_measured,
                 doubt_px: 0.5 * f64::from(width) * beside,
                 width_mm: 2.0 * axis.slim * axis.depth,
             }
         }));
     }
-}
-
-fn length(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
-}
-
-fn between(to: [f64; 3], from: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| to[k] - from[k])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 /// The pixel nearest to a place; far to the left or above, none of the image. Without the call that `round` is.

@@ -1,5 +1,6 @@
 //! Ropes in depth images as a sensor of today gives them, held against where they truly are.
 
+use crate::drawn::Line;
 use lariat_camera::{
     Camera, DepthCamera, DepthImage, DepthKind, Lens, NoDepth, Pose, RopeDepth, SeenRope,
     SpacePoint,
@@ -28,29 +29,12 @@ fn scene(options: &LiftOptions, seed: u64) -> Scene {
     let color = Eye::above(610.0, SIZE, 500.0, 15.0, 40.0 * seed as f64);
     let depth = color.beside(ASIDE, 425.0, SIZE);
     let rope = LiftedRope::new(options, &color, seed).expect("a rope that fits");
-    let fine: Vec<([f64; 2], f64)> = rope
-        .points
-        .iter()
-        .map(|&p| color.see(p))
-        .map(|seen| (color.pixel(seen), seen[2]))
-        .collect();
-    let step = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let mut arcs = vec![0.0];
-    for pair in fine.windows(2) {
-        arcs.push(arcs[arcs.len() - 1] + step(pair[0].0, pair[1].0));
-    }
-    let (mut points, mut widths, mut rhos) = (Vec::new(), Vec::new(), Vec::new());
-    let mut ahead = Vec::new();
-    for k in 0..120 {
-        let target = arcs[arcs.len() - 1] * f64::from(k) / 119.0;
-        let at = arcs
-            .partition_point(|&arc| arc < target)
-            .min(arcs.len() - 1);
-        points.push(fine[at].0.map(|c| c as f32));
-        widths.push((2.0 * 610.0 * rope.radius_mm / fine[at].1) as f32);
-        ahead.push(fine[at].1);
-        rhos.push(at as f64 / (arcs.len() - 1) as f64);
-    }
+    let Line {
+        points,
+        widths,
+        ahead,
+        rhos,
+    } = Line::of(&rope, &color);
     let covers = |rho: f64| {
         let reach = 2.5 * rope.radius_mm / options.length_mm;
         (rope.crossings.iter()).any(|[_, under]| (rho - under).abs() < reach)

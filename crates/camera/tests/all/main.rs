@@ -1,7 +1,9 @@
 //! All tests of the crate's public face in one program, which is built and linked once.
 
 mod depth;
+mod drawn;
 mod files;
 mod lens;
 mod opencv;
 mod sizes;
+mod views;

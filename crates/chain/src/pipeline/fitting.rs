@@ -19,7 +19,7 @@ use lariat_wire::{
 use place::Placer;
 use steady::{Rope, RopeFitter};
 
-pub use space::SpaceFitter;
+pub use space::{Companion, SpaceFitter};
 
 use super::Warned;
 

@@ -6,7 +6,7 @@ mod fitting;
 mod schedule;
 
 pub use extraction::{FrameExtractor, FrameView, Part, Past, pixel_format};
-pub use fitting::{CurveFitter, SpaceFitter};
+pub use fitting::{Companion, CurveFitter, SpaceFitter};
 pub use schedule::{Schedule, frame_header};
 
 /// Says a thing the first time only: a fault of every frame would fill the screen.

@@ -56,6 +56,7 @@ impl RecordedSettings {
                 ("calibration", CALIBRATION),
                 ("plane", PLANE),
                 ("depth", "depth.yaml"),
+                ("second", "second.yaml"),
                 ("pose", "pose.yaml"),
             ];
             for (key, name) in files {

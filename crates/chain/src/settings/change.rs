@@ -56,6 +56,7 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
         }
         ("extract", _) => Way::Live(Stage::Extract),
         // Channels more, or less; and capture may know the depth camera's files by itself.
+        ("camera", "second" | "second_rig" | "second_within_us") => Way::Anew(&[Stage::Fit]),
         ("camera", "depth" | "depth_deadline_us") => Way::Anew(&[Stage::Capture, Stage::Fit]),
         ("fit" | "camera", _) => Way::Live(Stage::Fit),
         ("capture", "source") if all.iter().any(|s| s.capture.is_external()) => Way::Fixed,
@@ -156,7 +157,7 @@ impl Settings {
 pub fn settings_of(member: &Member) -> Result<Settings> {
     let mut table: toml::Table = member.settings.parse()?;
     if let Some(camera) = table.get_mut("camera").and_then(Value::as_table_mut) {
-        for key in ["calibration", "plane", "depth", "pose"] {
+        for key in ["calibration", "plane", "depth", "second", "pose"] {
             if let Some(Value::String(path)) = camera.get_mut(key) {
                 *path = member.folder.join(&*path).to_string_lossy().into_owned();
             }

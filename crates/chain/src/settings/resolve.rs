@@ -62,6 +62,7 @@ impl Resolved {
         if problems.is_empty() {
             resolved.check_arrangement(&mut problems);
             resolved.check_depth_source(&mut problems);
+            resolved.check_second_rig(&mut problems);
             resolved.check_camera(&mut problems);
             resolved.check_source(&mut problems);
         }
@@ -202,6 +203,29 @@ impl Resolved {
             && let Some(key) = keys::position("capture", "depth_source")
         {
             let why = "of a depth camera it must be known what it is: name its calibration (--depth FILE)";
+            problems.add(&self.origins[key], why.to_owned());
+        }
+    }
+
+    /// Whether it is known which rig a second camera's is.
+    fn check_second_rig(&self, problems: &mut Problems) {
+        let Settings { camera, run, .. } = &self.settings;
+        let (name, why) = match (&camera.second, &camera.second_rig) {
+            (Some(_), None) => (
+                "second",
+                "a second camera has a rig of its own: say which (--second-rig NAME)",
+            ),
+            (Some(_), Some(rig)) if *rig == run.rig => (
+                "second_rig",
+                "it is this rig itself: run the second camera on another one (lariat run --rig right)",
+            ),
+            (None, Some(_)) => (
+                "second_rig",
+                "of a second camera it must be known where it stands: name its calibration (--second FILE)",
+            ),
+            _ => return,
+        };
+        if let Some(key) = keys::position("camera", name) {
             problems.add(&self.origins[key], why.to_owned());
         }
     }

@@ -212,12 +212,22 @@ pub(super) const KEYS: &[Key] = keys! {
         "A depth camera beside the colour one: its calibration, its pose to the colour camera, and how it errs. Ropes are described in\n\
          space, too, in mm, from the images on lariat/<rig>/depth.",
         "--depth FILE", "capture fit", "Millimetres", "Depth camera beside the colour one: a YAML file";
+    camera.second: Maybe("\"right.yaml\"", PATH),
+        "A second colour camera beside this one, in the place of a depth camera: its calibration, and its pose to this one. Ropes are\n\
+         described in space, too, in mm, by what the rig second_rig sees of them.",
+        "--second FILE", "fit", "Millimetres", "Second colour camera beside this one: a YAML file";
+    camera.second_rig: Maybe("\"right\"", By(meaning::rig, |rig| Value::String(rig.clone()), Takes::Text)),
+        "The rig of that camera, which runs by itself: lariat run --rig right.",
+        "--second-rig NAME", "fit", "Millimetres", "Rig of the second camera";
+    camera.second_within as second_within_us: Maybe("5000", MICROSECONDS),
+        "Each frame has what that camera saw nearest in time, no more than this before or after it, in microseconds. If not set, three\n\
+         fifths of the time between two of its frames.";
     camera.pose: Maybe("\"pose.yaml\"", PATH),
         "Where the colour camera stands before the robot (hand-eye): rotation and translation_mm. Ropes in space are described in the\n\
          robot's frame then, else in the camera's.",
         "--pose FILE", "fit", "Millimetres", "Pose of the camera before the robot: a YAML file";
     camera.depth_deadline as depth_deadline_us: MICROSECONDS,
-        "A frame whose depth image has not come this long after its capture is described without, in microseconds.";
+        "A frame whose depth image, or second view, has not come this long after its capture is described without, in microseconds.";
 
     extract.mask: By(meaning::mask, meaning::mask_value, Takes::Toml),
         "What is rope. \"auto\" takes what differs from the background; \"network\" asks a small neural network, for ropes\n\

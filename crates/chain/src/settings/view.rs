@@ -46,9 +46,15 @@ pub struct Camera {
     pub unit: Option<Unit>,
     /// The depth camera beside it.
     pub depth: Option<PathBuf>,
+    /// The second colour camera beside it, and its rig.
+    pub second: Option<PathBuf>,
+    /// The rig that this one runs on.
+    pub second_rig: Option<String>,
+    /// How far from a frame what it saw may be; `None`: three fifths of its period.
+    pub second_within: Option<Duration>,
     /// Its pose before a robot.
     pub pose: Option<PathBuf>,
-    /// How long after its capture a frame's depth image is waited for.
+    /// How long after its capture a frame's depth image, or what the second camera saw, is waited for.
     pub depth_deadline: Duration,
 }
 
@@ -59,6 +65,9 @@ impl Default for Camera {
             plane: None,
             unit: None,
             depth: None,
+            second: None,
+            second_rig: None,
+            second_within: None,
             pose: None,
             depth_deadline: Duration::from_millis(50),
         }
@@ -70,7 +79,7 @@ impl Camera {
     pub(super) fn problem(&self) -> Option<String> {
         let load = Calibrated::load(self).map(|_| ());
         let error = load
-            .and_then(|()| Calibrated::depth(self).map(|_| ()))
+            .and_then(|()| Calibrated::beside(self).map(|_| ()))
             .err()?;
         Some(format!("{error:#}"))
     }

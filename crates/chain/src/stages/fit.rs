@@ -1,4 +1,4 @@
-//! Fit as a process: centerlines in, descriptors out; with depth images, descriptors in space, too.
+//! Fit as a process: centerlines in, descriptors out; with depth images or a second rig, descriptors in space, too.
 
 use std::panic::resume_unwind;
 
@@ -9,10 +9,11 @@ use lariat_wire::{
 
 use super::companions::{Companions, Words};
 use super::heirloom::Progress;
+use super::second::SecondView;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
 use crate::calibrated::Calibrated;
-use crate::pipeline::{CurveFitter, FrameView, SpaceFitter};
+use crate::pipeline::{Companion, CurveFitter, FrameView, SpaceFitter};
 use crate::settings::{Settings, Stage};
 
 /// Fits until a signal comes.
@@ -23,7 +24,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
     let read = |settings: &Settings| {
         let camera = &settings.camera;
-        anyhow::Ok((Calibrated::load(camera)?, Calibrated::depth(camera)?))
+        anyhow::Ok((Calibrated::load(camera)?, Calibrated::beside(camera)?))
     };
     let mut calibrated = read(settings)?;
     let changes = station.listen(settings, move |before, now| {
@@ -82,15 +83,21 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// The ropes in space, where there is a depth camera.
+/// The ropes in space, where there is a depth camera or a second one.
 struct Space {
     fitter: SpaceFitter,
-    depths: Companions,
+    beside: Beside,
     writer: Writer<Descriptors3>,
 }
 
+/// What comes beside centerlines.
+enum Beside {
+    Depths(Box<Companions>),
+    Second(Box<SecondView>),
+}
+
 impl Space {
-    /// `None` if the settings name no depth camera.
+    /// `None` if the settings name neither.
     fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
         let Some(fitter) = SpaceFitter::new(settings)? else {
             return Ok(None);
@@ -106,21 +113,32 @@ impl Space {
             delivery,
             ..
         } = station;
+        let camera = &settings.camera;
+        let beside = match camera.second {
+            Some(_) => Beside::Second(Box::new(SecondView::open(camera, station)?)),
+            None => {
+                let deadline = camera.depth_deadline;
+                Beside::Depths(Box::new(Companions::open(
+                    &DEPTH, words, deadline, station,
+                )?))
+            }
+        };
         Ok(Some(Self {
             fitter,
-            depths: Companions::open(&DEPTH, words, settings.camera.depth_deadline, station)?,
+            beside,
             writer: Writer::<Descriptors3>::create(domain, rig, &DESCRIPTORS3, delivery)?,
         }))
     }
 
-    /// Says how many frames had no depth image: to the chain, for its report; by hand, if there are any.
+    /// Says how many frames had no depth image or second view: to the chain, for its report; by hand, if there are any.
     fn tell_of_missing(&self, station: &mut Station) {
-        let missing = self.depths.late();
+        let (missing, what) = match &self.beside {
+            Beside::Depths(depths) => (depths.late(), "depth image"),
+            Beside::Second(second) => (second.alone(), "second view"),
+        };
         station.status.say(Word::Depthless(missing));
         if missing > 0 && !station.status.is_supervised() {
-            tracing::warn!(
-                "{missing} frames were described in the image only, without a depth image"
-            );
+            tracing::warn!("{missing} frames were described in the image only, without a {what}");
         }
     }
 
@@ -132,19 +150,25 @@ impl Space {
         station: &Station,
     ) -> anyhow::Result<()> {
         // There is none beside a frame without an image.
-        let depth = match seen.width {
-            0 => None,
-            _ => self.depths.of(&seen.trace, &station.stop)?,
+        let companion = match &mut self.beside {
+            _ if seen.width == 0 => None,
+            Beside::Depths(depths) => {
+                let image = depths.of(&seen.trace, &station.stop)?;
+                image.map(|image| Companion::Depth(FrameView::new(image.header(), image)))
+            }
+            Beside::Second(second) => {
+                let there = second.of(&seen.trace, &station.stop)?;
+                there.map(Companion::Second)
+            }
         };
-        if depth.is_some() {
+        if companion.is_some() {
             started_ns = started_ns.max(now_ns());
         }
         let mut slot = self.writer.slot()?;
         slot.trace = seen.trace;
         slot.trace.fit_started_ns = started_ns;
         slot.trace.settings = station.version;
-        let depth = depth.map(|image| FrameView::new(image.header(), image));
-        self.fitter.answer(seen, depth, &mut slot);
+        self.fitter.answer(seen, companion, &mut slot);
         (slot.trace.fitted, slot.trace.fitted_ns) = (fitted, now_ns());
         slot.send()?;
         Ok(())

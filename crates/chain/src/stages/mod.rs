@@ -11,6 +11,7 @@ pub mod extract;
 pub mod fit;
 pub mod heirloom;
 pub mod orders;
+mod second;
 pub mod sink;
 mod slot_lender;
 pub mod status;

@@ -51,6 +51,25 @@ impl Eye {
         }
     }
 
+    /// One like it that stands `by_mm` beside it, in its own frame, and is turned to look at what this one sees in its middle at `ahead_mm`.
+    pub fn verging(&self, by_mm: [f64; 3], ahead_mm: f64) -> Self {
+        let turn = turned_to([-by_mm[0], -by_mm[1], ahead_mm - by_mm[2]]);
+        let beside = self.beside(by_mm, self.focal_px[0], self.size);
+        let column = |k: usize| self.rotation.map(|row| row[k]);
+        Self {
+            rotation: turn.map(|row| [0, 1, 2].map(|k| dot(row, column(k)))),
+            translation: turn.map(|row| dot(row, beside.translation)),
+            ..*self
+        }
+    }
+
+    /// The rotation that takes this one's frame to the other's, row by row, and where this one stands there, mm.
+    pub fn pose_in(&self, other: &Self) -> ([[f64; 3]; 3], [f64; 3]) {
+        let turn = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(other.rotation[i], self.rotation[j])));
+        let moved = turn.map(|row| dot(row, self.translation));
+        (turn, [0, 1, 2].map(|k| other.translation[k] - moved[k]))
+    }
+
     /// A point of the table's frame in the camera's.
     pub fn see(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| dot(self.rotation[k], point) + self.translation[k])
@@ -79,6 +98,22 @@ impl Eye {
         let seen = [0, 1, 2].map(|k| depth * ray[k] - self.translation[k]);
         [0, 1].map(|axis| (0..3).map(|k| self.rotation[k][axis] * seen[k]).sum())
     }
+}
+
+/// The rotation after which this way is straight ahead, and down is down as far as may be.
+fn turned_to(way: [f64; 3]) -> [[f64; 3]; 3] {
+    let unit = |v: [f64; 3]| {
+        let size = dot(v, v).sqrt();
+        v.map(|c| c / size)
+    };
+    let ahead = unit(way);
+    let right = unit([ahead[2], 0.0, -ahead[0]]);
+    let down = [
+        ahead[1] * right[2] - ahead[2] * right[1],
+        ahead[2] * right[0] - ahead[0] * right[2],
+        ahead[0] * right[1] - ahead[1] * right[0],
+    ];
+    [right, down, ahead]
 }
 
 pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

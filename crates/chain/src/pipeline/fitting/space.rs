@@ -1,6 +1,6 @@
-//! Centerlines and depth images → the ropes' curves in space.
+//! Centerlines, and depth images or what a second camera saw → the ropes' curves in space.
 //!
-//! Where a rope is comes from `lariat_camera::RopeDepth`: each point of its centerline, with its distance and how sure that is.
+//! Where a rope is comes from `lariat_camera`, by `RopeDepth` or `RopeViews`: each point of its centerline, with its distance and how sure that is.
 //! The points are then set at equal steps in space and fitted as in the picture's plane, with three columns where there were two.
 //!
 //! **Covariances.** A point's error is an ellipsoid: across the ray what a pixel is there, along it what the depth is sure to.
@@ -11,25 +11,24 @@
 //! is not known which is the upper. A rope that is lost from sight is where it was.
 
 mod covered;
+mod finder;
 
 use super::Warned;
 use super::filters::Filters;
 use super::ropes::Ropes;
 use super::steady::{Rope, RopeFitter};
 use crate::calibrated::Calibrated;
-use crate::pipeline::FrameView;
 use crate::settings::{self, Settings};
-use anyhow::{Context, Result, bail};
-use covered::Covered;
-use lariat_camera::{DepthCalibration, DepthImage, NoDepth, Pose, RopeDepth, SeenRope};
+use anyhow::Result;
+pub use finder::Companion;
+use finder::{Finder, Shown};
+use lariat_camera::Pose;
 use lariat_fit::{Judged, Line, Prediction, Resampler, Spread, Square};
 use lariat_wire::{
     Axes, Centerlines, Curve, Descriptor3, Descriptors3, FitQuality, MAX_CONTROL_POINTS,
-    MAX_POINTS, PixelFormat, Place, Status,
+    MAX_POINTS, Place, Status,
 };
 
-/// The standard deviation of a centerline's point in the picture, px, at least.
-const PIXEL_SIGMA: f64 = 0.3;
 /// How many neighboring points err alike, as the picture is smoothed and the depth camera's noise is shared.
 const ALIKE: f64 = 2.0;
 /// The standard deviation of an end along the rope in the picture, px; and of what its slope moves it by, as a share.
@@ -41,14 +40,12 @@ const STEEP_OVER: usize = 4;
 /// Fits ropes in space.
 pub struct SpaceFitter {
     settings: settings::Fit,
-    calibration: DepthCalibration,
+    finder: Finder,
     /// From the colour camera's frame to that of what is sent.
     pose: Option<Pose>,
-    depth: RopeDepth,
     fitter: RopeFitter<3>,
     filters: Option<Filters<3>>,
     line: Resampler<3>,
-    covered: Covered,
     points: Box<[[f64; 3]; MAX_POINTS]>,
     /// The same at equal steps in space.
     even: Box<[[f64; 3]; MAX_POINTS]>,
@@ -68,23 +65,21 @@ pub struct SpaceFitter {
 }
 
 impl SpaceFitter {
-    /// Precomputes for the settings' number of points; `None` if they name no depth camera.
+    /// Precomputes for the settings' number of points; `None` if they name neither a depth camera nor a second one.
     ///
     /// # Errors
     /// What they name cannot be read.
     pub fn new(settings: &Settings) -> Result<Option<Self>> {
-        let Some((calibration, pose)) = Calibrated::depth(&settings.camera)? else {
+        let Some((beside, pose)) = Calibrated::beside(&settings.camera)? else {
             return Ok(None);
         };
         Ok(Some(Self {
-            depth: RopeDepth::new(calibration.camera),
+            finder: Finder::new(beside),
             fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
             settings: settings.fit.clone(),
-            calibration,
             pose,
             filters: None,
             line: Resampler::in_dimensions(),
-            covered: Covered::default(),
             points: Box::new([[0.0; 3]; MAX_POINTS]),
             even: Box::new([[0.0; 3]; MAX_POINTS]),
             squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
@@ -102,28 +97,28 @@ impl SpaceFitter {
     }
 
     /// Writes the curves of a frame's ropes into a message; its trace is left as it is. A rope that is nowhere is there without a
-    /// curve, with the reason. `depth`: the frame's depth image; `None`: none came.
+    /// curve, with the reason. `companion`: the frame's depth image, or second view; `None`: none came.
     pub fn answer(
         &mut self,
         seen: &Centerlines,
-        depth: Option<FrameView>,
+        companion: Option<Companion>,
         message: &mut Descriptors3,
     ) {
         message.axes = match self.pose {
             Some(_) => Axes::Robot,
             None => Axes::Camera,
         } as u32;
-        let image = depth.map(|view| self.image(seen, view)).transpose();
-        let image = image.map_err(|cause| self.unreadable.once(&cause));
+        let shown = companion.map(|companion| self.finder.look(seen, companion));
+        let shown = (shown.transpose()).map_err(|cause| self.unreadable.once(&cause));
         // Once: what lies in shared memory may be another a moment later.
         let curves = seen.curves();
         message.count = curves.len() as u32;
         for (i, (curve, to)) in curves.iter().zip(&mut message.curves).enumerate() {
-            let place = match (curve.status(), &image) {
+            let place = match (curve.status(), &shown) {
                 (Some(Status::Lost), _) => self.as_before(curve, to),
                 (_, Err(())) => Place::Unreadable,
                 (_, Ok(None)) => Place::NoImage,
-                (_, Ok(Some(image))) => self.place(seen, (i, curve), image, to),
+                (_, Ok(Some(shown))) => self.place(seen, (i, curve), shown, to),
             };
             write_rope(curve, to);
             to.place = place as u32;
@@ -151,56 +146,19 @@ impl SpaceFitter {
         }
     }
 
-    /// The depth image as it is read.
-    fn image<'a>(&self, seen: &Centerlines, view: FrameView<'a>) -> Result<DepthImage<'a>> {
-        let header = view.header();
-        if let Some([width, height]) = self.calibration.camera.color_size()
-            && [seen.width, seen.height] != [width, height]
-        {
-            bail!(
-                "the calibration is for frames of {width}×{height} pixels, and these have {}×{}: in space it must be the same",
-                seen.width,
-                seen.height
-            );
-        }
-        let [width, height] = self.calibration.size;
-        if [header.width, header.height] != [width, height]
-            || header.format() != Some(PixelFormat::Gray16)
-        {
-            bail!(
-                "the depth camera's calibration is for gray16 images of {width}×{height} pixels, and these are {} of {}×{}",
-                header.format().map_or("unknown", PixelFormat::name),
-                header.width,
-                header.height
-            );
-        }
-        let size = [width, height].map(|side| side as usize);
-        DepthImage::new(
-            view.bytes(),
-            size,
-            header.stride as usize,
-            self.calibration.kind,
-        )
-        .context("a depth image cannot be read")
-    }
-
     /// Where a rope is, and its curve there.
     fn place(
         &mut self,
         seen: &Centerlines,
         curve: (usize, &Curve),
-        image: &DepthImage,
+        shown: &Shown,
         to: &mut Descriptor3,
     ) -> Place {
-        match self.describe(seen, curve, image, to) {
+        match self.describe(seen, curve, shown, to) {
             Ok(_) => Place::Known,
             Err(cause) => {
                 self.unplaced.once(&cause);
-                match cause.downcast_ref() {
-                    Some(NoDepth::Thin { .. }) => Place::Thin,
-                    Some(NoDepth::Unmeasured { .. } | NoDepth::Points) => Place::Unmeasured,
-                    _ => Place::Unreadable,
-                }
+                finder::place_of(&cause)
             }
         }
     }
@@ -213,7 +171,7 @@ impl SpaceFitter {
         &mut self,
         seen: &Centerlines,
         (i, curve): (usize, &Curve),
-        image: &DepthImage,
+        shown: &Shown,
         to: &mut Descriptor3,
     ) -> Result<Judged> {
         super::check_points(seen, curve)?;
@@ -222,7 +180,7 @@ impl SpaceFitter {
             self.fitter = RopeFitter::new(&self.settings, count)?;
             self.filters = None;
         }
-        let noise = self.locate(seen, (i, curve), image)?;
+        let noise = self.locate(seen, (i, curve), shown)?;
         let width = median(&mut self.by_size[..count]);
         let closed = curve.closed != 0;
         let even = self.line.resample(&self.points[..count], closed)?;
@@ -278,17 +236,11 @@ impl SpaceFitter {
         &mut self,
         seen: &Centerlines,
         (i, curve): (usize, &Curve),
-        image: &DepthImage,
+        shown: &Shown,
     ) -> Result<f64> {
         let count = curve.points().len();
-        let rope = SeenRope {
-            points: curve.points(),
-            widths_px: curve.widths_px(),
-            hidden: self.covered.of(seen, i, curve),
-            closed: curve.closed != 0,
-            ends: ends(curve),
-        };
-        let places = self.depth.locate(image, &rope)?;
+        let pixel = self.finder.pixel_sigma() * self.finder.pixel_sigma();
+        let places = self.finder.locate(seen, (i, curve), shown)?;
         for (k, place) in places.iter().enumerate() {
             let (mut ray, mut across) = (place.ray, transposed(place.by_pixel));
             self.points[k] = place.point;
@@ -297,12 +249,9 @@ impl SpaceFitter {
                 ray = pose.way(ray);
                 across = across.map(|way| pose.way(way));
             }
-            let pixel = PIXEL_SIGMA * PIXEL_SIGMA;
             let doubt_px = place.doubt_px * place.doubt_px;
-            let (own, bridged) = match place.is_measured {
-                true => (place.variance, 0.0),
-                false => (0.0, place.variance),
-            };
+            let bridged = place.in_common * place.variance;
+            let own = place.variance - bridged;
             let (square, doubt) = (&mut self.squares[k], &mut self.doubts[k]);
             for a in 0..3 {
                 for b in a..3 {
@@ -372,7 +321,7 @@ impl SpaceFitter {
             return width;
         }
         let sine = (1.0 - cosine * cosine).max(0.01).sqrt();
-        let mm_per_px = dot(ray, ray).sqrt() / self.calibration.camera.color_focal_px();
+        let mm_per_px = dot(ray, ray).sqrt() / self.finder.focal_px();
         let (by_pixels, by_slope) = (END_SIGMA_PX * mm_per_px, SLOPE_SHARE * 0.5 * width * cosine);
         (by_pixels * by_pixels + by_slope * by_slope).sqrt() / sine
     }
@@ -430,13 +379,6 @@ fn write_rope(curve: &Curve, to: &mut Descriptor3) {
     (to.track, to.status) = (curve.track, curve.status);
     (to.closed, to.border) = (curve.closed, curve.border);
     (to.confidence, to.age_ns) = (curve.confidence, curve.age_ns);
-}
-
-/// Which ends are seen: in the picture, and not under something.
-fn ends(curve: &Curve) -> [bool; 2] {
-    let last = curve.points().len().saturating_sub(1);
-    let at = [0, last];
-    [0, 1].map(|end| curve.closed == 0 && curve.border >> end & 1 == 0 && !curve.is_hidden(at[end]))
 }
 
 fn transposed(by_pixel: [[f64; 2]; 3]) -> [[f64; 3]; 2] {

@@ -6,7 +6,7 @@ use lariat_capture::{CameraOptions, DepthFiles, FrameSource};
 use lariat_wire::{Domain, FrameHeader, Slot, Writer};
 
 use super::super::Station;
-use crate::calibrated::Calibrated;
+use crate::calibrated::{Beside, Calibrated};
 use crate::settings::Settings;
 use camera::{Bounds, DepthCamera};
 
@@ -72,7 +72,7 @@ pub(super) fn camera_options(
     settings: &Settings,
     native_fps: Option<f64>,
 ) -> anyhow::Result<Option<CameraOptions>> {
-    let Some((calibration, _)) = Calibrated::depth(&settings.camera)? else {
+    let Some((Beside::Depth(calibration), _)) = Calibrated::beside(&settings.camera)? else {
         return Ok(None);
     };
     Ok(settings.capture.depth_camera(calibration.size, native_fps))

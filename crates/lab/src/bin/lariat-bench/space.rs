@@ -1,12 +1,12 @@
-//! `lariat-bench space`: drawn ropes before a colour and a depth camera, through extraction, depth and fit, held against the true
-//! axis.
+//! `lariat-bench space`: drawn ropes before a colour camera and a depth camera, or a second colour camera, through extraction and fit,
+//! held against the true axis.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use lariat_chain::pipeline::{FrameExtractor, FrameView, SpaceFitter};
+use lariat_chain::pipeline::{Companion, FrameExtractor, FrameView, SpaceFitter};
 use lariat_chain::settings::{self, Settings};
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
 use lariat_fit::{Fitter, Line};
@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Only rows whose name has this in it
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Write what is drawn for the first row into this folder: pictures, depth images, both calibrations, true axes
+    /// Write what is drawn for the first of the rows into this folder: pictures of both cameras, both calibrations, true axes
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
 }
@@ -39,12 +39,23 @@ const CHI_SQUARED_95: f64 = 7.815;
 /// Where the depth camera stands beside the colour one, mm.
 const ASIDE: [f64; 3] = [-15.0, 0.0, 0.0];
 
+/// And a second colour camera, turned to look at the same place.
+const BASELINE: [f64; 3] = [100.0, 0.0, 0.0];
+const FOCAL_PX: f64 = 610.0;
+
 /// What is drawn for a row.
 #[derive(Clone, Copy)]
 struct Scene {
     distance_mm: f64,
     options: LiftOptions,
-    sensor: DepthSensor,
+    beside: Beside,
+}
+
+/// What stands beside the colour camera.
+#[derive(Clone, Copy)]
+enum Beside {
+    Depth(DepthSensor),
+    Second,
 }
 
 const USUAL: Scene = Scene {
@@ -55,15 +66,51 @@ const USUAL: Scene = Scene {
         lift_mm: 80.0,
         crossings: 1,
     },
-    sensor: DepthSensor::STEREO,
+    beside: Beside::Depth(DepthSensor::STEREO),
 };
 
 fn rows() -> Vec<(String, Scene)> {
-    let mut rows = vec![("usual: 0.5 m, 8 mm, lift 80, 1 crossing".to_owned(), USUAL)];
+    let mut rows = of_ropes("", USUAL);
+    let sensor = |change: &dyn Fn(&mut DepthSensor)| {
+        let mut sensor = DepthSensor::STEREO;
+        change(&mut sensor);
+        Scene {
+            beside: Beside::Depth(sensor),
+            ..USUAL
+        }
+    };
+    let sensors = [
+        (
+            "a third of the noise",
+            sensor(&|sensor| sensor.noise_per_mm /= 3.0),
+        ),
+        (
+            "twice the noise",
+            sensor(&|sensor| sensor.noise_per_mm *= 2.0),
+        ),
+        (
+            "noise shared by 3×3 pixels",
+            sensor(&|sensor| sensor.grain_px = 3),
+        ),
+        ("a tenth of holes", sensor(&|sensor| sensor.holes = 0.1)),
+    ];
+    rows.extend(sensors.map(|(name, scene)| (name.to_owned(), scene)));
+    let views = Scene {
+        beside: Beside::Second,
+        ..USUAL
+    };
+    rows.extend(of_ropes("two views, ", views));
+    rows
+}
+
+/// Rows of several ropes and distances.
+fn of_ropes(before: &str, usual: Scene) -> Vec<(String, Scene)> {
+    let name = format!("{before}usual: 0.5 m, 8 mm, lift 80, 1 crossing");
+    let mut rows = vec![(name, usual)];
     let mut add = |name: String, change: &dyn Fn(&mut Scene)| {
-        let mut scene = USUAL;
+        let mut scene = usual;
         change(&mut scene);
-        rows.push((name, scene));
+        rows.push((format!("{before}{name}"), scene));
     };
     for crossings in [0, 2] {
         add(format!("{crossings} crossings"), &|scene| {
@@ -87,20 +134,6 @@ fn rows() -> Vec<(String, Scene)> {
             scene.options.length_mm *= (distance_mm / 500.0_f64).min(1.0);
         });
     }
-    for (name, factor) in [
-        ("a third of the noise", 1.0 / 3.0),
-        ("twice the noise", 2.0),
-    ] {
-        add(name.to_owned(), &|scene| {
-            scene.sensor.noise_per_mm *= factor
-        });
-    }
-    add("noise shared by 3×3 pixels".to_owned(), &|scene| {
-        scene.sensor.grain_px = 3;
-    });
-    add("a tenth of holes".to_owned(), &|scene| {
-        scene.sensor.holes = 0.1
-    });
     rows
 }
 
@@ -144,40 +177,75 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// What the two cameras see.
 struct Shot {
-    color: Eye,
+    eyes: [Eye; 2],
     rope: LiftedRope,
     picture: Vec<u8>,
-    depth: Vec<u16>,
+    beside: Image,
 }
 
-fn draw(scene: &Scene, seed: u64) -> Result<Shot> {
-    let color = Eye::above(610.0, SIZE, scene.distance_mm, 15.0, 40.0 * seed as f64);
-    let beside = color.beside(ASIDE, 425.0, SIZE);
-    let rope = LiftedRope::new(&scene.options, &color, seed)?;
-    Ok(Shot {
-        picture: picture(&rope, &color, seed),
-        depth: depth(&rope, &beside, &scene.sensor, seed),
-        color,
-        rope,
-    })
+enum Image {
+    Depth(Vec<u16>),
+    Second(Vec<u8>),
+}
+
+impl Scene {
+    /// The colour camera, and what stands beside it.
+    fn eyes(&self, seed: u64) -> [Eye; 2] {
+        let color = Eye::above(FOCAL_PX, SIZE, self.distance_mm, 15.0, 40.0 * seed as f64);
+        let beside = match self.beside {
+            Beside::Depth(_) => color.beside(ASIDE, 425.0, SIZE),
+            Beside::Second => color.verging(BASELINE, self.distance_mm),
+        };
+        [color, beside]
+    }
+
+    fn draw(&self, seed: u64) -> Result<Shot> {
+        let eyes @ [color, beside] = self.eyes(seed);
+        let rope = LiftedRope::new(&self.options, &color, seed)?;
+        Ok(Shot {
+            picture: picture(&rope, &color, seed),
+            beside: match &self.beside {
+                Beside::Depth(sensor) => Image::Depth(depth(&rope, &beside, sensor, seed)),
+                Beside::Second => Image::Second(picture(&rope, &beside, seed)),
+            },
+            eyes,
+            rope,
+        })
+    }
 }
 
 fn write(args: &Args, folder: &Path) -> Result<()> {
-    let [pictures, depths] = ["color", "depth"].map(|name| folder.join(name));
+    let name = args.only.as_deref().unwrap_or_default();
+    let mut rows = rows().into_iter();
+    let (_, scene) = (rows.find(|(row, _)| row.contains(name))).context("there is no such row")?;
+    let beside = match scene.beside {
+        Beside::Depth(_) => "depth",
+        Beside::Second => "second",
+    };
+    let [pictures, besides] = ["color", beside].map(|name| folder.join(name));
     fs::create_dir_all(&pictures)?;
-    fs::create_dir_all(&depths)?;
-    settings(&USUAL, folder)?;
+    fs::create_dir_all(&besides)?;
+    settings(&scene, 0, folder)?;
     let [width, height] = SIZE.map(|side| side as u32);
+    let save = |picture: Vec<u8>, path: PathBuf| {
+        let picture = image::RgbImage::from_raw(width, height, picture);
+        anyhow::Ok(picture.context("a picture")?.save(path)?)
+    };
     let mut axes = Vec::new();
     for seed in args.first_seed..args.first_seed + args.seeds {
-        let shot = draw(&USUAL, seed)?;
+        let shot = scene.draw(seed)?;
         let name = format!("{seed:04}.png");
-        let picture = image::RgbImage::from_raw(width, height, shot.picture);
-        picture.context("a picture")?.save(pictures.join(&name))?;
-        let depth = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, shot.depth);
-        depth.context("a depth image")?.save(depths.join(&name))?;
+        save(shot.picture, pictures.join(&name))?;
+        match shot.beside {
+            Image::Second(picture) => save(picture, besides.join(&name))?,
+            Image::Depth(units) => {
+                let image =
+                    image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, units);
+                image.context("a depth image")?.save(besides.join(&name))?;
+            }
+        }
         let every = shot.rope.points.iter().step_by(20);
-        axes.push(every.map(|&p| shot.color.see(p)).collect::<Vec<_>>());
+        axes.push(every.map(|&p| shot.eyes[0].see(p)).collect::<Vec<_>>());
     }
     fs::write(folder.join("axes.json"), serde_json::to_vec(&axes)?)?;
     Ok(())
@@ -230,16 +298,14 @@ impl Score {
 
 fn measure(scene: &Scene, seed: u64, score: &mut Score) -> Result<()> {
     let Shot {
-        color,
+        eyes: [color, _],
         rope,
         picture,
-        depth,
-    } = draw(scene, seed)?;
+        beside,
+    } = scene.draw(seed)?;
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
-    let settings = settings(scene, folder.path())?;
-    let mut extractor = FrameExtractor::new(&settings.extract)?;
-    let mut fitter = SpaceFitter::new(&settings)?.context("there is a depth camera")?;
-    let units: Vec<u8> = depth.iter().flat_map(|unit| unit.to_ne_bytes()).collect();
+    let settings = settings(scene, seed, folder.path())?;
+    let mut fitter = SpaceFitter::new(&settings)?.context("there is another camera")?;
     let [width, height] = SIZE.map(|side| side as u32);
     let header = FrameHeader {
         width,
@@ -248,13 +314,29 @@ fn measure(scene: &Scene, seed: u64, score: &mut Score) -> Result<()> {
         pixel_format: PixelFormat::Rgb8 as u32,
         ..FrameHeader::default()
     };
-    let beside = header.of_depth([width, height]);
-    let (mut seen, mut message) = (Box::new(Centerlines::EMPTY), Box::new(Descriptors3::EMPTY));
-    extractor.answer(FrameView::new(&header, &picture), None, &mut seen);
+    let extract = |picture: &[u8]| {
+        let mut seen = Box::new(Centerlines::EMPTY);
+        let mut extractor = FrameExtractor::new(&settings.extract)?;
+        extractor.answer(FrameView::new(&header, picture), None, &mut seen);
+        anyhow::Ok(seen)
+    };
+    let depth_header = header.of_depth([width, height]);
+    let (bytes, second): (Vec<u8>, _) = match &beside {
+        Image::Depth(units) => (
+            units.iter().flat_map(|unit| unit.to_ne_bytes()).collect(),
+            None,
+        ),
+        Image::Second(picture) => (Vec::new(), Some(extract(picture)?)),
+    };
+    let companion = match &second {
+        None => Companion::Depth(FrameView::new(&depth_header, &bytes)),
+        Some(second) => Companion::Second(second),
+    };
+    let (seen, mut message) = (extract(&picture)?, Box::new(Descriptors3::EMPTY));
     let truth: Vec<[f64; 3]> = rope.points.iter().map(|&p| color.see(p)).collect();
     for _ in 0..3 {
         let began = Instant::now();
-        fitter.answer(&seen, Some(FrameView::new(&beside, &units)), &mut message);
+        fitter.answer(&seen, Some(companion), &mut message);
         score.us.push(began.elapsed().as_secs_f64() * 1e6);
     }
     let one = match message.curves() {
@@ -336,26 +418,38 @@ fn squared_in(c: &[f64; 6], x: [f64; 3]) -> f64 {
 }
 
 /// Settings that name the two cameras' files in this folder.
-fn settings(scene: &Scene, folder: &Path) -> Result<Settings> {
-    let camera = |focal: f64| {
-        let [width, height] = SIZE;
-        let (x, y) = (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0));
+fn settings(scene: &Scene, seed: u64, folder: &Path) -> Result<Settings> {
+    let camera = |eye: &Eye| {
+        let ([focal, _], [x, y], [width, height]) = (eye.focal_px, eye.center_px, eye.size);
         format!(
             "image_width: {width}\nimage_height: {height}\ncamera_matrix: [{focal}, 0, {x}, 0, {focal}, {y}, 0, 0, 1]\n\
              distortion_coefficients: [0, 0, 0, 0]\n"
         )
     };
-    let [x, y, z] = ASIDE;
-    let noise_mm = scene.sensor.noise_per_mm * 1e6;
-    let beside = format!(
-        "rotation: [0, 0, 0, 1]\ntranslation_mm: [{x}, {y}, {z}]\nnoise_mm_at_1m: {noise_mm}\nrange_mm: [200, 1500]\n"
+    let [color, beside] = scene.eyes(seed);
+    let (rotation, place) = beside.pose_in(&color);
+    let pose = format!(
+        "rotation: {:?}\ntranslation_mm: {place:?}\nrange_mm: [200, 1500]\n",
+        rotation.as_flattened()
     );
-    let [calibration, depth] = ["camera.yaml", "depth.yaml"].map(|name| folder.join(name));
-    fs::write(&calibration, camera(610.0))?;
-    fs::write(&depth, camera(425.0) + &beside)?;
+    let calibration = folder.join("camera.yaml");
+    fs::write(&calibration, camera(&color))?;
     let mut settings = Settings::default();
     settings.camera.calibration = Some(calibration);
-    settings.camera.depth = Some(depth);
+    let text = camera(&beside) + &pose;
+    match scene.beside {
+        Beside::Depth(sensor) => {
+            let path = folder.join("depth.yaml");
+            let noise_mm = sensor.noise_per_mm * 1e6;
+            fs::write(&path, format!("{text}noise_mm_at_1m: {noise_mm}\n"))?;
+            settings.camera.depth = Some(path);
+        }
+        Beside::Second => {
+            let path = folder.join("second.yaml");
+            fs::write(&path, text)?;
+            settings.camera.second = Some(path);
+        }
+    }
     Ok(settings)
 }
 

@@ -4,7 +4,7 @@
 //! image shows, goes on beyond the axis by `r |cos ϑ|`, with ϑ the angle between the ray and the rope. The last points are
 //! set closer to each other, so that the last one is where the axis ends.
 
-use super::{RopeDepth, SpacePoint, between, dot};
+use super::{SpacePoint, between, dot};
 
 /// The rope's direction at its end is that of the way from so many radii before, and no way back is longer than this.
 const BACK_RADII: f64 = 4.0;
@@ -13,18 +13,16 @@ const MOST_RADII: f64 = 3.0;
 /// Over how many times what is cut off the points are set closer.
 const OVER: f64 = 3.0;
 
-impl RopeDepth {
-    /// Moves the ends that are seen to where the axis ends.
-    pub(super) fn cut_ends(&mut self, seen: [bool; 2]) {
-        let [first, last] = seen;
-        if first {
-            cut(&mut self.places, &mut self.before);
-        }
-        if last {
-            self.places.reverse();
-            cut(&mut self.places, &mut self.before);
-            self.places.reverse();
-        }
+/// Moves the ends that are seen to where the axis ends. `before` is room.
+pub(crate) fn cut_ends(places: &mut [SpacePoint], seen: [bool; 2], before: &mut Vec<SpacePoint>) {
+    let [first, last] = seen;
+    if first {
+        cut(places, before);
+    }
+    if last {
+        places.reverse();
+        cut(places, before);
+        places.reverse();
     }
 }
 
@@ -79,6 +77,7 @@ fn mixed(a: &SpacePoint, b: &SpacePoint, share: f64) -> SpacePoint {
         by_pixel: [0, 1, 2].map(|k| [0, 1].map(|l| mix(a.by_pixel[k][l], b.by_pixel[k][l]))),
         ray: [0, 1, 2].map(|k| mix(a.ray[k], b.ray[k])),
         variance: mix(a.variance, b.variance),
+        in_common: mix(a.in_common, b.in_common),
         is_measured: if share < 0.5 { a } else { b }.is_measured,
         doubt_px: mix(a.doubt_px, b.doubt_px),
         width_mm: mix(a.width_mm, b.width_mm),

@@ -1,0 +1,37 @@
+//! What a second colour camera's file says.
+
+use super::ViewPair;
+use crate::calibration::{self, CalibrationError};
+use crate::camera::Camera;
+use crate::depth::read_range;
+use crate::pose::Pose;
+use crate::yaml;
+
+/// A second colour camera beside the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondCalibration {
+    /// The two cameras.
+    pub cameras: ViewPair,
+}
+
+impl SecondCalibration {
+    /// The second camera of a file, beside this first one: its own calibration by the same names, `rotation` and `translation_mm` to
+    /// the first camera's frame, and `range_mm` ([150, 4000]).
+    ///
+    /// # Errors
+    /// It says what cannot be, or not enough; each with the key and what to do.
+    pub fn from_yaml(text: &str, first: Camera) -> Result<Self, CalibrationError> {
+        let file = yaml::read(text)?;
+        let second = calibration::camera(&file)?;
+        let Some(pose) = Pose::read(&file)? else {
+            return Err(CalibrationError::Missing(
+                "pose beside the first camera",
+                "rotation (nine numbers, or a quaternion x, y, z, w) and translation_mm",
+            ));
+        };
+        let range_mm = read_range(&file)?;
+        let cameras = ViewPair::new(first, second, pose, range_mm)
+            .or_else(|cause| calibration::wrong("second camera", cause.to_string()))?;
+        Ok(Self { cameras })
+    }
+}

@@ -1,0 +1,144 @@
+//! What a second rig's camera saw: of its centerlines those nearest in time to a frame.
+//!
+//! The other rig runs by itself and knows nothing of this one, which is a reader of its channel. A frame's partner is known as soon as
+//! one is there that was taken later than the frame, or no more than half a period before it; else it is waited for until a deadline after
+//! the frame's capture. Once nothing has come until then, nobody is waited for until something comes again.
+
+use std::os::fd::AsFd;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use lariat_wire::{CENTERLINES, Centerlines, Receiver, Rig, Trace, now_ns};
+
+use super::Station;
+use crate::settings::Camera;
+use crate::stop::Stop;
+
+/// How far from a frame its partner may be while nothing is known of the other's period.
+const WITHIN: Duration = Duration::from_millis(20);
+
+/// A reader of what the second camera saw.
+pub(super) struct SecondView {
+    reader: Receiver<Centerlines>,
+    rig: Rig,
+    within: Option<Duration>,
+    deadline: Duration,
+    /// The last two that came, the newest first.
+    seen: [Box<Centerlines>; 2],
+    /// How many of them there are.
+    count: usize,
+    /// From one to the next; where some are lost it is longer, so that the shorter of two counts.
+    steps_ns: [Option<u64>; 2],
+    is_silent: bool,
+    alone: u64,
+    is_told: bool,
+}
+
+impl SecondView {
+    /// Becomes a reader of the second rig that the settings name.
+    pub(super) fn open(settings: &Camera, station: &Station) -> anyhow::Result<Self> {
+        let rig = settings.second_rig.as_deref();
+        let rig: Rig = (rig
+            .context("a second camera has a rig of its own: say which (--second-rig NAME)")?)
+        .parse()?;
+        // Whether its sender waits is the other's to say.
+        let reader = Receiver::create(&station.domain, &rig, &CENTERLINES, None)?;
+        Ok(Self {
+            reader,
+            rig,
+            within: settings.second_within,
+            deadline: settings.depth_deadline,
+            seen: [Box::new(Centerlines::EMPTY), Box::new(Centerlines::EMPTY)],
+            count: 0,
+            steps_ns: [None; 2],
+            is_silent: false,
+            alone: 0,
+            is_told: false,
+        })
+    }
+
+    /// What the second camera saw when the frame was taken, waited for if need be; `None`, and the frame is counted, if nothing was seen
+    /// near enough to it.
+    pub(super) fn of(
+        &mut self,
+        frame: &Trace,
+        stop: &Stop,
+    ) -> anyhow::Result<Option<&Centerlines>> {
+        self.wait_for(frame, stop)?;
+        let apart_ns = |seen: &Centerlines| seen.trace.exposed_ns.abs_diff(frame.exposed_ns);
+        let nearest = (0..self.count).min_by_key(|&at| apart_ns(&self.seen[at]));
+        let within_ns = match (self.within, self.period_ns()) {
+            (Some(within), _) => within.as_nanos() as u64,
+            (None, Some(period_ns)) => period_ns / 5 * 3,
+            (None, None) => WITHIN.as_nanos() as u64,
+        };
+        let found = nearest.filter(|&at| apart_ns(&self.seen[at]) <= within_ns);
+        self.alone += u64::from(found.is_none());
+        // Said once: a fault of every frame would fill the screen.
+        if found.is_none() && !std::mem::replace(&mut self.is_told, true) {
+            let why = match nearest {
+                Some(at) => format!(
+                    "what rig {} saw nearest to it was {:.1} ms away, and {:.1} ms are allowed (second_within_us)",
+                    self.rig,
+                    apart_ns(&self.seen[at]) as f64 / 1e6,
+                    within_ns as f64 / 1e6
+                ),
+                None => format!(
+                    "nothing came of rig {} within {:?} of its capture (depth_deadline_us). Is it running (`lariat run --rig {0} ...`)?",
+                    self.rig, self.deadline
+                ),
+            };
+            tracing::warn!(
+                "frame {} is described in the image only: {why}",
+                frame.sequence
+            );
+        }
+        Ok(found.map(|at| &*self.seen[at]))
+    }
+
+    /// How many frames had no partner.
+    pub(super) fn alone(&self) -> u64 {
+        self.alone
+    }
+
+    fn period_ns(&self) -> Option<u64> {
+        self.steps_ns.into_iter().flatten().min()
+    }
+
+    fn wait_for(&mut self, frame: &Trace, stop: &Stop) -> anyhow::Result<()> {
+        let age = Duration::from_nanos(now_ns().saturating_sub(frame.captured_ns));
+        let deadline = Instant::now() + self.deadline.saturating_sub(age);
+        loop {
+            let half_ns = self.period_ns().unwrap_or(0) / 2;
+            if self.count > 0 && self.seen[0].trace.exposed_ns + half_ns >= frame.exposed_ns {
+                return Ok(());
+            }
+            if let Some(message) = self.reader.next()? {
+                self.take(&message);
+                continue;
+            }
+            let is_late = Instant::now() >= deadline;
+            if is_late || self.is_silent || stop.asked() {
+                self.is_silent |= is_late;
+                return Ok(());
+            }
+            self.reader.sleep(Some(deadline), Some(stop.as_fd()))?;
+        }
+    }
+
+    fn take(&mut self, message: &Centerlines) {
+        self.is_silent = false;
+        // A frame without an image.
+        if message.width == 0 {
+            return;
+        }
+        self.seen.swap(0, 1);
+        self.seen[0].copy_meant(message);
+        let [now, before] = &self.seen;
+        if self.count > 0 {
+            let step_ns = now.trace.exposed_ns.checked_sub(before.trace.exposed_ns);
+            self.steps_ns = [step_ns, self.steps_ns[0]];
+        }
+        self.count = (self.count + 1).min(2);
+    }
+}
