@@ -4,6 +4,7 @@ use crate::plane_file;
 use crate::settings;
 use anyhow::{Context, Result, bail};
 use lariat_camera::{Camera, DepthCalibration, Mapping, Plane, Pose};
+use lariat_capture::SpaceCameras;
 use lariat_wire::{Rig, Unit, members};
 use std::path::{Path, PathBuf};
 use toml::Table;
@@ -53,11 +54,15 @@ impl Calibrated {
         }))
     }
 
-    /// The depth camera beside the colour one, and the colour camera's pose before the robot; `None` if the settings name none.
+    /// The depth camera beside the colour one, and the colour camera's pose before the robot; `None` if the settings name none. What
+    /// is simulated has its own, for pictures of this size.
     ///
     /// # Errors
     /// As [`load`](Self::load); no calibration of the colour camera.
-    pub fn depth(settings: &settings::Camera) -> Result<Option<(DepthCalibration, Option<Pose>)>> {
+    pub fn depth(
+        settings: &settings::Camera,
+        picture: [u32; 2],
+    ) -> Result<Option<(DepthCalibration, Option<Pose>)>> {
         let read = |path: &Path, what: &str| {
             crate::bounded::read_text(path)
                 .with_context(|| format!("cannot read {what} {}", path.display()))
@@ -73,6 +78,12 @@ impl Calibrated {
         let Some(path) = &settings.depth else {
             return Ok(None);
         };
+        if settings.is_simulated() {
+            let own = SpaceCameras::new(picture);
+            let depth = DepthCalibration::from_yaml(&own.depth, Camera::from_yaml(&own.color)?)?;
+            let own_pose = Pose::from_yaml(&own.pose)?;
+            return Ok(Some((depth, pose.or(Some(own_pose)))));
+        }
         let Some(color) = &settings.calibration else {
             bail!(
                 "depth needs the colour camera's own calibration, too: name it (--calibration FILE)"

@@ -73,7 +73,9 @@ impl SpaceFitter {
     /// # Errors
     /// What they name cannot be read.
     pub fn new(settings: &Settings) -> Result<Option<Self>> {
-        let Some((calibration, pose)) = Calibrated::depth(&settings.camera)? else {
+        let Some((calibration, pose)) =
+            Calibrated::depth(&settings.camera, settings.capture.likely_size())?
+        else {
             return Ok(None);
         };
         Ok(Some(Self {
