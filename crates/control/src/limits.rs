@@ -186,13 +186,13 @@ impl Limits {
     /// How fast the grippers go away from each other.
     fn opening(&self, velocity: &Coordinates, r: &Coordinates) -> f64 {
         let (_, [x, y, z]) = self.apart(r);
-        let [u, v, w] = self.from_first_to_second(velocity);
+        let [u, v, w] = self.way_between(velocity);
         x * u + y * v + z * w
     }
 
     /// How far they are from each other, and in which direction, from the first to the second.
     fn apart(&self, r: &Coordinates) -> (f64, [f64; 3]) {
-        let way = self.from_first_to_second(r);
+        let way = self.way_between(r);
         let [x, y, z] = way;
         let distance = (x * x + y * y + z * z).sqrt();
         if distance == 0.0 {
@@ -202,7 +202,7 @@ impl Limits {
     }
 
     /// Of places or their velocities; in the plane without z.
-    fn from_first_to_second(&self, r: &Coordinates) -> [f64; 3] {
+    fn way_between(&self, r: &Coordinates) -> [f64; 3] {
         std::array::from_fn(|axis| match axis < dimensions(self.axes) {
             true => r[self.axes + axis] - r[axis],
             false => 0.0,

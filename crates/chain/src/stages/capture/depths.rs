@@ -13,10 +13,7 @@ use camera::{Bounds, DepthCamera};
 /// Where depth images come from.
 pub(super) enum Depths {
     Files(Box<Files>),
-    Source {
-        writer: Writer<[u8]>,
-        size: [u32; 2],
-    },
+    Source(Box<Own>),
     Camera(DepthCamera),
 }
 
@@ -37,7 +34,7 @@ impl Depths {
                 ..
             } = station;
             let writer = Writer::depths(domain, rig, delivery, bytes(size), 1)?;
-            return Ok(Some(Self::Source { writer, size }));
+            return Ok(Some(Self::Source(Box::new(Own { writer, size }))));
         }
         if let Some(source) = camera {
             let bounds = Bounds::of(settings);
@@ -56,9 +53,9 @@ impl Depths {
     ) -> anyhow::Result<Option<DepthSlot<'_>>> {
         match self {
             Self::Files(files) => files.slot(sequence),
-            Self::Source { writer, size } => {
-                let size = *size;
-                let mut slot = writer.frame_slot(bytes(size))?;
+            Self::Source(own) => {
+                let size = own.size;
+                let mut slot = own.writer.frame_slot(bytes(size))?;
                 source.write_depth(&mut slot);
                 Ok(Some(DepthSlot { size, slot }))
             }
@@ -72,7 +69,7 @@ impl Depths {
     /// The depth camera has ended with a fault.
     pub(super) fn sent(&mut self, frame: &FrameHeader) -> anyhow::Result<()> {
         match self {
-            Self::Files(_) | Self::Source { .. } => Ok(()),
+            Self::Files(_) | Self::Source(_) => Ok(()),
             Self::Camera(camera) => camera.frame(frame),
         }
     }
@@ -83,7 +80,7 @@ impl Depths {
     /// It has ended with a fault.
     pub(super) fn end(self) -> anyhow::Result<Option<lariat_sink::DepthCounts>> {
         match self {
-            Self::Files(_) | Self::Source { .. } => Ok(None),
+            Self::Files(_) | Self::Source(_) => Ok(None),
             Self::Camera(camera) => camera.end().map(Some),
         }
     }
@@ -103,6 +100,12 @@ pub(super) fn camera_options(
         return Ok(None);
     };
     Ok(settings.capture.depth_camera(calibration.size, native_fps))
+}
+
+/// Those of the source itself.
+pub(super) struct Own {
+    writer: Writer<[u8]>,
+    size: [u32; 2],
 }
 
 /// Of an image of this size.
