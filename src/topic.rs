@@ -143,6 +143,7 @@ enum ChannelName {
     Descriptors,
     Descriptors3,
     Truth,
+    Truth3,
 }
 
 impl ChannelName {
@@ -155,6 +156,7 @@ impl ChannelName {
             Self::Descriptors => lariat_wire::DESCRIPTORS.name(),
             Self::Descriptors3 => lariat_wire::DESCRIPTORS3.name(),
             Self::Truth => lariat_wire::TRUTH.name(),
+            Self::Truth3 => lariat_wire::TRUTH3.name(),
         }
     }
 }
@@ -221,6 +223,7 @@ impl Place {
                 match channel {
                     ChannelName::Masks => " (masks are there with the setting mask = \"external\")",
                     ChannelName::Truth => " (only of a rendered rope the true shape is known)",
+                    ChannelName::Truth3 => " (only of a lifted simulated rope it is known)",
                     _ => ": is the whole chain running (`lariat run`)?",
                 }
             );

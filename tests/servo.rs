@@ -25,6 +25,26 @@ fn five_ropes_reach_their_target_at_60_frames_a_second_and_are_filmed() {
 }
 
 #[test]
+fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees() {
+    let bench = Bench::new();
+    let slow = ["--fps", "15", "--time", "60s"];
+    let ropes = ["servo", "--lifted", "--target", "line", "--seeds", "1"];
+    let output = bench.run(&[&ropes[..], &slow].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{table}{said}");
+    assert!(
+        table.contains("1/1") && table.contains("mm"),
+        "{table}{said}"
+    );
+    bench.assert_nothing_is_left();
+    std::fs::write(bench.path("line.jsonl"), "{\"points\":[[1,2],[3,4]]}").expect("a file");
+    let output = bench.run(&["servo", "--lifted", "--target", "line.jsonl"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+}
+
+#[test]
 fn what_is_no_target_is_refused_with_a_sentence() {
     let bench = Bench::new();
     for (target, text, code) in [

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use lariat_wire::{
     CENTERLINES, Centerlines, Channel, DEPTH, DESCRIPTORS, DESCRIPTORS3, Descriptors, Descriptors3,
-    Domain, FRAMES, FrameHeader, MASKS, Payload, Receiver, Rig, TRUTH, Trace, WireError, now_ns,
+    Domain, FRAMES, FrameHeader, MASKS, Payload, Receiver, Rig, TRUTH, TRUTH3, Trace, WireError,
+    now_ns,
 };
 
 use super::nap::Nap;
@@ -87,6 +88,7 @@ impl Probe {
             ChannelName::Descriptors3 => {
                 Reader::Descriptors3(open(domain, rig, &DESCRIPTORS3, woken)?)
             }
+            ChannelName::Truth3 => Reader::Descriptors3(open(domain, rig, &TRUTH3, woken)?),
         };
         Ok(Self {
             reader,

@@ -19,9 +19,11 @@ use super::watch::Meter;
 fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     match channel {
         // A mask and a depth image have those of their frame.
-        ChannelName::Frames | ChannelName::Masks | ChannelName::Depth | ChannelName::Truth => {
-            (trace.captured, trace.captured_ns)
-        }
+        ChannelName::Frames
+        | ChannelName::Masks
+        | ChannelName::Depth
+        | ChannelName::Truth
+        | ChannelName::Truth3 => (trace.captured, trace.captured_ns),
         ChannelName::Centerlines => (trace.extracted, trace.extracted_ns),
         ChannelName::Descriptors | ChannelName::Descriptors3 => (trace.fitted, trace.fitted_ns),
     }

@@ -461,7 +461,10 @@ pub(crate) mod tests {
             sent_ns: u64::MAX,
             exposed_ns: 0,
             grippers: 2,
-            velocities: [[1.0, -2.0, 0.5], [f64::MIN, 0.0, f64::MAX]],
+            velocities: [
+                [1.0, -2.0, 0.5, 0.0, 0.1, 0.2],
+                [f64::MIN, 0.0, f64::MAX, 0.0, 0.0, -0.5],
+            ],
             ..Command::default()
         };
         let (mut bytes, mut read) = (Vec::new(), Command::default());

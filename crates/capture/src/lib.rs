@@ -109,7 +109,7 @@ mod yuv;
 
 pub use depth_files::DepthFiles;
 pub use follow::FollowOptions;
-pub use lariat_drawn::{HandOptions, RenderOptions};
+pub use lariat_drawn::{HandOptions, RenderOptions, SpaceCameras};
 pub use lent::{LentSlot, SlotKey};
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;

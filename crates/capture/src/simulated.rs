@@ -4,15 +4,20 @@
 //! that moment, each command taking effect when it was sent; a little behind the clock meanwhile, so that little is left
 //! to do when the moment comes.
 
+mod world;
+
 use std::collections::VecDeque;
 
-use lariat_drawn::{HandOptions, Scene};
-use lariat_message::{Centerlines, Command, MAX_POINTS, PixelFormat, SourceKind, now_ns};
-use lariat_simulation::{OptionsError, STEP_NS, Simulation};
+use lariat_drawn::HandOptions;
+use lariat_message::{
+    Centerlines, Command, Descriptors3, MAX_POINTS, PixelFormat, SourceKind, now_ns,
+};
+use lariat_simulation::{OptionsError, STEP_NS};
 
 use crate::pace::{Pace, Pacer};
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
+use world::World;
 
 /// Between two frames it looks for commands so often: at 1000 a second fewer come than may wait.
 const LOOK_NS: u64 = 4_000_000;
@@ -31,6 +36,8 @@ pub type Commands = Box<dyn FnMut() -> Option<Command> + Send>;
 pub struct SimulatedOptions {
     /// The rope, the table and the robot. The picture has whole pixels, 200 to 8192 each way.
     pub simulation: lariat_simulation::Options,
+    /// Whether the rope is lifted, and seen by a depth camera, too: pixels are millimetres of the table then.
+    pub lifted: bool,
     /// How often the camera takes a picture.
     pub pace: Pace,
     /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
@@ -45,6 +52,7 @@ impl Default for SimulatedOptions {
     fn default() -> Self {
         Self {
             simulation: lariat_simulation::Options::default(),
+            lifted: false,
             pace: Pace::Fps(30.0),
             noise: 2.5,
             hand: None,
@@ -65,8 +73,7 @@ pub fn open_simulated(
 }
 
 pub(crate) struct Simulated {
-    simulation: Simulation,
-    scene: Scene,
+    world: World,
     commands: Commands,
     /// Those whose moment has not come.
     waiting: VecDeque<Command>,
@@ -95,10 +102,8 @@ impl Simulated {
         let pacer = Pacer::new(options.pace).map_err(|error| OptionsError::OutOfRange {
             what: format!("a camera's rate, but {error}"),
         })?;
-        let simulation = Simulation::new(&options.simulation)?;
         Ok(Self {
-            scene: Scene::new(&simulation, options.noise, options.hand),
-            simulation,
+            world: World::new(options)?,
             commands,
             waiting: VecDeque::with_capacity(MOST_COMMANDS),
             pacer,
@@ -130,15 +135,15 @@ impl Simulated {
             return;
         };
         loop {
-            let now_ns = start_ns + self.simulation.steps() * STEP_NS;
+            let now_ns = start_ns + self.world.steps() * STEP_NS;
             if now_ns + STEP_NS > moment_ns {
                 return;
             }
             while let Some(command) = self.waiting.front().filter(|next| next.sent_ns <= now_ns) {
-                self.simulation.command(command.velocities());
+                self.world.command(command);
                 self.waiting.pop_front();
             }
-            self.simulation.step();
+            self.world.step();
         }
     }
 
@@ -159,7 +164,7 @@ impl Simulated {
     }
 
     fn frame(&self, exposed_ns: u64) -> Frame {
-        let [width, height] = self.scene.size();
+        let [width, height] = self.world.size();
         Frame {
             sequence: self.sequence,
             width,
@@ -203,16 +208,27 @@ impl FrameSource for Simulated {
         self.due_ns = None;
         self.go_on_to(due_ns);
         let time_s = (due_ns - start_ns) as f64 * 1e-9;
-        self.scene.draw(&self.simulation, time_s);
+        self.world.draw(time_s);
         Ok(Next::Frame(self.frame(due_ns)))
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
-        self.scene.write(self.sequence, pixels);
+        self.world.write(self.sequence, pixels);
     }
 
     fn truth(&self, message: &mut Centerlines) -> bool {
-        self.scene
-            .truth(&self.simulation, self.truth_points, message)
+        self.world.truth(self.truth_points, message)
+    }
+
+    fn depth_size(&self) -> Option<[u32; 2]> {
+        self.world.depth_size()
+    }
+
+    fn write_depth(&mut self, units: &mut [u8]) {
+        self.world.write_depth(self.sequence, units);
+    }
+
+    fn truth_in_space(&self, message: &mut Descriptors3) -> bool {
+        self.world.truth_in_space(self.truth_points, message)
     }
 }

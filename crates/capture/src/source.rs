@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use lariat_message::{Centerlines, PixelFormat, SourceKind};
+use lariat_message::{Centerlines, Descriptors3, PixelFormat, SourceKind};
 
 use crate::lent::{LentSlot, SlotKey};
 use crate::picture::PICTURES;
@@ -135,6 +135,21 @@ pub trait FrameSource: Send {
     /// Fills in the true centerlines of the frame just made ready: width, height, counts and curves, not the trace.
     /// `false`, and nothing is touched, if the source does not know them.
     fn truth(&self, _truth: &mut Centerlines) -> bool {
+        false
+    }
+
+    /// Width and height of the depth image that it has beside each frame; `None` if it has none.
+    fn depth_size(&self) -> Option<[u32; 2]> {
+        None
+    }
+
+    /// Writes the depth image of the frame just made ready: two bytes a pixel, as the machine has them, row by row without padding. Only of
+    /// a source that has one.
+    fn write_depth(&mut self, _units: &mut [u8]) {}
+
+    /// Fills in where the ropes of the frame just made ready are in space, if it has a depth image: all but the trace, points without curves.
+    /// `false`, and nothing is touched, if the source does not know.
+    fn truth_in_space(&self, _truth: &mut Descriptors3) -> bool {
         false
     }
 

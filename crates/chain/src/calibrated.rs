@@ -4,6 +4,7 @@ use crate::plane_file;
 use crate::settings;
 use anyhow::{Context, Result, bail};
 use lariat_camera::{Camera, DepthCalibration, Mapping, Plane, Pose, SecondCalibration};
+use lariat_capture::SpaceCameras;
 use lariat_wire::{Rig, Unit, members};
 use std::path::{Path, PathBuf};
 use toml::Table;
@@ -63,11 +64,14 @@ impl Calibrated {
     }
 
     /// What stands beside the colour camera, and that camera's pose before the robot; `None` if the settings name neither a depth
-    /// camera nor a second one.
+    /// camera nor a second one. What is simulated has its own, for pictures of this size.
     ///
     /// # Errors
     /// As [`load`](Self::load); both of them; no calibration of the colour camera.
-    pub fn beside(settings: &settings::Camera) -> Result<Option<(Beside, Option<Pose>)>> {
+    pub fn beside(
+        settings: &settings::Camera,
+        picture: [u32; 2],
+    ) -> Result<Option<(Beside, Option<Pose>)>> {
         let read = |path: &Path, what: &str| {
             crate::bounded::read_text(path)
                 .with_context(|| format!("cannot read {what} {}", path.display()))
@@ -88,6 +92,12 @@ impl Calibrated {
             (Some(path), None) => (path, "depth"),
             (None, Some(path)) => (path, "a second camera"),
         };
+        if settings.is_simulated() {
+            let own = SpaceCameras::new(picture);
+            let depth = DepthCalibration::from_yaml(&own.depth, Camera::from_yaml(&own.color)?)?;
+            let own_pose = Pose::from_yaml(&own.pose)?;
+            return Ok(Some((Beside::Depth(depth), pose.or(Some(own_pose)))));
+        }
         let Some(color) = &settings.calibration else {
             bail!(
                 "{what} needs the colour camera's own calibration, too: name it (--calibration FILE)"

@@ -107,7 +107,11 @@ impl Settings {
     pub fn source(&self) -> Source {
         let points = self.extract.points;
         if self.capture.is_simulated() {
-            return Source::Simulated(self.simulation.options(&self.capture, points));
+            return Source::Simulated((self.simulation).options(
+                &self.capture,
+                points,
+                self.camera.is_simulated(),
+            ));
         }
         self.capture.source(points)
     }

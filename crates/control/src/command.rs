@@ -5,8 +5,8 @@ use std::fmt;
 /// A shape as an image shows it.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
-    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px (`control_points().as_flattened()` of a reader's rope); as many as the
-    /// target has.
+    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px, in space `[x₀, y₀, z₀, …]`, mm (`control_points().as_flattened()` of a reader's
+    /// rope); as many as the target has.
     pub features: &'a [f64],
     /// How well each point is seen.
     pub weights: Weights<'a>,
@@ -41,13 +41,15 @@ pub enum Weights<'a> {
     Points(&'a [f64]),
     /// The covariance of each point, `[xx, xy, yy]`, px², as a descriptor has it; up to 10¹².
     Covariances(&'a [[f64; 3]]),
+    /// The same in space, `[xx, xy, xz, yy, yz, zz]`, mm².
+    Covariances3(&'a [[f64; 6]]),
 }
 
 /// What the robot is to do until the next command, and why.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Command {
-    /// Of each gripper: px/s, px/s, rad/s. Never above the robot's limits. Of a gripper that is not there 0.
-    pub velocities: [[f64; 3]; 2],
+pub struct Command<const A: usize = 3> {
+    /// Of each gripper: px/s, px/s, rad/s; in space mm/s along three axes and rad/s about three. Never above the robot's limits. Of a gripper that is not there 0.
+    pub velocities: [[f64; A]; 2],
     /// What the servo is at.
     pub doing: Doing,
     /// Distance of the last seen shape from the target, px: root mean square by the [`Metric`](crate::Metric). `None` before there was one.
@@ -62,8 +64,10 @@ pub struct Command {
 pub enum Doing {
     /// It moves one input there and back, to see how the rope answers.
     Exploring {
-        /// Which: 0 to 2 are x, y, θ of the first gripper, 3 to 5 of the second.
-        input: usize,
+        /// Of which gripper: 1 or 2.
+        gripper: usize,
+        /// Which: `x`, `y` or `θ`; in space `x`, `y`, `z`, or a turn, `θ₁`, `θ₂`, `θ₃`.
+        axis: &'static str,
     },
     /// It drives the rope to the target, or stands there and waits whether the rope stays.
     Steering,
@@ -129,9 +133,8 @@ impl fmt::Display for Why {
 impl fmt::Display for Doing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Exploring { input } => {
-                let axis = ["x", "y", "θ"][input % 3];
-                write!(f, "exploring {axis} of gripper {}", input / 3 + 1)
+            Self::Exploring { gripper, axis } => {
+                write!(f, "exploring {axis} of gripper {gripper}")
             }
             Self::Steering => f.write_str("steering"),
             Self::Arrived => f.write_str("arrived"),

@@ -1,25 +1,23 @@
-//! Eigenvalues and vectors of a symmetric matrix of at most six rows, by Jacobi's rotations (G. Golub, C. Van Loan, *Matrix
+//! Eigenvalues and vectors of a symmetric matrix of few rows, by Jacobi's rotations (G. Golub, C. Van Loan, *Matrix
 //! Computations*, 4th edition, 8.5): to rounding also for the small ones, which say how near a Jacobian is to singular.
-
-use crate::{Coordinates, INPUTS};
 
 /// Sweeps after which it has long converged: quadratically, from the fourth or so on.
 const SWEEPS: usize = 12;
 
 /// Eigenvalues in no order, and their vectors as rows.
-pub(crate) struct Eigen {
-    pub(crate) values: Coordinates,
-    pub(crate) vectors: [Coordinates; INPUTS],
+pub(crate) struct Eigen<const N: usize> {
+    pub(crate) values: [f64; N],
+    pub(crate) vectors: [[f64; N]; N],
 }
 
-pub(crate) fn eigen(mut a: [Coordinates; INPUTS]) -> Eigen {
-    let mut vectors = [[0.0; INPUTS]; INPUTS];
+pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> Eigen<N> {
+    let mut vectors = [[0.0; N]; N];
     for (i, vector) in vectors.iter_mut().enumerate() {
         vector[i] = 1.0;
     }
     for _ in 0..SWEEPS {
-        for i in 0..INPUTS {
-            for j in i + 1..INPUTS {
+        for i in 0..N {
+            for j in i + 1..N {
                 rotate(&mut a, &mut vectors, i, j);
             }
         }
@@ -31,7 +29,7 @@ pub(crate) fn eigen(mut a: [Coordinates; INPUTS]) -> Eigen {
 }
 
 /// Makes entry (i, j) zero: by the smaller of the two angles that do.
-fn rotate(a: &mut [Coordinates; INPUTS], vectors: &mut [Coordinates; INPUTS], i: usize, j: usize) {
+fn rotate<const N: usize>(a: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N], i: usize, j: usize) {
     if a[i][j] == 0.0 {
         return;
     }
@@ -44,11 +42,11 @@ fn rotate(a: &mut [Coordinates; INPUTS], vectors: &mut [Coordinates; INPUTS], i:
         (*p, *q) = (cosine * *p - sine * *q, sine * *p + cosine * *q);
     };
     for row in a.iter_mut() {
-        let [p, q] = row.get_disjoint_mut([i, j]).expect("i < j < 6");
+        let [p, q] = row.get_disjoint_mut([i, j]).expect("i < j < N");
         turn(p, q);
     }
     for rows in [a, vectors] {
-        let [p, q] = rows.get_disjoint_mut([i, j]).expect("i < j < 6");
+        let [p, q] = rows.get_disjoint_mut([i, j]).expect("i < j < N");
         p.iter_mut().zip(q).for_each(|(p, q)| turn(p, q));
     }
 }
@@ -57,6 +55,7 @@ fn rotate(a: &mut [Coordinates; INPUTS], vectors: &mut [Coordinates; INPUTS], i:
 mod tests {
     use super::*;
     use crate::random::coordinates;
+    use crate::{Coordinates, INPUTS};
     use lariat_portable::SplitMix64;
 
     #[test]

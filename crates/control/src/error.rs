@@ -28,14 +28,19 @@ pub enum ServoError {
     Workspace {
         /// 1 or 2.
         gripper: usize,
-        /// `x`, `y` or `θ`.
+        /// `x`, `y` or `θ`; in space `x`, `y`, `z`, `θ₁`, `θ₂` or `θ₃`.
         axis: &'static str,
     },
     /// The target is no stack of points.
-    #[error("invalid target of {given} coordinates: give x and y of 1 to {MAX_POINTS} points")]
+    #[error(
+        "invalid target of {given} coordinates: give {of} of 1 to {MAX_POINTS} points",
+        of = if *dimensions == 3 { "x, y and z" } else { "x and y" }
+    )]
     TargetSize {
         /// How many coordinates came.
         given: usize,
+        /// How many a point has.
+        dimensions: usize,
     },
     /// Another number of coordinates than that of the first target.
     #[error(

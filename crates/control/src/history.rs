@@ -127,7 +127,9 @@ mod tests {
     use crate::random::coordinates;
     use lariat_portable::SplitMix64;
 
-    const START: Coordinates = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+    const START: Coordinates = [
+        1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0,
+    ];
 
     fn near(a: Option<Coordinates>, b: Coordinates, px: f64) {
         let a = a.expect("remembered");

@@ -119,7 +119,7 @@ mod tests {
     use crate::{Metric, Weights};
     use lariat_portable::SplitMix64;
 
-    const SIZE: usize = 10;
+    const SIZE: usize = 30;
 
     fn problem(random: &mut SplitMix64) -> (Jacobian, Weighing, Features, [[f64; 3]; SIZE / 2]) {
         let mut jacobian = Jacobian::ZERO;
@@ -130,7 +130,7 @@ mod tests {
             let [a, b, c] = [(); 3].map(|()| random.uniform(-1.0, 1.0));
             [a * a + 0.5, a * b, b * b + c * c + 0.5]
         });
-        let mut weighing = Weighing::new(&Metric::default(), SIZE / 2);
+        let mut weighing = Weighing::new(&Metric::default(), SIZE / 2, 2);
         let taken = weighing.take(Weights::Covariances(&covariances), 1.0);
         assert!(taken.is_ok());
         (jacobian, weighing, features(random, SIZE), covariances)
@@ -256,8 +256,8 @@ mod tests {
         let mut random = SplitMix64::new(6);
         let (jacobian, weighing, ..) = problem(&mut random);
         let mut way = coordinates(&mut random);
-        (way[1], way[4]) = (0.0, 0.0);
-        let free = [true, false, true, true, false, true];
+        way.iter_mut().skip(1).step_by(3).for_each(|way| *way = 0.0);
+        let free = std::array::from_fn(|input| input % 3 != 1);
         let law = Law::new(&jacobian, &weighing, &jacobian.times(&way), 1.0, 0.0);
         for (v, way) in law.solve(&free).velocity.into_iter().zip(way) {
             assert!((v - way).abs() < 1e-9, "{v} {way}");
@@ -266,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_shape_that_does_not_answer_asks_for_nothing() {
-        let weighing = Weighing::new(&Metric::default(), 3);
+        let weighing = Weighing::new(&Metric::default(), 3, 2);
         let error = features(&mut SplitMix64::new(7), 6);
         let law = Law::new(&Jacobian::ZERO, &weighing, &error, 1.0, 0.0);
         let wish = law.solve(&[true; INPUTS]);

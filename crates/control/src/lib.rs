@@ -1,7 +1,7 @@
 //! Shape servoing: a rope's descriptor in, gripper velocities out.
 //!
-//! One or two grippers at `r` (each x px, y px, θ rad) hold a rope whose shape a camera sees as `s`: the control points of a
-//! curve, or any points, stacked `[x₀, y₀, x₁, y₁, …]`. How the shape answers to the grippers, `J = ∂s/∂r`, is the rope's own and not
+//! One or two grippers at `r` (each x px, y px, θ rad; in space x, y, z in mm and three turns) hold a rope whose shape a camera sees as `s`: the
+//! control points of a curve, or any points, stacked `[x₀, y₀, x₁, y₁, …]`, in space with z. How the shape answers to the grippers, `J = ∂s/∂r`, is the rope's own and not
 //! known beforehand. A [`Servo`] finds it by small motions of each input in turn, keeps it up to date while it steers, and drives the
 //! shape towards a target `s*` by damped least squares:
 //!
@@ -17,7 +17,7 @@
 //!
 //! // A rope of three control points, held at its last: it answers as it likes.
 //! let rope = |[x, y, turn]: [f64; 3]| [0.0, 0.0, 0.5 * x - 40.0 * turn, 0.7 * y + 60.0 * turn, x, y];
-//! let mut servo = Servo::new(Options::default(), &rope([180.0, 60.0, 0.4]))?;
+//! let mut servo: Servo = Servo::new(Options::default(), &rope([180.0, 60.0, 0.4]))?;
 //! let (mut gripper, mut now_ns) = ([150.0, 0.0, 0.0], 0);
 //! loop {
 //!     let command = servo.see(Observation::new(&rope(gripper), now_ns), now_ns);
@@ -54,6 +54,13 @@
 //! with `weights: Weights::Covariances(&descriptor.covariances[..count])`, and the metric of the curve: [`Metric::bezier`], or
 //! [`Metric::of_rows`] of the shape's `jacobian_at`.
 //!
+//! # In space
+//!
+//! A [`Servo`] is one of the plane, with three coordinates a gripper; a [`SpaceServo`] has six (`A`), and shapes of three coordinates a
+//! point; what is px here is mm there. Turns are rates about three axes that turn with the gripper ([`Tool`]): two across the rope, and the
+//! rope itself, which does nothing to one that may be twisted, and has the limit 0 then. Covariances are
+//! [3×3](Weights::Covariances3).
+//!
 //! # Delay
 //!
 //! A shape is of the moment at which its image was *exposed*, and the grippers have moved since. The servo remembers where they were at
@@ -71,7 +78,7 @@
 //!
 //! `crates/control`: what docs/control.md (`docs/control.md`) says of a loop, as a library that is lifted out whole. It is told images and the
 //! time, and answers with velocities; it has neither clock nor thread, and allocates nothing once made (its memory is of fixed size:
-//! 32 points, two grippers of x, y, θ; some 80 KB, most of it the way of the grippers). In the order in which an image goes through:
+//! 32 points, two grippers of six coordinates; some 150 KB, most of it the way of the grippers). In the order in which an image goes through:
 //!
 //! - **Is it to be gone by** (`servo/sight`): as many numbers as the target, all of them places in a picture, a time that does not go back, an
 //!   image not too old. If not, velocity 0 in the same call, with the reason, and nothing else has changed.
@@ -114,6 +121,7 @@ mod pairs;
 mod progress;
 mod robot;
 mod servo;
+mod tool;
 mod weighing;
 
 pub use command::{Command, Doing, Observation, Weights, Why};
@@ -121,22 +129,32 @@ pub use error::{MetricError, ServoError};
 pub use metric::Metric;
 pub use options::{Estimator, Exploring, Learning, Options};
 pub use robot::{Robot, Workspace};
-pub use servo::Servo;
+pub use servo::{Servo, SpaceServo};
+pub use tool::Tool;
 
 /// The most points that a shape can have: as many as a descriptor has control points.
 pub const MAX_POINTS: usize = 32;
 
-/// Coordinates of a shape, two for each point.
-const MAX_FEATURES: usize = 2 * MAX_POINTS;
+/// Coordinates of a shape, three for each point in space; in the plane two, and the rest is 0.
+const MAX_FEATURES: usize = 3 * MAX_POINTS;
 
-/// Coordinates of two grippers: x, y, θ of each.
-const INPUTS: usize = 6;
+/// Coordinates of two grippers in space: three of place and three turns each. In the plane the first six are x, y, θ of each, and the others do
+/// not move.
+const INPUTS: usize = 12;
 
 /// Of both grippers, all px-like: angles are multiplied by the robot's lever. Of velocities, px/s.
 type Coordinates = [f64; INPUTS];
 
 /// A shape, or a difference of two. Behind its size all is 0.
 type Features = [f64; MAX_FEATURES];
+
+/// Dimensions in which a gripper with so many coordinates moves.
+const fn dimensions(axes: usize) -> usize {
+    match axes {
+        6 => 3,
+        _ => 2,
+    }
+}
 
 #[cfg(test)]
 mod random;

@@ -1,8 +1,7 @@
 //! No velocity leaves this file that the robot may not have.
 
-use crate::jacobian::square;
 use crate::robot::Robot;
-use crate::{Coordinates, INPUTS};
+use crate::{Coordinates, INPUTS, dimensions};
 
 /// Towards a border no faster than would reach it in this time, s: so that commands that come at least as often do not cross it.
 const BORDER_S: f64 = 0.1;
@@ -10,6 +9,8 @@ const BORDER_S: f64 = 0.1;
 /// Of all coordinates, px-like.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
+    /// How many a gripper has.
+    axes: usize,
     /// What multiplies a coordinate to make it px-like.
     scale: Coordinates,
     /// The limits of speed as they were given.
@@ -22,13 +23,17 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    pub(crate) fn new(robot: &Robot) -> Self {
-        let scale = [1.0, 1.0, robot.lever_px, 1.0, 1.0, robot.lever_px];
-        let each = |of: fn(&Robot, usize) -> [f64; 3]| -> Coordinates {
-            std::array::from_fn(|i| scale[i] * of(robot, i / 3)[i % 3])
+    pub(crate) fn new<const A: usize>(robot: &Robot<A>) -> Self {
+        let scale = std::array::from_fn(|i| match i % A < dimensions(A) {
+            true => 1.0,
+            false => robot.lever_px,
+        });
+        // Behind the second gripper's there is nothing that could move.
+        let each = |of: fn(&Robot<A>, usize) -> [f64; A]| -> Coordinates {
+            std::array::from_fn(|i| scale[i] * of(robot, (i / A).min(1))[i % A])
         };
-        let given = std::array::from_fn(|i| match i / 3 < robot.grippers {
-            true => robot.speeds[i % 3],
+        let given: Coordinates = std::array::from_fn(|i| match i / A < robot.grippers {
+            true => robot.speeds[i % A],
             false => 0.0,
         });
         let longest_apart_px = match robot.grippers {
@@ -36,10 +41,11 @@ impl Limits {
             _ => f64::INFINITY,
         };
         Self {
+            axes: A,
             scale,
             given,
             speeds: std::array::from_fn(|i| scale[i] * given[i]),
-            accelerations: each(|robot, _| robot.accelerations.unwrap_or([f64::INFINITY; 3])),
+            accelerations: each(|robot, _| robot.accelerations.unwrap_or([f64::INFINITY; A])),
             least: each(|robot, gripper| robot.workspaces[gripper].least),
             most: each(|robot, gripper| robot.workspaces[gripper].most),
             longest_apart_px,
@@ -47,28 +53,28 @@ impl Limits {
     }
 
     /// Poses as px-like coordinates.
-    pub(crate) fn gather(&self, poses: &[[f64; 3]; 2]) -> Coordinates {
-        std::array::from_fn(|i| self.scale[i] * poses[i / 3][i % 3])
+    pub(crate) fn gather<const A: usize>(&self, poses: &[[f64; A]; 2]) -> Coordinates {
+        gathered(poses, |i, coordinate| self.scale[i] * coordinate)
     }
 
     /// Px-like coordinates as poses.
-    pub(crate) fn spread(&self, r: &Coordinates) -> [[f64; 3]; 2] {
+    pub(crate) fn spread<const A: usize>(&self, r: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| r[i] / self.scale[i])
     }
 
     /// Px-like velocities as those of poses: rounding puts none above its limit.
-    pub(crate) fn spread_velocity(&self, velocity: &Coordinates) -> [[f64; 3]; 2] {
+    pub(crate) fn spread_velocity<const A: usize>(&self, velocity: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| (velocity[i] / self.scale[i]).clamp(-self.given[i], self.given[i]))
     }
 
     /// A row of the Jacobian, by poses.
-    pub(crate) fn spread_row(&self, row: &Coordinates) -> [[f64; 3]; 2] {
+    pub(crate) fn spread_row<const A: usize>(&self, row: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| row[i] * self.scale[i])
     }
 
     /// A row of the Jacobian, by px-like coordinates.
-    pub(crate) fn gather_row(&self, row: &[[f64; 3]; 2]) -> Coordinates {
-        std::array::from_fn(|i| row[i / 3][i % 3] / self.scale[i])
+    pub(crate) fn gather_row<const A: usize>(&self, row: &[[f64; A]; 2]) -> Coordinates {
+        gathered(row, |i, entry| entry / self.scale[i])
     }
 
     pub(crate) fn speed(&self, input: usize) -> f64 {
@@ -89,7 +95,7 @@ impl Limits {
     pub(crate) fn allow(&self, r: &Coordinates) -> bool {
         let inside = (0..INPUTS)
             .all(|i| self.speeds[i] == 0.0 || (self.least[i]..=self.most[i]).contains(&r[i]));
-        inside && apart(r).0 <= self.longest_apart_px
+        inside && self.apart(r).0 <= self.longest_apart_px
     }
 
     /// Whether an input is at a border and would go on outwards: next to nothing is left there of its velocity.
@@ -119,7 +125,7 @@ impl Limits {
             *kept = kept.clamp(low, high);
         }
         // A border may have stopped the one and not the other.
-        let opening = opening(&kept, r);
+        let opening = self.opening(&kept, r);
         let allowed = self.allowed_opening(r);
         if opening > allowed {
             kept = kept.map(|v| v * (allowed / opening));
@@ -165,38 +171,58 @@ impl Limits {
 
     /// What would pull the rope taut is taken off both grippers alike.
     fn tethered(&self, mut velocity: Coordinates, r: &Coordinates) -> Coordinates {
-        let excess = opening(&velocity, r) - self.allowed_opening(r);
+        let excess = self.opening(&velocity, r) - self.allowed_opening(r);
         if excess.is_nan() || excess <= 0.0 {
             return velocity;
         }
-        let (_, [x, y]) = apart(r);
-        for (i, away) in [(0, -x), (1, -y), (3, x), (4, y)] {
-            velocity[i] -= 0.5 * excess * away;
+        let (_, away) = self.apart(r);
+        for (axis, away) in away.into_iter().enumerate().take(dimensions(self.axes)) {
+            velocity[axis] += 0.5 * excess * away;
+            velocity[self.axes + axis] -= 0.5 * excess * away;
         }
         velocity
     }
 
+    /// How fast the grippers go away from each other.
+    fn opening(&self, velocity: &Coordinates, r: &Coordinates) -> f64 {
+        let (_, [x, y, z]) = self.apart(r);
+        let [u, v, w] = self.way_between(velocity);
+        x * u + y * v + z * w
+    }
+
+    /// How far they are from each other, and in which direction, from the first to the second.
+    fn apart(&self, r: &Coordinates) -> (f64, [f64; 3]) {
+        let way = self.way_between(r);
+        let [x, y, z] = way;
+        let distance = (x * x + y * y + z * z).sqrt();
+        if distance == 0.0 {
+            return (0.0, [0.0; 3]);
+        }
+        (distance, way.map(|c| c / distance))
+    }
+
+    /// Of places or their velocities; in the plane without z.
+    fn way_between(&self, r: &Coordinates) -> [f64; 3] {
+        std::array::from_fn(|axis| match axis < dimensions(self.axes) {
+            true => r[self.axes + axis] - r[axis],
+            false => 0.0,
+        })
+    }
+
     fn allowed_opening(&self, r: &Coordinates) -> f64 {
-        ((self.longest_apart_px - apart(r).0) / BORDER_S).max(0.0)
+        ((self.longest_apart_px - self.apart(r).0) / BORDER_S).max(0.0)
     }
 }
 
-fn by_gripper(number: impl Fn(usize) -> f64) -> [[f64; 3]; 2] {
-    std::array::from_fn(|gripper| std::array::from_fn(|axis| number(3 * gripper + axis)))
+fn by_gripper<const A: usize>(number: impl Fn(usize) -> f64) -> [[f64; A]; 2] {
+    std::array::from_fn(|gripper| std::array::from_fn(|axis| number(A * gripper + axis)))
 }
 
-/// How fast the grippers go away from each other.
-fn opening(velocity: &Coordinates, r: &Coordinates) -> f64 {
-    let (_, [x, y]) = apart(r);
-    x * (velocity[3] - velocity[0]) + y * (velocity[4] - velocity[1])
-}
-
-/// How far they are from each other, and in which direction, from the first to the second.
-fn apart(r: &Coordinates) -> (f64, [f64; 2]) {
-    let [x, y] = [r[3] - r[0], r[4] - r[1]];
-    let distance = square(&[x, y, 0.0, 0.0, 0.0, 0.0]).sqrt();
-    if distance == 0.0 {
-        return (0.0, [0.0; 2]);
+/// What there is of grippers, as the first of the coordinates.
+fn gathered<const A: usize>(of: &[[f64; A]; 2], number: impl Fn(usize, f64) -> f64) -> Coordinates {
+    let mut all = [0.0; INPUTS];
+    for (i, (to, from)) in all.iter_mut().zip(of.as_flattened()).enumerate() {
+        *to = number(i, *from);
     }
-    (distance, [x / distance, y / distance])
+    all
 }

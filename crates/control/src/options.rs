@@ -5,9 +5,9 @@ use crate::{Metric, Robot};
 
 /// All that a servo is told before it starts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct Options<const A: usize = 3> {
     /// What may move, and how fast.
-    pub robot: Robot,
+    pub robot: Robot<A>,
     /// What counts as the distance of two shapes. Default: of points.
     pub metric: Metric,
     /// λ, 1/s: an error that can be taken away falls by `e^−λt`, as far as the limits of speed allow. From 10⁻³ to 100. With
@@ -46,7 +46,7 @@ pub struct Options {
     pub exploring: Exploring,
 }
 
-impl Default for Options {
+impl<const A: usize> Default for Options<A> {
     fn default() -> Self {
         Self {
             robot: Robot::default(),
@@ -144,7 +144,7 @@ impl Default for Exploring {
     }
 }
 
-impl Options {
+impl<const A: usize> Options<A> {
     pub(crate) fn check(&self) -> Result<(), ServoError> {
         self.robot.check()?;
         let estimator = match self.estimator {

@@ -14,8 +14,9 @@ use crate::limits::Limits;
 use crate::options::Options;
 use crate::pairs::{Frame, Pairs};
 use crate::progress::Progress;
+use crate::robot::axes;
 use crate::weighing::Weighing;
-use crate::{Coordinates, Features, MAX_FEATURES};
+use crate::{Coordinates, Features, MAX_POINTS, dimensions};
 use sight::{Sight, checked};
 
 /// Between commands farther apart than this a robot is not taken to have gone on gaining speed, s.
@@ -28,8 +29,8 @@ const PARTIAL_SHARE: f64 = 0.5;
 ///
 /// Times are ns of any one clock that does not go back: that of the images' exposure.
 #[derive(Debug, Clone)]
-pub struct Servo {
-    options: Options,
+pub struct Servo<const A: usize = 3> {
+    options: Options<A>,
     limits: Limits,
     /// Coordinates of a shape.
     size: usize,
@@ -49,6 +50,9 @@ pub struct Servo {
     /// Since when it has not held.
     resumed_ns: Option<u64>,
 }
+
+/// A servo of ropes in space: coordinates of a gripper are x, y and z in mm, then three turns in rad; what is px elsewhere is mm.
+pub type SpaceServo = Servo<6>;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
@@ -75,20 +79,34 @@ struct Plan {
     condition: Option<f64>,
 }
 
-impl Servo {
-    /// A servo for shapes of as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px.
+impl<const A: usize> Servo<A> {
+    /// Coordinates of a point.
+    const DIMENSIONS: usize = dimensions(A);
+
+    /// A servo for shapes of as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px; in space `[x₀, y₀, z₀, …]`, mm. `A` is 3, or in space 6.
     ///
     /// # Errors
     /// An option out of range, an invalid target, a metric of another number of points.
-    pub fn new(options: Options, target: &[f64]) -> Result<Self, ServoError> {
+    pub fn new(options: Options<A>, target: &[f64]) -> Result<Self, ServoError> {
+        const {
+            assert!(
+                A == 3 || A == 6,
+                "a gripper has 3 coordinates in the plane and 6 in space"
+            )
+        };
         options.check()?;
         let size = target.len();
-        if size == 0 || size % 2 == 1 || size > MAX_FEATURES {
-            return Err(ServoError::TargetSize { given: size });
+        let dimensions = Self::DIMENSIONS;
+        let points = size / dimensions;
+        if points == 0 || !size.is_multiple_of(dimensions) || points > MAX_POINTS {
+            return Err(ServoError::TargetSize {
+                given: size,
+                dimensions,
+            });
         }
         match options.metric.points() {
-            Some(metric) if metric != size / 2 => {
-                let target = size / 2;
+            Some(metric) if metric != points => {
+                let target = points;
                 return Err(ServoError::OtherMetric { metric, target });
             }
             _ => {}
@@ -100,7 +118,7 @@ impl Servo {
             size,
             target: checked(target)?,
             way_chosen: !options.either_way,
-            weighing: Weighing::new(&options.metric, size / 2),
+            weighing: Weighing::new(&options.metric, points, dimensions),
             history: History::new(limits.gather(&options.robot.start), remembered_s),
             jacobian: Jacobian::ZERO,
             learner: Learner::new(options.estimator),
@@ -119,7 +137,7 @@ impl Servo {
     /// What to do, by the newest image: for each that comes, and as often between as the robot likes, with the same image.
     ///
     /// A shape that cannot be steered by (too old, of another size, no numbers) is held by: the command says why.
-    pub fn see(&mut self, seen: Observation<'_>, now_ns: u64) -> Command {
+    pub fn see(&mut self, seen: Observation<'_>, now_ns: u64) -> Command<A> {
         match self.sight(&seen, now_ns) {
             Ok(sight) => self.go_by(&sight, now_ns),
             Err(why) => self.hold(why, now_ns),
@@ -127,11 +145,11 @@ impl Servo {
     }
 
     /// Velocity 0, at once: to be asked for in each cycle in which there is no shape to steer by. The next [`see`](Self::see) goes on.
-    pub fn hold(&mut self, why: Why, now_ns: u64) -> Command {
+    pub fn hold(&mut self, why: Why, now_ns: u64) -> Command<A> {
         self.resumed_ns = None;
         self.command(now_ns, NONE, 0.0);
         Command {
-            velocities: [[0.0; 3]; 2],
+            velocities: [[0.0; A]; 2],
             doing: Doing::Holding { why },
             error_px: self.error_px,
             condition: None,
@@ -171,7 +189,7 @@ impl Servo {
         self.resumed_ns = None;
     }
 
-    fn go_by(&mut self, sight: &Sight, now_ns: u64) -> Command {
+    fn go_by(&mut self, sight: &Sight, now_ns: u64) -> Command<A> {
         self.error_px = Some(sight.error_px);
         let progress = &mut self.progress;
         let resumed_ns = *self.resumed_ns.get_or_insert_with(|| {
@@ -223,7 +241,10 @@ impl Servo {
         if let Some((input, velocity)) = self.explorer.drive(now_ns, dt_s, r, &self.limits) {
             return Plan {
                 velocity,
-                doing: Doing::Exploring { input },
+                doing: Doing::Exploring {
+                    gripper: input / A + 1,
+                    axis: axes(A)[input % A],
+                },
                 condition: None,
             };
         }

@@ -10,6 +10,7 @@
 //! scaled so that the mean of the `R²` is 1. With noise that is even along the curve `Dⱼ ∝ gⱼ I`, all `R` are `I`, and `W` is the metric.
 
 use crate::command::{Weights, Why};
+use crate::eigen::{Eigen, eigen};
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES, MAX_POINTS, Metric};
 
 /// No point counts more than this many times another: a variance told too small, or one point seen by chance, must not steer alone.
@@ -22,44 +23,52 @@ const MOST_VARIANCE_PX2: f64 = 1e12;
 #[derive(Debug, Clone)]
 pub(crate) struct Weighing {
     count: usize,
+    /// Coordinates of a point.
+    dimensions: usize,
     gram: [[f64; MAX_POINTS]; MAX_POINTS],
     gains: [f64; MAX_POINTS],
-    /// `Rⱼ`: xx, xy, yy.
-    roots: [[f64; 3]; MAX_POINTS],
+    /// `Rⱼ`; in the plane without z.
+    roots: [Symmetric; MAX_POINTS],
 }
 
+/// Of a point's coordinates: `[xx, xy, xz, yy, yz, zz]`.
+type Symmetric = [f64; 6];
+
 impl Weighing {
-    pub(crate) fn new(metric: &Metric, count: usize) -> Self {
+    pub(crate) fn new(metric: &Metric, count: usize, dimensions: usize) -> Self {
         let (gram, gains) = metric.matrix(count);
         Self {
             count,
+            dimensions,
             gram,
             gains,
-            roots: [[1.0, 0.0, 1.0]; MAX_POINTS],
+            roots: [unit(dimensions); MAX_POINTS],
         }
     }
 
-    /// Takes a frame's weights. The answer is the mean square distance that noise alone makes, px²: `tr (M ⊗ I₂)Σ`, which is `Σⱼ tr Dⱼ/gⱼ`.
+    /// Takes a frame's weights. The answer is the mean square distance that noise alone makes, px²: `tr (M ⊗ I)Σ`, which is `Σⱼ tr Dⱼ/gⱼ`.
     pub(crate) fn take(&mut self, weights: Weights, noise_px: f64) -> Result<f64, Why> {
-        let mut relative = [[0.0; 3]; MAX_POINTS];
-        let given = match weights {
+        let mut relative = [[0.0; 6]; MAX_POINTS];
+        let (given, dimensions) = match weights {
             Weights::Even => {
-                self.roots = [[1.0, 0.0, 1.0]; MAX_POINTS];
+                self.roots = [unit(self.dimensions); MAX_POINTS];
                 return Ok(noise_px * noise_px);
             }
-            Weights::Points(weights) => weights.len(),
-            Weights::Covariances(covariances) => covariances.len(),
+            Weights::Points(weights) => (weights.len(), self.dimensions),
+            Weights::Covariances(covariances) => (covariances.len(), 2),
+            Weights::Covariances3(covariances) => (covariances.len(), 3),
         };
-        if given != self.count {
+        if (given, dimensions) != (self.count, self.dimensions) {
             return Err(Why::Weights);
         }
         let mut noise_px2 = 0.0;
         let mut largest = 0.0f64;
         for (j, relative) in relative[..given].iter_mut().enumerate() {
-            let [xx, xy, yy] = variance(weights, j).ok_or(Why::Weights)?;
-            *relative = [xx, xy, yy].map(|entry| entry / self.gains[j]);
-            noise_px2 += relative[0] + relative[2];
-            largest = largest.max(relative[0] + relative[2]);
+            let variance = variance(weights, j, dimensions).ok_or(Why::Weights)?;
+            *relative = variance.map(|entry| entry / self.gains[j]);
+            let trace = trace(relative);
+            noise_px2 += trace;
+            largest = largest.max(trace);
         }
         // All at once without noise: nothing tells them apart.
         if largest == 0.0 {
@@ -68,9 +77,16 @@ impl Weighing {
         // A little noise in all, so that none counts without bounds.
         let least = 0.5 * largest / MOST_RATIO;
         let mut mean = 0.0;
-        for (root, [xx, xy, yy]) in self.roots[..given].iter_mut().zip(relative) {
-            *root = root_of_inverse([xx + least, xy, yy + least]);
-            mean += 0.5 * (root[0] * root[0] + 2.0 * root[1] * root[1] + root[2] * root[2]);
+        for (root, mut relative) in self.roots[..given].iter_mut().zip(relative) {
+            for (entry, unit) in relative.iter_mut().zip(unit(dimensions)) {
+                *entry += least * unit;
+            }
+            *root = match dimensions {
+                3 => root_of_inverse3(relative),
+                _ => root_of_inverse(relative),
+            };
+            let [xx, xy, xz, yy, yz, zz] = root.map(|entry| entry * entry);
+            mean += (xx + yy + zz + 2.0 * (xy + xz + yz)) / dimensions as f64;
         }
         let scale = (given as f64 / mean).sqrt();
         let roots = self.roots[..given].as_flattened_mut();
@@ -107,23 +123,33 @@ impl Weighing {
 
     fn times_roots(&self, column: &Features) -> Features {
         let mut product = [0.0; MAX_FEATURES];
-        for (j, [xx, xy, yy]) in self.roots[..self.count].iter().enumerate() {
-            let [x, y] = [column[2 * j], column[2 * j + 1]];
-            product[2 * j] = xx * x + xy * y;
-            product[2 * j + 1] = xy * x + yy * y;
+        let each = self.dimensions;
+        let points = (column.chunks_exact(each)).zip(product.chunks_exact_mut(each));
+        for ((point, product), root) in points.zip(&self.roots[..self.count]) {
+            let [xx, xy, xz, yy, yz, zz] = *root;
+            match (point, product) {
+                (&[x, y], [to_x, to_y]) => (*to_x, *to_y) = (xx * x + xy * y, xy * x + yy * y),
+                (&[x, y, z], [to_x, to_y, to_z]) => {
+                    *to_x = xx * x + xy * y + xz * z;
+                    *to_y = xy * x + yy * y + yz * z;
+                    *to_z = xz * x + yz * y + zz * z;
+                }
+                // Points have two coordinates or three.
+                _ => {}
+            }
         }
         product
     }
 
     fn times_gram(&self, column: &Features) -> Features {
         let mut product = [0.0; MAX_FEATURES];
-        for (j, row) in self.gram[..self.count].iter().enumerate() {
-            let mut sum = [0.0; 2];
-            for (k, entry) in row[..self.count].iter().enumerate() {
-                sum[0] += entry * column[2 * k];
-                sum[1] += entry * column[2 * k + 1];
+        let each = self.dimensions;
+        for (sum, row) in product.chunks_exact_mut(each).zip(&self.gram[..self.count]) {
+            for (point, entry) in column.chunks_exact(each).zip(&row[..self.count]) {
+                for (sum, coordinate) in sum.iter_mut().zip(point) {
+                    *sum += entry * coordinate;
+                }
             }
-            product[2 * j..2 * j + 2].copy_from_slice(&sum);
         }
         product
     }
@@ -133,29 +159,66 @@ fn dot(a: &Features, b: &Features) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Of point `j`: xx, xy, yy. `None` if that is not a covariance.
-fn variance(weights: Weights, j: usize) -> Option<[f64; 3]> {
+/// The unit matrix of so many dimensions.
+const fn unit(dimensions: usize) -> Symmetric {
+    let up = if dimensions == 3 { 1.0 } else { 0.0 };
+    [1.0, 0.0, 0.0, 1.0, 0.0, up]
+}
+
+fn trace([xx, _, _, yy, _, zz]: &Symmetric) -> f64 {
+    xx + yy + zz
+}
+
+/// Of point `j`. `None` if that is not a covariance.
+fn variance(weights: Weights, j: usize, dimensions: usize) -> Option<Symmetric> {
+    let within = |variance| (0.0..=MOST_VARIANCE_PX2).contains(&variance);
+    // Of a matrix that rounding has left with a determinant just below 0, the rest is good.
+    let together = |ab: f64, a: f64, b: f64| ab * ab <= a * b * (1.0 + 1e-9);
     match weights {
-        Weights::Even => Some([1.0, 0.0, 1.0]),
+        Weights::Even => Some(unit(dimensions)),
         Weights::Points(weights) => {
             let within = (1.0 / MOST_VARIANCE_PX2..=MOST_VARIANCE_PX2).contains(&weights[j]);
-            within.then(|| [1.0 / weights[j], 0.0, 1.0 / weights[j]])
+            within.then(|| unit(dimensions).map(|entry| entry / weights[j]))
         }
         Weights::Covariances(covariances) => {
             let [xx, xy, yy] = covariances[j];
-            let within = |variance| (0.0..=MOST_VARIANCE_PX2).contains(&variance);
-            // Of a matrix that rounding has left with a determinant just below 0, the rest is good.
-            let valid = within(xx) && within(yy) && xy * xy <= xx * yy * (1.0 + 1e-9);
-            valid.then_some([xx, xy, yy])
+            let valid = within(xx) && within(yy) && together(xy, xx, yy);
+            valid.then_some([xx, xy, 0.0, yy, 0.0, 0.0])
+        }
+        Weights::Covariances3(covariances) => {
+            let [xx, xy, xz, yy, yz, zz] = covariances[j];
+            let valid = [xx, yy, zz].into_iter().all(within)
+                && together(xy, xx, yy)
+                && together(xz, xx, zz)
+                && together(yz, yy, zz);
+            valid.then_some(covariances[j])
         }
     }
 }
 
 /// `D^−½`: with `s = √det D` the root of `D` is `(D + sI)/√(tr D + 2s)`, and its inverse that one's adjugate by its determinant, `s`.
-fn root_of_inverse([xx, xy, yy]: [f64; 3]) -> [f64; 3] {
+fn root_of_inverse([xx, xy, _, yy, ..]: Symmetric) -> Symmetric {
     let s = (xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt();
     let size = (xx + yy + 2.0 * s).sqrt() * s;
-    [(yy + s) / size, -xy / size, (xx + s) / size]
+    [(yy + s) / size, -xy / size, 0.0, (xx + s) / size, 0.0, 0.0]
+}
+
+/// The same in space, by the eigenvectors. What rounding, or a matrix that is no covariance, leaves below nothing counts as next to nothing.
+fn root_of_inverse3(d: Symmetric) -> Symmetric {
+    let [xx, xy, xz, yy, yz, zz] = d;
+    let Eigen { values, vectors } = eigen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let least = trace(&d) / (100.0 * MOST_RATIO);
+    let mut root = [0.0; 6];
+    for (value, [x, y, z]) in values.into_iter().zip(vectors) {
+        let per = 1.0 / value.max(least).max(f64::MIN_POSITIVE).sqrt();
+        for (entry, product) in root
+            .iter_mut()
+            .zip([x * x, x * y, x * z, y * y, y * z, z * z])
+        {
+            *entry += per * product;
+        }
+    }
+    root
 }
 
 #[cfg(test)]
@@ -165,7 +228,7 @@ mod tests {
     #[test]
     fn even_noise_of_the_curve_weighs_as_the_metric_does() {
         let metric = Metric::bezier(4).expect("a metric");
-        let mut weighing = Weighing::new(&metric, 5);
+        let mut weighing = Weighing::new(&metric, 5, 2);
         let gains = metric.matrix(5).1;
         let covariances: Vec<[f64; 3]> = gains[..5]
             .iter()
@@ -182,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_point_seen_badly_counts_less_and_the_mean_is_one() {
-        let mut weighing = Weighing::new(&Metric::default(), 3);
+        let mut weighing = Weighing::new(&Metric::default(), 3, 2);
         weighing
             .take(Weights::Points(&[1.0, 1.0, 0.01]), 0.0)
             .expect("weights");
@@ -197,7 +260,7 @@ mod tests {
 
     #[test]
     fn no_point_counts_without_bounds() {
-        let mut weighing = Weighing::new(&Metric::default(), 2);
+        let mut weighing = Weighing::new(&Metric::default(), 2, 2);
         weighing
             .take(Weights::Covariances(&[[0.0; 3], [1.0, 0.0, 1.0]]), 0.0)
             .expect("weights");
@@ -208,7 +271,7 @@ mod tests {
     #[test]
     fn the_root_of_an_inverse_squared_inverts() {
         let [xx, xy, yy] = [2.0, 0.7, 0.5];
-        let [a, b, c] = root_of_inverse([xx, xy, yy]);
+        let [a, b, _, c, ..] = root_of_inverse([xx, xy, 0.0, yy, 0.0, 0.0]);
         let square = [a * a + b * b, b * (a + c), b * b + c * c];
         let product = [
             square[0] * xx + square[1] * xy,
@@ -221,8 +284,28 @@ mod tests {
     }
 
     #[test]
+    fn in_space_it_does_too() {
+        let d = [2.0, 0.7, -0.3, 0.5, 0.1, 1.5];
+        let full = |[xx, xy, xz, yy, yz, zz]: Symmetric| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        let times = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| {
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>()))
+        };
+        let root = full(root_of_inverse3(d));
+        let product = times(times(root, root), full(d));
+        for (i, row) in product.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                let unit = f64::from(u8::from(i == j));
+                assert!((entry - unit).abs() < 1e-12, "{product:?}");
+            }
+        }
+        // What is flat is not weighed without bounds.
+        let flat = root_of_inverse3([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+        assert!(flat.iter().all(|entry| entry.is_finite()), "{flat:?}");
+    }
+
+    #[test]
     fn weights_that_are_none_are_refused() {
-        let mut weighing = Weighing::new(&Metric::default(), 2);
+        let mut weighing = Weighing::new(&Metric::default(), 2, 2);
         for bad in [f64::NAN, -1.0, 0.0, f64::INFINITY] {
             assert_eq!(
                 weighing.take(Weights::Points(&[1.0, bad]), 1.0),
@@ -240,5 +323,20 @@ mod tests {
             weighing.take(Weights::Points(&[1.0]), 1.0),
             Err(Why::Weights)
         );
+        // Of other dimensions.
+        assert_eq!(
+            weighing.take(Weights::Covariances3(&[unit(3); 2]), 1.0),
+            Err(Why::Weights)
+        );
+        let mut in_space = Weighing::new(&Metric::default(), 1, 3);
+        for bad in [
+            [1.0, 0.0, 2.0, 1.0, 0.0, 1.0],
+            [1.0, 0.0, 0.0, 1.0, f64::NAN, 1.0],
+        ] {
+            assert_eq!(
+                in_space.take(Weights::Covariances3(&[bad]), 1.0),
+                Err(Why::Weights)
+            );
+        }
     }
 }

@@ -19,4 +19,4 @@ mod simulated;
 pub mod space;
 
 pub use rendered::{RenderError, RenderOptions, Rendered};
-pub use simulated::{HandOptions, Scene};
+pub use simulated::{HandOptions, Scene, SpaceCameras, SpaceScene};

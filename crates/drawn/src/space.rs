@@ -11,6 +11,8 @@ mod rope;
 mod sensor;
 
 pub use eye::Eye;
+pub(crate) use eye::dot;
 pub use paint::picture;
+pub(crate) use rope::End;
 pub use rope::{LiftOptions, LiftedRope, NoSuchRope};
 pub use sensor::{DepthSensor, depth};

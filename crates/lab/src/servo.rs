@@ -42,6 +42,7 @@ use clap::Args;
 
 use cases::{Case, Target};
 pub(crate) use controller::{ControllerArgs, run as run_controller};
+use lariat_chain::exit::wrong_use;
 use lariat_chain::output::{Existing, Output, OutputFolder, print};
 use lariat_chain::settings::duration;
 use lariat_chain::stop::Stop;
@@ -57,6 +58,9 @@ pub struct ServoArgs {
     /// The shape that is wanted: u, s, line, or a file with its points in pixels, as `lariat fit` reads them
     #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
     target: String,
+    /// The rope is lifted, seen by a depth camera, too, and driven in space: px are mm then
+    #[arg(long, conflicts_with_all = ["study", "out", "gif"])]
+    lifted: bool,
     /// How many ropes: each seed is another start, and another place of the target
     #[arg(long, default_value_t = 5, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
@@ -96,6 +100,12 @@ fn fps(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let target = Target::named(&args.target)?;
+    if args.lifted && target.is_in_picture() {
+        wrong_use!(
+            "{} is a target in the picture: a lifted rope takes u, s or line",
+            args.target
+        );
+    }
     // Before anything is driven: what cannot be written is said now.
     let existing = Existing::forced(args.force);
     let folder = args
@@ -112,7 +122,7 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     let mut film = None;
     let mut latencies_ms = Vec::new();
     let mut rows = Vec::new();
-    for case in Case::asked(args.fps, args.study.as_deref())? {
+    for case in Case::asked(args.fps, args.lifted, args.study.as_deref())? {
         let mut outcomes = Vec::new();
         for seed in args.first_seed..args.first_seed + args.seeds {
             let filmed = is_filmed && film.is_none();
@@ -154,6 +164,7 @@ fn study(args: &ServoArgs, rows: Vec<Row>, mut latencies_ms: Vec<f64>) -> Study 
     Study {
         title: "A rope driven to a shape by what the camera sees".to_owned(),
         target: args.target.clone(),
+        unit: if args.lifted { "mm" } else { "px" },
         rows,
         command: format!("lariat {words}"),
         parameters: vec![

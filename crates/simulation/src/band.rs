@@ -1,20 +1,20 @@
 //! Symmetric positive definite systems whose entries all lie near the diagonal.
 
-/// Entries beside the diagonal, to one side.
-pub(crate) const HALF_WIDTH: usize = 4;
-
-/// The lower half of a banded matrix, row by row: `rows[r][d]` is the entry in row r, column r − d. Solved by
+/// The lower half of a banded matrix, row by row: `rows[r][d]` is the entry in row r, column r − d, of `WIDTH` that may not be 0. Solved by
 /// A = L D Lᵀ in place (Golub and Van Loan, *Matrix Computations*, 4.3.5), in a fixed order of sums.
 #[derive(Debug, Clone)]
-pub(crate) struct Band {
-    pub(crate) rows: Vec<[f64; HALF_WIDTH + 1]>,
+pub(crate) struct Band<const WIDTH: usize> {
+    pub(crate) rows: Vec<[f64; WIDTH]>,
 }
 
-impl Band {
+impl<const WIDTH: usize> Band<WIDTH> {
+    /// Entries beside the diagonal.
+    pub(crate) const BESIDE: usize = WIDTH - 1;
+
     /// A matrix of zeros.
     pub(crate) fn new(size: usize) -> Self {
         Self {
-            rows: vec![[0.0; HALF_WIDTH + 1]; size],
+            rows: vec![[0.0; WIDTH]; size],
         }
     }
 
@@ -23,7 +23,7 @@ impl Band {
         self.factorize();
         let rows = &self.rows;
         for r in 0..rows.len() {
-            for d in 1..=HALF_WIDTH.min(r) {
+            for d in 1..=Self::BESIDE.min(r) {
                 side[r] -= rows[r][d] * side[r - d];
             }
         }
@@ -31,7 +31,7 @@ impl Band {
             *value /= row[0];
         }
         for r in (0..rows.len()).rev() {
-            for d in 1..=HALF_WIDTH.min(r) {
+            for d in 1..=Self::BESIDE.min(r) {
                 side[r - d] -= rows[r][d] * side[r];
             }
         }
@@ -44,13 +44,13 @@ impl Band {
             let mut row = rows[r];
             let mut pivot = row[0];
             // From the leftmost column: each entry needs those before it, which still hold L times D.
-            for d in (1..=HALF_WIDTH.min(r)).rev() {
+            for d in (1..=Self::BESIDE.min(r)).rev() {
                 let column = rows[r - d];
-                for e in d + 1..=HALF_WIDTH.min(r) {
+                for e in d + 1..=Self::BESIDE.min(r) {
                     row[d] -= row[e] * column[e - d];
                 }
             }
-            for d in (1..=HALF_WIDTH.min(r)).rev() {
+            for d in (1..=Self::BESIDE.min(r)).rev() {
                 let scaled = row[d];
                 row[d] = scaled / rows[r - d][0];
                 pivot -= scaled * row[d];
@@ -67,21 +67,22 @@ mod tests {
 
     #[test]
     fn the_solution_solves_the_system() {
+        solves::<5>();
+        solves::<11>();
+    }
+
+    fn solves<const WIDTH: usize>() {
         let size = 40;
-        let mut band = Band::new(size);
+        let mut band = Band::<WIDTH>::new(size);
         for r in 0..size {
-            for d in 0..=HALF_WIDTH.min(r) {
+            for d in 0..=Band::<WIDTH>::BESIDE.min(r) {
                 let wave = ((7 * r + 3 * d) % 11) as f64 / 11.0 - 0.5;
-                band.rows[r][d] = if d == 0 { 6.0 + wave } else { wave };
+                band.rows[r][d] = if d == 0 { 12.0 + wave } else { wave };
             }
         }
         let entry = |i: usize, j: usize| {
             let (r, d) = (i.max(j), i.abs_diff(j));
-            if d <= HALF_WIDTH {
-                band.rows[r][d]
-            } else {
-                0.0
-            }
+            if d < WIDTH { band.rows[r][d] } else { 0.0 }
         };
         let truth: Vec<f64> = (0..size).map(|i| (i % 5) as f64 - 2.0).collect();
         let mut side: Vec<f64> = (0..size)

@@ -1,6 +1,7 @@
-//! The robot: grippers in the plane that go where they are told to, within what a robot allows itself.
+//! The robot: grippers that go where they are told to, within what a robot allows itself; in the plane or in space.
 
 use crate::Limits;
+use crate::vector::{cross, distance, dot, length, push};
 
 /// Where a gripper is: the rope's end, and the direction in which the rope leaves its jaws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,31 +20,111 @@ impl Pose {
     }
 }
 
+/// Where a gripper is in space. How it is turned about the rope does not matter to a rope that may be twisted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpacePose {
+    /// The rope's end, in millimetres.
+    pub at: [f64; 3],
+    /// The direction in which the rope leaves the jaws, of length 1.
+    pub along: [f64; 3],
+}
+
+impl SpacePose {
+    /// The point so far before the rope's end, along the direction.
+    pub fn ahead(&self, by_mm: f64) -> [f64; 3] {
+        let mut at = self.at;
+        push(&mut at, by_mm, self.along);
+        at
+    }
+}
+
+/// What a robot asks of a pose with `D` coordinates of place, and as many of velocity (`V`) as it can be moved by: those of place, then
+/// turns in rad/s.
+pub(crate) trait Grip<const D: usize, const V: usize>: Copy {
+    fn place(&mut self) -> &mut [f64; D];
+
+    /// The point so far before the rope's end.
+    fn tip(&self, by_px: f64) -> [f64; D];
+
+    /// Turns for so long.
+    fn turn(&mut self, step_s: f64, velocity: &[f64; V]);
+
+    /// The way to another pose: what velocity leads there in a second.
+    fn way(&self, to: &Self) -> [f64; V];
+}
+
+impl Grip<2, 3> for Pose {
+    fn place(&mut self) -> &mut [f64; 2] {
+        &mut self.at
+    }
+
+    fn tip(&self, by_px: f64) -> [f64; 2] {
+        self.ahead(by_px)
+    }
+
+    fn turn(&mut self, step_s: f64, velocity: &[f64; 3]) {
+        self.angle_rad += step_s * velocity[2];
+    }
+
+    fn way(&self, to: &Self) -> [f64; 3] {
+        let [x, y] = [to.at[0] - self.at[0], to.at[1] - self.at[1]];
+        [x, y, to.angle_rad - self.angle_rad]
+    }
+}
+
+impl Grip<3, 6> for SpacePose {
+    fn place(&mut self) -> &mut [f64; 3] {
+        &mut self.at
+    }
+
+    fn tip(&self, by_px: f64) -> [f64; 3] {
+        self.ahead(by_px)
+    }
+
+    fn turn(&mut self, step_s: f64, &[.., x, y, z]: &[f64; 6]) {
+        // ȧ = ω × a; in a step of a millisecond the arc is its chord.
+        let change = cross([x, y, z], self.along);
+        push(&mut self.along, step_s, change);
+        let length = length(self.along);
+        self.along = self.along.map(|c| c / length);
+    }
+
+    fn way(&self, to: &Self) -> [f64; 6] {
+        let axis = cross(self.along, to.along);
+        let sine = length(axis);
+        let angle = libm::atan2(sine, dot(self.along, to.along));
+        // Of directions that are opposite any axis will do that is across both; none is asked for.
+        let [a, b, c] = axis.map(|c| if sine > 0.0 { angle * c / sine } else { 0.0 });
+        let [x, y, z] = crate::vector::minus(to.at, self.at);
+        [x, y, z, a, b, c]
+    }
+}
+
 /// One or two grippers, and what they were told last.
 #[derive(Debug, Clone)]
-pub(crate) struct Robot {
+pub(crate) struct Robot<const D: usize, const V: usize, P> {
     limits: Limits,
-    poses: Vec<Pose>,
-    /// x and y in px/s, the angle in rad/s.
-    velocities: Vec<[f64; 3]>,
+    poses: Vec<P>,
+    /// Of place in px/s, then turns in rad/s.
+    velocities: Vec<[f64; V]>,
     /// Since the last command.
     silent_s: f64,
-    /// Where the grippers may go: the lowest and the highest x, and y.
-    workspace_px: [[f64; 2]; 2],
+    /// Where the grippers may go: the lowest and the highest of each coordinate.
+    workspace_px: [[f64; 2]; D],
     /// How far the jaws hold the rope.
     held_px: f64,
 }
 
-impl Robot {
+impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
     pub(crate) fn new(
-        poses: Vec<Pose>,
+        poses: Vec<P>,
         limits: Limits,
-        workspace_px: [[f64; 2]; 2],
+        workspace_px: [[f64; 2]; D],
         held_px: f64,
     ) -> Self {
         Self {
             limits,
-            velocities: vec![[0.0; 3]; poses.len()],
+            velocities: vec![[0.0; V]; poses.len()],
             silent_s: 0.0,
             poses,
             workspace_px,
@@ -51,20 +132,20 @@ impl Robot {
         }
     }
 
-    pub(crate) fn poses(&self) -> &[Pose] {
+    pub(crate) fn poses(&self) -> &[P] {
         &self.poses
     }
 
-    pub(crate) fn velocities(&self) -> &[[f64; 3]] {
+    pub(crate) fn velocities(&self) -> &[[f64; V]] {
         &self.velocities
     }
 
     /// Takes a command. What is faster than the limits is slowed down in its direction; what is no number is zero.
-    pub(crate) fn command(&mut self, velocities: &[[f64; 3]]) {
+    pub(crate) fn command(&mut self, velocities: &[[f64; V]]) {
         self.silent_s = 0.0;
         for (i, velocity) in self.velocities.iter_mut().enumerate() {
-            let asked = velocities.get(i).copied().unwrap_or([0.0; 3]);
-            *velocity = self.limits.within(asked);
+            let asked = velocities.get(i).copied().unwrap_or([0.0; V]);
+            *velocity = self.limits.within::<D, V>(asked);
         }
     }
 
@@ -72,21 +153,21 @@ impl Robot {
     pub(crate) fn step(&mut self, step_s: f64, too_long_px: f64) {
         self.silent_s += step_s;
         if self.silent_s > self.limits.watchdog_s {
-            self.velocities.fill([0.0; 3]);
+            self.velocities.fill([0.0; V]);
         }
-        if self.velocities.iter().all(|v| *v == [0.0; 3]) {
+        if self.velocities.iter().all(|v| *v == [0.0; V]) {
             return;
         }
         let apart_px = self.apart_px();
         let mut moved = [0.0; 2];
         for (i, (pose, velocity)) in self.poses.iter_mut().zip(&self.velocities).enumerate() {
-            let before = pose.ahead(self.held_px);
-            pose.at = [0, 1].map(|axis| {
-                let [low, high] = self.workspace_px[axis];
-                (pose.at[axis] + step_s * velocity[axis]).clamp(low, high)
-            });
-            pose.angle_rad += step_s * velocity[2];
-            moved[i] = distance(before, pose.ahead(self.held_px));
+            let before = pose.tip(self.held_px);
+            let place = pose.place().iter_mut().zip(velocity);
+            for ((at, velocity), [low, high]) in place.zip(self.workspace_px) {
+                *at = (*at + step_s * velocity).clamp(low, high);
+            }
+            pose.turn(step_s, velocity);
+            moved[i] = distance(before, pose.tip(self.held_px));
         }
         if too_long_px > 0.0 {
             self.give_way(apart_px - too_long_px, moved);
@@ -98,7 +179,7 @@ impl Robot {
         let [first, second] = &self.poses[..] else {
             return 0.0;
         };
-        distance(first.ahead(self.held_px), second.ahead(self.held_px))
+        distance(first.tip(self.held_px), second.tip(self.held_px))
     }
 
     /// The grippers go back along the rope until they are no farther apart than that, each by its share in the motion.
@@ -108,43 +189,36 @@ impl Robot {
         let [first, second] = &mut self.poses[..] else {
             return;
         };
-        let tips = [first.ahead(self.held_px), second.ahead(self.held_px)];
+        let tips = [first.tip(self.held_px), second.tip(self.held_px)];
         let all_px = moved_px[0] + moved_px[1];
         if excess_px <= 0.0 || all_px <= 0.0 {
             return;
         }
-        let pull = [0, 1].map(|axis| excess_px * (tips[1][axis] - tips[0][axis]) / apart_px);
-        let go = |pose: &mut Pose, share: f64| {
-            pose.at = [pose.at[0] + share * pull[0], pose.at[1] + share * pull[1]];
-        };
-        go(first, moved_px[0] / all_px);
-        go(second, -moved_px[1] / all_px);
+        let pull =
+            std::array::from_fn(|axis| excess_px * (tips[1][axis] - tips[0][axis]) / apart_px);
+        push(first.place(), moved_px[0] / all_px, pull);
+        push(second.place(), -moved_px[1] / all_px, pull);
     }
 }
 
 impl Limits {
-    /// The nearest velocity that is allowed, in the same direction.
-    pub(crate) fn within(&self, [x, y, turn]: [f64; 3]) -> [f64; 3] {
-        let speed_px_s = (x * x + y * y).sqrt();
+    /// The nearest velocity that is allowed: of place in the same direction, each turn by itself.
+    pub(crate) fn within<const D: usize, const V: usize>(&self, asked: [f64; V]) -> [f64; V] {
+        let place: [f64; D] = std::array::from_fn(|axis| asked[axis]);
+        let speed_px_s = length(place);
         let share = if speed_px_s.is_finite() {
             self.speed_px_s / speed_px_s.max(self.speed_px_s)
         } else {
             // Also where the square of a number overflows: no robot is asked for that in earnest.
             0.0
         };
-        let turn = if turn.is_nan() { 0.0 } else { turn };
+        let turn = |v: f64| if v.is_nan() { 0.0 } else { v };
         let finite = |v: f64| if v.is_finite() { share * v } else { 0.0 };
-        [
-            finite(x),
-            finite(y),
-            turn.clamp(-self.turn_rad_s, self.turn_rad_s),
-        ]
+        std::array::from_fn(|i| match i < D {
+            true => finite(asked[i]),
+            false => turn(asked[i]).clamp(-self.turn_rad_s, self.turn_rad_s),
+        })
     }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (x, y) = (a[0] - b[0], a[1] - b[1]);
-    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]
@@ -167,13 +241,38 @@ mod tests {
         for x in values {
             for y in values {
                 for turn in values {
-                    let [x, y, turn] = limits.within([x, y, turn]);
+                    let [x, y, turn] = limits.within::<2, 3>([x, y, turn]);
                     let speed = (x * x + y * y).sqrt();
                     assert!(speed <= limits.speed_px_s * (1.0 + 1e-12), "{x} {y}");
                     assert!(turn.abs() <= limits.turn_rad_s);
                 }
             }
         }
-        assert_eq!(limits.within([30.0, -40.0, 0.5]), [30.0, -40.0, 0.5]);
+        assert_eq!(
+            limits.within::<2, 3>([30.0, -40.0, 0.5]),
+            [30.0, -40.0, 0.5]
+        );
+    }
+
+    #[test]
+    fn the_way_to_a_pose_leads_there() {
+        let from = SpacePose {
+            at: [1.0, 2.0, 3.0],
+            along: [0.6, 0.0, 0.8],
+        };
+        let to = SpacePose {
+            at: [4.0, 0.0, 2.0],
+            along: [0.0, 1.0, 0.0],
+        };
+        let way = from.way(&to);
+        let mut pose = from;
+        for _ in 0..1000 {
+            for (at, velocity) in pose.at.iter_mut().zip(way) {
+                *at += 1e-3 * velocity;
+            }
+            pose.turn(1e-3, &way);
+        }
+        assert!(distance(pose.at, to.at) < 1e-9);
+        assert!(distance(pose.along, to.along) < 1e-5, "{pose:?}");
     }
 }

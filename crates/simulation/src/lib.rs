@@ -1,4 +1,5 @@
-//! A rope on a table seen from above, held by one or two grippers: position-based dynamics, one unit a pixel.
+//! A rope held by one or two grippers, on a table seen from above, one unit a pixel, or lifted off it, one unit a millimetre:
+//! position-based dynamics.
 //!
 //! ```
 //! use lariat_simulation::{Options, Simulation, TargetShape, at_equal_steps};
@@ -18,7 +19,8 @@
 //! The rope hardly stretches, resists bending and rubs on the table ([`Options`]); how it is computed stands at the head
 //! of `rod`. It does not feel itself: strands pass through each other. Each gripper clamps an end, place and direction
 //! ([`Pose`]), and goes where it is [told](Simulation::command) as fast as the robot's [`Limits`] allow. A robot that feels
-//! the rope taut between its grippers pulls no farther.
+//! the rope taut between its grippers pulls no farther. A [`Simulation`] is in the plane of the table; a [`SpaceSimulation`] has gravity, the
+//! table below, and grippers with a [place and direction in space](SpacePose).
 //!
 //! Pure: no I/O, no clock, no threads; nothing is allocated in a step. Sums are in a fixed order, roots are IEEE's, sines
 //! libm's: the same commands give the same rope, to the last bit, on every machine.
@@ -36,6 +38,11 @@
 //! 10⁻³ px/s it holds. One pixel is a millimetre; stiffness and friction are a cable's on a smooth table. There is no self-contact. A
 //! test holds the energy from growing in any step while grippers rest, the length to 2 % in the fastest motion, and all of it to a digest:
 //! sums have one order, roots are IEEE's, sines libm's.
+//!
+//! **In space** (`space`) the same chain has three coordinates, and at each node bends about three axes: the band is 11 wide instead of 5, and a step
+//! takes some five times as long. Gravity takes it down, the table is a stiff damped spring, implicit like friction, which there is by
+//! what presses. It may be twisted as one likes. What it is told and what holds it is in the plane and in space one code
+//! (`held`, `gripper`, `rod`), and in the plane the same to the bit.
 //!
 //! **The robot** (`gripper`) clamps an end by three nodes: place and direction. It slows down what is faster than its limits, stays
 //! in its workspace, stops 0.25 s after the last command, and pulls no farther than the rope is long: grippers that go apart at a taut
@@ -56,15 +63,20 @@
 
 mod band;
 mod gripper;
+mod held;
 mod options;
 mod rod;
 mod shape;
 mod simulation;
+mod space;
 mod target;
+mod vector;
 
-pub use gripper::Pose;
+pub use gripper::{Pose, SpacePose};
+pub use held::{STEP_NS, STEP_S};
 pub use options::{Limits, MAX_GRIPPERS, Options, OptionsError};
 pub use rod::Energy;
 pub use shape::at_equal_steps;
-pub use simulation::{STEP_NS, STEP_S, Simulation};
-pub use target::{NoTarget, Target, TargetShape};
+pub use simulation::Simulation;
+pub use space::{RADIUS_MM, SpaceSimulation};
+pub use target::{NoTarget, SpaceTarget, Target, TargetShape};

@@ -89,6 +89,14 @@ impl Options {
         self.picture_px.map(|size| [margin_px, size - margin_px])
     }
 
+    /// The picture's middle, or what is aside of it by these shares of the picture.
+    pub(crate) fn middle(&self, aside: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|axis| {
+            let size = self.picture_px[axis];
+            size / 2.0 + aside[axis] * size
+        })
+    }
+
     pub(crate) fn check(&self) -> Result<(), OptionsError> {
         let [width, height] = self.picture_px;
         let longest_px = (2.0 / 3.0) * width.min(4.0 / 3.0 * height);

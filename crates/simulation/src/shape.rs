@@ -1,7 +1,24 @@
 //! Lines by their heading, and points at equal steps along a line.
 
 use crate::gripper::Pose;
-use crate::simulation::HELD;
+use crate::held::HELD;
+use crate::vector::distance;
+use lariat_portable::SplitMix64;
+
+/// The heading of the rope at the start of a seed, how far aside of the middle it lies as a share of the picture, and random numbers
+/// for the rest.
+pub(crate) fn bow(seed: u64) -> (impl Fn(f64) -> f64, [f64; 2], SplitMix64) {
+    let mut random = SplitMix64::of_stream(seed, 1);
+    let bow = random.uniform(0.6, 0.85);
+    let sway = random.uniform(-0.15, 0.15);
+    let turn = random.uniform(-0.12, 0.12);
+    let aside = [(); 2].map(|()| random.uniform(-0.04, 0.04));
+    let heading = move |share: f64| {
+        let angle = std::f64::consts::PI * share;
+        turn + bow * libm::cos(angle) + sway * libm::cos(2.0 * angle)
+    };
+    (heading, aside, random)
+}
 
 /// Nodes of a rope in the middle of which is `middle`, whose heading in radians is a function of the share of its free
 /// part: the parts in the jaws are straight.
@@ -40,11 +57,8 @@ pub(crate) fn poses(line: &[[f64; 2]], heading: impl Fn(f64) -> f64) -> [Pose; 2
 }
 
 /// So many points, two or more, at equal steps of arc length from the first point of a line to its last.
-pub fn at_equal_steps(line: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
-    let chord = |i: usize| {
-        let (x, y) = (line[i + 1][0] - line[i][0], line[i + 1][1] - line[i][1]);
-        (x * x + y * y).sqrt()
-    };
+pub fn at_equal_steps<const D: usize>(line: &[[f64; D]], count: usize) -> Vec<[f64; D]> {
+    let chord = |i: usize| distance(line[i + 1], line[i]);
     let segments = line.len().saturating_sub(1);
     let length_px: f64 = (0..segments).map(chord).sum();
     let mut points = Vec::with_capacity(count);
@@ -61,7 +75,9 @@ pub fn at_equal_steps(line: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
         }
         let share = ((goal_px - passed_px) / chord(segment)).clamp(0.0, 1.0);
         let (p, q) = (line[segment], line[segment + 1]);
-        points.push([0, 1].map(|axis| p[axis] + share * (q[axis] - p[axis])));
+        points.push(std::array::from_fn(|axis| {
+            p[axis] + share * (q[axis] - p[axis])
+        }));
     }
     points
 }
@@ -80,6 +96,6 @@ mod tests {
             assert!(off < 1e-12, "{point:?}");
         }
         assert_eq!(at_equal_steps(&[[1.0, 2.0]], 2), [[1.0, 2.0]; 2]);
-        assert!(at_equal_steps(&[], 3).is_empty());
+        assert!(at_equal_steps::<2>(&[], 3).is_empty());
     }
 }

@@ -3,10 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::str::FromStr;
 
-use crate::gripper::Pose;
+use crate::gripper::{Pose, SpacePose};
 use crate::options::{Options, OptionsError};
 use crate::shape::{at_equal_steps, lay, poses};
 use crate::simulation::Simulation;
+use crate::space::{SpaceSimulation, lifted};
 use lariat_portable::SplitMix64;
 
 /// The shapes that have names.
@@ -39,6 +40,10 @@ impl FromStr for TargetShape {
     }
 }
 
+/// How high the ends of a target in space are held, mm, and by how much the rope leaves them upwards or downwards, rad.
+const LIFTED_MM: [f64; 2] = [60.0, 110.0];
+const TILTED_RAD: f64 = 0.35;
+
 /// A shape, and how the rope was brought there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
@@ -46,6 +51,15 @@ pub struct Target {
     pub poses: [Pose; 2],
     /// The part of the rope between the jaws, at equal steps of arc length, in pixels.
     pub points: Vec<[f64; 2]>,
+}
+
+/// A shape in space, and how the rope was brought there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceTarget {
+    /// The poses that the grippers went to.
+    pub poses: [SpacePose; 2],
+    /// The part of the rope between the jaws, at equal steps of arc length, in millimetres.
+    pub points: Vec<[f64; 3]>,
 }
 
 impl TargetShape {
@@ -64,9 +78,7 @@ impl TargetShape {
     fn poses(self, options: &Options) -> [Pose; 2] {
         let random = &mut SplitMix64::of_stream(options.seed, 2);
         let turn = random.uniform(-0.08, 0.08);
-        let middle = options
-            .picture_px
-            .map(|size| size / 2.0 + random.uniform(-0.03, 0.03) * size);
+        let middle = options.middle([(); 2].map(|()| random.uniform(-0.03, 0.03)));
         let heading = |share: f64| turn + self.heading(share);
         let line = lay(options.nodes, options.segment_px(), middle, heading);
         poses(&line, heading)
@@ -84,6 +96,38 @@ impl TargetShape {
         let poses = self.poses(options);
         simulation.drive_to(&poses);
         Ok(Target {
+            poses,
+            points: at_equal_steps(simulation.visible(), points),
+        })
+    }
+
+    /// The same as a lifted rope takes it: seen from above it is the shape, its ends held at heights and tilts of the seed, and what
+    /// is between hangs.
+    ///
+    /// # Errors
+    /// As [`reached`](Self::reached).
+    pub fn reached_in_space(
+        self,
+        options: &Options,
+        points: usize,
+    ) -> Result<SpaceTarget, OptionsError> {
+        let mut simulation = SpaceSimulation::new(options)?;
+        if options.grippers < 2 {
+            return Err(OptionsError::OneGripper);
+        }
+        let random = &mut SplitMix64::of_stream(options.seed, 3);
+        let poses = self.poses(options).map(|pose| {
+            let height_mm = random.uniform(LIFTED_MM[0], LIFTED_MM[1]);
+            let (sin, cos) = libm::sincos(random.uniform(-TILTED_RAD, TILTED_RAD));
+            let level = lifted(options, &pose, height_mm);
+            let [x, y, _] = level.along;
+            SpacePose {
+                along: [cos * x, cos * y, sin],
+                ..level
+            }
+        });
+        simulation.drive_to(&poses);
+        Ok(SpaceTarget {
             poses,
             points: at_equal_steps(simulation.visible(), points),
         })

@@ -55,6 +55,8 @@ pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 
 pub const DESCRIPTORS3: Channel<Descriptors3> = Channel::new("descriptors3", 8, 1, 12);
 /// The true centerlines of rendered frames.
 pub const TRUTH: Channel<Centerlines> = Channel::new("truth", 8, 0, 4);
+/// Where lifted simulated ropes truly are: points without curves, in the robot's frame.
+pub const TRUTH3: Channel<Descriptors3> = Channel::new("truth3", 8, 0, 4);
 /// What a controller tells the simulated robot. Always with the newest winning: a robot waits for nobody.
 pub const COMMANDS: Channel<Command> = Channel::new("commands", 8, 0, 4);
 
@@ -99,6 +101,7 @@ pub(crate) const ALL: &[Any] = &[
     Any::of(&DESCRIPTORS3),
     Any::of(&DESCRIPTORS),
     Any::of(&TRUTH),
+    Any::of(&TRUTH3),
     Any::of(&COMMANDS),
 ];
 

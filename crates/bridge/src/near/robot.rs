@@ -255,7 +255,7 @@ mod tests {
             count: 1,
             sent_ns,
             grippers: 1,
-            velocities: [[1.0, 2.0, 3.0]; 2],
+            velocities: [[1.0, 2.0, 3.0, 0.1, 0.2, 0.3]; 2],
             ..Command::default()
         }
     }

@@ -40,7 +40,7 @@ fn commands_come_back_and_never_late() {
                 count,
                 sent_ns: now_ns(),
                 grippers: 1,
-                velocities: [[count as f64, 0.0, 0.0]; 2],
+                velocities: [[count as f64, 0.0, 0.0, 0.0, 0.0, 0.0]; 2],
                 ..Command::default()
             };
             slot.send().expect("sent");

@@ -26,7 +26,7 @@ impl Letterbox {
         self.0.lock().unwrap().push(Command {
             sent_ns,
             grippers: 2,
-            velocities,
+            velocities: velocities.map(|[x, y, turn]| [x, y, 0.0, 0.0, 0.0, turn]),
             ..Command::default()
         });
     }

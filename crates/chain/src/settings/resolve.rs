@@ -149,7 +149,7 @@ impl Resolved {
 
     /// Whether the calibration that is named is one.
     fn check_camera(&self, problems: &mut Problems) {
-        if let Some(why) = self.settings.camera.problem() {
+        if let Some(why) = (self.settings.camera).problem(self.settings.capture.likely_size()) {
             let said = keys::of_section("camera")
                 .map(|key| &self.origins[key])
                 .max();

@@ -38,14 +38,21 @@ impl Default for Simulation {
 }
 
 impl Simulation {
-    /// The source's own options, with seed, size and rate of `[capture]`, and a truth of `points` points.
-    pub(super) fn options(&self, capture: &Capture, points: usize) -> SimulatedOptions {
+    /// The source's own options, with seed, size and rate of `[capture]`, and a truth of `points` points. `lifted`: whether a depth camera
+    /// sees it.
+    pub(super) fn options(
+        &self,
+        capture: &Capture,
+        points: usize,
+        lifted: bool,
+    ) -> SimulatedOptions {
         let defaults = SimulatedOptions::default();
         let hand = |at_s| HandOptions {
             at_s,
             for_s: self.hand_for_s,
         };
         let mut options = SimulatedOptions {
+            lifted,
             pace: capture.pace(),
             noise: self.noise,
             hand: self.hand_at_s.map(hand),

@@ -210,7 +210,7 @@ pub(super) const KEYS: &[Key] = keys! {
         "--unit UNIT", SHAPES, "Millimetres", "What descriptors come in";
     camera.depth: Maybe("\"depth.yaml\"", PATH),
         "A depth camera beside the colour one: its calibration, its pose to the colour camera, and how it errs. Ropes are described in\n\
-         space, too, in mm, from the images on lariat/<rig>/depth.",
+         space, too, in mm, from the images on lariat/<rig>/depth. \"simulated\": the simulated rope is lifted, before cameras that are known.",
         "--depth FILE", "capture fit", "Millimetres", "Depth camera beside the colour one: a YAML file";
     camera.second: Maybe("\"right.yaml\"", PATH),
         "A second colour camera beside this one, in the place of a depth camera: its calibration, and its pose to this one. Ropes are\n\

@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use lariat_extract::Region;
 use lariat_wire::Unit as Sent;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Value;
 
@@ -75,11 +75,16 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// What is wrong with the files it names.
-    pub(super) fn problem(&self) -> Option<String> {
+    /// Whether the cameras are those that stand before the simulated rope.
+    pub fn is_simulated(&self) -> bool {
+        self.depth.as_deref() == Some(Path::new("simulated"))
+    }
+
+    /// What is wrong with the files it names, for pictures of this size.
+    pub(super) fn problem(&self, picture: [u32; 2]) -> Option<String> {
         let load = Calibrated::load(self).map(|_| ());
         let error = load
-            .and_then(|()| Calibrated::beside(self).map(|_| ()))
+            .and_then(|()| Calibrated::beside(self, picture).map(|_| ()))
             .err()?;
         Some(format!("{error:#}"))
     }
@@ -94,6 +99,12 @@ impl Settings {
     pub fn check_frames(&self) -> Result<()> {
         if self.camera == Camera::default() && self.extract.roi.is_none() {
             return Ok(());
+        }
+        if self.camera.is_simulated() && !self.capture.is_simulated() {
+            bail!(
+                "depth = \"simulated\" is the simulated rope, lifted: take that source (--source simulated), or name a file of this name by \
+                 its folder, too (./simulated)"
+            );
         }
         let Some(size) = known_size(self) else {
             return Ok(());

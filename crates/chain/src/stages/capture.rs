@@ -7,7 +7,8 @@ use std::os::fd::AsFd;
 use anyhow::Context;
 use lariat_capture::{Frame, FrameSource, Next, Source, SourceError, Until};
 use lariat_wire::{
-    Centerlines, Command, CommandReader, Delivery, Domain, SourceKind, TRUTH, Trace, Writer, now_ns,
+    Centerlines, Command, CommandReader, Delivery, Descriptors3, Domain, SourceKind, TRUTH, TRUTH3,
+    Trace, Writer, now_ns,
 };
 
 use super::arrangement::precise_timer;
@@ -58,24 +59,26 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         _ => None,
     };
     let frames = slot_lender::writer(&station, source.as_ref())?;
-    let truth = source
-        .has_truth()
-        .then(|| {
-            let Station {
-                domain,
-                rig,
-                delivery,
-                ..
-            } = &station;
-            Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery)
-        })
+    let Station {
+        domain,
+        rig,
+        delivery,
+        ..
+    } = &station;
+    let own_depth = source.depth_size();
+    let truth = (source.has_truth())
+        .then(|| Writer::<Centerlines>::create(domain, rig, &TRUTH, delivery))
         .transpose()?;
-    let depths = Depths::open(settings, &station, depth_camera)?;
+    let truth3 = (source.has_truth() && own_depth.is_some())
+        .then(|| Writer::<Descriptors3>::create(domain, rig, &TRUTH3, delivery))
+        .transpose()?;
+    let depths = Depths::open(settings, &station, depth_camera, own_depth)?;
     tell_of_another_pace(settings, source.as_ref());
     precise_timer();
     let mut sender = Sender {
         lender: SlotLender::new(source, &frames)?,
         truth: truth.as_ref(),
+        truth3: truth3.as_ref(),
         depths,
         schedule: Schedule::new(
             &settings.capture,
@@ -175,6 +178,7 @@ fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameS
 struct Sender<'w> {
     lender: SlotLender<'w>,
     truth: Option<&'w Writer<Centerlines>>,
+    truth3: Option<&'w Writer<Descriptors3>>,
     depths: Option<Depths>,
     schedule: Schedule,
     sent: Sent,
@@ -245,9 +249,16 @@ impl Sender<'_> {
                 self.lender.source.truth(&mut slot).then_some(slot)
             }
         };
+        let truth3_slot = match self.truth3 {
+            None => None,
+            Some(writer) => {
+                let mut slot = writer.slot()?;
+                (self.lender.source.truth_in_space(&mut slot)).then_some(slot)
+            }
+        };
         let depth_slot = match &mut self.depths {
             None => None,
-            Some(depths) => depths.slot(frame.sequence)?,
+            Some(depths) => depths.slot(frame.sequence, self.lender.source.as_mut())?,
         };
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
@@ -285,6 +296,10 @@ impl Sender<'_> {
             depths.sent(&header)?;
         }
         if let Some(mut slot) = truth_slot {
+            slot.trace = trace;
+            slot.send()?;
+        }
+        if let Some(mut slot) = truth3_slot {
             slot.trace = trace;
             slot.send()?;
         }

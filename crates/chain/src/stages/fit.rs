@@ -23,8 +23,8 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let made = settings.clone();
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
     let read = |settings: &Settings| {
-        let camera = &settings.camera;
-        anyhow::Ok((Calibrated::load(camera)?, Calibrated::beside(camera)?))
+        let (camera, size) = (&settings.camera, settings.capture.likely_size());
+        anyhow::Ok((Calibrated::load(camera)?, Calibrated::beside(camera, size)?))
     };
     let mut calibrated = read(settings)?;
     let changes = station.listen(settings, move |before, now| {

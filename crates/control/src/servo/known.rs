@@ -10,10 +10,10 @@ use crate::estimator::NONE;
 /// A Jacobian that is handed over is right to a fifth: of a rope that is held a little otherwise.
 const KNOWN_VARIANCE: f64 = 0.04;
 
-impl Servo {
+impl<const A: usize> Servo<A> {
     /// The robot says where its grippers were at a moment of the last second or so: what was commanded since then counts from
     /// there. Without it they are where the commands have led them. Values that are not finite, and moments that are not yet, are passed over.
-    pub fn robot_is_at(&mut self, poses: &[[f64; 3]; 2], at_ns: u64) {
+    pub fn robot_is_at(&mut self, poses: &[[f64; A]; 2], at_ns: u64) {
         let near = |c: &f64| c.abs() <= FARTHEST_PX;
         if !poses.as_flattened().iter().all(near) {
             return;
@@ -29,15 +29,15 @@ impl Servo {
         }
     }
 
-    /// Where the grippers are by the commands so far: x px, y px, θ rad.
-    pub fn poses(&self, now_ns: u64) -> [[f64; 3]; 2] {
+    /// Where the grippers are by the commands so far: x px, y px, θ rad; in space mm, and turns.
+    pub fn poses(&self, now_ns: u64) -> [[f64; A]; 2] {
         let at_ns = now_ns.saturating_sub(self.delay_ns());
         self.limits.spread(&self.history.at(at_ns).unwrap_or(NONE))
     }
 
     /// What is known of `∂s/∂r`: the answer of coordinate `feature` of the shape to each coordinate of each gripper, in px/px, px/px,
-    /// px/rad. `None` while it is explored, and for a coordinate that is not there.
-    pub fn jacobian(&self, feature: usize) -> Option<[[f64; 3]; 2]> {
+    /// px/rad, of a row of `A`. `None` while it is explored, and for a coordinate that is not there.
+    pub fn jacobian(&self, feature: usize) -> Option<[[f64; A]; 2]> {
         if self.phase == Phase::Exploring || feature >= self.size {
             return None;
         }
@@ -50,7 +50,7 @@ impl Servo {
     ///
     /// # Errors
     /// Another number of rows than the target has coordinates, or entries that are no numbers.
-    pub fn know(&mut self, rows: &[[[f64; 3]; 2]]) -> Result<(), ServoError> {
+    pub fn know(&mut self, rows: &[[[f64; A]; 2]]) -> Result<(), ServoError> {
         let finite = rows
             .as_flattened()
             .as_flattened()

@@ -19,7 +19,7 @@ pub(super) struct Sight {
     pub(super) error_px: f64,
 }
 
-impl Servo {
+impl<const A: usize> Servo<A> {
     /// The image, or why it cannot be gone by: nothing has then changed.
     pub(super) fn sight(&mut self, seen: &Observation, now_ns: u64) -> Result<Sight, Why> {
         let (given, expected) = (seen.features.len(), self.size);
@@ -66,10 +66,10 @@ impl Servo {
         }
         self.way_chosen = true;
         let mut reversed = [0.0; MAX_FEATURES];
-        let points = self.size / 2;
-        for j in 0..points {
-            let from = 2 * (points - 1 - j);
-            reversed[2 * j..2 * j + 2].copy_from_slice(&self.target[from..from + 2]);
+        let each = Self::DIMENSIONS;
+        let points = self.target[..self.size].chunks_exact(each).rev();
+        for (to, from) in reversed.chunks_exact_mut(each).zip(points) {
+            to.copy_from_slice(from);
         }
         let [as_it_is, other] = [&self.target, &reversed].map(|target| {
             let error = std::array::from_fn(|k| target[k] - features[k]);

@@ -229,7 +229,14 @@ fn a_rope_that_does_not_answer_is_explored_a_few_times_more_and_then_waited_for(
     let mut before = Doing::Steering;
     while world.now_ns() < 20_000_000_000 {
         let doing = world.turn(&mut servo).doing;
-        begun += u32::from(doing == Doing::Exploring { input: 0 } && before == Doing::Steering);
+        begun += u32::from(
+            doing
+                == (Doing::Exploring {
+                    gripper: 1,
+                    axis: "x",
+                })
+                && before == Doing::Steering,
+        );
         before = doing;
     }
     assert_eq!((begun, before), (3, Doing::Steering));

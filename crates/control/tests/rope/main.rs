@@ -1,6 +1,7 @@
 //! Closed loops with the simulated rope, without processes and images.
 
 mod chain;
+mod space;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -81,13 +81,13 @@ impl Eye {
     }
 
     /// The ray through a pixel, in the camera's frame, one millimetre ahead for each millimetre of depth.
-    pub(super) fn ray(&self, pixel: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn ray(&self, pixel: [f64; 2]) -> [f64; 3] {
         let [x, y] = [0, 1].map(|k| (pixel[k] - self.center_px[k]) / self.focal_px[k]);
         [x, y, 1.0]
     }
 
     /// How far ahead the table is along such a ray.
-    pub(super) fn table_depth(&self, ray: [f64; 3]) -> f64 {
+    pub(crate) fn table_depth(&self, ray: [f64; 3]) -> f64 {
         // The height above the table of what is at `t` along the ray is n·(t ray − translation), with n the table's normal.
         let normal = self.rotation.map(|row| row[2]);
         dot(normal, self.translation) / dot(normal, ray)
@@ -116,6 +116,6 @@ fn turned_to(way: [f64; 3]) -> [[f64; 3]; 3] {
     [right, down, ahead]
 }
 
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -125,14 +125,15 @@ impl LiftedRope {
 
 /// An end of a rope, cut off square.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct End {
+pub(crate) struct End {
     at: [f64; 3],
     /// The way out of the rope there, of length 1.
-    pub(super) outward: [f64; 3],
+    pub(crate) outward: [f64; 3],
 }
 
 impl End {
-    fn of(at: [f64; 3], before: [f64; 3]) -> Self {
+    /// An end at a point of a line, and the point before it.
+    pub(crate) fn of(at: [f64; 3], before: [f64; 3]) -> Self {
         let way = [0, 1, 2].map(|k| at[k] - before[k]);
         let length = dot(way, way).sqrt();
         Self {
@@ -142,7 +143,7 @@ impl End {
     }
 
     /// In a camera's frame.
-    pub(super) fn seen_by(&self, eye: &Eye) -> Self {
+    pub(crate) fn seen_by(&self, eye: &Eye) -> Self {
         Self {
             at: eye.see(self.at),
             outward: eye.rotation.map(|row| dot(row, self.outward)),
@@ -150,13 +151,13 @@ impl End {
     }
 
     /// Whether a ball about `center` reaches beyond it.
-    pub(super) fn is_within(&self, radius: f64, center: [f64; 3]) -> bool {
+    pub(crate) fn is_within(&self, radius: f64, center: [f64; 3]) -> bool {
         let way = [0, 1, 2].map(|k| center[k] - self.at[k]);
         dot(way, way) < radius * radius
     }
 
     /// Where a ray that is in a ball between two depths enters what is left of that; `None` if it is all cut off.
-    pub(super) fn cut(&self, ray: [f64; 3], [near, far]: [f64; 2]) -> Option<f64> {
+    pub(crate) fn cut(&self, ray: [f64; 3], [near, far]: [f64; 2]) -> Option<f64> {
         let beyond = |depth: f64| {
             let way = [0, 1, 2].map(|k| depth * ray[k] - self.at[k]);
             dot(way, self.outward)

@@ -44,7 +44,9 @@ impl Camera {
     ) -> Result<()> {
         while let Some(command) = self.commands.next()? {
             self.velocities.clear();
-            self.velocities.extend(command.velocities());
+            let in_picture = |&[x, y, .., turn]: &[f64; 6]| [x, y, turn];
+            self.velocities
+                .extend(command.velocities().iter().map(in_picture));
         }
         let Some(frame) = self.frames.latest()? else {
             return Ok(());

@@ -4,11 +4,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use lariat_simulation::{Options, Simulation, TargetShape};
+use lariat_simulation::{Options, Simulation, SpaceSimulation, TargetShape};
 use serde::Deserialize;
 
 use super::episode::{Driven, Episode};
-use super::job::{Features, Job, Learner, RAW_POINTS, Robot};
+use super::job::{Features, Job, Learner, RAW_POINTS, Robot, SpaceRobot, Wanted};
 use super::judge::Outcome;
 use super::report::{Group, Row};
 use lariat_chain::exit::wrong_use;
@@ -18,6 +18,8 @@ use lariat_chain::stop::Stop;
 const TARGET_POINTS: usize = 120;
 /// Limits of a gripper: px/s, px/s, rad/s. Both axes at once are what the robot allows itself.
 const SPEEDS: [f64; 3] = [100.0, 100.0, 1.5];
+/// In space: mm/s along each axis, rad/s about each that is across the rope; all at once are what the robot allows itself.
+const SPACE_SPEEDS: [f64; 2] = [85.0, 1.0];
 /// How far apart the grippers may go, as a share of the rope between them: it is never pulled taut.
 const SLACK: f64 = 0.998;
 /// λ of the law, 1/s.
@@ -69,11 +71,27 @@ impl Target {
         Ok(Self::Points(line.points))
     }
 
-    fn points(&self, options: &Options) -> Result<Vec<[f64; 2]>> {
-        match self {
-            Self::Named(shape) => Ok(shape.reached(options, TARGET_POINTS)?.points),
-            Self::Points(points) => Ok(points.clone()),
-        }
+    /// Whether it can only be a rope's on the table.
+    pub(super) fn is_in_picture(&self) -> bool {
+        matches!(self, Self::Points(_))
+    }
+
+    /// What is wanted of the rope of these options, and by which robot.
+    fn wanted(&self, options: &Options, lifted: bool) -> Result<Wanted> {
+        Ok(match self {
+            Self::Named(shape) if lifted => Wanted::InSpace {
+                target: shape.reached_in_space(options, TARGET_POINTS)?.points,
+                robot: space_robot(options)?,
+            },
+            Self::Named(shape) => Wanted::InPlane {
+                target: shape.reached(options, TARGET_POINTS)?.points,
+                robot: robot(options)?,
+            },
+            Self::Points(points) => Wanted::InPlane {
+                target: points.clone(),
+                robot: robot(options)?,
+            },
+        })
     }
 }
 
@@ -92,11 +110,13 @@ pub(super) struct Case {
     flags: Vec<String>,
     /// `[simulation]`
     simulation: String,
+    /// Whether the rope is lifted, and seen by a depth camera, too.
+    lifted: bool,
 }
 
 impl Case {
     /// Nothing is varied.
-    fn as_it_is(fps: f64) -> Self {
+    fn as_it_is(fps: f64, lifted: bool) -> Self {
         Self {
             group: Group::AsItIs,
             name: "as it is".into(),
@@ -108,11 +128,15 @@ impl Case {
             learner: Learner::Kalman,
             flags: Vec::new(),
             simulation: String::new(),
+            lifted,
         }
     }
 
     /// The chain as it is; and, for a study, with what is varied in the group of this name, in all groups if it is empty.
-    pub(super) fn asked(fps: f64, study: Option<&str>) -> Result<Vec<Self>> {
+    pub(super) fn asked(fps: f64, lifted: bool, study: Option<&str>) -> Result<Vec<Self>> {
+        if lifted {
+            return Ok(vec![Self::as_it_is(fps, lifted)]);
+        }
         let mut cases = Self::all(fps);
         match study {
             None => cases.truncate(1),
@@ -131,7 +155,7 @@ impl Case {
 
     /// The chain as it is, and with all that is varied, one thing at a time.
     fn all(fps: f64) -> Vec<Self> {
-        let base = Self::as_it_is(fps);
+        let base = Self::as_it_is(fps, false);
         let varied = |group, name: String, value| Self {
             group,
             name,
@@ -198,10 +222,15 @@ impl Case {
         cases
     }
 
+    /// What distances are in.
+    fn unit(&self) -> &'static str {
+        if self.lifted { "mm" } else { "px" }
+    }
+
     /// One rope, as a line for who waits.
     pub(super) fn said(&self, outcome: &Outcome) -> String {
         let Outcome { seed, doing, .. } = outcome;
-        let error_px = outcome.final_px();
+        let (error_px, unit) = (outcome.final_px(), self.unit());
         let name = match self.group {
             Group::AsItIs => self.name.clone(),
             group => format!("{}, {}", group.title(), self.name),
@@ -209,10 +238,10 @@ impl Case {
         match outcome.reached_s() {
             Some(time_s) => {
                 format!(
-                    "{name}, seed {seed}: there after {time_s:.1} s, {error_px:.1} px in the end ({doing})"
+                    "{name}, seed {seed}: there after {time_s:.1} s, {error_px:.1} {unit} in the end ({doing})"
                 )
             }
-            None => format!("{name}, seed {seed}: {error_px:.1} px in the end ({doing})"),
+            None => format!("{name}, seed {seed}: {error_px:.1} {unit} in the end ({doing})"),
         }
     }
 
@@ -257,17 +286,21 @@ impl Case {
             "--fps",
             &self.fps.to_string(),
         ];
+        let depth: &[&str] = match self.lifted {
+            true => &["--depth", "simulated"],
+            false => &[],
+        };
         let episode = Episode {
             seed,
             rig: "servo".into(),
             chain: own
                 .iter()
+                .chain(depth)
                 .map(|&word| word.to_owned())
                 .chain(self.flags.clone())
                 .collect(),
             job: Job {
-                target: target.points(&options)?,
-                robot: robot(&options)?,
+                wanted: target.wanted(&options, self.lifted)?,
                 features: self.features,
                 learner: self.learner,
                 gain: GAIN,
@@ -296,5 +329,17 @@ fn robot(options: &Options) -> Result<Robot> {
         speeds: SPEEDS,
         workspace_px: options.picture_px.map(|size| [margin_px, size - margin_px]),
         longest_apart_px: SLACK * options.length_px,
+    })
+}
+
+/// The same of one in space.
+fn space_robot(options: &Options) -> Result<SpaceRobot> {
+    let simulation = SpaceSimulation::new(options)?;
+    let poses = simulation.grippers().iter();
+    Ok(SpaceRobot {
+        start: poses.map(|pose| [pose.at, pose.along]).collect(),
+        speeds: SPACE_SPEEDS,
+        workspace_mm: SpaceSimulation::workspace_mm(options),
+        longest_apart_mm: SLACK * options.length_px,
     })
 }

@@ -2,6 +2,7 @@
 //! nothing of the rope but what the camera sees.
 
 mod observer;
+mod space;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,11 +11,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_control::{
-    Command as Wish, Estimator, Metric, Observation, Options, Robot, Servo, Weights, Why, Workspace,
+    Command as Wish, Doing, Estimator, Metric, Observation, Options, Robot, Servo, Weights, Why,
+    Workspace,
 };
 use lariat_wire::{COMMANDS, Command, Delivery, Domain, Writer, now_ns};
 
-use super::job::{Job, Learner};
+use super::job::{Job, Learner, Robot as Known, Wanted};
 use lariat_chain::output::print;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stop::Stop;
@@ -45,32 +47,68 @@ pub(crate) fn run(args: &ControllerArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
     let rig = settings.run.rig.parse().context("the rig has no name")?;
-    let robot = Writer::<Command>::create(&domain, &rig, &COMMANDS, &Delivery::NewestWins)?;
-    let mut observer = Observer::open(&settings, &job)?;
-    let mut servo = Servo::new(options(&job, observer.metric()?), observer.target())?;
-    let mut count = 0;
-    let mut said = None;
-    while !stop.asked() {
-        let sight = observer.look(Instant::now() + BEAT)?;
-        let exposed_ns = sight.exposed_ns().unwrap_or(0);
-        let wish = decide(&mut servo, &sight);
-        count += 1;
-        let mut slot = robot.slot()?;
-        *slot = Command {
-            count,
-            sent_ns: now_ns(),
-            exposed_ns,
-            grippers: job.robot.start.len() as u32,
-            reserved: 0,
-            velocities: wish.velocities,
-        };
-        slot.send()?;
-        // Line by line, what it does whenever that is something else: whoever started it reads the last one.
-        if said.replace(wish.doing) != Some(wish.doing) {
-            print(&format!("{}\n", wish.doing))?;
+    let mut link = Link {
+        robot: Writer::<Command>::create(&domain, &rig, &COMMANDS, &Delivery::NewestWins)?,
+        count: 0,
+        said: None,
+    };
+    match &job.wanted {
+        Wanted::InSpace { target, robot } => {
+            let mut pilot = space::Pilot::open(&settings, &job, target, robot)?;
+            while !stop.asked() {
+                let (wish, exposed_ns) = pilot.decide(Instant::now() + BEAT)?;
+                let twists = pilot.twists(&wish);
+                link.tell(twists, exposed_ns, robot.start.len(), wish.doing)?;
+            }
+        }
+        Wanted::InPlane { target, robot } => {
+            let mut observer = Observer::open(&settings, &job, target)?;
+            let options = options(&job, robot, observer.metric()?);
+            let mut servo = Servo::new(options, observer.target())?;
+            while !stop.asked() {
+                let sight = observer.look(Instant::now() + BEAT)?;
+                let exposed_ns = sight.exposed_ns().unwrap_or(0);
+                let wish = decide(&mut servo, &sight);
+                let twists = (wish.velocities).map(|[x, y, turn]| [x, y, 0.0, 0.0, 0.0, turn]);
+                link.tell(twists, exposed_ns, robot.start.len(), wish.doing)?;
+            }
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The way to the robot, and to whoever started this process.
+struct Link {
+    robot: Writer<Command>,
+    count: u64,
+    said: Option<Doing>,
+}
+
+impl Link {
+    fn tell(
+        &mut self,
+        velocities: [[f64; 6]; 2],
+        exposed_ns: u64,
+        grippers: usize,
+        doing: Doing,
+    ) -> Result<()> {
+        self.count += 1;
+        let mut slot = self.robot.slot()?;
+        *slot = Command {
+            count: self.count,
+            sent_ns: now_ns(),
+            exposed_ns,
+            grippers: grippers as u32,
+            reserved: 0,
+            velocities,
+        };
+        slot.send()?;
+        // Line by line, what it does whenever that is something else: whoever started it reads the last one.
+        if self.said.replace(doing) != Some(doing) {
+            print(&format!("{doing}\n"))?;
+        }
+        Ok(())
+    }
 }
 
 fn decide(servo: &mut Servo, sight: &Sight) -> Wish {
@@ -95,8 +133,7 @@ fn decide(servo: &mut Servo, sight: &Sight) -> Wish {
     }
 }
 
-fn options(job: &Job, metric: Metric) -> Options {
-    let Job { robot, .. } = job;
+fn options(job: &Job, robot: &Known, metric: Metric) -> Options {
     let mut start = [[0.0; 3]; 2];
     start
         .iter_mut()
@@ -117,8 +154,15 @@ fn options(job: &Job, metric: Metric) -> Options {
             ..Robot::default()
         },
         metric,
-        gain: job.gain,
         tolerance_px: TOLERANCE_PX,
+        ..ways(job)
+    }
+}
+
+/// What it is told of how to steer, whatever the robot.
+fn ways<const A: usize>(job: &Job) -> Options<A> {
+    Options {
+        gain: job.gain,
         look_ahead: job.look_ahead,
         oldest_image_s: 0.5 + job.delay_ms / 1e3,
         estimator: match job.learner {

@@ -7,10 +7,13 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use lariat_wire::{Centerlines, DESCRIPTORS, Descriptors, Domain, Receiver, TRUTH};
+use lariat_wire::{
+    Centerlines, DESCRIPTORS, Descriptors, Descriptors3, Domain, Receiver, Rig, TRUTH, TRUTH3,
+    Trace,
+};
 
 use super::camera::Camera;
-use super::job::Job;
+use super::job::{Job, Wanted};
 use super::judge::{Judge, Moment, Outcome, REACHED_PX};
 use crate::bench::guard::Guarded;
 use lariat_chain::stop::Stop;
@@ -52,10 +55,77 @@ pub(super) struct Driven {
 
 /// What the judge sees the case by.
 struct Sights {
-    truth: Receiver<Centerlines>,
+    witness: Witness,
     descriptors: Receiver<Descriptors>,
     camera: Option<Camera>,
     latencies_ms: Vec<f64>,
+}
+
+/// Who knows the truth.
+enum Witness {
+    InPlane(Receiver<Centerlines>, Judge<2>),
+    InSpace(Receiver<Descriptors3>, Judge<3>),
+}
+
+/// How far the true rope is from the target in an image, and where its ends are in the picture, if that is known.
+struct Judged {
+    trace: Trace,
+    error_px: f64,
+    ends: Option<[[f64; 2]; 2]>,
+}
+
+impl Witness {
+    fn open(domain: &Domain, rig: &Rig, wanted: &Wanted) -> Result<Self> {
+        Ok(match wanted {
+            Wanted::InPlane { target, .. } => Self::InPlane(
+                Receiver::create(domain, rig, &TRUTH, None)?,
+                Judge::new(target),
+            ),
+            Wanted::InSpace { target, .. } => Self::InSpace(
+                Receiver::create(domain, rig, &TRUTH3, None)?,
+                Judge::new(target),
+            ),
+        })
+    }
+
+    fn sleep(&self, deadline: Instant) -> Result<()> {
+        match self {
+            Self::InPlane(truth, _) => truth.sleep(Some(deadline), None)?,
+            Self::InSpace(truth, _) => truth.sleep(Some(deadline), None)?,
+        }
+        Ok(())
+    }
+
+    /// Of the oldest image that waits; `None` if none does.
+    fn next(&self) -> Result<Option<Judged>> {
+        Ok(match self {
+            Self::InPlane(truth, judge) => truth.next()?.map(|message| {
+                let curve = message.curves().first();
+                let points: Vec<_> = (curve.map_or(&[][..], |curve| curve.points()).iter())
+                    .map(|p| p.map(f64::from))
+                    .collect();
+                Judged {
+                    trace: message.trace,
+                    error_px: judge.error_px(&points),
+                    ends: match &points[..] {
+                        [first, .., last] => Some([*first, *last]),
+                        _ => None,
+                    },
+                }
+            }),
+            Self::InSpace(truth, judge) => truth.next()?.map(|message| {
+                let curve = message.curves().first();
+                let points: Vec<_> = (curve.map_or(&[][..], |curve| curve.points()).iter())
+                    .map(|p| p.map(f64::from))
+                    .collect();
+                Judged {
+                    trace: message.trace,
+                    error_px: judge.error_px(&points),
+                    ends: None,
+                }
+            }),
+        })
+    }
 }
 
 impl Episode<'_> {
@@ -63,12 +133,16 @@ impl Episode<'_> {
     pub(super) fn run(&self, stop: &Stop) -> Result<Option<Driven>> {
         let domain = Domain::open()?;
         let rig = self.rig.parse()?;
-        let camera = || Camera::open(&domain, &rig, &self.job.target);
+        let camera = |target: &Vec<_>| Camera::open(&domain, &rig, target);
+        let filmed = match &self.job.wanted {
+            Wanted::InPlane { target, .. } => self.filmed.then_some(target),
+            Wanted::InSpace { .. } => None,
+        };
         // Before the chain, so that the first image is judged too.
         let mut sights = Sights {
-            truth: Receiver::create(&domain, &rig, &TRUTH, None)?,
+            witness: Witness::open(&domain, &rig, &self.job.wanted)?,
             descriptors: Receiver::create_unwoken(&domain, &rig, &DESCRIPTORS, None)?,
-            camera: self.filmed.then(camera).transpose()?,
+            camera: filmed.map(camera).transpose()?,
             latencies_ms: Vec::new(),
         };
         let job = self.folder.join("job.json");
@@ -117,7 +191,6 @@ impl Episode<'_> {
         processes: &mut [&mut Process],
         stop: &Stop,
     ) -> Result<Option<Vec<Moment>>> {
-        let judge = Judge::new(&self.job.target);
         let begun = Instant::now();
         let mut errors: Vec<Moment> = Vec::new();
         let mut first_ns = None;
@@ -129,19 +202,19 @@ impl Episode<'_> {
             for process in &mut *processes {
                 process.check()?;
             }
-            sights.truth.sleep(Some(Instant::now() + BEAT), None)?;
+            sights.witness.sleep(Instant::now() + BEAT)?;
             sights.time()?;
-            while let Some(message) = sights.truth.next()? {
-                let Some(curve) = message.curves().first() else {
-                    continue;
-                };
-                let at_ns = message.trace.exposed_ns;
+            while let Some(judged) = sights.witness.next()? {
+                let Judged {
+                    trace,
+                    error_px,
+                    ends,
+                } = judged;
+                let at_ns = trace.exposed_ns;
                 let at_s = at_ns.saturating_sub(*first_ns.get_or_insert(at_ns)) as f64 / 1e9;
-                let points: Vec<_> = curve.points().iter().map(|p| p.map(f64::from)).collect();
-                let error_px = judge.error_px(&points);
                 errors.push(Moment { at_s, error_px });
-                if let (Some(camera), [first, .., last]) = (&mut sights.camera, &points[..]) {
-                    camera.take(&message.trace, [*first, *last], (at_s, error_px))?;
+                if let (Some(camera), Some(ends)) = (&mut sights.camera, ends) {
+                    camera.take(&trace, ends, (at_s, error_px))?;
                 }
                 if error_px > REACHED_PX {
                     there_since_s = None;

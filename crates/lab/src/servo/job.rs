@@ -27,9 +27,7 @@ pub(super) enum Learner {
 /// What a controller is told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Job {
-    /// The shape that is wanted: points along the part of the rope that is seen, px.
-    pub target: Vec<[f64; 2]>,
-    pub robot: Robot,
+    pub wanted: Wanted,
     pub features: Features,
     pub learner: Learner,
     /// λ of the law, 1/s.
@@ -40,6 +38,31 @@ pub(super) struct Job {
     pub delay_ms: f64,
     /// The time between two images, s.
     pub period_s: f64,
+}
+
+/// The shape that is wanted: points along the part of the rope that is seen. And by which robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) enum Wanted {
+    /// In the picture, px.
+    InPlane { target: Vec<[f64; 2]>, robot: Robot },
+    /// In the robot's frame, mm.
+    InSpace {
+        target: Vec<[f64; 3]>,
+        robot: SpaceRobot,
+    },
+}
+
+/// What the robot knows of itself in space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct SpaceRobot {
+    /// Where each gripper is at the start, mm, and the direction in which the rope leaves it.
+    pub start: Vec<[[f64; 3]; 2]>,
+    /// mm/s along each axis, rad/s about each of its own that is across the rope.
+    pub speeds: [f64; 2],
+    /// Lowest and highest x, y and z, mm.
+    pub workspace_mm: [[f64; 2]; 3],
+    /// How far apart the grippers may be, mm.
+    pub longest_apart_mm: f64,
 }
 
 /// What the robot knows of itself.

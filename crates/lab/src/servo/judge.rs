@@ -1,4 +1,4 @@
-//! How well the rope was driven: its true shape against the target, from image to image.
+//! How well the rope was driven: its true shape against the target, from image to image. What is px here is mm of a lifted rope.
 
 /// Points that two curves are compared at.
 const POINTS: usize = 120;
@@ -72,20 +72,20 @@ impl Outcome {
 
 /// A target, to measure against.
 #[derive(Debug, Clone)]
-pub(super) struct Judge {
-    target: Vec<[f64; 2]>,
+pub(super) struct Judge<const D: usize> {
+    target: Vec<[f64; D]>,
 }
 
-impl Judge {
+impl<const D: usize> Judge<D> {
     /// The target is a curve through these points.
-    pub(super) fn new(target: &[[f64; 2]]) -> Self {
+    pub(super) fn new(target: &[[f64; D]]) -> Self {
         Self {
             target: lariat_simulation::at_equal_steps(target, POINTS),
         }
     }
 
-    /// Mean distance of corresponding points, in pixels; the curve may run the other way.
-    pub(super) fn error_px(&self, curve: &[[f64; 2]]) -> f64 {
+    /// Mean distance of corresponding points, in pixels, or of a lifted rope in millimetres; the curve may run the other way.
+    pub(super) fn error_px(&self, curve: &[[f64; D]]) -> f64 {
         if curve.len() < 2 {
             return f64::INFINITY;
         }
@@ -97,8 +97,9 @@ impl Judge {
     }
 }
 
-fn distance(([ax, ay], [bx, by]): (&[f64; 2], &[f64; 2])) -> f64 {
-    ((ax - bx).powi(2) + (ay - by).powi(2)).sqrt()
+fn distance<const D: usize>((a, b): (&[f64; D], &[f64; D])) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+    squares.sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

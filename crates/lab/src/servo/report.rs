@@ -18,6 +18,8 @@ pub(super) struct Study {
     pub title: String,
     /// What the ropes were driven to: a name.
     pub target: String,
+    /// What distances are in: px, or mm of lifted ropes.
+    pub unit: &'static str,
     /// The first is the one that others are held against: [`Group::AsItIs`].
     pub rows: Vec<Row>,
     /// The command that makes this study again.

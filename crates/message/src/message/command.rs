@@ -10,7 +10,7 @@ message! {
     /// Velocities for a robot's grippers, from the moment of sending on. A layout like those of the other messages.
     ///
     /// Only the simulated rope takes commands: a real robot has a driver of its own.
-    pub struct Command = "lariat.Command.v1" {
+    pub struct Command = "lariat.Command.v2" {
         /// How many the controller has sent, this one included.
         count: u64 = 0 => number,
         /// When it was sent, on the clock of [`now_ns`](crate::now_ns).
@@ -21,14 +21,16 @@ message! {
         grippers: u32 = 0 => count(velocities),
         /// Always 0.
         reserved: u32 = 0 => reserved,
-        /// The velocity of each gripper in the image: x and y in px/s, and the angle from x towards y in rad/s.
-        velocities: [[f64; 3]; MAX_GRIPPERS] = [[0.0; 3]; MAX_GRIPPERS] => list(velocities),
+        /// The velocity of each gripper: along x, y and z, then the turns about x, y and z in rad/s. Of a rope in the image the first two are in
+        /// px/s and the last is the turn from x towards y, the others count for nothing; of a lifted one they are in mm/s and those of the
+        /// robot's frame.
+        velocities: [[f64; 6]; MAX_GRIPPERS] = [[0.0; 6]; MAX_GRIPPERS] => list(velocities),
     }
 }
 
 impl Command {
     /// The velocities that are meant.
-    pub fn velocities(&self) -> &[[f64; 3]] {
+    pub fn velocities(&self) -> &[[f64; 6]] {
         &self.velocities[..(self.grippers as usize).min(MAX_GRIPPERS)]
     }
 }

@@ -1,4 +1,4 @@
-//! Velocities of topics, one a gripper, as the commands of a rig whose rope is simulated.
+//! Velocities of topics, one a gripper, as the commands of a rig whose rope is simulated: in its units, in its image or, lifted, in its robot's frame.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub(super) struct Grippers {
     topics: Vec<(String, Arc<Tally>)>,
     writer: Writer<Command>,
     /// Of each gripper, and when it came.
-    newest: [(u64, [f64; 3]); MAX_GRIPPERS],
+    newest: [(u64, [f64; 6]); MAX_GRIPPERS],
     count: u64,
     stamps: Stamps,
     sayer: Sayer,
@@ -39,7 +39,7 @@ impl Grippers {
         Ok(Self {
             topics,
             writer: Writer::<Command>::create(domain, rig, &COMMANDS, &Delivery::NewestWins)?,
-            newest: [(0, [0.0; 3]); MAX_GRIPPERS],
+            newest: [(0, [0.0; 6]); MAX_GRIPPERS],
             count: 0,
             stamps,
             sayer: Sayer::default(),
@@ -62,7 +62,8 @@ impl Grippers {
     }
 
     fn try_send(&mut self, gripper: usize, twist: &TwistStamped) -> Result<(), Trouble> {
-        let velocity = [twist.linear[0], twist.linear[1], twist.angular[2]];
+        let ([x, y, z], [a, b, c]) = (twist.linear, twist.angular);
+        let velocity = [x, y, z, a, b, c];
         if !velocity.iter().all(|v| v.is_finite()) {
             return Err(Trouble::NotFinite);
         }
@@ -94,9 +95,9 @@ impl Grippers {
 }
 
 /// The velocity, for as long as it holds.
-fn held((told_ns, velocity): (u64, [f64; 3]), now_ns: u64) -> [f64; 3] {
+fn held((told_ns, velocity): (u64, [f64; 6]), now_ns: u64) -> [f64; 6] {
     let is_old = now_ns.saturating_sub(told_ns) > HOLDS_NS;
-    if is_old { [0.0; 3] } else { velocity }
+    if is_old { [0.0; 6] } else { velocity }
 }
 
 #[cfg(test)]
@@ -105,8 +106,8 @@ mod tests {
 
     #[test]
     fn a_gripper_that_is_told_nothing_any_more_stands_still() {
-        let told = (1_000_000_000, [1.0, 2.0, 3.0]);
+        let told = (1_000_000_000, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(held(told, 1_000_000_000 + HOLDS_NS), told.1);
-        assert_eq!(held(told, 1_000_000_001 + HOLDS_NS), [0.0; 3]);
+        assert_eq!(held(told, 1_000_000_001 + HOLDS_NS), [0.0; 6]);
     }
 }

@@ -17,7 +17,7 @@ fn send(writer: &Writer<Command>, count: u64) {
         count,
         sent_ns: now_ns(),
         grippers: 1,
-        velocities: [[count as f64, -2.0, 0.5], [0.0; 3]],
+        velocities: [[count as f64, -2.0, 3.0, 0.1, 0.2, 0.5], [0.0; 6]],
         ..Command::default()
     };
     slot.send().expect("sent");
@@ -36,13 +36,13 @@ fn commands_come_in_the_order_in_which_they_were_sent_and_eight_wait() {
     let received: Vec<Command> = std::iter::from_fn(|| reader.next().expect("readable")).collect();
     let counts: Vec<u64> = received.iter().map(|command| command.count).collect();
     assert_eq!(counts, [4, 5, 6, 7, 8, 9, 10, 11]);
-    assert_eq!(received[0].velocities(), [[4.0, -2.0, 0.5]]);
+    assert_eq!(received[0].velocities(), [[4.0, -2.0, 3.0, 0.1, 0.2, 0.5]]);
     let state = domain.channel(&rig, "commands").expect("it is listed");
     let ends = state.ends.expect("of this release");
     let writer = ends.writer.expect("there");
     assert_eq!(
         (state.message.as_str(), writer.message_bytes),
-        ("lariat.Command.v1", 80)
+        ("lariat.Command.v2", 128)
     );
     assert_eq!(ends.readers, [std::process::id()]);
 }

@@ -70,7 +70,8 @@ impl SpaceFitter {
     /// # Errors
     /// What they name cannot be read.
     pub fn new(settings: &Settings) -> Result<Option<Self>> {
-        let Some((beside, pose)) = Calibrated::beside(&settings.camera)? else {
+        let size = settings.capture.likely_size();
+        let Some((beside, pose)) = Calibrated::beside(&settings.camera, size)? else {
             return Ok(None);
         };
         Ok(Some(Self {

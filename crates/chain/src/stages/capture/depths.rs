@@ -1,4 +1,4 @@
-//! Depth images beside frames: files, one for each picture, or a second camera's, by a thread of its own.
+//! Depth images beside frames: files, one for each picture, a second camera's, by a thread of its own, or the source's own.
 
 mod camera;
 
@@ -13,16 +13,29 @@ use camera::{Bounds, DepthCamera};
 /// Where depth images come from.
 pub(super) enum Depths {
     Files(Box<Files>),
+    Source(Box<Own>),
     Camera(DepthCamera),
 }
 
 impl Depths {
-    /// `camera`: the depth camera that the settings name, opened. `None` if there are no depth images.
+    /// `camera`: the depth camera that the settings name, opened. `own`: the size of those that the source has itself. `None` if there are no
+    /// depth images.
     pub(super) fn open(
         settings: &Settings,
         station: &Station,
         camera: Option<Box<dyn FrameSource>>,
+        own: Option<[u32; 2]>,
     ) -> anyhow::Result<Option<Self>> {
+        if let Some(size) = own {
+            let Station {
+                domain,
+                rig,
+                delivery,
+                ..
+            } = station;
+            let writer = Writer::depths(domain, rig, delivery, bytes(size), 1)?;
+            return Ok(Some(Self::Source(Box::new(Own { writer, size }))));
+        }
         if let Some(source) = camera {
             let bounds = Bounds::of(settings);
             let camera = DepthCamera::start(source, bounds, Domain::open, station)?;
@@ -32,10 +45,20 @@ impl Depths {
         Ok(files.map(|files| Self::Files(Box::new(files))))
     }
 
-    /// The depth image that is to be sent before the frame of this number, if one is known by then.
-    pub(super) fn slot(&mut self, sequence: u64) -> anyhow::Result<Option<DepthSlot<'_>>> {
+    /// The depth image that is to be sent before the frame of this number, which the source has just made ready, if one is known by then.
+    pub(super) fn slot(
+        &mut self,
+        sequence: u64,
+        source: &mut dyn FrameSource,
+    ) -> anyhow::Result<Option<DepthSlot<'_>>> {
         match self {
             Self::Files(files) => files.slot(sequence),
+            Self::Source(own) => {
+                let size = own.size;
+                let mut slot = own.writer.frame_slot(bytes(size))?;
+                source.write_depth(&mut slot);
+                Ok(Some(DepthSlot { size, slot }))
+            }
             Self::Camera(_) => Ok(None),
         }
     }
@@ -46,7 +69,7 @@ impl Depths {
     /// The depth camera has ended with a fault.
     pub(super) fn sent(&mut self, frame: &FrameHeader) -> anyhow::Result<()> {
         match self {
-            Self::Files(_) => Ok(()),
+            Self::Files(_) | Self::Source(_) => Ok(()),
             Self::Camera(camera) => camera.frame(frame),
         }
     }
@@ -57,7 +80,7 @@ impl Depths {
     /// It has ended with a fault.
     pub(super) fn end(self) -> anyhow::Result<Option<lariat_sink::DepthCounts>> {
         match self {
-            Self::Files(_) => Ok(None),
+            Self::Files(_) | Self::Source(_) => Ok(None),
             Self::Camera(camera) => camera.end().map(Some),
         }
     }
@@ -72,10 +95,22 @@ pub(super) fn camera_options(
     settings: &Settings,
     native_fps: Option<f64>,
 ) -> anyhow::Result<Option<CameraOptions>> {
-    let Some((Beside::Depth(calibration), _)) = Calibrated::beside(&settings.camera)? else {
+    let size = settings.capture.likely_size();
+    let Some((Beside::Depth(calibration), _)) = Calibrated::beside(&settings.camera, size)? else {
         return Ok(None);
     };
     Ok(settings.capture.depth_camera(calibration.size, native_fps))
+}
+
+/// Those of the source itself.
+pub(super) struct Own {
+    writer: Writer<[u8]>,
+    size: [u32; 2],
+}
+
+/// Of an image of this size.
+fn bytes([width, height]: [u32; 2]) -> usize {
+    2 * width as usize * height as usize
 }
 
 /// Depth images beside pictures.

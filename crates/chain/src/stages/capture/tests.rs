@@ -188,6 +188,7 @@ fn with_sender(
         depths: None,
         lender: SlotLender::new(source, &frames).expect("slots"),
         truth: None,
+        truth3: None,
         // One frame in a hundred days: a frame that is paced would never come.
         schedule: schedule(Fps::PerSecond(1e-7), false),
         sent: Sent::default(),

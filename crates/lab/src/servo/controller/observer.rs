@@ -70,13 +70,13 @@ const FIRST_SIGHTS: usize = 15;
 
 /// How long the rope is when all of it is seen.
 #[derive(Default)]
-struct Whole {
+pub(super) struct Whole {
     first_px: Vec<f64>,
 }
 
 impl Whole {
     /// Whether a rope of this length is seen whole.
-    fn is_it(&mut self, length_px: f64) -> bool {
+    pub(super) fn is_it(&mut self, length_px: f64) -> bool {
         if self.first_px.len() < FIRST_SIGHTS {
             self.first_px.push(length_px);
             self.first_px.sort_by(f64::total_cmp);
@@ -92,18 +92,18 @@ enum Source {
 }
 
 impl Observer {
-    pub(super) fn open(settings: &Settings, job: &Job) -> Result<Self> {
+    pub(super) fn open(settings: &Settings, job: &Job, target: &[[f64; 2]]) -> Result<Self> {
         let domain = Domain::open()?;
         let rig = settings.run.rig.parse().context("the rig has no name")?;
         let (source, target, rows) = match job.features {
             Features::Descriptor => {
-                let (target, rows) = described(&job.target, settings)?;
+                let (target, rows) = described(target, settings)?;
                 let reader = Reader::open_in(domain, &rig)?;
                 (Source::Descriptors(Box::new(reader)), target, rows)
             }
             Features::Points => {
                 let receiver = Receiver::create(&domain, &rig, &CENTERLINES, None)?;
-                let target = lariat_simulation::at_equal_steps(&job.target, RAW_POINTS);
+                let target = lariat_simulation::at_equal_steps(target, RAW_POINTS);
                 (Source::Points(Box::new(receiver)), target, Vec::new())
             }
         };

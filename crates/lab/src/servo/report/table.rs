@@ -5,7 +5,7 @@ use super::{Group, Study};
 use crate::servo::judge::REACHED_PX;
 use lariat_chain::layout::{self, Column, Table, wrapped};
 
-/// What stands above each number, in the table's order.
+/// What stands above each number, in the table's order; of lifted ropes px are mm.
 pub(super) const HEAD: [&str; 7] = [
     "reached",
     "time to 5 px, s",
@@ -19,7 +19,8 @@ pub(super) const HEAD: [&str; 7] = [
 /// The table as text, with what its columns mean.
 pub(crate) fn table(study: &Study) -> String {
     let title = format!("to the target {}", study.target);
-    let figures = HEAD.map(|heading| Column::figures(wrapped(heading, 9)));
+    let in_unit = |text: &str| text.replace("px", study.unit);
+    let figures = HEAD.map(|heading| Column::figures(wrapped(&in_unit(heading), 9)));
     let columns = std::iter::once(Column::words(title)).chain(figures);
     let mut lines = Vec::new();
     for (group, rows) in study.groups() {
@@ -38,7 +39,7 @@ pub(crate) fn table(study: &Study) -> String {
     }
     let width = layout::width();
     let table = Table::text(columns.collect(), &lines, width);
-    format!("{table}\n{}\n", wrapped(&meaning(), width))
+    format!("{table}\n{}\n", wrapped(&in_unit(&meaning()), width))
 }
 
 /// What the columns mean.

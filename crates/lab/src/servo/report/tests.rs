@@ -43,6 +43,7 @@ fn study() -> Study {
     Study {
         title: "lariat servo".to_owned(),
         target: "u".to_owned(),
+        unit: "px",
         rows: vec![
             row(Group::AsItIs, "as it is", None, 1.5, 0),
             late(100.0, 4.0, 12),
