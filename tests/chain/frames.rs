@@ -141,7 +141,7 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
     assert_eq!(frames["received"], FRAMES);
     assert_eq!(
         frames["lost"],
-        json!({"source": 0, "capture": 0, "mask": 0, "extract": 0, "fit": 0, "sink": 0})
+        json!({"source": 0, "capture": 0, "mask": 0, "extract": 0, "fit": 0, "bridge": 0, "sink": 0})
     );
     drop((reader, reader_domain));
     bench.assert_nothing_is_left();
