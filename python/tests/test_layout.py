@@ -34,13 +34,13 @@ def test_every_field_is_read_where_the_writer_put_it(domain: str) -> None:
     with lariat.Reader() as reader:
         frame = reader.wait(30.0)
     writer.communicate(timeout=30)
-    assert lariat.MESSAGE.itemsize == 132_584
+    assert lariat.MESSAGE.itemsize == 132_592
     assert frame.message.base is not None and not frame.message.flags.writeable
-    # 12 + 4 numbers of the message; of each of 24 ropes 19 and 9 for each of 32 control points, and of its centerline 10 and
+    # 13 + 4 numbers of the message; of each of 24 ropes 19 and 9 for each of 32 control points, and of its centerline 10 and
     # 3 for each of 256 points.
-    assert check(lariat.MESSAGE, frame.message, 0) == 16 + 24 * (19 + 32 * 9 + 10 + 256 * 3)
+    assert check(lariat.MESSAGE, frame.message, 0) == 17 + 24 * (19 + 32 * 9 + 10 + 256 * 3)
     # The same numbers by name.
-    assert frame.trace is not None and frame.trace.fitted_ns == 72 and frame.size == (88, 92)
+    assert frame.trace is not None and frame.trace.fitted_ns == 80 and frame.size == (96, 100)
     # They are a message, and no rope.
     assert {str(seen) for seen in frame.ropes(float("inf"))} == {
         "the message makes no sense: use the same release of lariat for every process"
