@@ -24,7 +24,7 @@ pub(super) struct Spot {
 }
 
 impl Curve {
-    /// Takes in a rope; a rope that is none, or reaches beyond the lens's model, has no points.
+    /// Takes in a rope. It keeps no points where the rope has too few, or where some lie beyond the lens's model.
     pub(super) fn take(&mut self, camera: &Camera, rope: &SeenRope) {
         (self.closed, self.ends) = (rope.closed, rope.ends);
         self.hidden.clear();
