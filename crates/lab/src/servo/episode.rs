@@ -101,9 +101,7 @@ impl Witness {
         Ok(match self {
             Self::InPlane(truth, judge) => truth.next()?.map(|message| {
                 let curve = message.curves().first();
-                let points: Vec<_> = (curve.map_or(&[][..], |curve| curve.points()).iter())
-                    .map(|p| p.map(f64::from))
-                    .collect();
+                let points = exact(curve.map_or(&[][..], |curve| curve.points()));
                 Judged {
                     trace: message.trace,
                     error_px: judge.error_px(&points),
@@ -115,9 +113,7 @@ impl Witness {
             }),
             Self::InSpace(truth, judge) => truth.next()?.map(|message| {
                 let curve = message.curves().first();
-                let points: Vec<_> = (curve.map_or(&[][..], |curve| curve.points()).iter())
-                    .map(|p| p.map(f64::from))
-                    .collect();
+                let points = exact(curve.map_or(&[][..], |curve| curve.points()));
                 Judged {
                     trace: message.trace,
                     error_px: judge.error_px(&points),
@@ -314,4 +310,8 @@ fn text(path: &Path) -> String {
         let _ = file.read_to_string(&mut text);
     }
     text.trim().to_owned()
+}
+
+fn exact<const D: usize>(points: &[[f32; D]]) -> Vec<[f64; D]> {
+    points.iter().map(|p| p.map(f64::from)).collect()
 }
