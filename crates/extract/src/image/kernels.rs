@@ -1,6 +1,7 @@
 //! The loops over all pixels that a compiler does not make fast by itself: written for AVX-512 and AVX2, chosen when the
 //! program runs, and as the plain loops that define what they do.
 
+mod look;
 mod spread;
 #[cfg(target_arch = "x86_64")]
 mod wide;
@@ -50,10 +51,6 @@ impl Band<'_> {
 }
 
 /// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
-#[cfg_attr(
-    not(target_arch = "x86_64"),
-    allow(dead_code, reason = "only there is a kernel for it")
-)]
 pub(crate) struct Look<'a> {
     /// From the first row's first byte to the last one's last.
     pub(crate) rows: &'a [u8],
@@ -70,10 +67,6 @@ pub(crate) struct Look<'a> {
     pub(crate) hits: &'a mut [u8],
 }
 
-#[cfg_attr(
-    not(target_arch = "x86_64"),
-    allow(dead_code, reason = "only there is a kernel for it")
-)]
 impl Look<'_> {
     /// Anywhere in the strip, among its first eight pixels, among its last ones.
     pub(crate) const ANY: u8 = 1;
@@ -110,8 +103,8 @@ pub(crate) struct Kernels {
     pub(crate) yuyv_band: Option<fn(Band)>,
     /// The same of U Y₀ V Y₁.
     pub(crate) uyvy_band: Option<fn(Band)>,
-    /// Where some rows are not just the table, if the machine has registers that make it worth while to ask before.
-    pub(crate) look: Option<fn(Look)>,
+    /// Where some rows are not just the table.
+    pub(crate) look: fn(Look),
     /// Pixels of blue, green, red and nothing as ones of red, green and blue.
     pub(crate) pack: fn(&[[u8; 4]], &mut [u8]),
     /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
@@ -139,7 +132,7 @@ impl Kernels {
             },
             yuyv_band: None,
             uyvy_band: None,
-            look: None,
+            look: look::look,
             pack: |pixels, out| lariat_portable::Arch::new().dispatch(|| pack(pixels, out)),
             collect,
             patch_at_least: |patch, cut, words| {
@@ -338,9 +331,9 @@ mod tests {
                     expected[x / (64 * of)] |= Look::ANY + sides;
                 }
             }
-            for look in all().into_iter().filter_map(|kernels| kernels.look) {
+            for kernels in all() {
                 let mut hits = vec![9; expected.len()];
-                look(Look {
+                (kernels.look)(Look {
                     rows: &bytes[..(rows - 1) * stride + row],
                     stride,
                     row,

@@ -82,15 +82,27 @@ impl Differencer {
         faint: &mut BitPlane,
         levels: &mut Levels,
     ) {
-        let (width, height) = (image.width(), image.height());
-        out.resize(width, height);
-        faint.reshape(width, height);
-        levels.clear(width, height);
         let scene = Scene {
             image,
             background,
             least,
         };
+        self.work(scene, least <= MOST_NOISE, out, faint, levels);
+    }
+
+    fn work(
+        &mut self,
+        scene: Scene,
+        is_sparse: bool,
+        out: &mut GrayPlane,
+        faint: &mut BitPlane,
+        levels: &mut Levels,
+    ) {
+        let image = scene.image;
+        let (width, height) = (image.width(), image.height());
+        out.resize(width, height);
+        faint.reshape(width, height);
+        levels.clear(width, height);
         self.reserve_blocks(scene);
         let kernel = match image.format() {
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => Some(self.kernels.three_channel_band),
@@ -98,11 +110,10 @@ impl Differencer {
             PixelFormat::Uyvy => self.kernels.uyvy_band,
             _ => None,
         };
-        match self.kernels.look {
-            Some(look) if least <= MOST_NOISE => {
-                self.run_where_seen(scene, look, kernel, out, faint, levels);
-            }
-            _ => self.run_everywhere(scene, kernel, out, faint, levels),
+        if is_sparse {
+            self.run_where_seen(scene, kernel, out, faint, levels);
+        } else {
+            self.run_everywhere(scene, kernel, out, faint, levels);
         }
         levels.close();
     }
@@ -174,7 +185,6 @@ impl Differencer {
     fn run_where_seen(
         &mut self,
         scene: Scene,
-        look: fn(Look),
         kernel: Option<fn(Band)>,
         out: &mut GrayPlane,
         faint: &mut BitPlane,
@@ -185,7 +195,7 @@ impl Differencer {
         for band in 0..=bands {
             std::mem::swap(&mut self.table, &mut self.before);
             if band < bands {
-                self.look_at(scene, band, look, levels);
+                self.look_at(scene, band, levels);
             }
             if let Some(band) = band.checked_sub(1) {
                 self.work_out(scene, band, kernel, out, faint, levels);
@@ -194,7 +204,7 @@ impl Differencer {
     }
 
     /// Lays the table along a band, and looks for what is not just that.
-    fn look_at(&mut self, scene: Scene, band: usize, look: fn(Look), levels: &mut Levels) {
+    fn look_at(&mut self, scene: Scene, band: usize, levels: &mut Levels) {
         let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
         let (width, top) = (image.width(), BLOCK * band);
         self.table.lay(&self.kernels, image, scene.background, top);
@@ -210,7 +220,7 @@ impl Differencer {
         let at = (band + 1) * (strips + 2) + 1;
         let hits = &mut self.hits[at..at + strips];
         let (stride, bytes) = (image.stride(), format.row_bytes(2) / 2);
-        look(Look {
+        (self.kernels.look)(Look {
             rows: image.rows(rows.clone()),
             stride,
             row: if bytes == 1 {
@@ -225,7 +235,7 @@ impl Differencer {
         });
         if format == PixelFormat::Nv12 {
             let lines = image.chroma_line(rows.start)..image.chroma_line(rows.end - 1) + 1;
-            look(Look {
+            (self.kernels.look)(Look {
                 rows: image.rows(lines),
                 stride,
                 row: format.row_bytes(width),
@@ -363,12 +373,17 @@ mod tests {
 
     /// What an image is made into: its difference and that filled, what is faint of it, and what is seen of its levels.
     fn made(
-        by: &mut Differencer,
+        (by, is_sparse): (&mut Differencer, bool),
         (image, background, least): (&Image, &Background, u8),
         out: &mut GrayPlane,
     ) -> (Vec<u8>, Vec<u8>, BitPlane, String) {
         let (mut faint, mut levels) = <(BitPlane, Levels)>::default();
-        by.run(image, background, least, out, &mut faint, &mut levels);
+        let scene = Scene {
+            image,
+            background,
+            least,
+        };
+        by.work(scene, is_sparse, out, &mut faint, &mut levels);
         let bare = out.bytes().to_vec();
         by.fill(image, background, out);
         let cut = format!(
@@ -390,8 +405,7 @@ mod tests {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 state >> 33
             };
-            let kernels = Kernels { look: None, ..Kernels::detect() };
-            let (mut sparse, mut whole) = (Differencer::default(), Differencer { kernels, ..Differencer::default() });
+            let (mut sparse, mut whole) = <(Differencer, Differencer)>::default();
             let (mut out, mut other) = <(GrayPlane, GrayPlane)>::default();
             let fewer = &spots[..spots.len() / 2];
             use PixelFormat::*;
@@ -409,8 +423,8 @@ mod tests {
                 let mut background = Background::default();
                 background.estimate(&image);
                 let of = (&image, &background, least);
-                let (bare, filled, faint, cut) = made(&mut sparse, of, &mut out);
-                let (full, expected, all_faint, all_cut) = made(&mut whole, of, &mut other);
+                let (bare, filled, faint, cut) = made((&mut sparse, true), of, &mut out);
+                let (full, expected, all_faint, all_cut) = made((&mut whole, false), of, &mut other);
                 prop_assert_eq!(&filled, &expected);
                 prop_assert_eq!((&faint, cut), (&all_faint, all_cut));
                 for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

@@ -37,7 +37,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         // SAFETY: as above.
         uyvy_band: Some(|band| unsafe { wide::pairs_band::<1>(band) }),
         // SAFETY: as above.
-        look: Some(|look| unsafe { wide::look(look) }),
+        look: |look| unsafe { wide::look(look) },
         // SAFETY: as above.
         pack: |pixels, out| unsafe { wide::pack(pixels, out) },
         // SAFETY: as above.
@@ -55,7 +55,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         three_channel_band: |band| unsafe { three_channel_band_256(band) },
         yuyv_band: None,
         uyvy_band: None,
-        look: None,
+        look: super::look::look,
         // SAFETY: as above.
         pack: |pixels, out| unsafe { pack_128(pixels, out) },
         collect: super::collect,
