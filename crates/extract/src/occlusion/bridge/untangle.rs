@@ -20,20 +20,44 @@ impl Bridger {
         for k in 0..self.candidates.len() {
             for l in 0..k {
                 let ([a, b], [c, d]) = (self.candidates[l].ends, self.candidates[k].ends);
-                let _ = self.instead([l, k], [[a, c], [b, d]], scenery)
-                    || self.instead([l, k], [[a, d], [b, c]], scenery);
+                let _ = self.straighten([l, k], [[a, c], [b, d]], scenery)
+                    || self.straighten([l, k], [[a, d], [b, c]], scenery);
             }
-            let [a, b] = self.candidates[k].ends;
-            let [c, d] = [a, b].map(|e| self.far(e).filter(|&far| !self.ends[far].used));
-            let others = [c.zip(d), Some(a).zip(d), c.zip(Some(b))];
-            for (c, d) in others.into_iter().flatten() {
-                if self.instead([k], [[c, d]], scenery) {
-                    for (former, now) in [a, b].into_iter().zip([c, d]) {
-                        self.ends[former].used = former == now;
-                        self.ends[now].used = true;
-                    }
-                    break;
-                }
+            if self.is_bare(&self.candidates[k], scenery) {
+                self.cover(k, scenery);
+            }
+        }
+    }
+
+    /// Takes these two ways for two that were chosen, if they are so much straighter.
+    fn straighten(&mut self, chosen: [usize; 2], ways: [[usize; 2]; 2], scenery: &Scenery) -> bool {
+        let bending = |ways: [[usize; 2]; 2]| -> f32 {
+            let bent = ways.map(|[i, j]| bent(&self.ends[i], &self.ends[j]));
+            bent.iter().sum()
+        };
+        let former = chosen.map(|at| self.candidates[at].ends);
+        bending(ways) < STRAIGHTER * bending(former) && self.take(chosen, ways, scenery)
+    }
+
+    /// Whether a way leads over the bare table.
+    fn is_bare(&self, of: &Candidate, scenery: &Scenery) -> bool {
+        let [a, b] = of.ends.map(|end| &self.ends[end]);
+        let way = of.way.map(|way| (way, scenery.past));
+        vec2::distance(a.at, b.at) > FLAW.0 * a.width_px
+            && shown(a.at, b.at, scenery) < COVERED
+            && way::covered(a, b, way, scenery) < COVERED
+    }
+
+    /// Takes a way under a thing for way `k`: between the other ends of both of its lines, or of one.
+    fn cover(&mut self, k: usize, scenery: &Scenery) {
+        let [a, b] = self.candidates[k].ends;
+        let [c, d] = [a, b].map(|e| self.far(e).filter(|&far| !self.ends[far].used));
+        let others = [c.zip(d), Some(a).zip(d), c.zip(Some(b))];
+        let mut others = others.into_iter().flatten();
+        if let Some((c, d)) = others.find(|&(c, d)| self.take([k], [[c, d]], scenery)) {
+            for (former, now) in [a, b].into_iter().zip([c, d]) {
+                self.ends[former].used = former == now;
+                self.ends[now].used = true;
             }
         }
     }
@@ -44,35 +68,19 @@ impl Bridger {
         ends.find(|&e| e != end)
     }
 
-    /// Takes these ways for those that were chosen, if they are so much straighter, lie under something, and close no ring. Whether it does.
-    fn instead<const N: usize>(
+    /// Takes these ways for those that were chosen, if they lie under something and close no ring. Whether it does.
+    fn take<const N: usize>(
         &mut self,
         chosen: [usize; N],
         ways: [[usize; 2]; N],
         scenery: &Scenery,
     ) -> bool {
-        let former = chosen.map(|at| self.candidates[at]);
-        let bending = |ways: [[usize; 2]; N]| -> f32 {
-            let bent = ways.map(|[i, j]| bent(&self.ends[i], &self.ends[j]));
-            bent.iter().sum()
-        };
-        let is_hidden = |[i, j]: [usize; 2]| {
-            way::covered(&self.ends[i], &self.ends[j], None, scenery) >= COVERED
-        };
-        let is_bare = |former: Candidate| {
-            let [a, b] = former.ends.map(|end| &self.ends[end]);
-            let way = former.way.map(|way| (way, scenery.past));
-            vec2::distance(a.at, b.at) > FLAW.0 * a.width_px
-                && shown(a.at, b.at, scenery) < COVERED
-                && way::covered(a, b, way, scenery) < COVERED
-        };
-        let is_worse = match N {
-            1 => is_bare(former[0]),
-            _ => bending(ways) < STRAIGHTER * bending(former.map(|former| former.ends)),
-        };
-        if !is_worse || !ways.into_iter().all(is_hidden) {
+        let mut covered =
+            (ways.iter()).map(|&[i, j]| way::covered(&self.ends[i], &self.ends[j], None, scenery));
+        if !covered.all(|share| share >= COVERED) {
             return false;
         }
+        let former = chosen.map(|at| self.candidates[at]);
         for (at, ends) in chosen.into_iter().zip(ways) {
             let candidate = &mut self.candidates[at];
             (candidate.ends, candidate.way) = (ends, None);
