@@ -117,8 +117,7 @@ impl EdgeDistance {
         let mut squares = [0u32; ROWS];
         for k in 0..ROWS {
             let window = left[k] >> shift | right[k] << 1 << (63 - shift);
-            let (before, from) = (window as u32, (window >> SEEN) as u32);
-            let across = from.trailing_zeros().min(before.leading_zeros() + 1);
+            let across = nearest_bit(window as u32, (window >> SEEN) as u32);
             squares[k] = across * across + away[k] * away[k];
         }
         squares.into_iter().fold(u32::MAX, u32::min)
@@ -141,6 +140,20 @@ impl EdgeDistance {
         }
         squares.into_iter().fold(u32::MAX, u32::min)
     }
+}
+
+/// Steps to the nearest bit of those `from` the lowest on and those `before`, whose highest is one step away; 32 without any.
+///
+/// Bits are counted by the exponents of floats: few machines count them in many lanes at once.
+#[inline(always)]
+fn nearest_bit(before: u32, from: u32) -> u32 {
+    const BIAS: u32 = 127;
+    let exponent = |bits: u32| (bits.cast_signed() as f32).to_bits() << 1 >> 24;
+    let after = exponent(from & from.wrapping_neg()).wrapping_sub(BIAS);
+    // Below the sign; the highest bit, and none right below it that could be rounded up to the next.
+    let before = before >> 1;
+    let before = BIAS + 31 - exponent(before & !(before >> 1));
+    after.min(before).min(SEEN)
 }
 
 /// Whether a place that is too wide for windows is measured.
