@@ -241,7 +241,7 @@ pub(crate) fn wait_until_told_by_signals(id: u32) {
             std::time::Instant::now() < deadline,
             "process {id} never got ready"
         );
-        std::thread::yield_now();
+        std::thread::sleep(std::time::Duration::from_millis(1));
     }
 }
 
@@ -253,6 +253,6 @@ pub(crate) fn wait_until_gone(id: i32) {
             std::time::Instant::now() < deadline,
             "process {id} is still there"
         );
-        std::thread::yield_now();
+        std::thread::sleep(std::time::Duration::from_millis(1));
     }
 }
