@@ -178,10 +178,15 @@ pub(crate) struct Ended {
 impl Running {
     /// Waits until the sink has said that frames arrived.
     pub(crate) fn wait_for_frames(&mut self) {
+        self.wait_until_it_says("received, ");
+    }
+
+    /// Waits until the sink has said so.
+    pub(crate) fn wait_until_it_says(&mut self, words: &str) {
         let stdout = self.process.stdout.as_mut().expect("piped");
         let mut text = String::new();
         let mut byte = [0];
-        while !text.contains("received, ") {
+        while !text.contains(words) {
             assert_eq!(
                 stdout.read(&mut byte).expect("readable"),
                 1,
