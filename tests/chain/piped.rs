@@ -112,7 +112,7 @@ fn a_writer_that_stands_still_keeps_nobody_from_stopping_the_chain() {
     input
         .write_all(&bytes[..bytes.len() - 100])
         .expect("somebody reads");
-    chain.wait_for_frames();
+    chain.wait_until_it_says("3 received, ");
     chain.signal_chain(Signal::INT);
     let ended = chain.end();
     assert!(ended.status.success(), "{}", ended.stderr);

@@ -178,10 +178,15 @@ pub(crate) struct Ended {
 impl Running {
     /// Waits until the sink has said that frames arrived.
     pub(crate) fn wait_for_frames(&mut self) {
+        self.wait_until_it_says("received, ");
+    }
+
+    /// Waits until the sink has said so.
+    pub(crate) fn wait_until_it_says(&mut self, words: &str) {
         let stdout = self.process.stdout.as_mut().expect("piped");
         let mut text = String::new();
         let mut byte = [0];
-        while !text.contains("received, ") {
+        while !text.contains(words) {
             assert_eq!(
                 stdout.read(&mut byte).expect("readable"),
                 1,
@@ -241,7 +246,7 @@ pub(crate) fn wait_until_told_by_signals(id: u32) {
             std::time::Instant::now() < deadline,
             "process {id} never got ready"
         );
-        std::thread::yield_now();
+        std::thread::sleep(std::time::Duration::from_millis(1));
     }
 }
 
@@ -253,6 +258,6 @@ pub(crate) fn wait_until_gone(id: i32) {
             std::time::Instant::now() < deadline,
             "process {id} is still there"
         );
-        std::thread::yield_now();
+        std::thread::sleep(std::time::Duration::from_millis(1));
     }
 }

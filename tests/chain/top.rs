@@ -69,7 +69,7 @@ impl Screen {
                 return text;
             }
             assert!(Instant::now() < deadline, "{what} never came:\n{text}");
-            std::thread::yield_now();
+            std::thread::sleep(Duration::from_millis(20));
         }
     }
 

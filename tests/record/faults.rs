@@ -19,7 +19,7 @@ fn wait_for_bytes(bench: &Bench, name: &str, bytes: u64) {
     let deadline = Instant::now() + Duration::from_secs(30);
     while std::fs::metadata(bench.path(name)).map_or(0, |file| file.len()) < bytes {
         assert!(Instant::now() < deadline, "{name} does not grow");
-        std::thread::yield_now();
+        std::thread::sleep(Duration::from_millis(1));
     }
 }
 

@@ -236,7 +236,7 @@ mod tests {
             let set = |x: usize, y: usize| bits[(y * 3 + x / 64) % 64] >> (x % 64) & 1 == 1;
             let mut plane = BitPlane::default();
             plane.resize(width, height);
-            // An empty row more: imageproc 0.25 panics on a picture of one pixel that is set.
+            // An empty row more: imageproc panics on a picture of one pixel that is set.
             let mut picture = image::GrayImage::new(width as u32, height as u32 + 1);
             for y in 0..height {
                 for x in 0..width {
