@@ -63,11 +63,16 @@ impl RopeDepth {
         let steps = length(first[0] - last[0], first[1] - last[1])
             .ceil()
             .max(1.0);
-        let step = (1.0 / near - 1.0 / far) / steps;
+        let first = 1.0 / near;
+        let step = (first - 1.0 / far) / steps;
         for k in 0..=steps as usize {
-            let depth = 1.0 / (1.0 / near - k as f64 * step);
-            let place = self.place(axis, depth);
-            let Some([x, y]) = self.camera.pixel(place) else {
+            // The place and what is measured there, times the inverse depth.
+            let inverse = first - k as f64 * step;
+            let place = [0, 1, 2].map(|k| axis.turned[k] + inverse * self.camera.translation[k]);
+            if place[2] < inverse {
+                continue;
+            }
+            let Some([x, y]) = self.camera.pixel_along(place) else {
                 continue;
             };
             let Some(measured) = image.at(pixel(x), pixel(y)) else {
@@ -75,10 +80,12 @@ impl RopeDepth {
             };
             // Of one step a ray looks along all its depths where it is a point in the image.
             let reach = match steps as usize {
-                1 => far,
-                _ => 0.75 * step * depth * depth,
+                1 => far * inverse * inverse,
+                _ => 0.75 * step,
             };
-            if (measured - place[2]).abs() < reach + 3.0 * self.camera.sigma_mm(measured) {
+            let there = measured * inverse;
+            let off = (there - place[2]).abs() * inverse;
+            if off < reach + 3.0 * self.camera.sigma_mm(there) {
                 let depth = self.depth(axis, measured);
                 return Some(depth * (1.0 + axis.slim));
             }
