@@ -96,8 +96,14 @@ impl Camera {
     /// The ray through a pixel in the camera's frame, a millimetre ahead for each of depth, and its derivative by the pixel; `None` where
     /// the lens's model ends.
     pub(crate) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
-        let ideal = self.undistort(pixel)?;
         let (f, c) = (self.focal_px, self.center_px);
+        if self.lens == Lens::IDEAL {
+            let per_focal = f.map(|f| 1.0 / f);
+            let [x, y] = [0, 1].map(|k| (pixel[k] - c[k]) * per_focal[k]);
+            let [by_x, by_y] = per_focal;
+            return Some(([x, y, 1.0], [[by_x, 0.0], [0.0, by_y]]));
+        }
+        let ideal = self.undistort(pixel)?;
         let [x, y] = [0, 1].map(|k| (ideal.point[k] - c[k]) / f[k]);
         let by_pixel = [0, 1].map(|k| ideal.jacobian[k].map(|d| d / f[k]));
         Some(([x, y, 1.0], by_pixel))

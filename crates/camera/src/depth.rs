@@ -14,6 +14,7 @@
 //!    places. A rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / |ρ × d|, with ρ the ray, one ahead,
 //!    d the rope's direction, and its radius r half of its width in the colour image. The mean of what they say of the axis, twice
 //!    without what is far from it, with the variance of the sensor's model and of their spread.
+//!    What the rope cannot go on to from the others, as the table beyond an end that the colour image has too far out, is no measurement.
 //! 3. **Bridged.** Where something covers the rope (another strand, a hand), and where the sensor has nothing, depth goes on
 //!    straight between the measured points, with a variance that grows with the way.
 //! 4. **Cut.** At an end that rises or falls, the outline in the colour image goes on beyond the axis.

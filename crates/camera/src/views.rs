@@ -20,10 +20,12 @@ mod curve;
 mod file;
 mod matching;
 mod pair;
+mod pairing;
 mod refining;
 mod ropes;
 mod smooth;
 
 pub use file::SecondCalibration;
 pub use pair::{ViewPair, ViewPairError};
-pub use ropes::{NoSecondView, Partner, RopeViews};
+pub use pairing::Partner;
+pub use ropes::{NoSecondView, RopeViews};

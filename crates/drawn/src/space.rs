@@ -12,7 +12,7 @@ mod sensor;
 
 pub use eye::Eye;
 pub(crate) use eye::dot;
-pub use paint::picture;
+pub use paint::{Painter, picture};
 pub(crate) use rope::End;
 pub use rope::{LiftOptions, LiftedRope, NoSuchRope};
 pub use sensor::{DepthSensor, depth};

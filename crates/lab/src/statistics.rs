@@ -30,6 +30,16 @@ impl Samples {
         self.values.len()
     }
 
+    /// Takes in others.
+    pub fn take(&mut self, others: Self) {
+        self.values.extend(others.values);
+    }
+
+    /// Their mean; 0 if there are none.
+    pub fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len().max(1) as f64
+    }
+
     /// The smallest value that at least a `share` (0 to 1) of all do not exceed; 0 if there are none.
     pub fn percentile(&self, share: f64) -> f64 {
         let mut sorted = self.values.clone();
@@ -71,7 +81,15 @@ mod tests {
     }
 
     #[test]
+    fn a_mean_is_of_all_that_were_taken_in() {
+        let mut samples = Samples::from_iter([1.0, 2.0]);
+        samples.take(Samples::from_iter([6.0]));
+        assert_eq!(samples.mean(), 3.0);
+    }
+
+    #[test]
     fn nothing_measured_is_zero() {
         assert_eq!(Samples::default().median(), 0.0);
+        assert_eq!(Samples::default().mean(), 0.0);
     }
 }

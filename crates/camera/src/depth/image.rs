@@ -98,25 +98,47 @@ impl<'a> DepthImage<'a> {
         }
     }
 
-    /// As [`DepthImage::at`], with 0 for what is not known.
+    /// Reads pixels at whole places, mm; 0 where that is not known, or outside of the image.
     #[inline(always)]
-    pub(super) fn at_or_zero(&self, column: i32, row: i32) -> f32 {
-        if column < 0 || row < 0 || column as usize >= self.width || row as usize >= self.height {
-            return 0.0;
-        }
-        let at = row as usize * self.stride + column as usize * self.kind.bytes();
-        match (self.kind, &self.bytes[at..]) {
-            (DepthKind::Whole { unit_mm }, &[low, high, ..]) => {
-                f32::from(u16::from_le_bytes([low, high])) * unit_mm as f32
+    pub(super) fn read<const N: usize>(
+        &self,
+        columns: &[f32; N],
+        rows: &[f32; N],
+        to: &mut [f32; N],
+    ) {
+        match self.kind {
+            DepthKind::Whole { unit_mm } => {
+                let unit_mm = unit_mm as f32;
+                self.read_each(columns, rows, to, |pixel| {
+                    f32::from(u16::from_le_bytes(pixel)) * unit_mm
+                });
             }
-            (DepthKind::Metres, &[a, b, c, d, ..]) => {
-                let metres = f32::from_le_bytes([a, b, c, d]);
+            DepthKind::Metres => self.read_each(columns, rows, to, |pixel| {
+                let metres = f32::from_le_bytes(pixel);
                 match metres > 0.0 && metres.is_finite() {
                     true => 1000.0 * metres,
                     false => 0.0,
                 }
-            }
-            _ => 0.0,
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn read_each<const N: usize, const BYTES: usize>(
+        &self,
+        columns: &[f32; N],
+        rows: &[f32; N],
+        to: &mut [f32; N],
+        depth: impl Fn([u8; BYTES]) -> f32,
+    ) {
+        for ((to, &column), &row) in to.iter_mut().zip(columns).zip(rows) {
+            // What is below 0 is beyond any side.
+            let [column, row] = [column, row].map(|place| place as i32 as u32 as usize);
+            let pixel = match column < self.width && row < self.height {
+                true => self.bytes[row * self.stride + column * BYTES..].first_chunk(),
+                false => None,
+            };
+            *to = pixel.map_or(0.0, |&pixel| depth(pixel));
         }
     }
 

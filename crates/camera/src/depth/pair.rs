@@ -80,12 +80,15 @@ impl DepthCamera {
 
     /// A point of the depth camera's frame in its image; `None` behind it, or where the lens's model ends.
     pub(super) fn pixel(&self, point: [f64; 3]) -> Option<[f64; 2]> {
-        if point[2] < 1.0 {
-            return None;
-        }
+        (point[2] >= 1.0).then(|| self.pixel_along(point))?
+    }
+
+    /// Where in its image what lies along a way ahead is; `None` where the lens's model ends.
+    #[inline]
+    pub(super) fn pixel_along(&self, way: [f64; 3]) -> Option<[f64; 2]> {
         let (f, c) = (self.depth.focal_px(), self.depth.center_px());
-        let per_depth = 1.0 / point[2];
-        let ideal = [0, 1].map(|k| f[k] * point[k] * per_depth + c[k]);
+        let per_depth = 1.0 / way[2];
+        let ideal = [0, 1].map(|k| f[k] * way[k] * per_depth + c[k]);
         match self.is_straight {
             true => Some(ideal),
             false => Some(self.depth.distort(ideal)?.point),

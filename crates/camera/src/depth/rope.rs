@@ -137,6 +137,7 @@ impl RopeDepth {
         self.steady_radius();
         self.read(image, rope, Reading::Whole);
         self.read_again(image, rope);
+        self.drop_strays(rope.closed);
         self.fill(rope);
         let measured = self.axes.iter().filter(|axis| axis.is_measured).count();
         if 3 * measured < count {

@@ -45,14 +45,16 @@ pub(super) struct Matching {
     beside: Vec<f64>,
     /// The best chain.
     pub best: Vec<Match>,
+    /// How many points were looked at, and how many of them have a place.
     rows: usize,
+    met: usize,
 }
 
 impl Matching {
     /// Finds where points of the first curve, one of `every`, may be on the second.
     pub(super) fn look(&mut self, cameras: &ViewPair, [first, second]: [&Curve; 2], every: usize) {
         self.places.clear();
-        self.rows = 0;
+        (self.rows, self.met) = (0, 0);
         let [near, far] = cameras.range_mm;
         let off = OFF_PX / cameras.second_focal_px();
         for (point, sight) in first.sights.iter().enumerate().step_by(every) {
@@ -71,11 +73,11 @@ impl Matching {
             } else {
                 count.saturating_sub(1)
             };
-            let most = self.places.len() + MOST_PLACES;
+            let before = self.places.len();
             for j in 0..steps {
                 let k = if j + 1 == count { 0 } else { j + 1 };
                 let (from, to) = (self.beside[j], self.beside[k]);
-                if (from > 0.0) == (to > 0.0) || self.places.len() == most {
+                if (from > 0.0) == (to > 0.0) || self.places.len() == before + MOST_PLACES {
                     continue;
                 }
                 let share = from / (from - to);
@@ -95,7 +97,18 @@ impl Matching {
                     is_flat: sine < FLAT,
                 });
             }
+            self.met += usize::from(self.places.len() > before);
         }
+    }
+
+    /// What the score of a chain is at most.
+    pub(super) fn most(&self) -> f64 {
+        self.met as f64 / self.rows.max(1) as f64
+    }
+
+    /// How many steps from one place to another a chain takes to be found, at most.
+    pub(super) fn steps(&self) -> usize {
+        self.places.len() * self.places.len() / 2
     }
 
     /// The best chain forward along the second curve, or backward; its score is the share of the points that are in it, less what is

@@ -3,25 +3,16 @@
 use super::curve::Curve;
 use super::matching::Matching;
 use super::pair::ViewPair;
+use super::pairing::{Pairing, Partner};
 use super::refining::Refining;
 use crate::space::{SeenRope, SpacePoint, cut_ends};
 use thiserror::Error;
 
-/// So many points of a rope are looked at to find its partner; and to find the places of its points, one of so many.
-const ROWS: usize = 30;
+/// To find the places of a rope's points one of so many is looked at, or fewer where that takes more steps from one place to another.
 const EVERY: usize = 3;
-/// Ropes are the same if so much of one, as a share, is on the other, and if so much of it is not along the epipolar lines.
-const LEAST_SCORE: f64 = 0.3;
+const MOST_STEPS: usize = 100_000;
+/// Ropes are known if so much of them, as a share, is not along the epipolar lines.
 const LEAST_MEASURED: f64 = 0.2;
-
-/// A rope's partner in the second view.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Partner {
-    /// Which of its ropes.
-    pub rope: usize,
-    /// Whether its points come in the opposite order.
-    pub is_backward: bool,
-}
 
 /// Why a rope has no place in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -37,6 +28,11 @@ pub enum NoSecondView {
          whether its pose beside the first is right, and that the rope does not run along the line from one camera to the other"
     )]
     Alone,
+    /// It may be several, and to find out which takes too long.
+    #[error(
+        "the ropes cross the lines on which this one is seen so often that it takes too long to find out which is it: leave out what is no          rope by the mask, or have fewer ropes in the pictures"
+    )]
+    Tangled,
     /// It runs along the epipolar lines.
     #[error(
         "of the rope's {points} points {measured} have a depth, as it runs along the line from one camera to the other: turn the cameras, \
@@ -57,9 +53,7 @@ pub struct RopeViews {
     views: [Vec<Curve>; 2],
     counts: [usize; 2],
     matching: Matching,
-    /// Of each pair the best score, and whether that is backward.
-    scores: Vec<(f64, bool)>,
-    partners: Vec<Option<Partner>>,
+    pairing: Pairing,
     refining: Refining,
     places: Vec<SpacePoint>,
     before: Vec<SpacePoint>,
@@ -73,8 +67,7 @@ impl RopeViews {
             views: [Vec::new(), Vec::new()],
             counts: [0; 2],
             matching: Matching::default(),
-            scores: Vec::new(),
-            partners: Vec::new(),
+            pairing: Pairing::default(),
             refining: Refining::default(),
             places: Vec::new(),
             before: Vec::new(),
@@ -84,7 +77,7 @@ impl RopeViews {
     /// The views are others.
     pub fn clear(&mut self) {
         self.counts = [0; 2];
-        self.partners.clear();
+        self.pairing.clear();
     }
 
     /// Takes in the next rope of the first view.
@@ -108,48 +101,17 @@ impl RopeViews {
         self.counts[view] += 1;
     }
 
-    /// Finds out which rope of the second view each of the first is, and returns it for each, in order.
-    pub fn pair(&mut self) -> &[Option<Partner>] {
-        let [firsts, seconds] = self.counts;
-        self.scores.clear();
-        for i in 0..firsts {
-            for j in 0..seconds {
-                let curves = [&self.views[0][i], &self.views[1][j]];
-                let every = curves[0].sights.len().div_ceil(ROWS).max(1);
-                self.matching.look(&self.cameras, curves, every);
-                let [forward, backward] =
-                    [false, true].map(|way| self.matching.chain(&self.cameras, curves, way));
-                self.scores
-                    .push((forward.max(backward), backward > forward));
-            }
-        }
-        self.partners.clear();
-        self.partners.resize(firsts, None);
-        // The best pair first, and neither of the two again.
-        for _ in 0..firsts.min(seconds) {
-            let best =
-                (self.scores.iter().enumerate()).max_by(|(_, (a, _)), (_, (b, _))| a.total_cmp(b));
-            let Some((at, &(score, is_backward))) = best else {
-                break;
-            };
-            if score < LEAST_SCORE {
-                break;
-            }
-            let (i, rope) = (at / seconds, at % seconds);
-            self.partners[i] = Some(Partner { rope, is_backward });
-            for (k, score) in self.scores.iter_mut().enumerate() {
-                if k / seconds == i || k % seconds == rope {
-                    score.0 = f64::NEG_INFINITY;
-                }
-            }
-        }
-        &self.partners
+    /// Finds out which rope of the second view each of the first is, and returns it for each, in order, or why there is none.
+    pub fn pair(&mut self) -> &[Result<Partner, NoSecondView>] {
+        let [firsts, seconds] = [0, 1].map(|view| &self.views[view][..self.counts[view]]);
+        (self.pairing).pair(&self.cameras, [firsts, seconds], &mut self.matching);
+        self.pairing.partners()
     }
 
     /// Where the points of the first view's `i`-th rope are, in the first camera's frame.
     ///
     /// # Errors
-    /// It has no partner, or too few of its points are known.
+    /// It has no partner, or one that is not known, or too few of its points are known.
     pub fn locate(&mut self, i: usize) -> Result<&[SpacePoint], NoSecondView> {
         let Some(first) = self.views[0][..self.counts[0]].get(i) else {
             return Err(NoSecondView::Points);
@@ -157,12 +119,15 @@ impl RopeViews {
         if first.sights.is_empty() {
             return Err(NoSecondView::Points);
         }
-        let partner = self.partners.get(i).copied().flatten();
-        let Some(Partner { rope, is_backward }) = partner else {
-            return Err(NoSecondView::Alone);
-        };
+        let partner = self.pairing.partners().get(i).copied();
+        let Partner { rope, is_backward } = partner.unwrap_or(Err(NoSecondView::Alone))?;
         let curves = [first, &self.views[1][rope]];
-        self.matching.look(&self.cameras, curves, EVERY);
+        let mut every = EVERY;
+        self.matching.look(&self.cameras, curves, every);
+        while self.matching.steps() > MOST_STEPS {
+            every *= 2;
+            self.matching.look(&self.cameras, curves, every);
+        }
         self.matching.chain(&self.cameras, curves, is_backward);
         let chain = &self.matching.best;
         if chain.len() < 2 {

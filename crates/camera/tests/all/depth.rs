@@ -222,6 +222,52 @@ fn a_rope_is_measured_where_it_is_a_little_thinner_than_three_pixels() {
 }
 
 #[test]
+fn where_the_colour_image_has_an_end_too_far_out_the_table_behind_is_not_the_rope() {
+    // A metre away, and the table 400 mm behind.
+    let color = Eye::above(610.0, SIZE, 1360.0, 0.0, 0.0);
+    let kinds = [0.0, 50.0, 100.0].map(|rise| [2, 3, 4, 6].map(|beyond| (rise, beyond)));
+    for (rise, beyond) in kinds.into_iter().flatten() {
+        // Rising towards its last end.
+        let points: Vec<[f64; 3]> = (0..=200)
+            .map(|k| {
+                let along = f64::from(k) / 200.0;
+                let height = 400.0 + rise * along.powi(12);
+                [900.0 * along - 450.0, 0.0, height]
+            })
+            .collect();
+        let rope = LiftedRope::along(&points, 4.0);
+        let Line {
+            mut points,
+            widths,
+            ahead,
+            ..
+        } = Line::of(&rope, &color);
+        points.drain(..beyond);
+        let [before, last] = [points[points.len() - 2], points[points.len() - 1]];
+        for k in 1..=beyond {
+            points.push([0, 1].map(|c| last[c] + k as f32 * (last[c] - before[c])));
+        }
+        let end = ahead[119];
+        let scene = Scene {
+            depth: color.beside(ASIDE, 425.0, SIZE),
+            hidden: vec![false; 120],
+            rope,
+            color,
+            points,
+            widths,
+            ahead,
+        };
+        let places = locate(&scene, &DepthSensor::STEREO, 3).expect("a rope in space");
+        let off = places.iter().map(|place| place.point[2] - end);
+        let most = off.skip(120 - beyond).fold(0.0, f64::max);
+        assert!(
+            most < 30.0,
+            "rising by {rise}, {beyond} points too far: {most} mm behind its end"
+        );
+    }
+}
+
+#[test]
 fn ropes_that_cannot_be_told_are_refused_with_the_reason() {
     let (_, thin) = scenes(0.8).next().expect("a scene");
     let told = locate(&thin, &DepthSensor::STEREO, 1);

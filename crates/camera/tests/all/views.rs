@@ -172,11 +172,11 @@ fn ropes_are_told_from_each_other_whatever_their_order_and_direction() {
         }
         finder.add_second(&seen(&line, &[false; 120]));
     }
-    let partners: Vec<Option<Partner>> = (0..count)
+    let partners: Vec<Result<Partner, NoSecondView>> = (0..count)
         .map(|i| {
             let rope = count - 1 - i;
             let is_backward = rope.is_multiple_of(2);
-            Some(Partner { rope, is_backward })
+            Ok(Partner { rope, is_backward })
         })
         .collect();
     assert_eq!(finder.pair(), partners);
@@ -254,7 +254,7 @@ fn a_ring_is_found_wherever_its_first_point_is() {
         rope: 0,
         is_backward: true,
     };
-    assert_eq!(finder.pair(), [Some(partner)]);
+    assert_eq!(finder.pair(), [Ok(partner)]);
     let places = finder.locate(0).expect("a ring in space");
     for (place, truth) in places.iter().zip(first) {
         let off = place.point[2] - truth[2];
@@ -285,7 +285,7 @@ fn a_rope_that_the_second_camera_does_not_see_has_no_place() {
     let scenes: Vec<Scene> = scenes().take(5).map(|(_, scene)| scene).collect();
     let mut finder = scenes[1].finder();
     finder.add_first(&seen(&scenes[1].lines[0], &[false; 120]));
-    assert_eq!(finder.pair(), [None]);
+    assert_eq!(finder.pair(), [Err(NoSecondView::Alone)]);
     assert_eq!(finder.locate(0), Err(NoSecondView::Alone));
     assert_eq!(finder.locate(1), Err(NoSecondView::Points));
     // Neither is a rope one that is too short.
@@ -299,8 +299,48 @@ fn a_rope_that_the_second_camera_does_not_see_has_no_place() {
         ends: [false; 2],
     });
     finder.add_second(&seen(&scenes[1].lines[1], &[false; 120]));
-    assert_eq!(finder.pair(), [None]);
+    assert_eq!(finder.pair(), [Err(NoSecondView::Alone)]);
     assert_eq!(finder.locate(0), Err(NoSecondView::Points));
+}
+
+/// Ropes that go to and fro across the lines of the other view, as many as a message has room for, all over each other.
+fn tangle(eyes: [Eye; 2]) -> [Vec<Line>; 2] {
+    let ropes = (0..24).map(|rope| {
+        let points: Vec<[f64; 3]> = (0..=600)
+            .map(|k| {
+                let along = f64::from(k) / 600.0;
+                let swing =
+                    libm::sin(std::f64::consts::TAU * (9.0 * along + f64::from(rope) / 24.0));
+                [300.0 * along - 150.0, 60.0 * swing, 4.0 + f64::from(rope)]
+            })
+            .collect();
+        LiftedRope::along(&points, 4.0)
+    });
+    let ropes: Vec<LiftedRope> = ropes.collect();
+    eyes.map(|eye| ropes.iter().map(|rope| Line::of(rope, &eye)).collect())
+}
+
+#[test]
+fn ropes_too_tangled_to_be_told_apart_have_no_place_and_say_why() {
+    let (_, scene) = scenes().next().expect("a scene");
+    let mut finder = scene.finder();
+    let tangle = tangle(scene.eyes);
+    let mut told = |ropes: usize| {
+        finder.clear();
+        for rope in &tangle[0][..ropes] {
+            finder.add_first(&seen(rope, &[false; 120]));
+        }
+        for rope in &tangle[1][..ropes] {
+            finder.add_second(&seen(rope, &[false; 120]));
+        }
+        finder.pair();
+        (0..ropes)
+            .map(|i| finder.locate(i).map(<[_]>::len))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(told(1), [Ok(120)]);
+    let of_all = told(24);
+    assert!(of_all.contains(&Err(NoSecondView::Tangled)), "{of_all:?}");
 }
 
 #[test]

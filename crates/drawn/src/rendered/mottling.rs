@@ -3,6 +3,7 @@
 use lariat_portable::SplitMix64;
 
 /// Heights between −1 and 1 on a grid of `GRID` × `GRID` places, repeated without end.
+#[derive(Debug, Clone)]
 pub(crate) struct Mottling<const GRID: usize> {
     heights: Vec<f64>,
 }

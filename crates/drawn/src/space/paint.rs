@@ -17,16 +17,81 @@ pub(super) struct Hit {
     pub light: Option<f32>,
 }
 
-/// What `rays` × `rays` rays of each pixel meet, row by row of rays.
-pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
-    let [width, height] = eye.size.map(|side| side * rays);
-    let pixel = |k: usize| (k as f64 + 0.5) / rays as f64 - 0.5;
-    let mut hits: Vec<Hit> = (0..width * height)
-        .map(|i| Hit {
-            depth: eye.table_depth(eye.ray([pixel(i % width), pixel(i / width)])),
+/// What rays meet that go through the pixels.
+pub(super) struct Hits {
+    /// Rays along a pixel's side.
+    rays: usize,
+    eye: Eye,
+    /// Of each pixel that sees the rope where its rays are, row by row.
+    places: Vec<Option<u32>>,
+    hits: Vec<Hit>,
+}
+
+impl Hits {
+    fn new(eye: &Eye, rays: usize) -> Self {
+        Self {
+            rays,
+            eye: *eye,
+            places: vec![None; eye.size[0] * eye.size[1]],
+            hits: Vec::new(),
+        }
+    }
+
+    /// How much light falls where the `k`-th ray of a pixel meets the rope.
+    fn light(&self, [x, y]: [usize; 2], k: usize) -> Option<f32> {
+        let place = self.places[y * self.eye.size[0] + x]?;
+        self.hits[place as usize + k].light
+    }
+
+    /// What the `k`-th ray of a pixel meets.
+    pub(super) fn at(&self, [x, y]: [usize; 2], k: usize) -> Hit {
+        match self.places[y * self.eye.size[0] + x] {
+            Some(place) => self.hits[place as usize + k],
+            None => {
+                let ray = self.ray([self.rays * x + k % self.rays, self.rays * y + k / self.rays]);
+                self.table(ray)
+            }
+        }
+    }
+
+    /// What a ray meets that a rope comes near to.
+    fn of(&mut self, [column, row]: [usize; 2]) -> &mut Hit {
+        let rays = self.rays;
+        let [x, y] = [column / rays, row / rays];
+        let pixel = y * self.eye.size[0] + x;
+        let place = match self.places[pixel] {
+            Some(place) => place as usize,
+            None => {
+                let place = self.hits.len();
+                for k in 0..rays * rays {
+                    let hit = self.at([x, y], k);
+                    self.hits.push(hit);
+                }
+                self.places[pixel] = Some(place as u32);
+                place
+            }
+        };
+        &mut self.hits[place + row % rays * rays + column % rays]
+    }
+
+    /// The ray of a column and a row of rays.
+    fn ray(&self, place: [usize; 2]) -> [f64; 3] {
+        let pixel = |k: usize| (k as f64 + 0.5) / self.rays as f64 - 0.5;
+        self.eye.ray(place.map(pixel))
+    }
+
+    fn table(&self, ray: [f64; 3]) -> Hit {
+        Hit {
+            depth: self.eye.table_depth(ray),
             light: None,
-        })
-        .collect();
+        }
+    }
+}
+
+/// What `rays` × `rays` rays of each pixel meet.
+pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Hits {
+    let [width, height] = eye.size.map(|side| side * rays);
+    let mut hits = Hits::new(eye, rays);
     let light = [0, 1, 2].map(|k| dot(eye.rotation[k], LIGHT));
     let radius = rope.radius_mm;
     let ends = rope.ends().map(|end| end.seen_by(eye));
@@ -42,7 +107,7 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
         };
         for row in range(at[1], height) {
             for column in range(at[0], width) {
-                let ray = eye.ray([pixel(column), pixel(row)]);
+                let ray = hits.ray([column, row]);
                 // |t ray − center|² = radius², the nearer one.
                 let (along, square) = (dot(ray, center), dot(ray, ray));
                 let inside = along * along - square * (dot(center, center) - radius * radius);
@@ -58,7 +123,7 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
                         None => continue,
                     }
                 }
-                let hit = &mut hits[row * width + column];
+                let hit = hits.of([column, row]);
                 if depth < hit.depth {
                     let normal = match end {
                         Some(end) if depth > near => end.outward,
@@ -75,33 +140,58 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Vec<Hit> {
 
 /// The picture in colour, three bytes a pixel, of a rope and a table whose colours and noise come of the seed.
 pub fn picture(rope: &LiftedRope, eye: &Eye, seed: u64) -> Vec<u8> {
-    let mut random = SplitMix64::of_stream(seed, 1);
-    let (ground, colour) = colours(&mut random);
-    let mottling = Mottling::<32>::new(&mut random);
-    let [width, height] = eye.size;
-    let hits = hits(rope, eye, RAYS);
-    let share = 1.0 / (RAYS * RAYS) as f32;
-    let mut rgb = Vec::with_capacity(3 * width * height);
-    for y in 0..height {
-        for x in 0..width {
-            let ray = eye.ray([x as f64, y as f64]);
-            let place = eye.on_table(ray, eye.table_depth(ray)).map(|c| c + 2000.0);
-            let pattern = 1.0 + 0.02 * mottling.at(place, [1.0 / 40.0, 1.0 / 13.0]) as f32;
-            let mut sum = [0.0f32; 3];
-            for k in 0..RAYS * RAYS {
-                let (row, column) = (RAYS * y + k / RAYS, RAYS * x + k % RAYS);
-                let seen = match hits[row * RAYS * width + column].light {
-                    Some(light) => colour.map(|c| c * (0.55 + 0.45 * light)),
-                    None => ground.map(|c| c * pattern),
-                };
-                sum = [0, 1, 2].map(|c| sum[c] + share * seen[c]);
-            }
-            rgb.extend(
-                sum.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
-            );
+    Painter::new(seed).picture(rope, eye)
+}
+
+/// A table and a rope's colour, for one picture after the other: what changes is how the rope lies, and the noise.
+#[derive(Debug, Clone)]
+pub struct Painter {
+    ground: [f32; 3],
+    colour: [f32; 3],
+    mottling: Mottling<32>,
+    random: SplitMix64,
+}
+
+impl Painter {
+    /// Those of a seed.
+    pub fn new(seed: u64) -> Self {
+        let mut random = SplitMix64::of_stream(seed, 1);
+        let (ground, colour) = colours(&mut random);
+        Self {
+            ground,
+            colour,
+            mottling: Mottling::new(&mut random),
+            random,
         }
     }
-    rgb
+
+    /// The next picture, three bytes a pixel.
+    pub fn picture(&mut self, rope: &LiftedRope, eye: &Eye) -> Vec<u8> {
+        let [width, height] = eye.size;
+        let hits = hits(rope, eye, RAYS);
+        let share = 1.0 / (RAYS * RAYS) as f32;
+        let mut rgb = Vec::with_capacity(3 * width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let ray = eye.ray([x as f64, y as f64]);
+                let place = eye.on_table(ray, eye.table_depth(ray)).map(|c| c + 2000.0);
+                let pattern = 1.0 + 0.02 * self.mottling.at(place, [1.0 / 40.0, 1.0 / 13.0]) as f32;
+                let mut sum = [0.0f32; 3];
+                for k in 0..RAYS * RAYS {
+                    let seen = match hits.light([x, y], k) {
+                        Some(light) => self.colour.map(|c| c * (0.55 + 0.45 * light)),
+                        None => self.ground.map(|c| c * pattern),
+                    };
+                    sum = [0, 1, 2].map(|c| sum[c] + share * seen[c]);
+                }
+                let random = &mut self.random;
+                rgb.extend(
+                    sum.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
+                );
+            }
+        }
+        rgb
+    }
 }
 
 /// A light table with a dark rope, or a dark one with a light rope.

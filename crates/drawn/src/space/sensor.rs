@@ -47,8 +47,7 @@ pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> V
     (0..width * height)
         .map(|i| {
             let (x, y) = (i % width, i / width);
-            let of_pixel = (0..RAYS * RAYS)
-                .map(|k| hits[(RAYS * y + k / RAYS) * RAYS * width + RAYS * x + k % RAYS]);
+            let of_pixel = (0..RAYS * RAYS).map(|k| hits.at([x, y], k));
             let mean = of_pixel.clone().map(|hit| hit.depth).sum::<f64>() / (RAYS * RAYS) as f64;
             let on_rope = of_pixel.filter(|hit| hit.light.is_some()).count();
             let is_edge = !matches!(on_rope, 0) && on_rope < RAYS * RAYS;
@@ -85,7 +84,7 @@ fn unseen_by_the_second(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor) -> V
             let depth = eye.table_depth(eye.ray([x, y as f64]));
             let column = (x - eye.focal_px[0] * sensor.baseline_mm / depth).round();
             column >= 0.0 && {
-                let hit = there[y * width + (column as usize).min(width - 1)];
+                let hit = there.at([(column as usize).min(width - 1), y], 0);
                 hit.light.is_some() && hit.depth < depth - 1.0
             }
         })

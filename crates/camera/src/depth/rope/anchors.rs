@@ -1,4 +1,4 @@
-//! Where a rope is first found: along the rays of some of its points.
+//! Where a rope is first found, along the rays of some of its points; and what of all that was found is not the rope.
 
 use super::SeenRope;
 use super::{Axis, RopeDepth, STEEPEST, length, pixel};
@@ -6,6 +6,11 @@ use crate::depth::image::DepthImage;
 
 /// Points between those at which a rope is looked for along the whole ray.
 const ANCHOR_STEP: usize = 6;
+/// How far ahead of one section, or behind it, the next may be where the rope points at the camera, in radii.
+const REACH: f64 = 6.0;
+/// So few sections at an end are the rope only where it rises no more steeply to them, on average, than this.
+const TIP: usize = 3;
+const TIP_STEEPEST: f64 = 1.0;
 
 impl RopeDepth {
     /// Walks some of the rays, and keeps the longest chain of what is found that a rope can be.
@@ -18,6 +23,52 @@ impl RopeDepth {
                 self.anchors.push((i, depth));
             }
         }
+        self.keep_chain(0.0);
+    }
+
+    /// Takes for not measured whatever the rope does not go on to from the others: the table beyond an end that the colour
+    /// image has too far out.
+    pub(super) fn drop_strays(&mut self, closed: bool) {
+        self.anchors.clear();
+        let (mut radius, sections) = (0.0f64, self.sections.iter());
+        for (i, axis) in sections.map(|&i| (i, &self.axes[i])) {
+            if axis.is_measured {
+                self.anchors.push((i, axis.depth));
+                radius = radius.max(axis.slim * axis.depth);
+            }
+        }
+        let found = self.anchors.len();
+        let slack_mm = REACH * radius;
+        self.keep_chain(slack_mm);
+        if !closed {
+            for _ in 0..2 {
+                self.cut_tip(slack_mm);
+                self.anchors.reverse();
+            }
+        }
+        if self.anchors.len() == found {
+            return;
+        }
+        let mut kept = self.anchors.iter().peekable();
+        for &i in &self.sections {
+            self.axes[i].is_measured = kept.next_if(|&&(at, _)| at == i).is_some();
+        }
+    }
+
+    /// Cuts off the last anchors where they are farther from the others than an end is.
+    fn cut_tip(&mut self, slack_mm: f64) {
+        let count = self.anchors.len();
+        let tip = count.saturating_sub(TIP).max(1)..count;
+        let is_off = |&k: &usize| {
+            let [a, b] = [self.anchors[k - 1], self.anchors[k]];
+            !self.can_follow(a, b, TIP_STEEPEST, slack_mm)
+        };
+        let off = tip.into_iter().find(is_off);
+        self.anchors.truncate(off.unwrap_or(count));
+    }
+
+    /// Keeps the longest chain of anchors in which the rope can rise from each to the next, give or take so many millimetres.
+    fn keep_chain(&mut self, slack_mm: f64) {
         self.chain.clear();
         for k in 0..self.anchors.len() {
             let mut best = (1, usize::MAX);
@@ -27,7 +78,9 @@ impl RopeDepth {
                     break;
                 }
                 let through = self.chain[j].0 + 1;
-                if through > best.0 && self.can_follow(self.anchors[j], self.anchors[k]) {
+                if through > best.0
+                    && self.can_follow(self.anchors[j], self.anchors[k], STEEPEST, slack_mm)
+                {
                     best = (through, j);
                 }
             }
@@ -46,11 +99,17 @@ impl RopeDepth {
         self.anchors.truncate(whole);
     }
 
-    /// Whether the rope can rise from one place to the other.
-    fn can_follow(&self, (i, a): (usize, f64), (j, b): (usize, f64)) -> bool {
+    /// Whether the rope can rise from one place to the other, that steeply and give or take so much.
+    fn can_follow(
+        &self,
+        (i, a): (usize, f64),
+        (j, b): (usize, f64),
+        steepest: f64,
+        slack_mm: f64,
+    ) -> bool {
         let way = |k: usize| self.axes[k].ray;
         let aside = length(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
-        (a - b).abs() < STEEPEST * aside + 6.0 * self.camera.sigma_mm(a.max(b))
+        (a - b).abs() < steepest * aside + 6.0 * self.camera.sigma_mm(a.max(b)) + slack_mm
     }
 
     /// The first place along a ray where what is measured is where the ray is: the colour camera's depth of the rope's axis.
@@ -63,11 +122,16 @@ impl RopeDepth {
         let steps = length(first[0] - last[0], first[1] - last[1])
             .ceil()
             .max(1.0);
-        let step = (1.0 / near - 1.0 / far) / steps;
+        let nearest = 1.0 / near;
+        let step = (nearest - 1.0 / far) / steps;
         for k in 0..=steps as usize {
-            let depth = 1.0 / (1.0 / near - k as f64 * step);
-            let place = self.place(axis, depth);
-            let Some([x, y]) = self.camera.pixel(place) else {
+            // The place and what is measured there, times the inverse depth.
+            let inverse = nearest - k as f64 * step;
+            let place = [0, 1, 2].map(|k| axis.turned[k] + inverse * self.camera.translation[k]);
+            if place[2] < inverse {
+                continue;
+            }
+            let Some([x, y]) = self.camera.pixel_along(place) else {
                 continue;
             };
             let Some(measured) = image.at(pixel(x), pixel(y)) else {
@@ -75,10 +139,12 @@ impl RopeDepth {
             };
             // Of one step a ray looks along all its depths where it is a point in the image.
             let reach = match steps as usize {
-                1 => far,
-                _ => 0.75 * step * depth * depth,
+                1 => far * inverse * inverse,
+                _ => 0.75 * step,
             };
-            if (measured - place[2]).abs() < reach + 3.0 * self.camera.sigma_mm(measured) {
+            let there = measured * inverse;
+            let off = (there - place[2]).abs() * inverse;
+            if off < reach + 3.0 * self.camera.sigma_mm(there) {
                 let depth = self.depth(axis, measured);
                 return Some(depth * (1.0 + axis.slim));
             }

@@ -59,10 +59,13 @@ impl WithSimd for Look<'_> {
         let section = &self.section;
         let samples = self.samples(simd);
         let sigma = section.sigma as f32;
-        let all = samples.mean(simd, 0.0, section.radius as f32 + 5.0 * sigma)?;
+        let reach = section.radius as f32 + 5.0 * sigma;
+        let all = samples.middle(simd, 0.0, reach)?;
         // What is behind an edge takes the first mean with it, and is left out then.
-        let near = samples.mean(simd, all.mean, STRAY * sigma).unwrap_or(all);
-        let near = samples.mean(simd, near.mean, STRAY * sigma).unwrap_or(near);
+        let near = samples.middle(simd, all, STRAY * sigma).unwrap_or(all);
+        let near = (samples.mean(simd, near, STRAY * sigma))
+            .or_else(|| samples.mean(simd, all, STRAY * sigma))
+            .or_else(|| samples.mean(simd, 0.0, reach))?;
         let [first, last] = section.ends;
         let pixels = 2.0 * section.inner.max(0.5) * (last - first).max(1.0);
         let count = f64::from(near.count);
@@ -106,9 +109,7 @@ impl Look<'_> {
             *row = rounded(simd, simd.add_f32s(at_y, y));
         }
         let mut measured = [0.0; SAMPLES];
-        for ((to, column), row) in measured.iter_mut().zip(columns).zip(rows) {
-            *to = self.image.at_or_zero(column as i32, row as i32);
-        }
+        self.image.read(&columns, &rows, &mut measured);
         let zero = simd.splat_f32s(0.0);
         let (about, slope) = (splat(simd, section.ahead), splat(simd, section.slope));
         let (tilt, per_px) = (
@@ -158,7 +159,24 @@ struct Samples<S: Simd> {
 }
 
 impl<S: Simd> Samples<S> {
-    /// Of what counts and is nearer than `gate` to `about`; `None` of nothing.
+    /// The mean of what counts and is nearer than `gate` to `about`; `None` of nothing.
+    #[inline(always)]
+    fn middle(&self, simd: S, about: f32, gate: f32) -> Option<f32> {
+        let (center, gate) = (simd.splat_f32s(about), simd.splat_f32s(gate));
+        let zero = simd.splat_f32s(0.0);
+        let (mut count, mut sum) = (zero, zero);
+        for k in 0..VECTORS {
+            let from = simd.sub_f32s(self.off[k], center);
+            let is_near = simd.less_than_f32s(simd.abs_f32s(from), gate);
+            let near = simd.select_f32s(is_near, self.counts[k], zero);
+            count = simd.add_f32s(count, near);
+            sum = simd.add_f32s(sum, simd.mul_f32s(near, from));
+        }
+        let count = simd.reduce_sum_f32s(count);
+        (count != 0.0).then(|| about + simd.reduce_sum_f32s(sum) / count)
+    }
+
+    /// The same, and what else is known of it.
     #[inline(always)]
     fn mean(&self, simd: S, about: f32, gate: f32) -> Option<Mean> {
         let (center, gate) = (simd.splat_f32s(about), simd.splat_f32s(gate));

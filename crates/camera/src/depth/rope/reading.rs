@@ -140,7 +140,8 @@ impl RopeDepth {
         if !(far > 1e-3 && far < 1e3) {
             return None;
         }
-        let along = way.map(|c| c / far);
+        let per_far = 1.0 / far;
+        let along = way.map(|c| c * per_far);
         let ahead = axis.place[2];
         let mm_per_px = ahead / self.focal_px;
         let radius = axis.slim * axis.depth;
@@ -167,20 +168,23 @@ impl RopeDepth {
             _ => [-reach(a, i + points - 1), reach(b, i + 1)],
         };
         // The ray, the rope, and what is square to both; then square to that and the rope.
-        let ray = axis.place.map(|c| c / ahead);
+        let per_ahead = 1.0 / ahead;
+        let ray = axis.place.map(|c| c * per_ahead);
         let rope_way = between(b.place, a.place);
-        let rope_way = rope_way.map(|c| c / dot(rope_way, rope_way).sqrt());
+        let per_size = 1.0 / dot(rope_way, rope_way).sqrt();
+        let rope_way = rope_way.map(|c| c * per_size);
         let normal = cross(ray, rope_way);
         let sine = dot(normal, normal).sqrt();
-        let normal = normal.map(|c| c / sine);
+        let per_sine = 1.0 / sine;
+        let normal = normal.map(|c| c * per_sine);
         let up = cross(rope_way, normal);
         let beside = [-along[1], along[0], 0.0];
         Some(Section {
             at: axis.at,
             ahead,
             along,
-            slope: (b.place[2] - a.place[2]) / far,
-            tilt: -mm_per_px * dot(beside, up) / sine,
+            slope: (b.place[2] - a.place[2]) * per_far,
+            tilt: -mm_per_px * dot(beside, up) * per_sine,
             ends,
             inner: inner.max(0.5),
             mm_per_px,

@@ -22,7 +22,7 @@ mod paint;
 mod photo;
 mod rendered;
 mod report;
-mod spline;
+pub(crate) mod spline;
 mod strip;
 mod whole;
 mod whole_file;

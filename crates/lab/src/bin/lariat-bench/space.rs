@@ -1,6 +1,9 @@
 //! `lariat-bench space`: drawn ropes before a colour camera and a depth camera, or a second colour camera, through extraction and fit,
 //! held against the true axis.
 
+mod deform;
+mod pickle;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -31,6 +34,30 @@ pub(crate) struct Args {
     /// Write what is drawn for the first of the rows into this folder: pictures of both cameras, both calibrations, true axes
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
+    /// The folder data_set of DEFORM's repository: instead of drawn ropes those that its motion capture saw move, a row for each kind of them
+    #[arg(long, value_name = "DIR", conflicts_with = "write")]
+    deform: Option<PathBuf>,
+    /// Frames of each of its sequences, at most
+    #[arg(long, value_name = "N", default_value_t = 500, requires = "deform")]
+    frames: usize,
+    /// How wide its ropes are drawn, mm
+    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = width, requires = "deform")]
+    width_mm: f64,
+    /// Say of its frames which are wrong
+    #[arg(long, requires = "deform")]
+    verbose: bool,
+    /// Write those, centerline and truth drawn over them, into this folder
+    #[arg(long, value_name = "DIR", requires = "deform")]
+    overlay: Option<PathBuf>,
+}
+
+/// A rope's width.
+fn width(text: &str) -> Result<f64, String> {
+    let width = text
+        .parse()
+        .ok()
+        .filter(|width| (1.0..100.0).contains(width));
+    width.ok_or_else(|| format!("'{text}' is no width of a rope in mm: from 1 to 100"))
 }
 
 const SIZE: [usize; 2] = [848, 480];
@@ -145,6 +172,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.write {
         return write(args, folder);
     }
+    if let Some(folder) = &args.deform {
+        return deform::run(args, folder);
+    }
     let mut table = Table::new(&[
         "scene",
         "ropes",
@@ -225,7 +255,7 @@ fn write(args: &Args, folder: &Path) -> Result<()> {
     let [pictures, besides] = ["color", beside].map(|name| folder.join(name));
     fs::create_dir_all(&pictures)?;
     fs::create_dir_all(&besides)?;
-    settings(&scene, 0, folder)?;
+    settings(&scene.eyes(0), &scene.beside, folder)?;
     let [width, height] = SIZE.map(|side| side as u32);
     let save = |picture: Vec<u8>, path: PathBuf| {
         let picture = image::RgbImage::from_raw(width, height, picture);
@@ -304,23 +334,16 @@ fn measure(scene: &Scene, seed: u64, score: &mut Score) -> Result<()> {
         beside,
     } = scene.draw(seed)?;
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
-    let settings = settings(scene, seed, folder.path())?;
+    let settings = settings(&scene.eyes(seed), &scene.beside, folder.path())?;
     let mut fitter = SpaceFitter::new(&settings)?.context("there is another camera")?;
-    let [width, height] = SIZE.map(|side| side as u32);
-    let header = FrameHeader {
-        width,
-        height,
-        stride: 3 * width,
-        pixel_format: PixelFormat::Rgb8 as u32,
-        ..FrameHeader::default()
-    };
+    let header = header();
     let extract = |picture: &[u8]| {
         let mut seen = Box::new(Centerlines::EMPTY);
         let mut extractor = FrameExtractor::new(&settings.extract)?;
         extractor.answer(FrameView::new(&header, picture), None, &mut seen);
         anyhow::Ok(seen)
     };
-    let depth_header = header.of_depth([width, height]);
+    let depth_header = header.of_depth([header.width, header.height]);
     let (bytes, second): (Vec<u8>, _) = match &beside {
         Image::Depth(units) => (
             units.iter().flat_map(|unit| unit.to_ne_bytes()).collect(),
@@ -417,8 +440,20 @@ fn squared_in(c: &[f64; 6], x: [f64; 3]) -> f64 {
     (0..3).map(|k| x[k] * dot(adjoint[k])).sum::<f64>() / determinant
 }
 
+/// That of the colour camera's frames.
+fn header() -> FrameHeader {
+    let [width, height] = SIZE.map(|side| side as u32);
+    FrameHeader {
+        width,
+        height,
+        stride: 3 * width,
+        pixel_format: PixelFormat::Rgb8 as u32,
+        ..FrameHeader::default()
+    }
+}
+
 /// Settings that name the two cameras' files in this folder.
-fn settings(scene: &Scene, seed: u64, folder: &Path) -> Result<Settings> {
+fn settings([color, beside]: &[Eye; 2], of: &Beside, folder: &Path) -> Result<Settings> {
     let camera = |eye: &Eye| {
         let ([focal, _], [x, y], [width, height]) = (eye.focal_px, eye.center_px, eye.size);
         format!(
@@ -426,18 +461,17 @@ fn settings(scene: &Scene, seed: u64, folder: &Path) -> Result<Settings> {
              distortion_coefficients: [0, 0, 0, 0]\n"
         )
     };
-    let [color, beside] = scene.eyes(seed);
-    let (rotation, place) = beside.pose_in(&color);
+    let (rotation, place) = beside.pose_in(color);
     let pose = format!(
         "rotation: {:?}\ntranslation_mm: {place:?}\nrange_mm: [200, 1500]\n",
         rotation.as_flattened()
     );
     let calibration = folder.join("camera.yaml");
-    fs::write(&calibration, camera(&color))?;
+    fs::write(&calibration, camera(color))?;
     let mut settings = Settings::default();
     settings.camera.calibration = Some(calibration);
-    let text = camera(&beside) + &pose;
-    match scene.beside {
+    let text = camera(beside) + &pose;
+    match of {
         Beside::Depth(sensor) => {
             let path = folder.join("depth.yaml");
             let noise_mm = sensor.noise_per_mm * 1e6;

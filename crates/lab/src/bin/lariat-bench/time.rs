@@ -288,7 +288,14 @@ fn watch(
         }
         if let Some(folder) = &args.overlay {
             let name = format!("{}-{frame:05}.png", show.file());
-            draw(&rgb, show.size, (&truth, scene.curves), &folder.join(name))?;
+            let truth: Vec<_> = truth
+                .iter()
+                .flat_map(|rope| &rope.points)
+                .copied()
+                .collect();
+            let shown = scene.curves.iter().filter(|c| c.status != Status::Lost);
+            let curves: Vec<_> = shown.map(|c| (&c.points[..], &c.hidden[..])).collect();
+            draw(&rgb, show.size, (&truth, &curves), &folder.join(name))?;
         }
     }
     Ok((judge.verdict(), counts))
@@ -323,11 +330,14 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
     }
 }
 
+/// A curve's points, and whether each is hidden.
+pub(crate) type SeenPoints<'a> = (&'a [[f32; 2]], &'a [bool]);
+
 /// The frame, the truth as thin dark dots, and the curves' points from red at ρ = 0 to blue at 1, hidden ones white.
-fn draw(
+pub(crate) fn draw(
     rgb: &[u8],
     size: [usize; 2],
-    (truth, curves): (&[TrueRope], &[Curve]),
+    (truth, curves): (&[[f64; 2]], &[SeenPoints]),
     path: &Path,
 ) -> Result<()> {
     const ZOOM: u32 = 2;
@@ -349,15 +359,14 @@ fn draw(
             }
         }
     };
-    for p in truth.iter().flat_map(|rope| &rope.points) {
+    for p in truth {
         dot(p[0], p[1], 0, [0, 0, 0]);
     }
-    for curve in curves.iter().filter(|c| c.status != Status::Lost) {
-        let n = curve.points.len();
-        for (i, p) in curve.points.iter().enumerate() {
+    for (points, hidden) in curves {
+        let n = points.len();
+        for (i, (p, &is_hidden)) in points.iter().zip(*hidden).enumerate() {
             let share = (255 * i / n.max(1)) as u8;
-            let hidden = curve.hidden[i];
-            let color = if hidden {
+            let color = if is_hidden {
                 [255; 3]
             } else {
                 [255 - share, 160, share]

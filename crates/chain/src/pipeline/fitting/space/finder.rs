@@ -146,7 +146,9 @@ pub(super) fn place_of(cause: &anyhow::Error) -> Place {
         };
     }
     match cause.downcast_ref() {
-        Some(NoSecondView::Alone | NoSecondView::Along { .. }) => Place::Unmeasured,
+        Some(NoSecondView::Alone | NoSecondView::Along { .. } | NoSecondView::Tangled) => {
+            Place::Unmeasured
+        }
         _ => Place::Unreadable,
     }
 }

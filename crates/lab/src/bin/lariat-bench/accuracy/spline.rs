@@ -50,7 +50,7 @@ pub(super) fn through(curve: &Curve) -> Vec<Sample> {
         let is_last = span + 1 == spans;
         for step in 0..steps + usize::from(is_last) {
             let share = step as f64 / steps as f64;
-            let [x, y, half_px] = between(around, share);
+            let [x, y, half_px] = between(around, distance, share);
             samples.push(Sample {
                 at: [x, y],
                 half_px: half_px.max(0.0),
@@ -70,12 +70,16 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-/// The spline from the second point (`share` 0) to the third (`share` 1).
-fn between(p: [[f64; 3]; 4], share: f64) -> [f64; 3] {
+/// The spline from the second point (`share` 0) to the third (`share` 1), of points that are so far from each other.
+pub(crate) fn between(
+    p: [[f64; 3]; 4],
+    far: fn([f64; 3], [f64; 3]) -> f64,
+    share: f64,
+) -> [f64; 3] {
     let mut t = [0.0; 4];
     for i in 1..4 {
         // Centripetal: the knots' steps are roots of the chords. Points that coincide still need a step.
-        t[i] = t[i - 1] + distance(p[i - 1], p[i]).sqrt().max(1e-6);
+        t[i] = t[i - 1] + far(p[i - 1], p[i]).sqrt().max(1e-6);
     }
     let at = t[1] + share * (t[2] - t[1]);
     let mix = |a: [f64; 3], b: [f64; 3], from: f64, to: f64| {
