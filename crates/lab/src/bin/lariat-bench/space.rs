@@ -171,7 +171,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         table.push(score.row(name, args.seeds));
     }
-    print!("{table}");
+    print!("{table}")?;
     Ok(())
 }
 
