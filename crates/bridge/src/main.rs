@@ -61,7 +61,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 use args::Args;
 use clap::Parser;
-use lariat_chain::stages::arrangement::{run_before_others, take_short_slices};
+use lariat_chain::stages::arrangement::run_before_others;
+use lariat_wire::take_short_slices;
 
 /// Above those of a chain, 40 to 43: what is on its way goes before what is still made.
 const PRIORITY: u8 = 44;

@@ -58,14 +58,12 @@
 //! | resident, five processes, shared memory once, 640×480 | 27 MB; with every slot of every channel, used or not, 50 MB |
 //! | from `exec` of `lariat run` to all stages ready | 57 ms (56 ms with `--realtime`; 135 ms at 1920×1080); the first descriptor comes with the first frame, a latency later |
 
-mod slices;
-
 use std::fmt;
 use std::fs;
 use std::time::Duration;
 
 use anyhow::Context;
-use lariat_wire::now_ns;
+use lariat_wire::{now_ns, take_short_slices};
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use rustix::thread::{CapabilitySet, CpuSet, capabilities, sched_getaffinity, sched_setaffinity};
@@ -75,7 +73,6 @@ use thread_priority::{
 };
 
 use crate::settings::{Arrangement, Cpus, STAGES, Stage, Wake};
-pub use slices::take_short_slices;
 
 /// Memory that a stage may come to map after it has locked what it has: the channels of readers yet to come, other sizes
 /// of frames. With a limit below that a later mapping would fail, which is worse than a page that is not locked.
