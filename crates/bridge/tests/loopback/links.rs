@@ -151,8 +151,8 @@ fn a_message_of_many_datagrams_comes_whole_or_is_lost_once() {
     let sent = number(&far, "cell: sent ");
     assert_eq!((sent, received), (received + lost, count), "{near} {far}");
     assert_eq!(sent, number(&near, "cell: sent "), "{near} {far}");
-    // Of some 90 datagrams each one is lost in two or three messages.
-    assert!(lost > 0 && received > 0, "{far}");
+    // Of some 60 datagrams each, one is lost in every fourth message; of one each, it would be one in 200 messages.
+    assert!(20 * lost > sent && received > 0, "{far}");
     drop((reader, domain));
 }
 
