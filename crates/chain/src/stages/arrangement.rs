@@ -208,11 +208,8 @@ pub fn apply(wanted: &Arrangement, stage: Stage) -> anyhow::Result<Lacks> {
                 pin(core)?;
             }
         }
-        // Without priority another program on that core would hold the whole chain up.
         Cpus::Auto if wanted.realtime && !lacks.priority && wanted.wake == Wake::Event => {
-            if let Some(core) = chosen_core() {
-                lacks.core = pin(core).is_err();
-            }
+            lacks.core = !join_stages();
         }
         Cpus::Auto | Cpus::Anywhere => {}
     }
@@ -236,6 +233,12 @@ pub fn keep_apart(wanted: &Arrangement) {
         // Not to be had is no fault: an ordinary thread makes way for one of realtime priority anyway.
         let _ = sched_setaffinity(None, &left);
     }
+}
+
+/// Has this thread, of realtime priority, run on the core of all stages, where a wake costs half of one across cores; whether that was to be had.
+/// Without the priority another program on that core would hold it up.
+pub fn join_stages() -> bool {
+    chosen_core().is_none_or(|core| pin(core).is_ok())
 }
 
 /// The core that was measured to be best for the stages: one for all (see above).
