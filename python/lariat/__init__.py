@@ -65,6 +65,7 @@ from lariat._native import (
     Track,
     Unsure,
     pick,
+    take_short_slices,
 )
 from lariat._reader import Reader
 from lariat._seen import NotSeen, Seen
@@ -119,5 +120,6 @@ __all__ = [
     "Writer",
     "fit",
     "pick",
+    "take_short_slices",
     "trace",
 ]

@@ -53,6 +53,7 @@ __all__ = [
     "Unsure",
     "Writer",
     "pick",
+    "take_short_slices",
 ]
 
 def pick(
@@ -61,6 +62,7 @@ def pick(
     *,
     pixel_format: PixelFormat | None = None,
 ) -> tuple[list[HsvRange], float]: ...
+def take_short_slices() -> None: ...
 @final
 class Tracer:
     def __new__(

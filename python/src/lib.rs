@@ -37,7 +37,7 @@ mod _native {
     #[pymodule_export]
     use crate::frames::{Frames, Image};
     #[pymodule_export]
-    use crate::reader::Reader;
+    use crate::reader::{Reader, take_short_slices};
     #[pymodule_export]
     use crate::rope::{Rope, Track};
     #[pymodule_export]

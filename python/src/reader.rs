@@ -16,6 +16,14 @@ use thiserror::Error;
 /// marks down without anyone being woken.
 const LONGEST_SLEEP: Duration = Duration::from_secs(1);
 
+/// Asks for short slices of a core for the calling thread, for a control loop that may not have realtime priority: when a
+/// message wakes it, it need not wait for the end of another program's slice. Any user may; it needs Linux 6.12, and changes
+/// nothing on older ones. Threads that it starts later have short ones too.
+#[pyfunction]
+pub(crate) fn take_short_slices() {
+    lariat_wire::take_short_slices();
+}
+
 /// Reads the shapes of a rig's ropes, for a control loop.
 #[pyclass(frozen, subclass, module = "lariat._native")]
 pub(crate) struct Reader {

@@ -378,6 +378,26 @@ def test_asyncio_waits_beside_other_tasks(states: States, reader: lariat.Reader)
     assert not quiet.is_new
 
 
+def test_the_thread_that_asks_has_short_slices() -> None:
+    def slice_ns() -> str | None:
+        """As the kernel says it, if it does."""
+        kept = Path("/proc/thread-self/sched")
+        lines = kept.read_text().splitlines() if kept.exists() else []
+        return next((line.split()[-1] for line in lines if line.startswith("se.slice")), None)
+
+    def ask() -> None:
+        lariat.take_short_slices()
+        inside.append(slice_ns())
+
+    before, inside = slice_ns(), list[str | None]()
+    thread = threading.Thread(target=ask)
+    thread.start()
+    thread.join()
+    if before is None:
+        pytest.skip("this kernel does not say how long slices are")
+    assert inside == ["100000"] and slice_ns() == before
+
+
 def test_what_is_wrong_is_said_in_a_sentence(domain: str, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="is no name for a rig"):
         lariat.Reader("Left Arm")

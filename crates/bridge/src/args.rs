@@ -44,7 +44,7 @@ pub(crate) struct Args {
     /// With --listen: a command that is older than this when it comes is dropped
     #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration::parse)]
     pub(crate) command_age: Duration,
-    /// Run before all ordinary programs
+    /// Run before all ordinary programs, on the core of a realtime chain's stages
     #[arg(long)]
     pub(crate) realtime: bool,
     /// The file with the key that both sides share

@@ -17,7 +17,7 @@
 //!
 //! Both built alike, without optimization of the whole, in turns on two busy cores (`tests/bridge/run --only none`): a descriptor from shared memory to shared memory
 //! took 3.6, 3.9 and 6.3 × a bare ping at the middle by zenoh, and takes 2.8, 2.4 and 3.2 × by this. What is left are three wakings, of the bridge here, the
-//! bridge there and the reader, where a ping has two; and 8 µs of packing and sealing.
+//! bridge there and the reader, where a ping has two; and 8 µs each of packing and sealing, and of opening and unpacking.
 //!
 //! Near sides send to those that ask, each from an address that it has shown to be its own (`peers`). Neither side ever waits for the network: what a
 //! full buffer has no room for is lost, and counted, as on the way.
@@ -61,7 +61,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 use args::Args;
 use clap::Parser;
-use lariat_chain::stages::arrangement::{run_before_others, take_short_slices};
+use lariat_chain::stages::arrangement::{join_stages, run_before_others};
+use lariat_wire::take_short_slices;
 
 /// Above those of a chain, 40 to 43: what is on its way goes before what is still made.
 const PRIORITY: u8 = 44;
@@ -86,9 +87,12 @@ fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Has the calling thread, which carries descriptors, questions or commands, have a core as soon as it wakes; whether by realtime priority, if that is asked for.
+/// Has the calling thread, which carries descriptors, questions or commands, have a core as soon as it wakes; whether by realtime priority, if that is
+/// asked for. Then on the core of the stages: threads of realtime priority are pushed apart by the kernel, each to a core that sleeps.
 fn hurry(realtime: bool) -> bool {
     if realtime && run_before_others(PRIORITY) {
+        // Not to be had is no fault.
+        join_stages();
         return true;
     }
     take_short_slices();

@@ -530,6 +530,11 @@ int lariat_before_poll(struct lariat_reader *reader,
 int lariat_look_for(struct lariat_reader *reader,
                     uint64_t time_ns);
 
+// Asks for short slices of a core for the calling thread, for a control loop that may not have realtime priority: when a message wakes
+// it, it need not wait for the end of another program's slice. Any user may; it needs Linux 6.12, and changes nothing on older ones.
+// Threads that it starts later have short ones too.
+void lariat_take_short_slices(void);
+
 // Whether a coarse curve is LARIAT_FRESH, or LARIAT_PARTIAL, like another (1), for a loop that compares descriptors and needs no
 // point of the curve to lie on the rope; or LARIAT_UNSURE (0), as from the start.
 //

@@ -154,6 +154,14 @@ pub unsafe extern "C" fn lariat_look_for(reader: *mut lariat_reader, time_ns: u6
     })
 }
 
+/// Asks for short slices of a core for the calling thread, for a control loop that may not have realtime priority: when a message wakes
+/// it, it need not wait for the end of another program's slice. Any user may; it needs Linux 6.12, and changes nothing on older ones.
+/// Threads that it starts later have short ones too.
+#[unsafe(no_mangle)]
+pub extern "C" fn lariat_take_short_slices() {
+    lariat_wire::take_short_slices();
+}
+
 /// Whether a coarse curve is LARIAT_FRESH, or LARIAT_PARTIAL, like another (1), for a loop that compares descriptors and needs no
 /// point of the curve to lie on the rope; or LARIAT_UNSURE (0), as from the start.
 ///

@@ -2,20 +2,37 @@
 //! What a control law asks of a rope's curve.
 
 use std::ffi::c_int;
-use std::slice;
+use std::{ptr, slice};
 
 use lariat_wire::{Descriptor, Nearest, Shape};
 
 use crate::error::{Failure, LARIAT_ERROR_NO_DIRECTION, answer};
 use crate::message::lariat_descriptor;
 
+/// A rope's descriptor as C has it, of a curve in so many dimensions.
+pub(crate) trait Described<const D: usize> {
+    /// What is missing where it is NULL.
+    const NAME: &'static str;
+    fn curve(&self) -> Result<Shape<'_, D>, Failure>;
+}
+
+impl Described<2> for lariat_descriptor {
+    const NAME: &'static str = "the rope's descriptor";
+
+    fn curve(&self) -> Result<Shape<'_>, Failure> {
+        // SAFETY: of the same layout as ours, which `message` holds it to, where every bit pattern is a value.
+        let descriptor = unsafe { &*ptr::from_ref(self).cast::<Descriptor>() };
+        Ok(Shape::of(descriptor)?)
+    }
+}
+
 /// The curve of a descriptor that may be NULL.
-fn curve<'a>(rope: *const lariat_descriptor) -> Result<Shape<'a>, Failure> {
-    // SAFETY: C gives a descriptor of its own, or one that a reader still holds; of the same layout as ours, which `message`
-    // holds it to, where every bit pattern is a value.
-    let descriptor = unsafe { rope.cast::<Descriptor>().as_ref() };
-    let descriptor = descriptor.ok_or_else(|| Failure::null("the rope's descriptor"))?;
-    Ok(Shape::of(descriptor)?)
+fn curve<'a, R: Described<D> + 'a, const D: usize>(
+    rope: *const R,
+) -> Result<Shape<'a, D>, Failure> {
+    // SAFETY: C gives a descriptor of its own, or one that a reader still holds.
+    let rope = unsafe { rope.as_ref() };
+    rope.ok_or_else(|| Failure::null(R::NAME))?.curve()
 }
 
 /// The place for an answer, filled with NaN until there is one.
@@ -29,29 +46,52 @@ pub(crate) fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64]
     Ok(place)
 }
 
-/// Writes the numbers that `work` finds of the curve.
-fn evaluate<const N: usize>(
-    rope: *const lariat_descriptor,
+/// Writes the numbers that `work` finds of the curve, if that does not stand still where it was asked.
+pub(crate) fn evaluate<const N: usize, const D: usize>(
+    rope: *const impl Described<D>,
     numbers: *mut f64,
-    work: impl FnOnce(&Shape) -> Option<[f64; N]>,
+    work: impl FnOnce(&Shape<D>) -> Option<[f64; N]>,
 ) -> c_int {
-    answer(|| write(numbers, || Ok(work(&curve(rope)?))))
+    answer(|| {
+        let place = place(numbers, N)?;
+        let found = work(&curve(rope)?).ok_or_else(|| {
+            Failure::new(
+                LARIAT_ERROR_NO_DIRECTION,
+                "the curve stands still there, and has no direction: its control points lie one upon the other",
+            )
+        })?;
+        place.copy_from_slice(&found);
+        Ok(0)
+    })
 }
 
-/// Writes the numbers that `work` finds, if the curve does not stand still where it was asked.
-pub(crate) fn write<const N: usize>(
+/// Writes `count` points of the curve at even steps.
+pub(crate) fn points<const D: usize>(
+    rope: *const impl Described<D>,
+    count: usize,
     numbers: *mut f64,
-    work: impl FnOnce() -> Result<Option<[f64; N]>, Failure>,
-) -> Result<c_int, Failure> {
-    let place = place(numbers, N)?;
-    let found = work()?.ok_or_else(|| {
-        Failure::new(
-            LARIAT_ERROR_NO_DIRECTION,
-            "the curve stands still there, and has no direction: its control points lie one upon the other",
-        )
-    })?;
-    place.copy_from_slice(&found);
-    Ok(0)
+) -> c_int {
+    answer(|| {
+        let place = place(numbers, D * count)?;
+        let curve = curve(rope)?;
+        for (i, point) in place.chunks_exact_mut(D).enumerate() {
+            point.copy_from_slice(&curve.point_at(curve.even_rho(i, count)));
+        }
+        Ok(0)
+    })
+}
+
+/// Writes the curve's Jacobian.
+pub(crate) fn jacobian<const D: usize>(
+    rope: *const impl Described<D>,
+    rho: f64,
+    values: *mut f64,
+) -> c_int {
+    answer(|| {
+        let jacobian = curve(rope)?.jacobian_at(rho);
+        place(values, jacobian.len())?.copy_from_slice(&jacobian);
+        Ok(0)
+    })
 }
 
 /// A nearest point as C has it.
@@ -91,14 +131,7 @@ pub unsafe extern "C" fn lariat_points(
     count: usize,
     xy: *mut f64,
 ) -> c_int {
-    answer(|| {
-        let place = place(xy, 2 * count)?;
-        let curve = curve(rope)?;
-        for (i, point) in place.chunks_exact_mut(2).enumerate() {
-            point.copy_from_slice(&curve.point_at(curve.even_rho(i, count)));
-        }
-        Ok(0)
-    })
+    points(rope, count, xy)
 }
 
 /// The velocity by rho at `rho`: `xy` is two numbers.
@@ -152,11 +185,7 @@ pub unsafe extern "C" fn lariat_jacobian_at(
     rho: f64,
     values: *mut f64,
 ) -> c_int {
-    answer(|| {
-        let jacobian = curve(rope)?.jacobian_at(rho);
-        place(values, jacobian.len())?.copy_from_slice(&jacobian);
-        Ok(0)
-    })
+    jacobian(rope, rho, values)
 }
 
 /// How uncertain the point at `rho` is, in the unit's square: `covariance` is three numbers, xx, xy, yy.

@@ -11,7 +11,7 @@ use crate::error::{Failure, LARIAT_ERROR_NO_ROPE, answer};
 use crate::message::lariat_descriptor3;
 use crate::reader::{given, lariat_reader, shown};
 use crate::rope::lariat_track;
-use crate::shape::{place, write};
+use crate::shape::{Described, evaluate, jacobian, points};
 
 /// Reads where ropes are in space, too, for lariat_in_space: of a chain with a depth camera. Up to 12 readers of a rig do.
 ///
@@ -54,22 +54,14 @@ pub unsafe extern "C" fn lariat_in_space(
     })
 }
 
-/// The curve of a descriptor that may be NULL.
-fn curve<'a>(rope: *const lariat_descriptor3) -> Result<Shape<'a, 3>, Failure> {
-    // SAFETY: C gives a descriptor of its own, or one that a reader still holds; of the same layout as ours, which `message`
-    // holds it to, where every bit pattern is a value.
-    let descriptor = unsafe { rope.cast::<Descriptor3>().as_ref() };
-    let descriptor = descriptor.ok_or_else(|| Failure::null("the rope's descriptor in space"))?;
-    Ok(Shape::in_space(descriptor).map_err(NoSpace::NoShape)?)
-}
+impl Described<3> for lariat_descriptor3 {
+    const NAME: &'static str = "the rope's descriptor in space";
 
-/// Writes the numbers that `work` finds of the curve.
-fn evaluate<const N: usize>(
-    rope: *const lariat_descriptor3,
-    numbers: *mut f64,
-    work: impl FnOnce(&Shape<3>) -> Option<[f64; N]>,
-) -> c_int {
-    answer(|| write(numbers, || Ok(work(&curve(rope)?))))
+    fn curve(&self) -> Result<Shape<'_, 3>, Failure> {
+        // SAFETY: of the same layout as ours, which `message` holds it to, where every bit pattern is a value.
+        let descriptor = unsafe { &*ptr::from_ref(self).cast::<Descriptor3>() };
+        Ok(Shape::in_space(descriptor).map_err(NoSpace::NoShape)?)
+    }
 }
 
 /// The point of the curve at `rho`: `xyz` is three numbers.
@@ -112,14 +104,7 @@ pub unsafe extern "C" fn lariat_points3(
     count: usize,
     xyz: *mut f64,
 ) -> c_int {
-    answer(|| {
-        let place = place(xyz, 3 * count)?;
-        let curve = curve(rope)?;
-        for (i, point) in place.chunks_exact_mut(3).enumerate() {
-            point.copy_from_slice(&curve.point_at(curve.even_rho(i, count)));
-        }
-        Ok(0)
-    })
+    points(rope, count, xyz)
 }
 
 /// The velocity by rho at `rho`: `xyz` is three numbers.
@@ -163,9 +148,5 @@ pub unsafe extern "C" fn lariat_jacobian3_at(
     rho: f64,
     values: *mut f64,
 ) -> c_int {
-    answer(|| {
-        let jacobian = curve(rope)?.jacobian_at(rho);
-        place(values, jacobian.len())?.copy_from_slice(&jacobian);
-        Ok(0)
-    })
+    jacobian(rope, rho, values)
 }

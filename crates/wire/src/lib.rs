@@ -122,6 +122,7 @@ mod rope;
 mod roster;
 mod seen;
 mod shape;
+mod slices;
 mod survey;
 mod tidy;
 mod writer;
@@ -145,5 +146,6 @@ pub use rope::{FARTHEST, Motion, NoPrediction, NoSpace, Prediction, Rope, Track}
 pub use roster::{Announcement, Member, control_socket, members};
 pub use seen::{Absent, Doubt, LastKnown, Seen};
 pub use shape::{Covariance, Jacobian, Nearest, NoShape, Shape};
+pub use slices::take_short_slices;
 pub use survey::{ChannelEnds, ChannelState, ChannelWriter};
 pub use writer::{Slot, Writer};

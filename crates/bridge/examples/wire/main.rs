@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use lariat_wire::{
     DESCRIPTORS, Delivery, Descriptors, Domain, FrameHeader, PixelFormat, Receiver, Rig, Writer,
-    now_ns,
+    now_ns, take_short_slices,
 };
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -133,6 +133,8 @@ fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
 
 fn read(rig: &Rig, patience: Duration) -> Result<()> {
     let domain = Domain::open()?;
+    // As a control loop does.
+    take_short_slices();
     let reader = Receiver::descriptors(&domain, rig)?;
     let (mut late_ns, mut off_ns) = (Vec::new(), Vec::new());
     let (mut back, mut last, mut gaps_ms, mut arrived_ns) = (0, None, Vec::new(), 0);

@@ -66,7 +66,7 @@ pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
         line.count = MAX_POINTS as u32;
         for i in 0..MAX_POINTS {
             line.points[i] = [i as f32, (i * at) as f32];
-            line.widths[i] = 12.0;
+            line.widths[i] = 12.0 + (i as f32).sin();
         }
     }
 }

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use lariat_chain::stages::arrangement::core_list;
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer, now_ns};
 
 use crate::relay::{Relay, Weather};
@@ -57,6 +58,28 @@ impl Side {
             process: Running(process),
             said,
         }
+    }
+
+    /// Of each of its threads the name, whether it has realtime priority, and how many cores it may run on.
+    pub(crate) fn threads(&self) -> Vec<(String, bool, usize)> {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", self.process.0.id()));
+        let threads = tasks.expect("it lives").flatten().map(|task| {
+            let read = |name| std::fs::read_to_string(task.path().join(name)).unwrap_or_default();
+            let (stat, status) = (read("stat"), read("status"));
+            // The 39th field behind the name in brackets is the policy: 1 is FIFO.
+            let policy = stat
+                .rsplit_once(')')
+                .and_then(|(_, rest)| rest.split_whitespace().nth(38));
+            let cores = status
+                .lines()
+                .find_map(|line| line.strip_prefix("Cpus_allowed_list:"));
+            (
+                read("comm").trim().to_owned(),
+                policy == Some("1"),
+                core_list(cores.unwrap_or_default()).len(),
+            )
+        });
+        threads.collect()
     }
 
     /// Ends it as Ctrl-C does; what it said.

@@ -58,14 +58,12 @@
 //! | resident, five processes, shared memory once, 640×480 | 27 MB; with every slot of every channel, used or not, 50 MB |
 //! | from `exec` of `lariat run` to all stages ready | 57 ms (56 ms with `--realtime`; 135 ms at 1920×1080); the first descriptor comes with the first frame, a latency later |
 
-mod slices;
-
 use std::fmt;
 use std::fs;
 use std::time::Duration;
 
 use anyhow::Context;
-use lariat_wire::now_ns;
+use lariat_wire::{now_ns, take_short_slices};
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use rustix::thread::{CapabilitySet, CpuSet, capabilities, sched_getaffinity, sched_setaffinity};
@@ -75,7 +73,6 @@ use thread_priority::{
 };
 
 use crate::settings::{Arrangement, Cpus, STAGES, Stage, Wake};
-pub use slices::take_short_slices;
 
 /// Memory that a stage may come to map after it has locked what it has: the channels of readers yet to come, other sizes
 /// of frames. With a limit below that a later mapping would fail, which is worse than a page that is not locked.
@@ -211,11 +208,8 @@ pub fn apply(wanted: &Arrangement, stage: Stage) -> anyhow::Result<Lacks> {
                 pin(core)?;
             }
         }
-        // Without priority another program on that core would hold the whole chain up.
         Cpus::Auto if wanted.realtime && !lacks.priority && wanted.wake == Wake::Event => {
-            if let Some(core) = chosen_core() {
-                lacks.core = pin(core).is_err();
-            }
+            lacks.core = !join_stages();
         }
         Cpus::Auto | Cpus::Anywhere => {}
     }
@@ -239,6 +233,12 @@ pub fn keep_apart(wanted: &Arrangement) {
         // Not to be had is no fault: an ordinary thread makes way for one of realtime priority anyway.
         let _ = sched_setaffinity(None, &left);
     }
+}
+
+/// Has this thread, of realtime priority, run on the core of all stages, where a wake costs half of one across cores; whether that was to be had.
+/// Without the priority another program on that core would hold it up.
+pub fn join_stages() -> bool {
+    chosen_core().is_none_or(|core| pin(core).is_ok())
 }
 
 /// The core that was measured to be best for the stages: one for all (see above).

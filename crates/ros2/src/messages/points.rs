@@ -5,27 +5,67 @@ use lariat_wire::{Descriptors, Descriptors3, Place, Status as Seen};
 
 use super::{Header, Scale, Shapes};
 
-/// As in `sensor_msgs/PointField`.
-const UINT8: u8 = 2;
-const UINT32: u8 = 6;
-const FLOAT32: u8 = 7;
+/// What a field of a point holds.
+#[derive(Clone, Copy)]
+enum Value {
+    Byte(u8),
+    Word(u32),
+    Number(f64),
+}
 
-/// Name, offset in bytes, type.
-type Field = (&'static str, u32, u8);
-/// What every point has; behind it `hidden`, or in space `sigma`, and `status`.
-const FIELDS: [Field; 6] = [
-    ("x", 0, FLOAT32),
-    ("y", 4, FLOAT32),
-    ("z", 8, FLOAT32),
-    ("rope", 12, UINT32),
-    ("rho", 16, FLOAT32),
-    ("width", 20, FLOAT32),
-];
-const FLAT: [Field; 2] = [("hidden", 24, UINT8), ("status", 25, UINT8)];
-const IN_SPACE: [Field; 2] = [("sigma", 24, FLOAT32), ("status", 28, UINT8)];
-/// Bytes of a point: the fields, and room up to a whole word.
-const FLAT_STEP: usize = 28;
-const IN_SPACE_STEP: usize = 32;
+impl Value {
+    /// Its type, as in `sensor_msgs/PointField`, and its bytes.
+    fn kind(self) -> (u8, u32) {
+        match self {
+            Self::Byte(_) => (2, 1),
+            Self::Word(_) => (6, 4),
+            Self::Number(_) => (7, 4),
+        }
+    }
+
+    fn put(self, to: &mut Encoder) {
+        match self {
+            Self::Byte(byte) => to.raw(&[byte]),
+            Self::Word(word) => to.raw(&word.to_le_bytes()),
+            Self::Number(number) => to.raw(&(number as f32).to_le_bytes()),
+        }
+    }
+}
+
+/// A point of a rope.
+#[derive(Default)]
+struct Point {
+    at: [f64; 3],
+    rope: u32,
+    rho: f64,
+    width: f64,
+    status: u32,
+}
+
+impl Point {
+    /// Its fields in their order, each behind the last. `more`: what it has in the image, or in space, alone.
+    fn fields(&self, more: (&'static str, Value)) -> [(&'static str, Value); 8] {
+        let [x, y, z] = self.at.map(Value::Number);
+        [
+            ("x", x),
+            ("y", y),
+            ("z", z),
+            ("rope", Value::Word(self.rope)),
+            ("rho", Value::Number(self.rho)),
+            ("width", Value::Number(self.width)),
+            more,
+            ("status", Value::Byte(self.status as u8)),
+        ]
+    }
+}
+
+fn hidden(is_hidden: bool) -> (&'static str, Value) {
+    ("hidden", Value::Byte(is_hidden.into()))
+}
+
+fn sigma(sigma: f64) -> (&'static str, Value) {
+    ("sigma", Value::Number(sigma))
+}
 
 /// Writes the points of all ropes that are seen, one rope after the other, each from its first end to its last. `rope` is the
 /// track, `rho` the normalized arc length, `hidden` 1 where something covers the rope, `sigma` the standard deviation along the line to the camera,
@@ -46,25 +86,21 @@ fn flat(message: &Descriptors, header: &Header, into: &mut Vec<u8>) {
     };
     let count = seen().map(|(_, line)| line.points().len()).sum();
     let to = &mut Encoder::new(into);
-    let mut cloud = Cloud::<FLAT_STEP>::begin(to, header, FLAT, count);
+    let mut cloud = Cloud::begin(to, header, hidden(false), count);
     for (rope, line) in seen() {
         let steps = line
             .points()
             .len()
             .saturating_sub(usize::from(line.closed == 0));
         for (i, (point, width)) in line.points().iter().zip(line.widths()).enumerate() {
-            let width = scale.length(f64::from(*width));
-            let at = scale.point(point.map(f64::from));
-            cloud.put(
-                at,
-                rope.track,
-                i as f64 / steps.max(1) as f64,
-                width,
-                |bytes| {
-                    bytes[24] = line.is_hidden(i).into();
-                    bytes[25] = rope.status as u8;
-                },
-            );
+            let point = Point {
+                at: scale.point(point.map(f64::from)),
+                rope: rope.track,
+                rho: i as f64 / steps.max(1) as f64,
+                width: scale.length(f64::from(*width)),
+                status: rope.status,
+            };
+            cloud.put(&point, hidden(line.is_hidden(i)));
         }
     }
     cloud.end();
@@ -78,26 +114,21 @@ fn in_space(message: &Descriptors3, header: &Header, into: &mut Vec<u8>) {
     };
     let count = seen().map(|rope| rope.points().len()).sum();
     let to = &mut Encoder::new(into);
-    let mut cloud = Cloud::<IN_SPACE_STEP>::begin(to, header, IN_SPACE, count);
+    let mut cloud = Cloud::begin(to, header, sigma(0.0), count);
     for rope in seen() {
         let steps = rope
             .points()
             .len()
             .saturating_sub(usize::from(rope.closed == 0));
-        let width = scale.length(rope.width);
-        for (i, (point, sigma)) in rope.points().iter().zip(rope.sigmas()).enumerate() {
-            let at = scale.point3(point.map(f64::from));
-            cloud.put(
-                at,
-                rope.track,
-                i as f64 / steps.max(1) as f64,
-                width,
-                |bytes| {
-                    let sigma = scale.length(f64::from(*sigma)) as f32;
-                    bytes[24..28].copy_from_slice(&sigma.to_le_bytes());
-                    bytes[28] = rope.status as u8;
-                },
-            );
+        for (i, (point, doubt)) in rope.points().iter().zip(rope.sigmas()).enumerate() {
+            let point = Point {
+                at: scale.point3(point.map(f64::from)),
+                rope: rope.track,
+                rho: i as f64 / steps.max(1) as f64,
+                width: scale.length(rope.width),
+                status: rope.status,
+            };
+            cloud.put(&point, sigma(scale.length(f64::from(*doubt))));
         }
     }
     cloud.end();
@@ -107,47 +138,115 @@ fn is_seen(status: Option<Seen>) -> bool {
     status.is_some_and(|status| status != Seen::Lost)
 }
 
-/// A cloud of points of `STEP` bytes each, while it is written.
-struct Cloud<'e, 'b, const STEP: usize>(&'e mut Encoder<'b>);
+/// A cloud of points, while it is written: each of as many bytes as its fields have, and room up to a whole word.
+struct Cloud<'e, 'b> {
+    to: &'e mut Encoder<'b>,
+    room: usize,
+}
 
-impl<'e, 'b, const STEP: usize> Cloud<'e, 'b, STEP> {
-    fn begin(to: &'e mut Encoder<'b>, header: &Header, more: [Field; 2], count: usize) -> Self {
+impl<'e, 'b> Cloud<'e, 'b> {
+    /// `more`: as of its points, whatever it is.
+    fn begin(
+        to: &'e mut Encoder<'b>,
+        header: &Header,
+        more: (&'static str, Value),
+        count: usize,
+    ) -> Self {
         header.put(to);
         1_u32.put(to);
         (count as u32).put(to);
-        to.byte_count(FIELDS.len() + more.len());
-        for (name, offset, kind) in FIELDS.into_iter().chain(more) {
+        let fields = Point::default().fields(more);
+        to.byte_count(fields.len());
+        let mut offset = 0_u32;
+        for (name, value) in fields {
+            let (kind, bytes) = value.kind();
             to.string(name);
             offset.put(to);
             kind.put(to);
             1_u32.put(to);
+            offset += bytes;
         }
+        let step = offset.next_multiple_of(4);
         0_u8.put(to);
-        (STEP as u32).put(to);
-        ((STEP * count) as u32).put(to);
-        to.byte_count(STEP * count);
-        Self(to)
+        step.put(to);
+        (step * count as u32).put(to);
+        to.byte_count(step as usize * count);
+        Self {
+            to,
+            room: (step - offset) as usize,
+        }
     }
 
-    fn put(
-        &mut self,
-        [x, y, z]: [f64; 3],
-        track: u32,
-        rho: f64,
-        width: f64,
-        more: impl FnOnce(&mut [u8; STEP]),
-    ) {
-        let mut bytes = [0; STEP];
-        for (place, number) in [(0, x), (4, y), (8, z), (16, rho), (20, width)] {
-            bytes[place..place + 4].copy_from_slice(&(number as f32).to_le_bytes());
+    fn put(&mut self, point: &Point, more: (&'static str, Value)) {
+        for (_, value) in point.fields(more) {
+            value.put(self.to);
         }
-        bytes[12..16].copy_from_slice(&track.to_le_bytes());
-        more(&mut bytes);
-        self.0.raw(&bytes);
+        self.to.raw(&[0; 3][..self.room]);
     }
 
     /// Every number in it is one.
     fn end(self) {
-        1_u8.put(self.0);
+        1_u8.put(self.to);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lariat_record::Decoder;
+
+    use super::*;
+
+    /// What a subscriber finds: name, offset and type of each field, and the bytes of a point.
+    fn read(more: (&'static str, Value)) -> (Vec<(String, u32, u8)>, usize) {
+        let (mut buffer, point) = (Vec::new(), Point::default());
+        let header = Header {
+            stamp_ns: 1,
+            frame_id: "camera",
+        };
+        let mut to = Encoder::new(&mut buffer);
+        let mut cloud = Cloud::begin(&mut to, &header, more, 3);
+        (0..3).for_each(|_| cloud.put(&point, more));
+        cloud.end();
+        let mut from = Decoder::new(&buffer).expect("CDR");
+        let word = |from: &mut Decoder| from.value::<u32>().expect("a word");
+        word(&mut from);
+        word(&mut from);
+        assert_eq!(from.string(), Ok("camera"));
+        assert_eq!([word(&mut from), word(&mut from)], [1, 3]);
+        let fields = (0..word(&mut from)).map(|_| {
+            let name = from.string().expect("a name").to_owned();
+            let field = (name, word(&mut from), from.value().expect("a type"));
+            assert_eq!(word(&mut from), 1);
+            field
+        });
+        let fields = fields.collect();
+        assert_eq!(from.value(), Ok(0_u8), "little endian");
+        let (step, row) = (word(&mut from), word(&mut from));
+        assert_eq!((row, word(&mut from)), (3 * step, 3 * step));
+        // Behind the points is one byte more.
+        let head = buffer.len() - 1 - 3 * step as usize;
+        assert!(buffer[head..buffer.len() - 1].iter().all(|byte| *byte == 0));
+        (fields, step as usize)
+    }
+
+    #[test]
+    fn fields_stand_where_their_list_says() {
+        let common = [
+            ("x", 0, 7),
+            ("y", 4, 7),
+            ("z", 8, 7),
+            ("rope", 12, 6),
+            ("rho", 16, 7),
+            ("width", 20, 7),
+        ];
+        let of = |more: [(&str, u32, u8); 2]| {
+            let fields = common.into_iter().chain(more);
+            let fields = fields.map(|(name, offset, kind)| (name.to_owned(), offset, kind));
+            fields.collect::<Vec<_>>()
+        };
+        let flat = of([("hidden", 24, 2), ("status", 25, 2)]);
+        assert_eq!(read(hidden(false)), (flat, 28));
+        let in_space = of([("sigma", 24, 7), ("status", 28, 2)]);
+        assert_eq!(read(sigma(0.0)), (in_space, 32));
     }
 }

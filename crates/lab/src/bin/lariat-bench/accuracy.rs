@@ -109,9 +109,9 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
             overlay::write_set(&folder.join(&set.name), &set.pairs, images)?;
         }
     }
-    print!("{}", report::table(&measured));
-    print!("{}", whole::table(&measured));
-    print!("{}", crossings::table(&measured, &seen.unwrap_or_default()));
+    print!("{}", report::table(&measured))?;
+    print!("{}", whole::table(&measured))?;
+    print!("{}", crossings::table(&measured, &seen.unwrap_or_default()))?;
     let mut curves = Curves::new(args.order)?;
     let mut fitted = Vec::new();
     for (name, images) in &measured {
@@ -119,6 +119,6 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         let fits: Result<_> = found.map(|curve| curves.fit(curve)).collect();
         fitted.push((*name, fits?));
     }
-    print!("\n{}", curve::table(fitted));
+    print!("\n{}", curve::table(fitted))?;
     Ok(())
 }

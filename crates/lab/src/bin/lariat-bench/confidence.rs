@@ -123,9 +123,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             some.collect::<Vec<_>>()
         };
         let weights = Weights::fit(&of(true));
-        print!("{}", weights.as_rust(name));
-        println!("fitted: {}", weights.reliability(&of(true)));
-        println!("others: {}", weights.reliability(&of(false)));
+        print!("{}", weights.as_rust(name))?;
+        println!("fitted: {}", weights.reliability(&of(true)))?;
+        println!("others: {}", weights.reliability(&of(false)))?;
     }
     Ok(())
 }

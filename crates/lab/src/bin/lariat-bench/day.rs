@@ -95,7 +95,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             ]);
         }
     }
-    print!("{table}");
+    print!("{table}")?;
     Ok(())
 }
 

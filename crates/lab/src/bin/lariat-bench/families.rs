@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             us("p99"),
         ]);
     }
-    print!("{table}");
+    print!("{table}")?;
     Ok(())
 }
 

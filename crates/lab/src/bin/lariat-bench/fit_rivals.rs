@@ -97,8 +97,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let [alone, pinv] = ratios(ns);
         table.push([name.clone(), micros(ns), alone, pinv]);
     }
-    print!("{table}");
-    theirs.said.print(&args.python);
+    print!("{table}")?;
+    theirs.said.print(&args.python)?;
     Ok(())
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     println!(
         "{:<12} pictures  right  by true mask  silent  false ropes  sure, wrong  by true mask   p50 µs",
         "class"
-    );
+    )?;
     for class in classes {
         let count = args.seeds.unwrap_or(match class {
             Class::Things => 50,
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             sum.ns.push(begin.elapsed().as_secs_f64() * 1e9);
             let judged = Judged::of(&still, &scene);
             if args.list && !judged.is_right {
-                println!("  {class}-{seed}: {}", said(&still, &scene));
+                println!("  {class}-{seed}: {}", said(&still, &scene))?;
             }
             for curve in scene.curves {
                 reliability.add(
@@ -102,15 +102,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             let by_mask = Judged::of(&still, &scene);
             if args.list && !by_mask.is_right {
                 let said = said(&still, &scene);
-                println!("  {class}-{seed} by its true mask: {said}");
+                println!("  {class}-{seed} by its true mask: {said}")?;
             }
             sum.add(&judged, &by_mask);
         }
-        println!("{}", sum.row(class.name()));
+        println!("{}", sum.row(class.name()))?;
         all.merge(&sum);
     }
-    println!("{}", all.row("all"));
-    print!("\n{reliability}");
+    println!("{}", all.row("all"))?;
+    print!("\n{reliability}")?;
     Ok(())
 }
 

@@ -1,5 +1,19 @@
 //! How right lariat's centerlines are, measured on pictures, and how fast its rivals are on them.
 
+/// Prints, at once. What stands against it is to be passed on: where nobody reads any more, the measurement ends.
+macro_rules! print {
+    ($($text:tt)*) => {
+        lariat_chain::output::print(&format!($($text)*))
+    };
+}
+
+/// Likewise, and the line's end.
+macro_rules! println {
+    ($($text:tt)*) => {
+        lariat_chain::output::print(&(format!($($text)*) + "\n"))
+    };
+}
+
 mod accuracy;
 mod confidence;
 mod day;
@@ -21,6 +35,7 @@ mod time;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use lariat_chain::output::Unread;
 
 /// The measurements behind the figures that lariat claims (those of speed are run by `cargo bench`)
 #[derive(Parser)]
@@ -81,6 +96,7 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if Unread::is_cause_of(&error) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("lariat-bench: {error:#}");
             ExitCode::FAILURE

@@ -163,7 +163,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         ask(&mut said, args, &masks, &start, pass, &mut rows)?;
     }
-    print!("{}", table(&rows));
+    print!("{}", table(&rows))?;
     let pixels = masks.each_ref().map(Pixels::len);
     println!(
         "{CENTERS} centers, {} pixels, from k-means++ (lariat's in its time, the rival's not); then {} pixels, 1/30 s \
@@ -175,8 +175,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             .map(|row| format!("{} {}", row.method.name, row.method.objective))
             .collect::<Vec<_>>()
             .join("; ")
-    );
-    said.print(&args.python);
+    )?;
+    said.print(&args.python)?;
     Ok(())
 }
 

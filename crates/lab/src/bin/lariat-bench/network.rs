@@ -68,7 +68,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let figures = [millis(ns), tenth(rate), tenth(limit), percent(rate / limit)];
         kinds.push([kernels.name().to_owned()].into_iter().chain(figures));
     }
-    print!("{}\n{kinds}", bench.layers(args.rounds)?);
+    print!("{}\n{kinds}", bench.layers(args.rounds)?)?;
     if let Some(python) = &args.python {
         bench.rivals(args, python)?;
     }
@@ -256,8 +256,8 @@ impl Bench {
                 percent(theirs.other),
             ]);
         }
-        print!("\n{table}");
-        said.print(python);
+        print!("\n{table}")?;
+        said.print(python)?;
         Ok(())
     }
 }

@@ -55,18 +55,21 @@ impl Said {
     }
 
     /// Prints what this Python lacks, and the versions of what it has.
-    pub(crate) fn print(&self, python: &Path) {
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub(crate) fn print(&self, python: &Path) -> Result<()> {
         for missing in &self.missing {
             println!(
                 "! `{0}` has no {missing}: install it by `{0} -m pip install -r crates/lab/rivals/requirements.txt`",
                 python.display()
-            );
+            )?;
         }
         let versions = self.versions.iter();
         let versions: Vec<_> = versions
             .map(|(name, version)| format!("{name} {version}"))
             .collect();
-        println!("{}", versions.join(", "));
+        println!("{}", versions.join(", "))
     }
 }
 

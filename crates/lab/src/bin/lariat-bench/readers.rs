@@ -43,9 +43,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let place = Place::new()?;
     let time = Duration::from_secs_f64(args.seconds);
-    println!("{}", latest::measure(&place, time)?);
-    println!("{}", wake::measure(&place, time, args.rounds)?);
-    print!("{}", crowd::measure(&place, args)?);
+    println!("{}", latest::measure(&place, time)?)?;
+    println!("{}", wake::measure(&place, time, args.rounds)?)?;
+    print!("{}", crowd::measure(&place, args)?)?;
     Ok(())
 }
 

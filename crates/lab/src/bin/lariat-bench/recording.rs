@@ -81,11 +81,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             format!("{:.2}", sizes[i]),
         ]);
     }
-    println!("{table}");
+    println!("{table}")?;
     println!(
         "medians of {} rounds of {} MB, both until the disk has it",
         args.rounds, args.megabytes
-    );
+    )?;
     Ok(())
 }
 

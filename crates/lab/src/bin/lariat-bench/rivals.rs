@@ -76,6 +76,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             }
         }
     }
-    print!("{}", report::report(&pictures, &ours, &rivals, args.passes));
+    print!("{}", report::report(&pictures, &ours, &rivals, args.passes))?;
     Ok(())
 }

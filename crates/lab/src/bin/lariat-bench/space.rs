@@ -201,7 +201,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         table.push(score.row(name, args.seeds));
     }
-    print!("{table}");
+    print!("{table}")?;
     Ok(())
 }
 

@@ -95,7 +95,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         return Ok(());
     }
-    print_head();
+    print_head()?;
     for story in stories {
         for seed in seeds() {
             let mut film = film(story, seed, args.size, ground.as_ref());
@@ -116,18 +116,17 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 mask,
             };
             let (verdict, counts) = watch(&show, next, frames, args)?;
-            print(&show, frames, &verdict, &counts);
+            print(&show, frames, &verdict, &counts)?;
         }
     }
-    print_foot(args.size);
-    Ok(())
+    print_foot(args.size)
 }
 
 /// Runs the film of a folder's pictures with a hand over it, and prints what was wrong.
 fn run_over(folder: &Path, args: &Args) -> Result<()> {
     let film = elsewhere::Film::read(folder)?;
     let frames = args.frames.div_ceil(args.seeds.max(1));
-    print_head();
+    print_head()?;
     for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
         let show = Show {
             name: "hand",
@@ -141,13 +140,12 @@ fn run_over(folder: &Path, args: &Args) -> Result<()> {
             film.frame(shown - 1, seed, rgb)
         };
         let (verdict, counts) = watch(&show, next, frames, args)?;
-        print(&show, frames, &verdict, &counts);
+        print(&show, frames, &verdict, &counts)?;
     }
-    print_foot(film.size);
-    Ok(())
+    print_foot(film.size)
 }
 
-fn print_head() {
+fn print_head() -> Result<()> {
     println!(
         "{:<12} {:>4} {:>7} {:>8} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>9} {:>8} {:>9} {:>9} {:>6} {:>6}",
         "story",
@@ -166,10 +164,10 @@ fn print_head() {
         "mismarked",
         "µs",
         "whole"
-    );
+    )
 }
 
-fn print_foot(size: [usize; 2]) {
+fn print_foot(size: [usize; 2]) -> Result<()> {
     println!(
         "\nframes of {}×{} at 30/s; followed: frames, from the frame before; right: frames with nothing missed, miscounted, turned, renamed, \
          exchanged or invented;\nwith --mask true clutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
@@ -177,7 +175,7 @@ fn print_foot(size: [usize; 2]) {
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
          and seen;\nµs: a followed frame, the median; whole: one that is extracted whole",
         size[0], size[1]
-    );
+    )
 }
 
 /// A film as it is looked at.
@@ -195,7 +193,7 @@ impl Show {
     }
 }
 
-fn print(show: &Show, frames: u64, v: &Verdict, counts: &Counts) {
+fn print(show: &Show, frames: u64, v: &Verdict, counts: &Counts) -> Result<()> {
     let share = |count: u64| 100.0 * count as f64 / frames as f64;
     let us = |samples: &Samples| samples.median() / 1e3;
     let mismarked = 100.0 * v.mismarked as f64 / v.marked.max(1) as f64;
@@ -215,7 +213,7 @@ fn print(show: &Show, frames: u64, v: &Verdict, counts: &Counts) {
         v.misjudged,
         us(&counts.followed),
         us(&counts.whole)
-    );
+    )
 }
 
 /// A film's name as a file.
@@ -284,7 +282,7 @@ fn watch(
         }
         if args.verbose {
             let how = if scene.followed { "followed" } else { "whole" };
-            println!("{} {seed} {frame} ({how}): {}", show.name, wrong.join("; "));
+            println!("{} {seed} {frame} ({how}): {}", show.name, wrong.join("; "))?;
         }
         if let Some(folder) = &args.overlay {
             let name = format!("{}-{frame:05}.png", show.file());

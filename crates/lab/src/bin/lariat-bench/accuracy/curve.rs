@@ -160,7 +160,7 @@ pub(super) fn run_on_film(folder: &Path, method: Method, order: Option<usize>) -
             fits.push(curves.fit_steady(curve, &mut tracks[index].2, now_ns)?);
         }
     }
-    print!("{}", table([("film", fits)]));
+    print!("{}", table([("film", fits)]))?;
     Ok(())
 }
 

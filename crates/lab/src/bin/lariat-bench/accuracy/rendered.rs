@@ -73,7 +73,7 @@ pub(crate) fn run(
     })?;
     let mut curves = Curves::new(order)?;
     let (mut measured, mut fitted) = (Vec::new(), Vec::new());
-    println!("{}", table::head());
+    println!("{}", table::head())?;
     for class in classes {
         let first = measured.len();
         let mut fits = Vec::new();
@@ -96,12 +96,12 @@ pub(crate) fn run(
                 doubtful: scene.curves.iter().filter(|curve| !is_sure(curve)).count(),
             });
         }
-        println!("{}", table::row(class, &measured[first..]));
+        println!("{}", table::row(class, &measured[first..]))?;
         fitted.push((class.to_string(), fits));
     }
-    print!("{}", table::foot(&measured));
+    print!("{}", table::foot(&measured))?;
     let fitted = fitted.iter().map(|(name, fits)| (&name[..], fits.clone()));
-    print!("\n{}", curve::table(fitted));
+    print!("\n{}", curve::table(fitted))?;
     if let Some(path) = csv {
         super::whole_file::write(path, table::csv(&measured).as_bytes())?;
     }

@@ -136,6 +136,6 @@ fn read(ended: &AtomicBool) -> Result<()> {
         p50_us: latency_us.percentile(0.5),
         p99_us: latency_us.percentile(0.99),
     };
-    println!("{}", serde_json::to_string(&saw)?);
+    println!("{}", serde_json::to_string(&saw)?)?;
     Ok(())
 }

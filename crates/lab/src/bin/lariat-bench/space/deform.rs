@@ -74,7 +74,7 @@ pub(super) fn run(args: &Args, folder: &Path) -> Result<()> {
                     "{}: {} of its frames are wrong",
                     path.display(),
                     tally.wrong() - before
-                );
+                )?;
             }
         }
         table.push(tally.row(&name));
@@ -85,9 +85,8 @@ pub(super) fn run(args: &Args, folder: &Path) -> Result<()> {
         "no sequence is left to be measured: look at --only and --first-seed"
     );
     table.push(all.row("all"));
-    print!("{table}");
-    println!("\nmissing frames: {}", all.missing());
-    Ok(())
+    print!("{table}")?;
+    println!("\nmissing frames: {}", all.missing())
 }
 
 /// The folders of the kinds of rope, in order.
@@ -264,7 +263,7 @@ fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -
         };
         let truth: Vec<[f64; 2]> = truth.iter().map(|&p| color.pixel(p)).collect();
         if args.verbose {
-            println!("  frame {k}: {wrong}; {}", in_the_picture(&seen, &truth));
+            println!("  frame {k}: {wrong}; {}", in_the_picture(&seen, &truth))?;
         }
         if let Some(folder) = &args.overlay {
             let path = folder.join(format!("{seed:04}-{k:03}.png"));
