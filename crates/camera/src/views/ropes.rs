@@ -30,7 +30,8 @@ pub enum NoSecondView {
     Alone,
     /// It may be several, and to find out which takes too long.
     #[error(
-        "the ropes cross the lines on which this one is seen so often that it takes too long to find out which is it: leave out what is no          rope by the mask, or have fewer ropes in the pictures"
+        "the ropes cross the lines on which this one is seen so often that it takes too long to find out which is it: leave out what is \
+         no rope by the mask, or have fewer ropes in the pictures"
     )]
     Tangled,
     /// It runs along the epipolar lines.
