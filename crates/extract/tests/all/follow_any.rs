@@ -190,6 +190,26 @@ fn what_else_happens_is_left_to_a_whole_extraction() {
 }
 
 #[test]
+fn a_rope_that_is_drawn_along_itself_has_its_ends_where_they_are() {
+    let mut table = Table::new(480, 240, [215.0, 212.0, 205.0]);
+    table.noise = 2.0;
+    let mut extractor = with_mask(blue());
+    let mut drawn_px = 0.0;
+    for frame in 0..20 {
+        table.seed = frame as u64;
+        // Faster from frame to frame, and all of it but its ends is where it has been.
+        drawn_px += 4.0 - 4.0 * (0.2 * frame as f32).cos();
+        let rope = Rope::along(12.0, [30.0, 60.0, 130.0], move |t| {
+            let x = 40.0 + drawn_px + 280.0 * t;
+            [x, 120.0 + 60.0 * (x / 70.0).sin()]
+        });
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        let error = error(&see(&mut extractor, &rgb, &table).curves[0], &rope);
+        assert!(error.ends_px < 3.0, "{frame}: {error:?}");
+    }
+}
+
+#[test]
 fn a_rope_whose_tip_lies_against_another_is_followed_with_it() {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;

@@ -56,9 +56,10 @@ impl Rope {
                 }
             } else if let Some(beyond_px) = known.beyond_px
                 && !known.is_against
-                && let Some(tip_px) = self.tip(image, end)
+                && self.out_within(image, end).is_some()
             {
-                let far_px = tip_px - beyond_px;
+                // A tip that no longer reads has jumped farther than it is looked for.
+                let far_px = self.tip(image, end)? - beyond_px;
                 if far_px.abs() > TIP_WIDTHS * self.width_px {
                     return None;
                 }
@@ -150,18 +151,22 @@ impl Rope {
         vec2::unit_or(vec2::sub(tip, before), [1.0, 0.0])
     }
 
-    /// How far beyond the last station at an end the rope's tip reads.
-    pub(super) fn tip(&self, image: &Image, end: usize) -> Option<f32> {
-        let station = &self.next[self.place(end, 0)];
+    /// The way out of the rope at an end, if the window in which its tip is read lies within the image.
+    fn out_within(&self, image: &Image, end: usize) -> Option<Vec2> {
+        let at = self.next[self.place(end, 0)].at;
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
         let (out, half) = (self.out(end), (WINDOW / 2) as f32);
-        let ends = [-half, half - 2.0].map(|px| vec2::along(station.at, out, px));
-        if !ends
-            .iter()
-            .all(|at| (0..2).all(|c| (0.0..=limits[c]).contains(&at[c])))
-        {
-            return None;
-        }
+        let mut ends = [-half, half - 2.0]
+            .map(|px| vec2::along(at, out, px))
+            .into_iter();
+        let is_within = ends.all(|at| (0..2).all(|c| (0.0..=limits[c]).contains(&at[c])));
+        is_within.then_some(out)
+    }
+
+    /// How far beyond the last station at an end the rope's tip reads.
+    pub(super) fn tip(&self, image: &Image, end: usize) -> Option<f32> {
+        let out = self.out_within(image, end)?;
+        let (station, half) = (&self.next[self.place(end, 0)], (WINDOW / 2) as f32);
         let mut differences = [0; WINDOW];
         let across = vec2::normal(out);
         let cut = 0.5 * (station.cuts[0] + station.cuts[1]);
