@@ -90,6 +90,7 @@ impl Differencer {
         self.work(scene, least <= MOST_NOISE, out, faint, levels);
     }
 
+    /// As [`run`](Self::run), only where something is seen or everywhere.
     fn work(
         &mut self,
         scene: Scene,

@@ -1,4 +1,4 @@
-//! Where some rows are not just the table.
+//! Where some rows are not just the table: a plain loop, of which the compiler makes vectors for any registers.
 
 use super::Look;
 use lariat_portable::{Arch, Simd, WithSimd};
@@ -44,6 +44,7 @@ impl WithSimd for Look<'_> {
     }
 }
 
+/// What is looked at, of [`Look`], with how far off each lane's byte has to be.
 struct Rows<'a> {
     bytes: &'a [u8],
     stride: usize,
