@@ -83,6 +83,29 @@ impl BitPlane {
         self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
     }
 
+    /// Pixels `x..x + 64` of row `y`, the first in the lowest bit; outside the picture nothing is set.
+    pub(crate) fn bits_from(&self, x: i32, y: i32) -> u64 {
+        if y < 0 || y as usize >= self.height {
+            return 0;
+        }
+        let row = self.row(y as usize);
+        let word = |i: i32| row.get(i as usize).copied().unwrap_or(0);
+        let (i, bit) = (x.div_euclid(64), x.rem_euclid(64) as u32);
+        // By two steps, as none shifts by 64.
+        word(i) >> bit | word(i + 1) << 1 << (63 - bit)
+    }
+
+    /// Calls `visit` with each set pixel of row `y`.
+    pub(crate) fn for_each_set(&self, y: usize, mut visit: impl FnMut(usize)) {
+        for (i, &row_word) in self.row(y).iter().enumerate() {
+            let mut word = row_word;
+            while word != 0 {
+                visit(64 * i + word.trailing_zeros() as usize);
+                word &= word - 1;
+            }
+        }
+    }
+
     /// Sets pixels `from..to` of row `y` to `value`.
     pub(crate) fn fill(&mut self, y: usize, from: usize, to: usize, value: bool) {
         let row = self.row_mut(y);
@@ -121,4 +144,23 @@ pub(crate) fn right_of(row: &[u64], i: usize) -> u64 {
         0
     };
     row[i] >> 1 | carry
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_of_pixels_is_what_each_of_them_is() {
+        let mut plane = BitPlane::default();
+        plane.resize(150, 2);
+        (0..150)
+            .filter(|x| x % 3 == 0 || x % 7 == 0)
+            .for_each(|x| plane.fill(1, x, x + 1, true));
+        for x in -70..220 {
+            let each = (0..64).fold(0, |bits, i| bits | u64::from(plane.get(x + i, 1)) << i);
+            assert_eq!(plane.bits_from(x, 1), each, "from {x} on");
+            assert_eq!([plane.bits_from(x, -1), plane.bits_from(x, 2)], [0; 2]);
+        }
+    }
 }

@@ -11,6 +11,7 @@ use super::shadow;
 use crate::bitmap::bits::{BitPlane, left_of, right_of};
 use crate::image::Image;
 use crate::vec2::{self, Vec2};
+use std::ops::Range;
 
 /// Pixels of the mask that are looked at first, and, if as much of them may be shadow as is to be half sure, then.
 const FIRST: usize = 64;
@@ -207,13 +208,15 @@ impl Shadows {
         let mut best = ([0.0; 2], 0.0);
         let mut seek = |middle: Vec2, hop_px: f32, hops: i32| {
             for j in -hops..=hops {
+                let mut carried = Carried::default();
                 for i in -hops..=hops {
                     let step = vec2::add(middle, [hop_px * i as f32, hop_px * j as f32]);
                     let far_px = vec2::norm(step);
                     if far_px < STEPS.0 * width_px || far_px > reach_px {
                         continue;
                     }
-                    let share = onto(step);
+                    let count = carried.by(whole(step), &self.pales, &self.body);
+                    let share = count as f32 / self.pales.len() as f32;
                     if share > best.1 {
                         best = (step, share);
                     }
@@ -267,6 +270,36 @@ impl Shadows {
                 plane.fill(y, x, x + 1, false);
             }
         });
+    }
+}
+
+/// How many places come from a body's pixels by 64 steps side by side: the digits of all 64 numbers, the lowest first.
+#[derive(Default)]
+struct Carried {
+    digits: [u64; 16],
+    /// The steps along x.
+    steps: Range<i32>,
+}
+
+impl Carried {
+    /// How many do by a step, which lies in the same row as those asked for before.
+    fn by(&mut self, [x, y]: [i32; 2], places: &[[i32; 2]], body: &BitPlane) -> u32 {
+        if !self.steps.contains(&x) {
+            (self.digits, self.steps) = ([0; 16], x..x + 64);
+            for at in places {
+                // A longer step comes from farther left.
+                let mut carry = body.bits_from(at[0] - x - 63, at[1] - y);
+                for digit in &mut self.digits {
+                    (*digit, carry) = (*digit ^ carry, *digit & carry);
+                    if carry == 0 {
+                        break;
+                    }
+                }
+            }
+        }
+        let bit = 63 - (x - self.steps.start);
+        let digits = self.digits.iter().rev();
+        digits.fold(0, |number, digit| 2 * number + (digit >> bit & 1) as u32)
     }
 }
 

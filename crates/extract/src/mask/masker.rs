@@ -452,11 +452,8 @@ impl Masker {
         for y in 0..self.mask.height() {
             let words = self.mask.row_mut(y).iter_mut().zip(occluder.row(y));
             words.for_each(|(word, &out)| *word &= !out);
-            for (x, level) in self.difference.row_mut(y).iter_mut().enumerate() {
-                if occluder.row(y)[x / 64] >> (x % 64) & 1 == 1 {
-                    *level = 0;
-                }
-            }
+            let levels = self.difference.row_mut(y);
+            occluder.for_each_set(y, |x| levels[x] = 0);
         }
         self.strips.take(&self.mask);
         self.clean_or_empty();

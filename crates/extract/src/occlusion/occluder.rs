@@ -212,7 +212,7 @@ impl Occluder {
             };
             let like = |share: f32, y: usize, alike: &mut BitPlane| {
                 alike.row_mut(y).fill(0);
-                for_each_set(mask, y, |x| {
+                mask.for_each_set(y, |x| {
                     if nearer(share, x, y) {
                         alike.fill(y, x, x + 1, true);
                     }
@@ -311,17 +311,6 @@ impl Seed {
             let half = (radius * radius - dy * dy).max(0.0).sqrt() as usize;
             let to = (self.x + half + 1).min(plane.width());
             plane.fill(y, self.x.saturating_sub(half), to, true);
-        }
-    }
-}
-
-/// Calls `visit` with each set pixel of row `y`.
-fn for_each_set(plane: &BitPlane, y: usize, mut visit: impl FnMut(usize)) {
-    for (i, &row_word) in plane.row(y).iter().enumerate() {
-        let mut word = row_word;
-        while word != 0 {
-            visit(64 * i + word.trailing_zeros() as usize);
-            word &= word - 1;
         }
     }
 }
