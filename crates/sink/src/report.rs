@@ -2,6 +2,7 @@
 
 use crate::error::Compared;
 use crate::latency::{Latency, Row};
+use crate::slowest::Slowest;
 use crate::timeline::Timeline;
 use crate::{FinalCounts, Restarts, Summary, hgrm, table};
 use std::fmt;
@@ -13,6 +14,7 @@ pub struct Report {
     pub(crate) summary: Summary,
     pub(crate) latency: Latency,
     pub(crate) timeline: Timeline,
+    pub(crate) slowest: Slowest,
     pub(crate) compared: Compared,
     pub(crate) facts: Facts,
 }
@@ -42,13 +44,17 @@ impl Report {
         self.facts.restarts
     }
 
-    /// The files of a report, names and contents: `report.txt`, an `.hgrm` for each row, `summary.json`. The table comes first and
+    /// The files of a report, names and contents: `report.txt`, `slowest.txt`, an `.hgrm` for each row, `summary.json`. The table comes first and
     /// the summary last: where there is any of them there is that, and where this is, the others are.
     ///
     /// # Errors
     /// None but those of writing to memory.
     pub fn files(&self) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = vec![("report.txt".to_owned(), self.to_string().into_bytes())];
+        let [start_ns, _] = self.facts.span_ns.unwrap_or_default();
+        let slowest = self.slowest.table(&self.latency, start_ns);
+        let slowest = slowest.map_err(io::Error::other)?;
+        files.push(("slowest.txt".to_owned(), slowest.into_bytes()));
         for row in Row::all() {
             let mut text = Vec::new();
             hgrm::write(self.latency.row(row), &mut text)?;

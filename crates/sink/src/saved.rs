@@ -14,7 +14,7 @@
 use thiserror::Error;
 
 /// The version of what is written. Another one is not read: a sink is followed by one of the same executable.
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 
 /// What no stage counts to: a thousand frames a second for eight thousand years.
 pub(crate) const LARGEST_COUNT: u64 = 1 << 48;

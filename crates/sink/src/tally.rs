@@ -4,9 +4,11 @@ use crate::counts::Counts;
 use crate::error::Compared;
 use crate::latency::{Latency, Row};
 use crate::losses::Arrival;
+use crate::passage::Passage;
 use crate::receipt::Receipt;
 use crate::report::Facts;
 use crate::saved::{self, Kind, RestoreError};
+use crate::slowest::Slowest;
 use crate::step::Step;
 use crate::summary::{Deadline, Depth, Errors, Frames, Latencies, Summary};
 use crate::timeline::Timeline;
@@ -23,6 +25,7 @@ pub struct Tally {
     pub(crate) counts: Counts,
     latency: Latency,
     timeline: Timeline,
+    slowest: Slowest,
     missed: u64,
     pub(crate) compared: Compared,
     finished: Option<FinalCounts>,
@@ -36,6 +39,7 @@ impl Tally {
             counts: Counts::new(options.from_start),
             latency: Latency::new(),
             timeline: Timeline::new(),
+            slowest: Slowest::new(),
             missed: 0,
             compared: Compared::new(),
             finished: None,
@@ -61,7 +65,14 @@ impl Tally {
             return (arrival, None);
         }
         let total_ns = self.latency.record(trace, *received_ns);
-        self.timeline.add(trace, *received_ns);
+        let passage = Passage {
+            trace: *trace,
+            received_ns: *received_ns,
+        };
+        self.timeline.add(passage);
+        if total_ns.is_some() {
+            self.slowest.add(passage);
+        }
         if let (Some(total_ns), Some(deadline_ns)) = (total_ns, self.options.deadline_ns()) {
             self.missed += u64::from(total_ns > deadline_ns);
         }
@@ -98,6 +109,7 @@ impl Tally {
             summary: self.summary(machine),
             latency: self.latency.clone(),
             timeline: self.timeline.clone(),
+            slowest: self.slowest.clone(),
             compared: self.compared.clone(),
             facts: Facts {
                 period_ns: self.options.period_ns,
@@ -147,6 +159,7 @@ impl Tally {
             to.number(self.missed);
             self.latency.save(to);
             self.timeline.save(to);
+            self.slowest.save(to);
             self.compared.save(to);
         });
     }
@@ -163,6 +176,7 @@ impl Tally {
             missed: from.count()?,
             latency: Latency::restore(&mut from)?,
             timeline: Timeline::restore(&mut from)?,
+            slowest: Slowest::restore(&mut from)?,
             compared: Compared::restore(&mut from)?,
             finished: None,
         };

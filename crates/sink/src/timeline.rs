@@ -3,21 +3,14 @@
 
 use std::io::{self, Write};
 
+use crate::passage::Passage;
 use crate::saved::{RestoreError, Saved, Saving, sound};
-use lariat_message::Trace;
 
 /// How many frames are kept.
 const KEPT: usize = 1000;
 
 /// The rows, in the order of the way.
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
-
-/// One frame's stamps, and when it was in the reader's hands.
-#[derive(Debug, Clone, Copy)]
-struct Passage {
-    trace: Trace,
-    received_ns: u64,
-}
 
 /// The last 1,000 frames. Keeping another allocates nothing.
 #[derive(Debug, Clone)]
@@ -35,11 +28,7 @@ impl Timeline {
         }
     }
 
-    pub(crate) fn add(&mut self, trace: &Trace, received_ns: u64) {
-        let passage = Passage {
-            trace: *trace,
-            received_ns,
-        };
+    pub(crate) fn add(&mut self, passage: Passage) {
         if self.passages.len() < KEPT {
             self.passages.push(passage);
         } else {
@@ -56,54 +45,14 @@ impl Timeline {
 
     pub(crate) fn save(&self, to: &mut Saving) {
         to.number(self.passages.len() as u64);
-        for Passage { trace, received_ns } in self.passages() {
-            to.numbers([
-                trace.sequence,
-                trace.captured,
-                trace.extracted,
-                trace.fitted,
-                trace.exposed_ns,
-                trace.captured_ns,
-                trace.extract_started_ns,
-                trace.extracted_ns,
-                trace.fit_started_ns,
-                trace.fitted_ns,
-                *received_ns,
-            ]);
-        }
+        self.passages().for_each(|passage| passage.save(to));
     }
 
     pub(crate) fn restore(from: &mut Saved) -> Result<Self, RestoreError> {
         let mut timeline = Self::new();
         let count = sound(from.number()?, |&count| count <= KEPT as u64)?;
         for _ in 0..count {
-            let [
-                sequence,
-                captured,
-                extracted,
-                fitted,
-                exposed_ns,
-                captured_ns,
-                extract_started_ns,
-                extracted_ns,
-                fit_started_ns,
-                fitted_ns,
-                received_ns,
-            ] = from.numbers()?;
-            let trace = Trace {
-                sequence,
-                captured,
-                extracted,
-                fitted,
-                exposed_ns,
-                captured_ns,
-                extract_started_ns,
-                extracted_ns,
-                fit_started_ns,
-                fitted_ns,
-                ..Trace::EMPTY
-            };
-            timeline.add(&trace, received_ns);
+            timeline.add(Passage::restore(from)?);
         }
         Ok(timeline)
     }
@@ -186,6 +135,7 @@ impl Passage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lariat_message::Trace;
     use serde_json::Value;
 
     fn frame(sequence: u64) -> Trace {
@@ -200,6 +150,12 @@ mod tests {
             fitted_ns: at(60),
             ..Trace::default()
         }
+    }
+
+    /// So many nanoseconds after it was fitted.
+    fn passed(trace: Trace, after_ns: u64) -> Passage {
+        let received_ns = trace.fitted_ns + after_ns;
+        Passage { trace, received_ns }
     }
 
     fn events(timeline: &Timeline) -> Vec<Value> {
@@ -217,7 +173,7 @@ mod tests {
     #[test]
     fn each_stage_has_a_slice_of_its_work_in_its_row() {
         let mut timeline = Timeline::new();
-        timeline.add(&frame(1), frame(1).fitted_ns + 7_000);
+        timeline.add(passed(frame(1), 7_000));
         let events = events(&timeline);
         let expected = [
             ("capture 1", 0.0, 10.0),
@@ -249,7 +205,7 @@ mod tests {
     fn only_the_last_thousand_frames_are_kept_in_their_order() {
         let mut timeline = Timeline::new();
         for sequence in 1..=2500 {
-            timeline.add(&frame(sequence), frame(sequence).fitted_ns + 1);
+            timeline.add(passed(frame(sequence), 1));
         }
         let events = events(&timeline);
         let extract = slices(&events, 1);
@@ -264,8 +220,8 @@ mod tests {
         // The second frame was due while the first was still being captured.
         let mut second = frame(2);
         second.exposed_ns = frame(1).captured_ns - 5_000;
-        timeline.add(&frame(1), frame(1).fitted_ns + 1);
-        timeline.add(&second, second.fitted_ns + 1);
+        timeline.add(passed(frame(1), 1));
+        timeline.add(passed(second, 1));
         let events = events(&timeline);
         let capture = slices(&events, 0);
         let end = capture[0]["ts"].as_f64().unwrap() + capture[0]["dur"].as_f64().unwrap();
@@ -279,7 +235,7 @@ mod tests {
             exposed_ns: 0,
             ..frame(1)
         };
-        timeline.add(&trace, trace.fitted_ns);
+        timeline.add(passed(trace, 0));
         let events = events(&timeline);
         assert!(slices(&events, 0).is_empty());
         assert_eq!(slices(&events, 2).len(), 1);

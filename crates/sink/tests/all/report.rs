@@ -223,6 +223,7 @@ fn the_files_hold_the_table_the_summary_and_every_histogram() {
             "links.hgrm",
             "overhead.hgrm",
             "report.txt",
+            "slowest.txt",
             "summary.json",
             "total.hgrm",
             "wait_extract.hgrm",
@@ -238,6 +239,7 @@ fn the_files_hold_the_table_the_summary_and_every_histogram() {
     let json: serde_json::Value = serde_json::from_str(&text_of("summary.json")).unwrap();
     assert_eq!(json, serde_json::to_value(report.summary()).unwrap());
     insta::assert_snapshot!(text_of("total.hgrm"));
+    insta::assert_snapshot!("slowest", text_of("slowest.txt"));
 }
 
 #[test]
