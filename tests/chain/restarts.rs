@@ -204,6 +204,10 @@ fn a_recorder_that_is_killed_is_started_anew_and_what_it_wrote_stays() {
     let mut chain = start(&bench, &["--fps", "100", "--record", "run.mcap"]);
     chain.wait_for_frames();
     let id = wait_for("the recorder", || another(&bench, "record", 0));
+    wait_for("something to keep", || {
+        let info = bench.run(&["info", "run.mcap"]);
+        info.status.success().then_some(())
+    });
     send(id, Signal::KILL);
     wait_for("another", || another(&bench, "record", id));
     chain.wait_for_frames();
@@ -230,6 +234,7 @@ fn files_go_on_where_a_killed_capture_stopped() {
     let bench = Bench::new();
     let films = bench.run(&[
         "run",
+        "--lossless",
         "--frames",
         "60",
         "--fps",

@@ -37,10 +37,11 @@ fn splashes(seed: u64) -> impl Fn(usize, usize) -> [u8; 3] {
         let color = std::array::from_fn(|_| (40.0 + 180.0 * random.unit()) as u8);
         let radius = 2.0 + 9.0 * random.unit() as f32;
         let at = [SIZE.0, SIZE.1].map(|side| side as f32 * random.unit() as f32);
-        for (i, pixel) in ground.iter_mut().enumerate() {
-            let place = [i % SIZE.0, i / SIZE.0].map(|c| c as f32);
-            if drawing::distance(place, at) < radius {
-                *pixel = color;
+        for y in drawing::around(at[1], radius, SIZE.1) {
+            for x in drawing::around(at[0], radius, SIZE.0) {
+                if drawing::distance([x as f32, y as f32], at) < radius {
+                    ground[y * SIZE.0 + x] = color;
+                }
             }
         }
     }

@@ -216,18 +216,21 @@ fn ropes_are_followed_in_every_pixel_format() {
     // An odd size: a pixel pair at the end is half outside.
     let mut table = Table::new(319, 239, WHITE);
     table.noise = 1.5;
+    let film: [_; 24] = std::array::from_fn(|frame| {
+        table.seed = frame as u64;
+        let rope = wave_at(frame);
+        let rgb = table.draw(std::slice::from_ref(&rope));
+        (rope, formats(&rgb, 319, 239))
+    });
     for k in 0..12 {
         let mut extractor = extractor();
         let mut followed = 0;
-        for frame in 0..24 {
-            table.seed = frame as u64;
-            let rope = wave_at(frame);
-            let rgb = table.draw(std::slice::from_ref(&rope));
-            let (format, bytes, stride) = formats(&rgb, 319, 239).swap_remove(k);
-            let image = Image::new(&bytes, 319, 239, stride, format).expect("a whole image");
+        for (frame, (rope, pictures)) in film.iter().enumerate() {
+            let (format, ref bytes, stride) = pictures[k];
+            let image = Image::new(bytes, 319, 239, stride, format).expect("a whole image");
             let scene = extractor.extract(&image);
             followed += usize::from(scene.followed);
-            let error = error(&scene.curves[0], &rope);
+            let error = error(&scene.curves[0], rope);
             let limits_px = match format {
                 PixelFormat::Rgb8
                 | PixelFormat::Bgr8

@@ -105,20 +105,22 @@ fn what_is_found_in_a_region_is_what_is_found_in_it_cut_out() {
         width: 242,
         height: 189,
     };
+    let film: [_; 16] = std::array::from_fn(|frame| {
+        let mut table = Table::new(WIDTH, HEIGHT, [225.0, 222.0, 218.0]);
+        (table.noise, table.seed) = (1.5, frame as u64);
+        formats(&table.draw(&[wave(frame)]), WIDTH, HEIGHT)
+    });
     for k in 0..12 {
         for options in options() {
             let [mut of_region, mut of_cut] =
                 [(); 2].map(|()| Extractor::new(options.clone()).unwrap());
             let (mut followed, mut curves) = (0, 0);
-            for frame in 0..16 {
-                let mut table = Table::new(WIDTH, HEIGHT, [225.0, 222.0, 218.0]);
-                (table.noise, table.seed) = (1.5, frame as u64);
-                let rgb = table.draw(&[wave(frame)]);
-                let (format, bytes, stride) = formats(&rgb, WIDTH, HEIGHT).swap_remove(k);
+            for (frame, pictures) in film.iter().enumerate() {
+                let (format, ref bytes, stride) = pictures[k];
                 let region =
-                    asked.within(&Image::new(&bytes, WIDTH, HEIGHT, stride, format).unwrap());
+                    asked.within(&Image::new(bytes, WIDTH, HEIGHT, stride, format).unwrap());
                 let region = region.unwrap();
-                let (cut, cut_stride) = cut_out(format, &bytes, stride, region);
+                let (cut, cut_stride) = cut_out(format, bytes, stride, region);
                 let cut =
                     Image::new(&cut, region.width, region.height, cut_stride, format).unwrap();
 

@@ -95,7 +95,12 @@ impl Table {
             let across = (i % w) as f32 / w as f32 + (i / w) as f32 / h as f32 - 1.0;
             let light = 1.0 + 0.5 * self.gradient * across;
             bytes.extend(pixel.map(|p| {
-                (p * light + self.noise * normal(&mut random) + 0.5).clamp(0.0, 255.0) as u8
+                let noise = if self.noise == 0.0 {
+                    0.0
+                } else {
+                    normal(&mut random)
+                };
+                (p * light + self.noise * noise + 0.5).clamp(0.0, 255.0) as u8
             }));
         }
         bytes
@@ -155,8 +160,9 @@ fn cut_end<'a>(
     };
     let length = distance(tip, inner).max(1e-6);
     let out = [(tip[0] - inner[0]) / length, (tip[1] - inner[1]) / length];
-    for y in 0..height {
-        for x in 0..width {
+    let near = |c: usize, side: usize| around(tip[c], half + 2.0, side);
+    for y in near(1, height) {
+        for x in near(0, width) {
             let d = [x as f32 - tip[0], y as f32 - tip[1]];
             let ahead = d[0] * out[0] + d[1] * out[1];
             if d[0].hypot(d[1]) < half + 2.0 && ahead > -0.5 {
@@ -165,6 +171,12 @@ fn cut_end<'a>(
             }
         }
     }
+}
+
+/// The pixels of a row or column that lie nearer to a place on it than `reach_px`.
+pub(crate) fn around(at: f32, reach_px: f32, side: usize) -> std::ops::Range<usize> {
+    let [low, high] = [at - reach_px, at + reach_px + 1.0].map(|end| end.max(0.0) as usize);
+    low..high.min(side)
 }
 
 /// About normal: the sum of twelve uniform numbers.
