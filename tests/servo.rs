@@ -25,9 +25,9 @@ fn five_ropes_reach_their_target_at_60_frames_a_second_and_are_filmed() {
 }
 
 #[test]
-fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees() {
+fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees_and_is_filmed() {
     let bench = Bench::new();
-    let slow = ["--fps", "15", "--time", "60s"];
+    let slow = ["--fps", "15", "--time", "60s", "--gif", "lifted.gif"];
     let ropes = ["servo", "--lifted", "--target", "line", "--seeds", "1"];
     let output = bench.run(&[&ropes[..], &slow].concat());
     let said = String::from_utf8_lossy(&output.stderr);
@@ -37,6 +37,11 @@ fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees() {
         table.contains("1/1") && table.contains("mm"),
         "{table}{said}"
     );
+    let film = std::fs::read(bench.path("lifted.gif")).expect("a film");
+    assert!(film.starts_with(b"GIF89a"));
+    // The camera's image, the rope from the side, and the error.
+    let side = |at: usize| u16::from_le_bytes([film[at], film[at + 1]]);
+    assert_eq!([side(6), side(8)], [320, 240 + 100 + 50]);
     bench.assert_nothing_is_left();
     std::fs::write(bench.path("line.jsonl"), "{\"points\":[[1,2],[3,4]]}").expect("a file");
     let output = bench.run(&["servo", "--lifted", "--target", "line.jsonl"]);

@@ -22,7 +22,8 @@
 //! - **A slower link** is a queue in the observer: a sight is known so much later than it came, with its own moment of exposure.
 //! - **The judge** (`judge`): mean distance of 120 points at equal steps. There is there when it stays: a case is closed when the rope has been
 //!   within 5 px for 1.5 s, or after `--time`.
-//! - **The film** (`camera`, `film/`) is made of the rig's frames as they pass; `report/` makes table, sentences and page from the errors alone.
+//! - **The film** (`camera/`, `film/`) is made of the rig's frames as they pass, that of a lifted rope in two views; `report/` makes table,
+//!   sentences and page from the errors alone.
 
 mod camera;
 mod cases;
@@ -59,7 +60,7 @@ pub struct ServoArgs {
     #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
     target: String,
     /// The rope is lifted, seen by a depth camera, too, and driven in space: px are mm then
-    #[arg(long, conflicts_with_all = ["study", "out", "gif"])]
+    #[arg(long, conflicts_with_all = ["study", "out"])]
     lifted: bool,
     /// How many ropes: each seed is another start, and another place of the target
     #[arg(long, default_value_t = 5, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1000))]

@@ -51,9 +51,14 @@ pub struct SpaceCameras {
 }
 
 impl SpaceCameras {
+    /// The colour camera before the table, of pictures of this size.
+    pub fn color_eye(picture: [u32; 2]) -> Eye {
+        color_eye(picture.map(|side| side as usize))
+    }
+
     /// Of pictures of this size.
     pub fn new(picture: [u32; 2]) -> Self {
-        let eye = color_eye(picture.map(|side| side as usize));
+        let eye = Self::color_eye(picture);
         let lens = |eye: &Eye| {
             let ([width, height], [x, y]) = (eye.size, eye.center_px);
             let [focal, _] = eye.focal_px;

@@ -1,9 +1,15 @@
 //! Films a rope that is driven: what the chain sees and says, and what its controller commands, from the rig's own channels.
 
-use anyhow::{Context, Result};
-use lariat_wire::{CommandReader, Domain, FRAMES, PixelFormat, Reader, Receiver, Rig, Seen, Trace};
+mod views;
 
-use super::film::{Film, Shot};
+use anyhow::{Context, Result};
+use lariat_wire::{
+    CommandReader, Domain, FRAMES, PixelFormat, Reader, Receiver, Rig, Rope, Seen, Trace,
+};
+
+use super::film::{Film, Shot, Sketch};
+use super::job::Wanted;
+use views::Views;
 
 /// Points that the curve is drawn through.
 const DRAWN_POINTS: usize = 60;
@@ -15,38 +21,48 @@ pub(super) struct Camera {
     frames: Receiver<[u8]>,
     reader: Reader,
     commands: CommandReader,
-    velocities: Vec<[f64; 3]>,
-    target: Vec<[f64; 2]>,
-    film: Option<Film>,
+    /// Of each gripper, as it was told them last.
+    velocities: Vec<[f64; 6]>,
+    wanted: Wanted,
+    /// With the views of a lifted rope.
+    film: Option<(Film, Option<Views>)>,
     rgb: Vec<u8>,
+}
+
+/// Where the rope truly is: its points in the picture, px, or in the robot's frame, mm.
+pub(super) enum Truth {
+    InPlane(Vec<[f64; 2]>),
+    InSpace(Vec<[f64; 3]>),
 }
 
 impl Camera {
     /// Of a rig's next ropes, which are driven to a target.
-    pub(super) fn open(domain: &Domain, rig: &Rig, target: &[[f64; 2]]) -> Result<Self> {
+    pub(super) fn open(domain: &Domain, rig: &Rig, wanted: &Wanted) -> Result<Self> {
+        let mut reader = Reader::open_in(Domain::open()?, rig)?;
+        if let Wanted::InSpace { .. } = wanted {
+            reader.follow_in_space()?;
+        }
         Ok(Self {
             frames: Receiver::create_unwoken(domain, rig, &FRAMES, None)?,
-            reader: Reader::open_in(Domain::open()?, rig)?,
+            reader,
             commands: CommandReader::open(Domain::open()?, rig)?,
             velocities: Vec::new(),
-            target: target.to_vec(),
+            wanted: wanted.clone(),
             film: None,
             rgb: Vec::new(),
         })
     }
 
-    /// Takes what there is of a moment. `ends`: where the rope leaves the grippers.
+    /// Takes what there is of a moment.
     pub(super) fn take(
         &mut self,
         trace: &Trace,
-        ends: [[f64; 2]; 2],
+        truth: &Truth,
         (at_s, error_px): (f64, f64),
     ) -> Result<()> {
         while let Some(command) = self.commands.next()? {
             self.velocities.clear();
-            let in_picture = |&[x, y, .., turn]: &[f64; 6]| [x, y, turn];
-            self.velocities
-                .extend(command.velocities().iter().map(in_picture));
+            self.velocities.extend_from_slice(command.velocities());
         }
         let Some(frame) = self.frames.latest()? else {
             return Ok(());
@@ -59,33 +75,31 @@ impl Camera {
         if !is_usable {
             return Ok(());
         }
-        let film = self
-            .film
-            .get_or_insert_with(|| Film::new(size, &self.target));
-        let wanted = film.wants(at_s);
+        let wanted = &self.wanted;
+        let (film, views) = (self.film).get_or_insert_with(|| begin(wanted, size));
+        let mut sketch = Sketch::default();
         self.rgb.clear();
-        if wanted {
+        if film.wants(at_s) {
             self.rgb.extend_from_slice(&frame[..3 * size[0] * size[1]]);
+            drop(frame);
+            let frame = self.reader.latest()?;
+            let rope = match frame.only_rope(MAX_AGE) {
+                Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) => Some(rope),
+                _ => None,
+            };
+            let velocities = &self.velocities;
+            sketch = match (views, truth) {
+                (Some(views), Truth::InSpace(truth)) => {
+                    views.add_side(&mut self.rgb);
+                    views.sketch(rope.as_ref(), truth, velocities)
+                }
+                (None, Truth::InPlane(truth)) => in_picture(rope.as_ref(), truth, velocities),
+                _ => sketch,
+            };
         }
-        drop(frame);
-        let frame = self.reader.latest()?;
-        let (seen, control_points) = match frame.only_rope(MAX_AGE) {
-            Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) if wanted => {
-                let shape = rope.shape().ok();
-                let points = shape.map(|shape| shape.points::<DRAWN_POINTS>());
-                (points, rope.control_points())
-            }
-            _ => (None, &[][..]),
-        };
-        let grippers: Vec<_> = ends
-            .into_iter()
-            .zip(self.velocities.iter().copied())
-            .collect();
         film.add(&Shot {
             rgb: &self.rgb,
-            seen: seen.as_ref().map(|points| &points[..]),
-            control_points,
-            grippers: &grippers,
+            sketch: &sketch,
             at_s,
             error_px,
         });
@@ -94,7 +108,40 @@ impl Camera {
 
     /// The film as a GIF.
     pub(super) fn finish(self) -> Result<Vec<u8>> {
-        let film = self.film.context("no image of the rope was seen to film")?;
+        let (film, _) = self.film.context("no image of the rope was seen to film")?;
         film.finish().context("the film could not be made")
     }
+}
+
+/// A film of images of this size, and of what is wanted of the rope in them.
+fn begin(wanted: &Wanted, size: [usize; 2]) -> (Film, Option<Views>) {
+    match wanted {
+        Wanted::InPlane { target, .. } => (Film::new(size, std::slice::from_ref(target)), None),
+        Wanted::InSpace { target, .. } => {
+            let views = Views::new(size);
+            (Film::new(views.size(), &views.lines(target)), Some(views))
+        }
+    }
+}
+
+/// What is drawn of a rope on the table.
+fn in_picture(rope: Option<&Rope>, truth: &[[f64; 2]], velocities: &[[f64; 6]]) -> Sketch {
+    let shape = rope.and_then(|rope| rope.shape().ok());
+    let moves = velocities.iter().map(|&[x, y, .., turn]| [x, y, turn]);
+    Sketch {
+        seen: shape
+            .map(|shape| shape.points::<DRAWN_POINTS>().to_vec())
+            .into_iter()
+            .collect(),
+        control_points: rope
+            .map(|rope| rope.control_points().to_vec())
+            .unwrap_or_default(),
+        grippers: ends(truth).zip(moves).collect(),
+        ..Sketch::default()
+    }
+}
+
+/// Where a rope leaves its grippers.
+fn ends<const D: usize>(truth: &[[f64; D]]) -> impl Iterator<Item = [f64; D]> {
+    [truth.first(), truth.last()].into_iter().flatten().copied()
 }

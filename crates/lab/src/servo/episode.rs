@@ -12,7 +12,7 @@ use lariat_wire::{
     Trace,
 };
 
-use super::camera::Camera;
+use super::camera::{Camera, Truth};
 use super::job::{Job, Wanted};
 use super::judge::{Judge, Moment, Outcome, REACHED_PX};
 use crate::bench::guard::Guarded;
@@ -67,11 +67,11 @@ enum Witness {
     InSpace(Receiver<Descriptors3>, Judge<3>),
 }
 
-/// How far the true rope is from the target in an image, and where its ends are in the picture, if that is known.
+/// Where the true rope is in an image, and how far from the target.
 struct Judged {
     trace: Trace,
     error_px: f64,
-    ends: Option<[[f64; 2]; 2]>,
+    truth: Truth,
 }
 
 impl Witness {
@@ -105,10 +105,7 @@ impl Witness {
                 Judged {
                     trace: message.trace,
                     error_px: judge.error_px(&points),
-                    ends: match &points[..] {
-                        [first, .., last] => Some([*first, *last]),
-                        _ => None,
-                    },
+                    truth: Truth::InPlane(points),
                 }
             }),
             Self::InSpace(truth, judge) => truth.next()?.map(|message| {
@@ -117,7 +114,7 @@ impl Witness {
                 Judged {
                     trace: message.trace,
                     error_px: judge.error_px(&points),
-                    ends: None,
+                    truth: Truth::InSpace(points),
                 }
             }),
         })
@@ -129,16 +126,12 @@ impl Episode<'_> {
     pub(super) fn run(&self, stop: &Stop) -> Result<Option<Driven>> {
         let domain = Domain::open()?;
         let rig = self.rig.parse()?;
-        let camera = |target: &Vec<_>| Camera::open(&domain, &rig, target);
-        let filmed = match &self.job.wanted {
-            Wanted::InPlane { target, .. } => self.filmed.then_some(target),
-            Wanted::InSpace { .. } => None,
-        };
+        let camera = || Camera::open(&domain, &rig, &self.job.wanted);
         // Before the chain, so that the first image is judged too.
         let mut sights = Sights {
             witness: Witness::open(&domain, &rig, &self.job.wanted)?,
             descriptors: Receiver::create_unwoken(&domain, &rig, &DESCRIPTORS, None)?,
-            camera: filmed.map(camera).transpose()?,
+            camera: self.filmed.then(camera).transpose()?,
             latencies_ms: Vec::new(),
         };
         let job = self.folder.join("job.json");
@@ -204,13 +197,13 @@ impl Episode<'_> {
                 let Judged {
                     trace,
                     error_px,
-                    ends,
+                    truth,
                 } = judged;
                 let at_ns = trace.exposed_ns;
                 let at_s = at_ns.saturating_sub(*first_ns.get_or_insert(at_ns)) as f64 / 1e9;
                 errors.push(Moment { at_s, error_px });
-                if let (Some(camera), Some(ends)) = (&mut sights.camera, ends) {
-                    camera.take(&trace, ends, (at_s, error_px))?;
+                if let Some(camera) = &mut sights.camera {
+                    camera.take(&trace, &truth, (at_s, error_px))?;
                 }
                 if error_px > REACHED_PX {
                     there_since_s = None;

@@ -1,4 +1,5 @@
-//! The animated picture: what the camera sees, what the controller makes of it, and the error that is left.
+//! The animated picture: what the camera sees, what the controller makes of it, and the error that is left. A lifted rope is seen
+//! from the side, too.
 //!
 //! Pictures are made smaller and drawn upon as they come. In the end, when the whole time is known, each gets its strip
 //! with the error, and all become one GIF.
@@ -27,6 +28,8 @@ const SHORTEST_PX: f64 = 5.0;
 
 const TARGET: [u8; 3] = [0, 150, 60];
 const SEEN: [u8; 3] = [255, 140, 0];
+const UNSURE: [u8; 3] = [190, 0, 90];
+const ROPE: [u8; 3] = [150, 180, 220];
 const ARROW: [u8; 3] = [20, 20, 20];
 const WHITE: [u8; 3] = [255, 255, 255];
 
@@ -37,8 +40,8 @@ pub(super) struct Film {
     size_px: [usize; 2],
     /// So many pixels of the camera become one.
     scale: usize,
-    /// In pixels of the film.
-    target: Vec<[f64; 2]>,
+    /// In each view, in pixels of the film.
+    target: Vec<Vec<[f64; 2]>>,
     pictures: Vec<Picture>,
     /// Time and error of every shot, also of those between pictures.
     errors: Vec<[f64; 2]>,
@@ -52,29 +55,40 @@ struct Picture {
     picture: RgbImage,
 }
 
-/// What there is to see at one moment. Places are in pixels of the camera's image.
+/// What there is to see at one moment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shot<'a> {
     /// Red, green, blue, row by row, without padding.
     pub rgb: &'a [u8],
-    /// Points of the curve that the controller was given; none if it was given none.
-    pub seen: Option<&'a [[f64; 2]]>,
-    pub control_points: &'a [[f64; 2]],
-    /// Where each gripper is, and how it moves: px/s to the right and down, rad/s clockwise.
-    pub grippers: &'a [([f64; 2], [f64; 3])],
+    pub sketch: &'a Sketch,
     /// Since the first image.
     pub at_s: f64,
     pub error_px: f64,
 }
 
+/// What is drawn over an image, in all views that it has. Places are in its pixels.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sketch {
+    /// The true rope where the image has none, and how wide that is.
+    pub rope: Vec<[f64; 2]>,
+    pub rope_px: f64,
+    /// The curve that the controller was given, once in each view; none if it was given none.
+    pub seen: Vec<Vec<[f64; 2]>>,
+    pub control_points: Vec<[f64; 2]>,
+    /// Around each of them, if that is known: where it is, with 95 %.
+    pub ellipses: Vec<Vec<[f64; 2]>>,
+    /// Where each gripper is, and how it moves: px/s to the right and down, rad/s clockwise.
+    pub grippers: Vec<([f64; 2], [f64; 3])>,
+}
+
 impl Film {
-    /// Of a camera with images of this width and height, and of ropes that are driven to a curve.
-    pub(super) fn new(size_px: [usize; 2], target: &[[f64; 2]]) -> Self {
+    /// Of a camera with images of this width and height, and of ropes that are driven to a curve, once in each view.
+    pub(super) fn new(size_px: [usize; 2], target: &[Vec<[f64; 2]>]) -> Self {
         let scale = size_px[0].div_ceil(WIDTH_PX).max(1);
         Self {
             size_px,
             scale,
-            target: target.iter().map(|&p| smaller(p, scale)).collect(),
+            target: target.iter().map(|line| all_smaller(line, scale)).collect(),
             pictures: Vec::new(),
             errors: Vec::new(),
             next_s: f64::NEG_INFINITY,
@@ -104,28 +118,35 @@ impl Film {
             None => shot.at_s + STEP_S,
         };
         let mut canvas = Canvas::on(averaged(shot.rgb, self.size_px, self.scale));
-        self.draw(&mut canvas, shot);
+        self.draw(&mut canvas, shot.sketch);
         let at_s = shot.at_s;
         let picture = canvas.picture;
         self.pictures.push(Picture { at_s, picture });
     }
 
-    fn draw(&self, canvas: &mut Canvas, shot: &Shot) {
-        let place = |&p: &[f64; 2]| smaller(p, self.scale);
-        for dash in dashes(&self.target, [6.0, 4.0]) {
+    fn draw(&self, canvas: &mut Canvas, sketch: &Sketch) {
+        let places = |line: &[[f64; 2]]| all_smaller(line, self.scale);
+        canvas.line(&places(&sketch.rope), sketch.rope_px / self.scale as f64);
+        canvas.ink(ROPE, 1.0);
+        for dash in self.target.iter().flat_map(|line| dashes(line, [6.0, 4.0])) {
             canvas.line(&dash, 2.0);
         }
         canvas.ink(TARGET, 1.0);
-        let seen: Vec<_> = shot.seen.unwrap_or_default().iter().map(place).collect();
-        canvas.line(&seen, 1.4);
+        for line in &sketch.seen {
+            canvas.line(&places(line), 1.4);
+        }
         canvas.ink(SEEN, 1.0);
-        let points: Vec<_> = shot.control_points.iter().map(place).collect();
+        for ellipse in &sketch.ellipses {
+            canvas.line(&places(ellipse), 1.2);
+        }
+        canvas.ink(UNSURE, 1.0);
+        let points = places(&sketch.control_points);
         canvas.dots(&points, 5.2);
         canvas.ink(WHITE, 1.0);
         canvas.dots(&points, 3.6);
         canvas.ink(SEEN, 1.0);
-        for (at, velocity) in shot.grippers {
-            arrows(canvas, place(at), *velocity, self.scale);
+        for &(at, velocity) in &sketch.grippers {
+            arrows(canvas, smaller(at, self.scale), velocity, self.scale);
         }
     }
 
@@ -145,6 +166,10 @@ impl Film {
 /// From a pixel of the camera to a pixel of the film: centers of pixels are whole numbers in both.
 fn smaller(p: [f64; 2], scale: usize) -> [f64; 2] {
     p.map(|c| (c + 0.5) / scale as f64 - 0.5)
+}
+
+fn all_smaller(line: &[[f64; 2]], scale: usize) -> Vec<[f64; 2]> {
+    line.iter().map(|&p| smaller(p, scale)).collect()
 }
 
 /// Where a gripper goes and how it turns.

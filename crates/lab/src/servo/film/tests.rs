@@ -58,7 +58,7 @@ fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
         shots.push((rgb, points.map(|p| p.map(f64::from)).collect()));
     }
     let target = shots.last().unwrap().1.clone();
-    let mut film = Film::new([640, 480], &target);
+    let mut film = Film::new([640, 480], std::slice::from_ref(&target));
     for (i, (rgb, seen)) in shots.iter().enumerate() {
         let before = &shots[i.saturating_sub(1)].1;
         let gripper = |k: usize| {
@@ -70,12 +70,16 @@ fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
             .zip(&target)
             .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
         let control_points: Vec<[f64; 2]> = seen.iter().step_by(17).copied().collect();
+        let sketch = Sketch {
+            // Not seen for a while.
+            seen: (i != 2).then(|| seen.clone()).into_iter().collect(),
+            control_points,
+            grippers: vec![gripper(0), gripper(119)],
+            ..Sketch::default()
+        };
         film.add(&Shot {
             rgb,
-            // Not seen for a while.
-            seen: (i != 2).then_some(&seen[..]),
-            control_points: &control_points,
-            grippers: &[gripper(0), gripper(119)],
+            sketch: &sketch,
             at_s: STEP_S * i as f64,
             error_px: off.sum::<f64>() / 120.0,
         });
@@ -121,14 +125,17 @@ fn noise_is_not_drawn_again() {
 fn shots_between_its_pictures_give_their_error_only() {
     let mut film = Film::new([64, 48], &[]);
     let rgb = vec![90; 3 * 64 * 48];
+    let sketch = Sketch {
+        ellipses: vec![vec![[f64::NAN, f64::INFINITY]; 3]],
+        grippers: vec![([f64::NAN, 0.0], [f64::INFINITY, 1.0, f64::NAN])],
+        ..Sketch::default()
+    };
     for i in 0..60 {
         // Thirty a second, as a camera has them.
         let at_s = f64::from(i) / 30.0 + if i % 2 == 0 { 2e-3 } else { -2e-3 };
         film.add(&Shot {
             rgb: if i == 30 { &[] } else { &rgb },
-            seen: None,
-            control_points: &[],
-            grippers: &[([f64::NAN, 0.0], [f64::INFINITY, 1.0, f64::NAN])],
+            sketch: &sketch,
             at_s,
             error_px: if i == 0 { f64::INFINITY } else { 40.0 },
         });

@@ -6,32 +6,25 @@
 //! cameras stand still, level, and turned about the vertical so that the whole sequence is the shallowest to them, as near as all of it is in the picture;
 //! behind it is a wall.
 
-use std::collections::BTreeMap;
+mod stage;
+mod tally;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::{ASIDE, Args, Beside, FOCAL_PX, SIZE, beside_axis, far, header, pickle, settings};
-use crate::accuracy::spline;
+use super::{Args, Beside, SIZE, header, pickle, settings};
 use crate::time;
 use anyhow::{Context, Result, ensure};
 use lariat_chain::pipeline::{Companion, FrameExtractor, FrameView, SpaceFitter};
-use lariat_drawn::space::{DepthSensor, Eye, LiftedRope, Painter, depth};
+use lariat_drawn::space::{DepthSensor, Painter, depth};
 use lariat_lab::{Samples, Table};
-use lariat_wire::{Centerlines, Curve, Descriptor3, Descriptors3, Place, Shape, Status};
+use lariat_wire::{Centerlines, Curve, Descriptors3, Status};
+use stage::Stage;
+use tally::Tally;
 
 /// From one frame to the next.
 const PERIOD_NS: u64 = 10_000_000;
-/// Points of the spline between two markers.
-const FINER: usize = 20;
-/// The share of the picture, to each side of its middle, in which the rope stays.
-const INNER: f64 = 0.45;
-/// How far behind the rope the wall is, mm.
-const WALL_MM: f64 = 150.0;
-/// Turns of the camera that are tried.
-const TURNS: u32 = 36;
-/// A frame is bad whose points are farther from the axis than this, as a mean, mm.
-const BAD_MM: f64 = 5.0;
 
 /// Measures and prints the table: a row for each kind of rope.
 ///
@@ -153,84 +146,6 @@ fn markers(frame: &pickle::Value) -> Result<Vec<[f64; 3]>> {
     Ok(markers)
 }
 
-/// Where the cameras stand: the ropes' frame with x to their right, y up and the wall at z = 0.
-struct Stage {
-    turn: [f64; 2],
-    origin: [f64; 3],
-    eyes: [Eye; 2],
-}
-
-impl Stage {
-    fn of(frames: &[Vec<[f64; 3]>]) -> Self {
-        let markers = || frames.iter().flatten();
-        let spans = |turn: [f64; 2]| {
-            [0, 1, 2].map(|k| {
-                let along = || markers().map(|&p| turned(turn, p)[k]);
-                [
-                    along().fold(f64::MAX, f64::min),
-                    along().fold(f64::MIN, f64::max),
-                ]
-            })
-        };
-        let depth = |turn: [f64; 2]| {
-            let [near, far] = spans(turn)[2];
-            far - near
-        };
-        let turns = (0..TURNS).map(|k| {
-            let (sin, cos) = f64::from(k * 180 / TURNS).to_radians().sin_cos();
-            [cos, sin]
-        });
-        let turn = turns.min_by(|&a, &b| depth(a).total_cmp(&depth(b)));
-        let turn = turn.unwrap_or([1.0, 0.0]);
-        let [x, y, z] = spans(turn);
-        let origin = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), z[0] - WALL_MM];
-        let near_enough = markers().map(|&marker| {
-            let at = turned(turn, marker);
-            let asks = |k: usize| (at[k] - origin[k]).abs() * FOCAL_PX / (INNER * SIZE[k] as f64);
-            at[2] - origin[2] + asks(0).max(asks(1))
-        });
-        let distance_mm = near_enough.fold(0.0, f64::max);
-        let color = Eye::above(FOCAL_PX, SIZE, distance_mm, 0.0, 0.0);
-        Self {
-            turn,
-            origin,
-            eyes: [color, color.beside(ASIDE, 425.0, SIZE)],
-        }
-    }
-
-    /// The rope of a frame's markers.
-    fn rope(&self, markers: &[[f64; 3]], radius_mm: f64) -> LiftedRope {
-        let knots: Vec<[f64; 3]> = (markers.iter())
-            .map(|&marker| {
-                let at = turned(self.turn, marker);
-                [0, 1, 2].map(|k| at[k] - self.origin[k])
-            })
-            .collect();
-        let last = knots.len() - 1;
-        let mirrored = |at: [f64; 3], p: [f64; 3]| [0, 1, 2].map(|k| 2.0 * at[k] - p[k]);
-        let mut line = Vec::with_capacity(FINER * last + 1);
-        for i in 0..last {
-            let before = match i {
-                0 => mirrored(knots[0], knots[1]),
-                _ => knots[i - 1],
-            };
-            let after = match knots.get(i + 2) {
-                Some(&after) => after,
-                None => mirrored(knots[last], knots[last - 1]),
-            };
-            let around = [before, knots[i], knots[i + 1], after];
-            line.extend((0..FINER).map(|k| spline::between(around, far, k as f64 / FINER as f64)));
-        }
-        line.push(knots[last]);
-        LiftedRope::along(&line, radius_mm)
-    }
-}
-
-/// A point in axes that are turned about the vertical: to the right, up, and to the one who looks.
-fn turned([cos, sin]: [f64; 2], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    [cos * x + sin * y, z, sin * x - cos * y]
-}
-
 /// Follows the rope through a sequence.
 fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -> Result<()> {
     let stage = Stage::of(frames);
@@ -305,149 +220,4 @@ fn in_the_picture(seen: &Centerlines, truth: &[[f64; 2]]) -> String {
     });
     let curves: Vec<String> = curves.collect();
     format!("in the picture: {}", curves.join("; "))
-}
-
-/// What was found in all frames.
-#[derive(Default)]
-struct Tally {
-    sequences: u64,
-    frames: u64,
-    seen: u64,
-    /// Frames without a rope in space, by the reason.
-    missing: BTreeMap<String, u64>,
-    points: Samples,
-    ends: Samples,
-    curve: Samples,
-    bad: u64,
-    renamed: u64,
-    turned: u64,
-    us: Samples,
-}
-
-impl Tally {
-    /// Takes in a frame's answer. `before`: the rope's number in the last frame that had one, and whether it begins where the truth does.
-    /// Says what is wrong.
-    fn judge(
-        &mut self,
-        curves: &[Descriptor3],
-        truth: &[[f64; 3]],
-        before: &mut Option<(u32, bool)>,
-    ) -> Option<String> {
-        self.frames += 1;
-        let (one, shape) = match only(curves) {
-            Ok(found) => found,
-            Err(reason) => {
-                *self.missing.entry(reason.clone()).or_default() += 1;
-                return Some(reason);
-            }
-        };
-        self.seen += 1;
-        let points: Vec<[f64; 3]> = one.points().iter().map(|p| p.map(f64::from)).collect();
-        let off: Vec<f64> = points.iter().map(|&p| beside_axis(p, truth)).collect();
-        let mean = off.iter().sum::<f64>() / off.len() as f64;
-        let mut tips = [points[0], points[points.len() - 1]];
-        let [first, last] = [truth[0], truth[truth.len() - 1]];
-        let is_forward =
-            far(tips[0], first) + far(tips[1], last) < far(tips[0], last) + far(tips[1], first);
-        if !is_forward {
-            tips.reverse();
-        }
-        let ends = [far(tips[0], first), far(tips[1], last)];
-        off.iter().for_each(|&mm| self.points.push(mm));
-        ends.iter().for_each(|&mm| self.ends.push(mm));
-        shape
-            .points::<120>()
-            .iter()
-            .for_each(|&p| self.curve.push(beside_axis(p, truth)));
-        let [was_renamed, was_turned] = match before.replace((one.track, is_forward)) {
-            Some((track, way)) => [track != one.track, way != is_forward],
-            None => [false; 2],
-        };
-        let is_bad = mean > BAD_MM;
-        self.bad += u64::from(is_bad);
-        self.renamed += u64::from(was_renamed);
-        self.turned += u64::from(was_turned);
-        let wrong = [
-            is_bad.then(|| {
-                format!(
-                    "points are {mean:.1} mm from the axis, ends {:.0} and {:.0}",
-                    ends[0], ends[1]
-                )
-            }),
-            was_renamed.then(|| "renamed".to_owned()),
-            was_turned.then(|| "turned".to_owned()),
-        ];
-        let wrong: Vec<String> = wrong.into_iter().flatten().collect();
-        (!wrong.is_empty()).then(|| wrong.join(", "))
-    }
-
-    fn wrong(&self) -> u64 {
-        self.frames - self.seen + self.bad + self.renamed + self.turned
-    }
-
-    fn take(&mut self, other: Self) {
-        self.sequences += other.sequences;
-        self.frames += other.frames;
-        self.seen += other.seen;
-        for (reason, count) in other.missing {
-            *self.missing.entry(reason).or_default() += count;
-        }
-        self.points.take(other.points);
-        self.ends.take(other.ends);
-        self.curve.take(other.curve);
-        self.bad += other.bad;
-        self.renamed += other.renamed;
-        self.turned += other.turned;
-        self.us.take(other.us);
-    }
-
-    fn missing(&self) -> String {
-        let reasons = self
-            .missing
-            .iter()
-            .map(|(reason, count)| format!("{count} {reason}"));
-        match self.missing.is_empty() {
-            true => "none".to_owned(),
-            false => reasons.collect::<Vec<_>>().join(", "),
-        }
-    }
-
-    fn row(&self, name: &str) -> [String; 15] {
-        let mm = |mm: f64| format!("{mm:.2}");
-        [
-            name.to_owned(),
-            self.sequences.to_string(),
-            self.frames.to_string(),
-            self.seen.to_string(),
-            mm(self.points.mean()),
-            mm(self.points.percentile(0.95)),
-            mm(self.points.percentile(1.0)),
-            mm(self.ends.mean()),
-            mm(self.ends.percentile(0.95)),
-            mm(self.curve.mean()),
-            mm(self.curve.percentile(0.95)),
-            self.bad.to_string(),
-            self.renamed.to_string(),
-            self.turned.to_string(),
-            format!("{:.0}", self.us.median()),
-        ]
-    }
-}
-
-/// The one rope of a frame; or why there is none.
-fn only(curves: &[Descriptor3]) -> Result<(&Descriptor3, Shape<'_, 3>), String> {
-    let known = |one: &&Descriptor3| one.place() == Some(Place::Known);
-    let mut found = curves.iter().filter(known);
-    match (found.next(), found.next()) {
-        (Some(one), None) => match Shape::in_space(one) {
-            Ok(shape) => Ok((one, shape)),
-            Err(cause) => Err(cause.to_string()),
-        },
-        (Some(_), Some(_)) => Err("several".to_owned()),
-        (None, _) => match curves {
-            [] => Err("none".to_owned()),
-            [one, ..] if one.status() == Some(Status::Lost) => Err("lost".to_owned()),
-            [one, ..] => Err(one.place().map_or("unknown", Place::name).to_owned()),
-        },
-    }
 }
