@@ -4,6 +4,7 @@ use crate::drawing;
 
 use drawing::{Rope, Table, distance, error, see};
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, Verdict};
+use lariat_drawn::{RenderOptions, Rendered};
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Options, PixelFormat, Status};
 
 const SIZE: (usize, usize) = (480, 360);
@@ -237,6 +238,39 @@ fn a_rope_whose_tip_lies_against_another_is_followed_with_it() {
         }
     }
     assert!(followed >= 30, "{followed} of 60 frames followed");
+}
+
+#[test]
+fn strands_that_come_to_lie_on_each_other_slowly_are_followed() {
+    // A millisecond from frame to frame, and a loop that closes after 6.4 s.
+    let options = RenderOptions {
+        seed: 2,
+        frame_interval_s: 0.001,
+        ..RenderOptions::default()
+    };
+    let mut film = Rendered::new(&options).expect("valid options");
+    film.pass_over(6430);
+    let (mut extractor, mut followed) = (with_mask(Mask::Auto), 0);
+    let size = [options.width, options.height].map(|side| side as usize);
+    let mut rgb = vec![0; 3 * size[0] * size[1]];
+    let mut lengths_px = Vec::new();
+    for frame in 0..100 {
+        film.advance();
+        film.write(&mut rgb);
+        extractor.at(1_000_000 * frame);
+        let image = Image::new(&rgb, size[0], size[1], 3 * size[0], PixelFormat::Rgb8);
+        let scene = extractor.extract(&image.expect("a whole image"));
+        followed += usize::from(scene.followed);
+        let [curve] = scene.curves else {
+            panic!("{frame}: {} curves", scene.curves.len());
+        };
+        lengths_px.push(curve.length_px);
+    }
+    assert!(followed >= 80, "{followed} of 100 frames followed");
+    // A tip that does not show is as far away as it was: not farther from frame to frame.
+    let late_px = &lengths_px[75..];
+    let off_px = late_px.iter().map(|px| (px - late_px[0]).abs());
+    assert!(off_px.fold(0.0, f32::max) < 0.5, "{lengths_px:?}");
 }
 
 #[test]

@@ -53,10 +53,12 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
 }
 
 impl Rope {
-    /// Whether nothing says how far along itself the rope lies: one end is out of the image, and the other does not show.
+    /// Whether nothing says how far along itself the rope lies: one end does not show, and the other does not either or is out of
+    /// the image.
     pub(super) fn may_slide(&self) -> bool {
         let [a, b] = &self.ends;
-        !self.closed && (a.is_border && b.is_against || b.is_border && a.is_against)
+        let is_one = |a: &End, b: &End| a.is_against && (b.is_against || b.is_border);
+        !self.closed && (is_one(a, b) || is_one(b, a))
     }
 
     /// Whether another strand lies along the rope or at one of its ends.

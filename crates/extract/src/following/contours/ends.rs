@@ -40,7 +40,7 @@ pub(super) struct End {
 impl Rope {
     /// How far the rope runs on beyond its first and its last station in the next frame, or ends before; nothing where they
     /// have jumped.
-    pub(super) fn find_ends(&self, image: &Image) -> Option<[f32; 2]> {
+    pub(super) fn find_ends(&mut self, image: &Image) -> Option<[f32; 2]> {
         if self.closed {
             return Some([0.0; 2]);
         }
@@ -67,18 +67,18 @@ impl Rope {
             }
         }
         let leaves = self.ends.iter().any(|end| end.is_border);
-        // What is not seen of it is as long as it was.
-        let measured_px: f32 = (self.next.windows(2))
-            .map(|pair| vec2::distance(pair[0].at, pair[1].at))
-            .sum();
-        let missing_px = self.length_px - measured_px;
+        if leaves || found.iter().all(Option::is_some) {
+            return Some(found.map(|far_px| far_px.unwrap_or(0.0)));
+        }
+        // What is not seen of it is as long as it was, by the same measure: by another one it would grow from frame to frame.
+        let places = self.next.iter().map(|station| station.at);
+        let missing_px = self.length_px - self.lay.measure(places);
         let most_px = TIP_WIDTHS * self.width_px;
+        let rest = |px: f32| px.clamp(-most_px, most_px);
         Some(match found {
-            [Some(first), Some(last)] => [first, last],
-            _ if leaves => found.map(|far_px| far_px.unwrap_or(0.0)),
-            [Some(first), None] => [first, (missing_px - first).clamp(-most_px, most_px)],
-            [None, Some(last)] => [(missing_px - last).clamp(-most_px, most_px), last],
-            [None, None] => [(0.5 * missing_px).clamp(-most_px, most_px); 2],
+            [Some(first), _] => [first, rest(missing_px - first)],
+            [None, Some(last)] => [rest(missing_px - last), last],
+            [None, None] => [rest(0.5 * missing_px); 2],
         })
     }
 

@@ -65,6 +65,7 @@ impl Rope {
         self.stations
             .extend(places.map(|((&at, &width_px), &is_hidden)| Station {
                 at,
+                from: at,
                 width_px,
                 is_hidden,
                 edges_px: [-0.5 * width_px, 0.5 * width_px],
@@ -271,7 +272,7 @@ impl Rope {
     /// Notes which of its points lie on another strand where it was extracted, as they were just found to.
     pub(super) fn keep_together(&mut self) {
         for (station, found) in self.stations.iter_mut().zip(&self.next) {
-            station.is_together = found.is_together;
+            (station.is_together, station.is_on) = (found.is_together, found.is_on);
         }
     }
 

@@ -30,7 +30,7 @@ const MOST_BLIND: f32 = 2.5;
 /// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
 /// a flat angle show theirs farther on.
 const CROSSED: f32 = 3.0;
-/// Frames that a rope is followed with something lying over it.
+/// Frames that a rope is followed with something lying over it, or with a tip that nothing hides and that does not show.
 const MOST_HIDDEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
 const AT_TIP: f32 = 0.35;
@@ -161,7 +161,8 @@ impl Rope {
                 self.closed || self.ends[end].is_border || from_end as f32 * spacing_px >= beside_px
             };
             let clear = clear(0, i) && clear(1, n - 1 - i);
-            self.wanted.push(clear && !station.is_crossed);
+            let is_own = !station.is_crossed && !station.is_on;
+            self.wanted.push(clear && is_own);
         }
         self.readings.resize(n, Reading::default());
         Arch::new().dispatch(ReadAll {
@@ -323,12 +324,10 @@ impl Rope {
         if aside_px > FAR_PX {
             return false;
         }
+        let is_unseen = |end: &End| !end.is_border && !end.is_against && end.beyond_px.is_none();
         let is_covered = self.next.iter().any(|station| station.is_hidden);
-        self.hidden_frames = if is_covered {
-            self.hidden_frames + 1
-        } else {
-            0
-        };
+        let is_part = is_covered || !self.closed && self.ends.iter().any(is_unseen);
+        self.hidden_frames = if is_part { self.hidden_frames + 1 } else { 0 };
         self.hidden_frames <= MOST_HIDDEN_FRAMES && self.lay(image)
     }
 

@@ -9,6 +9,8 @@ const TOGETHER: f32 = 0.8;
 const CROSS: f32 = 0.5;
 /// Points by which the part that is so near may grow along them from one frame to the next.
 const CREEP: usize = 3;
+/// Widths that ropes may have moved aside since they were extracted and still lie on each other as they did.
+const STILL: f32 = 0.1;
 /// Widths along a rope between two of its points that may come together.
 pub(super) const APART_WIDTHS: f32 = 2.5;
 
@@ -17,6 +19,8 @@ pub(super) const APART_WIDTHS: f32 = 2.5;
 pub(super) struct Station {
     pub(super) at: Vec2,
     pub(super) normal: Vec2,
+    /// Where it was when the rope was extracted.
+    pub(super) from: Vec2,
     pub(super) width_px: f32,
     /// Where its edges read along the normal, of which the first is negative.
     pub(super) edges_px: [f32; 2],
@@ -36,6 +40,8 @@ pub(super) struct Station {
     pub(super) is_hidden: bool,
     /// Whether another strand lies on it that was not said to cross here.
     pub(super) is_together: bool,
+    /// And so near that they cross.
+    pub(super) is_on: bool,
 }
 
 /// The directions across the curve.
@@ -52,9 +58,10 @@ pub(super) fn set_normals(stations: &mut [Station], closed: bool) {
 }
 
 /// Notes where strands lie on each other in the next frame; says whether they have come to where none did before, or so near
-/// that they cross: their edges are then no longer their own.
+/// that they cross: their edges are then no longer their own. Ropes that lie as they did when they were extracted have not.
 pub(super) fn come_together(ropes: &mut [Rope]) -> bool {
     let mut is_new = false;
+    let is_still = ropes.iter().all(is_still);
     for r in 0..ropes.len() {
         for i in 0..ropes[r].next.len() {
             let here = &ropes[r].next[i];
@@ -67,12 +74,24 @@ pub(super) fn come_together(ropes: &mut [Rope]) -> bool {
             let is_together = widths < TOGETHER;
             let were = &ropes[r].stations;
             let around = i.saturating_sub(CREEP)..(i + CREEP + 1).min(were.len());
-            let is_known = widths >= CROSS && were[around].iter().any(|s| s.is_together);
+            let is_on = widths < CROSS;
+            let is_known = match is_on {
+                true => is_still && were[around].iter().any(|s| s.is_on),
+                false => were[around].iter().any(|s| s.is_together),
+            };
             is_new |= is_together && !is_known;
-            ropes[r].next[i].is_together = is_together;
+            let next = &mut ropes[r].next[i];
+            (next.is_together, next.is_on) = (is_together, is_on);
         }
     }
     is_new
+}
+
+/// Whether no point of a rope has moved far aside since it was extracted.
+fn is_still(rope: &Rope) -> bool {
+    let aside_px = |s: &Station| vec2::dot(vec2::sub(s.at, s.from), s.normal).abs();
+    let most_px = STILL * rope.width_px;
+    rope.next.iter().all(|station| aside_px(station) <= most_px)
 }
 
 /// How far a station of the next frame is from the nearest strand, in their mean width.
