@@ -37,6 +37,13 @@ pub(super) struct End {
     pub(super) aside_px: f32,
 }
 
+impl End {
+    /// Whether it does not show, and nothing is there that would hide it.
+    pub(super) fn is_unseen(&self) -> bool {
+        !self.is_border && !self.is_against && self.beyond_px.is_none()
+    }
+}
+
 impl Rope {
     /// How far the rope runs on beyond its first and its last station in the next frame, or ends before; nothing where they
     /// have jumped.

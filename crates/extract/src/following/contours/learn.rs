@@ -54,7 +54,7 @@ impl Rope {
             return false;
         }
         (self.width_px, self.closed) = (curve.width_px, curve.closed);
-        self.hidden_frames = 0;
+        self.unseen_frames = 0;
         self.is_part = curve.status == Status::Partial && !curve.hidden.contains(&true);
         self.ends = curve.border.map(|is_border| End {
             is_border,

@@ -31,7 +31,7 @@ const MOST_BLIND: f32 = 2.5;
 /// a flat angle show theirs farther on.
 const CROSSED: f32 = 3.0;
 /// Frames that a rope is followed with something lying over it, or with a tip that nothing hides and that does not show.
-const MOST_HIDDEN_FRAMES: u32 = 12;
+const MOST_UNSEEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
 const AT_TIP: f32 = 0.35;
 const ALONG: f32 = 0.5;
@@ -68,7 +68,7 @@ pub(super) struct Rope {
     /// Its color at each station, and how far those beside lie from it.
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) offs: Vec<[f32; 3]>,
-    pub(super) hidden_frames: u32,
+    pub(super) unseen_frames: u32,
     /// Whether it was seen in part without a part of it that is marked as hidden.
     pub(super) is_part: bool,
     /// Whether it lies on a plain table.
@@ -324,11 +324,10 @@ impl Rope {
         if aside_px > FAR_PX {
             return false;
         }
-        let is_unseen = |end: &End| !end.is_border && !end.is_against && end.beyond_px.is_none();
-        let is_covered = self.next.iter().any(|station| station.is_hidden);
-        let is_part = is_covered || !self.closed && self.ends.iter().any(is_unseen);
-        self.hidden_frames = if is_part { self.hidden_frames + 1 } else { 0 };
-        self.hidden_frames <= MOST_HIDDEN_FRAMES && self.lay(image)
+        let is_unseen = self.next.iter().any(|station| station.is_hidden)
+            || !self.closed && self.ends.iter().any(End::is_unseen);
+        self.unseen_frames = if is_unseen { self.unseen_frames + 1 } else { 0 };
+        self.unseen_frames <= MOST_UNSEEN_FRAMES && self.lay(image)
     }
 
     /// Lays the stations anew from end to end.
