@@ -29,7 +29,8 @@
 //!
 //! **Where the tail is** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a virtual machine). Up to
 //! about 0.8 ms it is extraction: one frame in some tens is looked at whole, 0.5 to 0.75 ms of work with caches that following
-//! has left cold, where the median frame takes 0.1 ms in all. Beyond that it is the host: stages that stay on their core for
+//! has left cold, where the median frame takes 0.1 ms in all. Where many in a row are, beside the drawing, each is later than the one
+//! before, up to 30 ms: `slowest.txt` of `lariat run --out` shows which. Beyond that it is the host: stages that stay on their core for
 //! 2 to 25 ms without the kernel's own ticks in between, which says that the core itself stood still, and phases of 0.1 s in
 //! which every stage takes ten to thirty times as long. The chain itself waits for nothing there: in the minute stages were put
 //! off their core twenty times, by the kernel's own workers, and the longest from a wake to the woken's first step was 3 ms,
