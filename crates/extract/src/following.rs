@@ -20,6 +20,9 @@ use known::Known;
 /// How long ropes are followed before they are extracted again, at first and at most, in nanoseconds: twice as long each time
 /// that a whole look shows nothing that was not known.
 const LOOK_NS: (u64, u64) = (1_000_000_000, 4_000_000_000);
+/// How long ropes are followed that cannot be followed for long: they are not far from where they were. Of a fast camera's images
+/// one in some is then extracted whole, instead of each, for which there is no time.
+const BRIEF_NS: u64 = 7_000_000;
 /// Frames after which ropes that are plain to see are followed.
 const SETTLED: u32 = 3;
 /// And those of a mask that was given.
@@ -41,6 +44,10 @@ pub(crate) struct Follower {
     /// When the ropes were last extracted, and for how long they are followed from there, in nanoseconds.
     anchored_ns: u64,
     wait_ns: u64,
+    /// Whether they are followed from there for a moment only.
+    is_brief: bool,
+    /// When the last image was taken.
+    last_ns: u64,
     /// Whether there was ever an image to follow ropes into: who gives a mask for each needs nothing learnt.
     is_wanted: bool,
 }
@@ -57,8 +64,12 @@ impl Follower {
     /// Notes that ropes are to be followed; says whether there are some that can be, into an image of this moment.
     pub(crate) fn is_ready(&mut self, now_ns: u64) -> bool {
         self.is_wanted = true;
+        let wait_ns = match self.is_brief {
+            true => self.wait_ns.min(BRIEF_NS),
+            false => self.wait_ns,
+        };
         let is_due =
-            !(self.anchored_ns..self.anchored_ns.saturating_add(self.wait_ns)).contains(&now_ns);
+            !(self.anchored_ns..self.anchored_ns.saturating_add(wait_ns)).contains(&now_ns);
         !is_due && (self.chords.is_ready() || self.contours.is_ready())
     }
 
@@ -76,6 +87,7 @@ impl Follower {
         self.tracks.clear();
         self.whole_frames = 0;
         (self.crossings, self.anchored_ns, self.wait_ns) = (0, 0, 0);
+        self.last_ns = 0;
         self.is_wanted = false;
     }
 
@@ -94,7 +106,10 @@ impl Follower {
             false => self.contours.follow(image, curves, crossings),
         };
         if found {
-            self.known.note(curves, now_ns);
+            self.last_ns = now_ns;
+            if !self.is_brief {
+                self.known.note(curves, now_ns);
+            }
         }
         found
     }
@@ -115,6 +130,8 @@ impl Follower {
         // What the network finds may be other things, too.
         self.know(curves, crossings, is_plain && !masker.is_sought, now_ns);
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
+        let is_fast = now_ns.saturating_sub(self.last_ns) < BRIEF_NS;
+        (self.is_brief, self.last_ns) = (false, now_ns);
         let is_table = masker.notice.is_none() && !masker.is_smoothed;
         let is_within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
         if let Some(cut) = masker.cut.filter(|_| is_table)
@@ -133,17 +150,24 @@ impl Follower {
         let least = if is_told { TOLD } else { SETTLED };
         let is_whole = self.whole_frames >= least;
         let is_known = self.whole_frames > 0 && self.known.are(curves, now_ns);
-        if is_seen && (is_whole || is_known) && (self.is_wanted || !is_told) {
-            let is_table = masker.cut.is_some();
-            let how = Trust {
-                is_known,
-                is_table,
-                is_simple: masker.is_sought,
-            };
+        if !is_seen || is_told && !self.is_wanted {
+            return;
+        }
+        let how = Trust {
+            is_known,
+            is_table: masker.cut.is_some(),
+            is_simple: masker.is_sought,
+            is_brief: false,
+        };
+        if is_whole || is_known {
             self.contours.anchor(image, curves, crossings, how);
-            if self.contours.is_ready() {
-                self.known.note(curves, now_ns);
-            }
+        }
+        if self.contours.is_ready() {
+            self.known.note(curves, now_ns);
+        } else if is_fast {
+            let is_brief = true;
+            (self.contours).anchor(image, curves, crossings, Trust { is_brief, ..how });
+            self.is_brief = true;
         }
     }
 }

@@ -38,6 +38,8 @@ pub(super) struct Trust {
     pub(super) is_table: bool,
     /// They are not sure enough to be followed where they touch.
     pub(super) is_simple: bool,
+    /// They are followed for a moment only, in which nothing can have become of them that does not show.
+    pub(super) is_brief: bool,
 }
 
 /// What is known of the ropes that can be followed.
@@ -85,16 +87,16 @@ impl ContourFollower {
             self.ropes.resize_with(curves.len(), Rope::default);
         }
         let ropes = &mut self.ropes[..curves.len()];
-        ropes
-            .iter_mut()
-            .for_each(|rope| rope.is_on_table = trust.is_table);
+        for rope in &mut *ropes {
+            (rope.is_on_table, rope.is_brief) = (trust.is_table, trust.is_brief);
+        }
         if !(ropes.iter_mut().zip(curves)).all(|(rope, curve)| rope.anchor(curve, trust.is_known)) {
             return;
         }
         note(ropes, crossings);
         note_neighbors(ropes);
         let is_unsure = |rope: &Rope| rope.may_slide() || trust.is_simple && rope.touches();
-        if ropes.iter().any(is_unsure) {
+        if !trust.is_brief && ropes.iter().any(is_unsure) {
             return;
         }
         if ropes.iter_mut().all(|rope| rope.learn(image)) {
@@ -127,8 +129,8 @@ impl ContourFollower {
         let found = !self.novelty.is_in(image, ropes)
             && ropes
                 .iter_mut()
-                .all(|rope| !rope.may_slide() && rope.follow(image))
-            && !station::come_together(ropes);
+                .all(|rope| (rope.is_brief || !rope.may_slide()) && rope.follow(image))
+            && (!station::come_together(ropes) || ropes[0].is_brief);
         if !found {
             self.count = 0;
             return false;

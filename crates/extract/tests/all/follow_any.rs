@@ -5,7 +5,7 @@ use crate::drawing;
 use drawing::{Rope, Table, distance, error, see};
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, Verdict};
 use lariat_drawn::{RenderOptions, Rendered};
-use lariat_extract::{Extractor, HsvRange, Image, Mask, Options, PixelFormat, Status};
+use lariat_extract::{Extractor, HsvRange, Image, Mask, Options, PixelFormat, Scene, Status};
 
 const SIZE: (usize, usize) = (480, 360);
 const FRAMES: usize = 150;
@@ -240,37 +240,68 @@ fn a_rope_whose_tip_lies_against_another_is_followed_with_it() {
     assert!(followed >= 30, "{followed} of 60 frames followed");
 }
 
-#[test]
-fn strands_that_come_to_lie_on_each_other_slowly_are_followed() {
-    // A millisecond from frame to frame, and a loop that closes after 6.4 s.
+/// Frames of the simulated rope a millisecond apart, from one on, each with its number and what is seen in it.
+fn watch_fast(seed: u64, [first, count]: [u64; 2], mut with: impl FnMut(u64, &Image, &Scene)) {
     let options = RenderOptions {
-        seed: 2,
+        seed,
         frame_interval_s: 0.001,
         ..RenderOptions::default()
     };
     let mut film = Rendered::new(&options).expect("valid options");
-    film.pass_over(6430);
-    let (mut extractor, mut followed) = (with_mask(Mask::Auto), 0);
+    film.pass_over(first);
+    let mut extractor = with_mask(Mask::Auto);
     let size = [options.width, options.height].map(|side| side as usize);
     let mut rgb = vec![0; 3 * size[0] * size[1]];
-    let mut lengths_px = Vec::new();
-    for frame in 0..100 {
+    for frame in 0..count {
         film.advance();
         film.write(&mut rgb);
         extractor.at(1_000_000 * frame);
         let image = Image::new(&rgb, size[0], size[1], 3 * size[0], PixelFormat::Rgb8);
-        let scene = extractor.extract(&image.expect("a whole image"));
+        let image = image.expect("a whole image");
+        with(frame, &image, &extractor.extract(&image));
+    }
+}
+
+#[test]
+fn strands_that_come_to_lie_on_each_other_slowly_are_followed() {
+    let mut followed = 0;
+    let mut lengths_px = Vec::new();
+    // A loop closes.
+    watch_fast(2, [6430, 100], |frame, _, scene| {
         followed += usize::from(scene.followed);
         let [curve] = scene.curves else {
             panic!("{frame}: {} curves", scene.curves.len());
         };
         lengths_px.push(curve.length_px);
-    }
+    });
     assert!(followed >= 80, "{followed} of 100 frames followed");
     // A tip that does not show is as far away as it was: not farther from frame to frame.
     let late_px = &lengths_px[75..];
     let off_px = late_px.iter().map(|px| (px - late_px[0]).abs());
     assert!(off_px.fold(0.0, f32::max) < 0.5, "{lengths_px:?}");
+}
+
+#[test]
+fn a_fast_camera_has_no_whole_looks_in_a_row_where_both_tips_lie_on_the_rope() {
+    let (mut followed, mut was_followed) = (0, false);
+    // Frames a second apart are extracted whole.
+    let mut whole = with_mask(Mask::Auto);
+    watch_fast(1, [6340, 40], |frame, image, scene| {
+        if frame >= 4 {
+            assert!(scene.followed || was_followed, "{frame} is whole, too");
+            followed += usize::from(scene.followed);
+        }
+        was_followed = scene.followed;
+        whole.at(1_000_000_000 * (frame + 1));
+        let truth = whole.extract(image);
+        let ([curve], [truth]) = (scene.curves, truth.curves) else {
+            panic!("{frame}: {} curves", scene.curves.len());
+        };
+        let offs_px = curve.points.iter().zip(&truth.points);
+        let far_px = offs_px.map(|(&a, &b)| distance(a, b)).fold(0.0, f32::max);
+        assert!(far_px < 3.0, "{frame}: {far_px}");
+    });
+    assert!(followed >= 28, "{followed} of 36 frames followed");
 }
 
 #[test]

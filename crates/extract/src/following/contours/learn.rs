@@ -49,7 +49,7 @@ impl Rope {
         let fits = n >= LEAST_POINTS
             && WIDTHS_PX.contains(&curve.width_px)
             && spacing_px <= APART_WIDTHS * curve.width_px;
-        let is_sure = is_known || curve.confidence >= LEAST_CONFIDENCE;
+        let is_sure = is_known || self.is_brief || curve.confidence >= LEAST_CONFIDENCE;
         if curve.status == Status::Lost || !is_sure || !fits {
             return false;
         }

@@ -73,6 +73,8 @@ pub(super) struct Rope {
     pub(super) is_part: bool,
     /// Whether it lies on a plain table.
     pub(super) is_on_table: bool,
+    /// Whether it is followed for a moment only.
+    pub(super) is_brief: bool,
     /// Whether the image at hand is the one that it was extracted from.
     pub(super) is_learning: bool,
     /// How much farther in an edge reads per step of the direction that it faces: the light comes from one side.
@@ -220,7 +222,7 @@ impl Rope {
         let n = self.next.len();
         let enough =
             read as f32 >= LEAST_READ * asked as f32 && read as f32 >= LEAST_SEEN * n as f32;
-        (enough && self.holds_together()).then(|| self.settle())
+        (enough && (self.is_brief || self.holds_together())).then(|| self.settle())
     }
 
     /// Leaves what is said to cover the rope before its ends as it was: there only the tip tells whether the rope is covered or ends.
@@ -327,7 +329,7 @@ impl Rope {
         let is_unseen = self.next.iter().any(|station| station.is_hidden)
             || !self.closed && self.ends.iter().any(End::is_unseen);
         self.unseen_frames = if is_unseen { self.unseen_frames + 1 } else { 0 };
-        self.unseen_frames <= MOST_UNSEEN_FRAMES && self.lay(image)
+        (self.is_brief || self.unseen_frames <= MOST_UNSEEN_FRAMES) && self.lay(image)
     }
 
     /// Lays the stations anew from end to end.
