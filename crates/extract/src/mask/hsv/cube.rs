@@ -13,7 +13,7 @@ use crate::options::HsvRange;
 pub(super) const STEPS: usize = 32;
 /// Levels in a step.
 const STEP: usize = 256 / STEPS;
-const BANDS: usize = 8;
+pub(super) const BANDS: usize = 8;
 /// Words of 64 colors that differ in the third channel only.
 const ROW: usize = 256 / 64;
 /// Levels of the third channel that are asked for at once, and of the others along a box of colors that are first asked for

@@ -13,7 +13,7 @@
 
 use super::{Kernels, PLAIN, among};
 use crate::image::kernels::orders;
-use crate::mask::hsv::cube::{Cube, STEPS};
+use crate::mask::hsv::cube::{BANDS, Cube, STEPS};
 use crate::mask::hsv::outline::Outline;
 use std::arch::x86_64::*;
 
@@ -218,72 +218,113 @@ fn split_three_256(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
     super::split_three(rest, [first_rest, second_rest, third_rest]);
 }
 
-/// Both halves of a table of 32 bytes, each in either half of a register.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn halves(table: &[u8; STEPS]) -> [__m256i; 2] {
-    [0, 16].map(|from| {
-        // SAFETY: half of the table is 16 bytes long.
-        let half = unsafe { _mm_loadu_si128(table[from..][..16].as_ptr().cast()) };
-        _mm256_broadcastsi128_si256(half)
-    })
-}
+/// A table of 32 bytes, each of its halves in both halves of a register.
+type Table = [__m256i; 2];
 
-/// Half of 64 levels.
+// Closures that are handed on, as to `map`, are not compiled into what calls them: here they would cost more than what they do.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn levels(channel: &[u8; 64], half: usize) -> __m256i {
-    // SAFETY: half of the array is 32 bytes long.
-    unsafe { _mm256_loadu_si256(channel[32 * half..][..32].as_ptr().cast()) }
+fn table(bytes: &[u8; STEPS]) -> Table {
+    let (low, high) = (bytes.as_ptr(), bytes[STEPS / 2..].as_ptr());
+    // SAFETY: each half of the table is 16 bytes long.
+    let [low, high] = unsafe { [_mm_loadu_si128(low.cast()), _mm_loadu_si128(high.cast())] };
+    [
+        _mm256_broadcastsi128_si256(low),
+        _mm256_broadcastsi128_si256(high),
+    ]
 }
 
 /// What a table has for the steps of some levels.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn at_steps(levels: __m256i, table: [__m256i; 2]) -> __m256i {
+fn at_steps(levels: __m256i, [low, high]: Table) -> __m256i {
     let steps = _mm256_and_si256(_mm256_srli_epi16(levels, 3), _mm256_set1_epi8(15));
     // A level's highest bit says in which half of the table its step is.
-    let [low, high] = table.map(|half| _mm256_shuffle_epi8(half, steps));
+    let (low, high) = (
+        _mm256_shuffle_epi8(low, steps),
+        _mm256_shuffle_epi8(high, steps),
+    );
     _mm256_blendv_epi8(low, high, levels)
 }
 
-/// As [`outlined_512`].
+/// Where a level is no less than another, a bit each.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn outlined_256(outlines: &[Outline], channels: [&[u8; 64]; 3]) -> u64 {
-    if outlines.is_empty() {
-        return u64::MAX;
+fn no_less(a: __m256i, b: __m256i) -> u64 {
+    let equal = _mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a);
+    u64::from(_mm256_movemask_epi8(equal).cast_unsigned())
+}
+
+/// An outline in registers.
+#[derive(Clone, Copy)]
+struct Ends {
+    largest: [__m256i; 2],
+    smallest: [Table; 2],
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn ends(outline: &Outline) -> Ends {
+    let [least, most] = outline.largest;
+    let [low, high] = &outline.smallest;
+    Ends {
+        largest: [
+            _mm256_set1_epi8(least.cast_signed()),
+            _mm256_set1_epi8(most.cast_signed()),
+        ],
+        smallest: [table(low), table(high)],
     }
-    let mut all = 0;
-    for half in 0..2 {
-        let [r, g, b] = channels.map(|channel| levels(channel, half));
-        let no_less = |a, b| {
-            let equal = _mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a);
-            u64::from(_mm256_movemask_epi8(equal).cast_unsigned())
-        };
-        let largest = _mm256_max_epu8(r, _mm256_max_epu8(g, b));
-        let smallest = _mm256_min_epu8(r, _mm256_min_epu8(g, b));
-        let down = [no_less(r, g), no_less(g, b), no_less(b, r)];
-        let up = [no_less(g, r), no_less(b, g), no_less(r, b)];
-        let within =
-            |levels, [least, most]: [__m256i; 2]| no_less(levels, least) & no_less(most, levels);
-        let may = outlines.iter().fold(0, |may, outline| {
-            let ends = outline
-                .largest
-                .map(|level| _mm256_set1_epi8(level.cast_signed()));
-            let of_smallest =
-                (outline.smallest.each_ref()).map(|table| at_steps(largest, halves(table)));
-            let in_order = outline.in_order(down, up);
-            may | within(largest, ends) & within(smallest, of_smallest) & in_order
-        });
-        all |= may << (32 * half);
+}
+
+/// As [`outlined_512`], of 32 pixels.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn outlined_256(outlines: &[Outline], of: &[Ends; BANDS], [r, g, b]: [__m256i; 3]) -> u64 {
+    let largest = _mm256_max_epu8(r, _mm256_max_epu8(g, b));
+    let smallest = _mm256_min_epu8(r, _mm256_min_epu8(g, b));
+    let down = [no_less(r, g), no_less(g, b), no_less(b, r)];
+    let up = [no_less(g, r), no_less(b, g), no_less(r, b)];
+    let mut may = 0;
+    for (outline, ends) in outlines.iter().zip(of) {
+        let [least, most] = ends.largest;
+        let is_light = no_less(largest, least) & no_less(most, largest);
+        let (low, high) = (
+            at_steps(largest, ends.smallest[0]),
+            at_steps(largest, ends.smallest[1]),
+        );
+        let is_dull = no_less(smallest, low) & no_less(high, smallest);
+        may |= is_light & is_dull & outline.in_order(down, up);
     }
-    all
+    may
+}
+
+/// A byte of each bit: 255 or 0.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn bytes_of(bits: u32) -> __m256i {
+    let all = _mm256_set1_epi32(bits.cast_signed());
+    // Each byte of four, eight times.
+    let [first, second] = [0x0101_0101_0101_0101, 0x0303_0303_0303_0303];
+    let order = _mm256_setr_epi64x(0, first, 2 * first, second);
+    let own = _mm256_set1_epi64x(0x8040_2010_0804_0201u64.cast_signed());
+    _mm256_cmpeq_epi8(_mm256_and_si256(_mm256_shuffle_epi8(all, order), own), own)
 }
 
 #[target_feature(enable = "avx2")]
 fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u64]) {
-    let tables = cube.bands.each_ref().map(|bands| halves(bands));
+    let [first, second, third] = [
+        table(&cube.bands[0]),
+        table(&cube.bands[1]),
+        table(&cube.bands[2]),
+    ];
+    let nothing = _mm256_setzero_si256();
+    let mut outlines = [Ends {
+        largest: [nothing; 2],
+        smallest: [[nothing; 2]; 2],
+    }; BANDS];
+    for (of, outline) in outlines.iter_mut().zip(&cube.outlines) {
+        *of = ends(outline);
+    }
     let blocks = inside.len() / 64;
     let [a, b, c] = planes.map(|plane| plane.as_chunks::<64>().0);
     let (bytes, rest) = inside.as_chunks_mut::<64>();
@@ -292,23 +333,31 @@ fn select_256(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
         .zip(&mut *words)
         .zip(a.iter().zip(b).zip(c))
     {
-        let bands = |channel: &[u8; 64], half: usize, table| at_steps(levels(channel, half), table);
         let mut may = 0;
-        for half in 0..2 {
-            let common = _mm256_and_si256(bands(a, half, tables[0]), bands(b, half, tables[1]));
-            let common = _mm256_and_si256(common, bands(c, half, tables[2]));
-            let none = _mm256_cmpeq_epi8(common, _mm256_setzero_si256());
-            let some = !_mm256_movemask_epi8(none).cast_unsigned();
-            may |= u64::from(some) << (32 * half);
-        }
-        if may != 0 {
-            may &= outlined_256(&cube.outlines, [a, b, c]);
+        for from in [0, 32] {
+            // SAFETY: the arrays are 64 bytes long.
+            let [a, b, c] = unsafe {
+                [
+                    _mm256_loadu_si256(a.as_ptr().add(from).cast()),
+                    _mm256_loadu_si256(b.as_ptr().add(from).cast()),
+                    _mm256_loadu_si256(c.as_ptr().add(from).cast()),
+                ]
+            };
+            let common = _mm256_and_si256(at_steps(a, first), at_steps(b, second));
+            let common = _mm256_and_si256(common, at_steps(c, third));
+            let none = _mm256_cmpeq_epi8(common, nothing);
+            let mut some = u64::from(!_mm256_movemask_epi8(none).cast_unsigned());
+            if some != 0 && !cube.outlines.is_empty() {
+                some &= outlined_256(&cube.outlines, &outlines, [a, b, c]);
+            }
+            may |= some << from;
         }
         *word = among(may, cube, [a, b, c]);
-        bytes.fill(0);
-        if *word != 0 {
-            for (x, byte) in bytes.iter_mut().enumerate() {
-                *byte = if *word >> x & 1 == 1 { 255 } else { 0 };
+        for from in [0, 32] {
+            // SAFETY: the array is 64 bytes long.
+            unsafe {
+                let out = bytes.as_mut_ptr().add(from).cast();
+                _mm256_storeu_si256(out, bytes_of((*word >> from) as u32));
             }
         }
     }
