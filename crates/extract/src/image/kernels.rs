@@ -10,7 +10,7 @@ mod x86;
 
 use super::PixelFormat;
 #[cfg(target_arch = "x86_64")]
-pub(crate) use x86::orders;
+pub(crate) use x86::{channels_256, orders, pixels_256, twice};
 
 /// Pixels along a row that share one level of the table.
 pub(crate) const BLOCK: usize = 8;

@@ -67,57 +67,84 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
     wide.into_iter().chain(medium)
 }
 
-/// Calls `block` with the first pixel of each block of `size` pixels, the last one moved back so that it ends with the
-/// row; false if the row is shorter than a block.
-#[inline(always)]
-fn in_blocks(pixels: usize, size: usize, mut block: impl FnMut(usize)) -> bool {
-    if pixels < size {
-        return false;
-    }
-    (0..pixels / size).for_each(|i| block(i * size));
-    if !pixels.is_multiple_of(size) {
-        block(pixels - size);
-    }
-    true
+/// Of three registers of interleaved channels one of each channel: 16 pixels in each half.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(crate) fn channels_256([a, b, c]: [__m256i; 3]) -> [__m256i; 3] {
+    const ORDERS: [[u8; 16]; 3] = orders();
+    const LANES: [[u8; 16]; 3] = {
+        let mut lanes = [[0; 16]; 3];
+        let mut i = 0;
+        while i < 16 {
+            lanes[i % 3][i] = 0xFF;
+            i += 1;
+        }
+        lanes
+    };
+    let (zero, one, two) = (twice(&LANES[0]), twice(&LANES[1]), twice(&LANES[2]));
+    let first = _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, two), c, one);
+    let second = _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, zero), c, two);
+    let third = _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, one), c, zero);
+    [
+        _mm256_shuffle_epi8(first, twice(&ORDERS[0])),
+        _mm256_shuffle_epi8(second, twice(&ORDERS[1])),
+        _mm256_shuffle_epi8(third, twice(&ORDERS[2])),
+    ]
 }
 
+/// The same 16 bytes in both halves of a register.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(crate) fn twice(bytes: &[u8; 16]) -> __m256i {
+    // SAFETY: the array is 16 bytes long.
+    _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) })
+}
+
+/// 32 pixels of three interleaved channels: each half of a register is of a block of 16 pixels of its own.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(crate) fn pixels_256(bytes: &[u8; 96]) -> [__m256i; 3] {
+    let (low, high) = (bytes.as_ptr(), bytes[48..].as_ptr());
+    // SAFETY: both halves of the array are 3 × 16 bytes long.
+    unsafe {
+        [
+            _mm256_loadu2_m128i(high.cast(), low.cast()),
+            _mm256_loadu2_m128i(high.add(16).cast(), low.add(16).cast()),
+            _mm256_loadu2_m128i(high.add(32).cast(), low.add(32).cast()),
+        ]
+    }
+}
+
+// Closures that are handed on, as to `map`, are not compiled into what calls them: here they would cost more than what they do.
+#[inline]
 #[target_feature(enable = "avx2")]
 fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
-    const ORDERS: [[u8; 16]; 3] = orders();
     let pixels = out.len().min(row.len() / 3).min(table.len() / 3);
-    let twice = |bytes: &[u8; 16]| {
-        // SAFETY: the array is 16 bytes long.
-        _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) })
-    };
-    let orders = ORDERS.each_ref().map(twice);
-    let lanes =
-        |rest: usize| -> [u8; 16] { std::array::from_fn(|i| if i % 3 == rest { 0xFF } else { 0 }) };
-    let [zero, one, two] = [0, 1, 2].map(|rest| twice(&lanes(rest)));
-    let done = in_blocks(pixels, 32, |x| {
-        let (row, table) = (&row[3 * x..][..96], &table[3 * x..][..96]);
-        // Each half of a register is a block of 16 pixels of its own.
-        let load = |bytes: &[u8], at: usize| {
-            let (low, high) = (&bytes[at..][..16], &bytes[at + 48..][..16]);
-            // SAFETY: both slices are 16 bytes long.
-            unsafe { _mm256_loadu2_m128i(high.as_ptr().cast(), low.as_ptr().cast()) }
-        };
-        let [a, b, c] = [0, 16, 32].map(|at| {
-            let (p, t) = (load(row, at), load(table, at));
-            _mm256_sub_epi8(_mm256_max_epu8(p, t), _mm256_min_epu8(p, t))
-        });
-        let blend =
-            |from_b, from_c| _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, from_b), c, from_c);
-        let first = _mm256_shuffle_epi8(blend(two, one), orders[0]);
-        let second = _mm256_shuffle_epi8(blend(zero, two), orders[1]);
-        let third = _mm256_shuffle_epi8(blend(one, zero), orders[2]);
-        let most = _mm256_max_epu8(first, _mm256_max_epu8(second, third));
-        let out = &mut out[x..][..32];
+    let mut x = 0;
+    while let (Some(p), Some(t), Some(out)) = (
+        row[3 * x..].first_chunk(),
+        table[3 * x..].first_chunk(),
+        out[x..pixels].first_chunk_mut::<32>(),
+    ) {
+        let ([p0, p1, p2], [t0, t1, t2]) = (pixels_256(p), pixels_256(t));
+        let [a, b, c] = channels_256([apart(p0, t0), apart(p1, t1), apart(p2, t2)]);
+        let most = _mm256_max_epu8(a, _mm256_max_epu8(b, c));
         // SAFETY: `out` is 32 bytes long.
         unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), most) };
-    });
-    if !done {
-        super::three_channels(row, table, out);
+        x += 32;
+        // The last block is moved back so that it ends with the row.
+        if x < pixels && x + 32 > pixels {
+            x = pixels - 32;
+        }
     }
+    super::three_channels(&row[3 * x..], &table[3 * x..], &mut out[x..]);
+}
+
+/// How far bytes lie apart.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn apart(a: __m256i, b: __m256i) -> __m256i {
+    _mm256_sub_epi8(_mm256_max_epu8(a, b), _mm256_min_epu8(a, b))
 }
 
 #[target_feature(enable = "avx2")]

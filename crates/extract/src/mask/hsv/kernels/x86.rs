@@ -12,7 +12,7 @@
 #![allow(unsafe_code)]
 
 use super::{Kernels, PLAIN, among};
-use crate::image::kernels::orders;
+use crate::image::kernels::{channels_256, orders, pixels_256, twice};
 use crate::mask::hsv::cube::{BANDS, Cube, STEPS};
 use crate::mask::hsv::outline::Outline;
 use std::arch::x86_64::*;
@@ -184,35 +184,17 @@ fn gather(may: u64, answers: &[u64; 1 << 18], planes: [&[u8; 64]; 3]) -> u64 {
 
 #[target_feature(enable = "avx2")]
 fn split_three_256(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
-    const ORDERS: [[u8; 16]; 3] = orders();
-    let twice = |bytes: &[u8; 16]| {
-        // SAFETY: the array is 16 bytes long.
-        _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) })
-    };
-    let orders = ORDERS.each_ref().map(twice);
-    let lanes =
-        |rest: usize| -> [u8; 16] { std::array::from_fn(|i| if i % 3 == rest { 0xFF } else { 0 }) };
-    let [zero, one, two] = [0, 1, 2].map(|rest| twice(&lanes(rest)));
     let (blocks, rest) = row.as_chunks::<96>();
     let (firsts, first_rest) = first.as_chunks_mut::<32>();
     let (seconds, second_rest) = second.as_chunks_mut::<32>();
     let (thirds, third_rest) = third.as_chunks_mut::<32>();
     for (((block, first), second), third) in blocks.iter().zip(firsts).zip(seconds).zip(thirds) {
-        // Each half of a register is a block of 16 pixels of its own.
-        let [a, b, c] = [0, 16, 32].map(|at| {
-            let low = block.as_ptr().wrapping_add(at).cast();
-            let high = block.as_ptr().wrapping_add(at + 48).cast();
-            // SAFETY: a block is 96 bytes long, and 32 + 48 + 16 are as many.
-            unsafe { _mm256_loadu2_m128i(high, low) }
-        });
-        let blend =
-            |from_b, from_c| _mm256_blendv_epi8(_mm256_blendv_epi8(a, b, from_b), c, from_c);
-        let channels = [blend(two, one), blend(zero, two), blend(one, zero)];
-        for ((out, channel), order) in [first, second, third].into_iter().zip(channels).zip(orders)
-        {
-            let ordered = _mm256_shuffle_epi8(channel, order);
-            // SAFETY: `out` is 32 bytes long.
-            unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), ordered) };
+        let [a, b, c] = channels_256(pixels_256(block));
+        // SAFETY: the arrays are 32 bytes long.
+        unsafe {
+            _mm256_storeu_si256(first.as_mut_ptr().cast(), a);
+            _mm256_storeu_si256(second.as_mut_ptr().cast(), b);
+            _mm256_storeu_si256(third.as_mut_ptr().cast(), c);
         }
     }
     super::split_three(rest, [first_rest, second_rest, third_rest]);
@@ -225,13 +207,10 @@ type Table = [__m256i; 2];
 #[inline]
 #[target_feature(enable = "avx2")]
 fn table(bytes: &[u8; STEPS]) -> Table {
-    let (low, high) = (bytes.as_ptr(), bytes[STEPS / 2..].as_ptr());
-    // SAFETY: each half of the table is 16 bytes long.
-    let [low, high] = unsafe { [_mm_loadu_si128(low.cast()), _mm_loadu_si128(high.cast())] };
-    [
-        _mm256_broadcastsi128_si256(low),
-        _mm256_broadcastsi128_si256(high),
-    ]
+    let [low, high] = bytes.as_chunks().0 else {
+        unreachable!("a table has two halves");
+    };
+    [twice(low), twice(high)]
 }
 
 /// What a table has for the steps of some levels.
