@@ -3,8 +3,8 @@
 use super::Look;
 use lariat_portable::{Arch, Simd, WithSimd};
 
-/// Bytes that are looked at together.
-const LANES: usize = 32;
+/// Bytes that are looked at together: what comes from memory at once.
+const LANES: usize = 64;
 
 /// See [`Look`].
 pub(super) fn look(look: Look) {
