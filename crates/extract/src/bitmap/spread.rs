@@ -13,7 +13,7 @@ pub(crate) fn spread(
     (plane, limits): (&mut BitPlane, &mut BitPlane),
     mut rows: Range<usize>,
     most: f32,
-    limit: impl Fn(usize, &mut BitPlane),
+    mut limit: impl FnMut(usize, &mut BitPlane),
 ) -> Range<usize> {
     let is_empty = |plane: &BitPlane, y: usize| plane.row(y).iter().all(|&word| word == 0);
     // Each round goes once around a bend; what winds more than this is not a thing's outline.

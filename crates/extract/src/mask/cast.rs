@@ -160,13 +160,13 @@ impl Shadows {
     /// Parts the mask into what has the table's color in at least this light, in `plane`, and the rest. The rope's own
     /// edge, which is mixed with the table, stays with the rope.
     fn part(&mut self, image: &Image, background: &Background, mask: &BitPlane, palest: f32) {
-        self.plane.resize(mask.width(), mask.height());
-        for_each_some(mask, 1, 1, |x, y| {
-            let light = shadow::light_left(image, background, [x, y]);
-            if light.is_some_and(|light| light >= palest && light < 1.0) {
-                self.plane.fill(y, x, x + 1, true);
-            }
-        });
+        // Nothing is surely the rope's.
+        self.spare.resize(mask.width(), mask.height());
+        self.body.copy_from(mask);
+        shadow::clear(image, background, palest, &mut self.body, &self.spare);
+        self.plane.copy_from(mask);
+        let words = self.plane.words_mut().iter_mut().zip(self.body.words());
+        words.for_each(|(pale, body)| *pale &= !body);
         shrink(&self.plane, &mut self.spare);
         grow_within(&mut self.spare, &self.plane, &mut self.body);
         self.plane.copy_from(&self.spare);

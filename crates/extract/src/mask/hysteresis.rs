@@ -8,7 +8,7 @@
 //! edges and shadows beside it, which are faint too, stay out.
 
 use super::background::Background;
-use super::shadow;
+use super::shadow::{self, DARKEST};
 use super::threshold::Cut;
 use super::widths::Widths;
 use crate::bitmap::bits::BitPlane;
@@ -59,7 +59,7 @@ impl Hysteresis {
         (mask, rows): (&mut Strips, &BitPlane),
     ) {
         self.reserve(mask);
-        shadow::clear(image, background, &mut self.faint, rows);
+        shadow::clear(image, background, DARKEST, &mut self.faint, rows);
         self.weak.take(&self.faint);
         self.widths.take((mask, rows), (&self.weak, &self.faint));
         let (width_px, fringe_px) = self.rope_width();

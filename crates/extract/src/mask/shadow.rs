@@ -12,7 +12,7 @@ use crate::bitmap::bits::BitPlane;
 use crate::image::{Image, PixelFormat, color};
 
 /// A shadow leaves at least this share of the table's light; what is darker is a thing.
-const DARKEST: f32 = 0.3;
+pub(crate) const DARKEST: f32 = 0.3;
 /// How far a channel may lie from the shaded table's, in the table's noise, and at least in levels.
 const NOISES: f32 = 3.0;
 const LEVELS: f32 = 6.0;
@@ -22,14 +22,21 @@ const WORDS: usize = 8;
 /// Words that are taken before their pixels are.
 const MOST_WORDS: usize = 128;
 
-/// Clears of `faint` what may be shadow and is not in `sure`, and sets what is.
-pub(crate) fn clear(image: &Image, background: &Background, faint: &mut BitPlane, sure: &BitPlane) {
+/// Clears of `faint` what may be shadow that leaves at least the share `darkest` of the light and is not in `sure`, and sets what is.
+pub(crate) fn clear(
+    image: &Image,
+    background: &Background,
+    darkest: f32,
+    faint: &mut BitPlane,
+    sure: &BitPlane,
+) {
     let tolerance = (NOISES * background.noise).max(LEVELS);
     let clear = Clear {
         background,
         faint,
         sure,
         yuv: color::is_yuv(image.format()),
+        darkest,
         tolerance,
         pixel: |x: usize, y: usize| color::native(image, x, y),
     };
@@ -57,6 +64,7 @@ struct Clear<'a, P> {
     faint: &'a mut BitPlane,
     sure: &'a BitPlane,
     yuv: bool,
+    darkest: f32,
     tolerance: f32,
     pixel: P,
 }
@@ -68,6 +76,7 @@ impl<'a, P> Clear<'a, P> {
             faint: self.faint,
             sure: self.sure,
             yuv: self.yuv,
+            darkest: self.darkest,
             tolerance: self.tolerance,
             pixel,
         }
@@ -144,10 +153,11 @@ impl<P: Fn(usize, usize) -> [u8; 3]> Clear<'_, P> {
     /// Clears those of the gathered pixels that are shade, and forgets all of them.
     #[inline(always)]
     fn judge(&mut self, gathered: &mut Gathered) {
+        let limits = (self.darkest, self.tolerance);
         let shade = if self.yuv {
-            gathered.shade::<true>(self.background, self.tolerance)
+            gathered.shade::<true>(self.background, limits)
         } else {
-            gathered.shade::<false>(self.background, self.tolerance)
+            gathered.shade::<false>(self.background, limits)
         };
         let words = self.faint.words_mut();
         let places = gathered.words.iter().zip(&gathered.x);
@@ -227,12 +237,12 @@ impl Gathered {
 
     /// Which of them are the table in less light.
     #[inline(always)]
-    fn shade<const YUV: bool>(&self, background: &Background, tolerance: f32) -> [u32; LANES] {
+    fn shade<const YUV: bool>(&self, background: &Background, limits: (f32, f32)) -> [u32; LANES] {
         let mut shade = [0; LANES];
         for (i, shade) in shade.iter_mut().enumerate() {
             let table = background.at_place([self.x[i] as f32, self.y[i] as f32]);
             let level = |c: u32| (self.colors[i] >> (8 * c) & 0xFF) as f32;
-            let is_shade = is_shade::<YUV>([level(0), level(1), level(2)], table, tolerance);
+            let is_shade = is_shade::<YUV>([level(0), level(1), level(2)], table, limits);
             *shade = u32::from(is_shade);
         }
         shade
@@ -241,9 +251,13 @@ impl Gathered {
 
 /// Whether `pixel` is `table` in less light.
 #[inline(always)]
-fn is_shade<const YUV: bool>(pixel: [f32; 3], table: [f32; 3], tolerance: f32) -> bool {
+fn is_shade<const YUV: bool>(
+    pixel: [f32; 3],
+    table: [f32; 3],
+    (darkest, tolerance): (f32, f32),
+) -> bool {
     let (own, all, off) = light::<YUV>(pixel, table);
-    (own < all) & (own >= DARKEST * all) & (off <= tolerance)
+    (own < all) & (own >= darkest * all) & (off <= tolerance)
 }
 
 /// The light of a pixel and of the table there, and how far the pixel lies from the table in just so much light, in levels.
@@ -283,17 +297,41 @@ mod tests {
     #[test]
     fn half_the_light_is_shade_and_another_color_is_not() {
         let table = [200.0, 190.0, 170.0];
-        assert!(is_shade::<false>([100.0, 95.0, 85.0], table, 6.0));
-        assert!(!is_shade::<false>([100.0, 120.0, 85.0], table, 6.0));
-        assert!(!is_shade::<false>([240.0, 228.0, 204.0], table, 6.0));
-        assert!(!is_shade::<false>([20.0, 19.0, 17.0], table, 6.0));
+        assert!(is_shade::<false>(
+            [100.0, 95.0, 85.0],
+            table,
+            (DARKEST, 6.0)
+        ));
+        assert!(!is_shade::<false>(
+            [100.0, 120.0, 85.0],
+            table,
+            (DARKEST, 6.0)
+        ));
+        assert!(!is_shade::<false>(
+            [240.0, 228.0, 204.0],
+            table,
+            (DARKEST, 6.0)
+        ));
+        assert!(!is_shade::<false>(
+            [20.0, 19.0, 17.0],
+            table,
+            (DARKEST, 6.0)
+        ));
     }
 
     #[test]
     fn shade_takes_from_the_chroma_too() {
         let table = [180.0, 148.0, 118.0];
-        assert!(is_shade::<true>([90.0, 138.0, 123.0], table, 6.0));
-        assert!(!is_shade::<true>([90.0, 148.0, 118.0], table, 6.0));
+        assert!(is_shade::<true>(
+            [90.0, 138.0, 123.0],
+            table,
+            (DARKEST, 6.0)
+        ));
+        assert!(!is_shade::<true>(
+            [90.0, 148.0, 118.0],
+            table,
+            (DARKEST, 6.0)
+        ));
     }
 
     /// The definition, one pixel at a time.
@@ -335,7 +373,7 @@ mod tests {
                 let yuv = color::is_yuv(format);
                 let tolerance = (NOISES * background.noise).max(LEVELS);
                 let mut cleared = faint.clone();
-                clear(&image, &background, &mut cleared, &sure);
+                clear(&image, &background, DARKEST, &mut cleared, &sure);
                 for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                     let pixel = color::native(&image, x, y).map(f32::from);
                     let table = background.at(x, y);

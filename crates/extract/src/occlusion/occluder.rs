@@ -17,6 +17,7 @@ use crate::past::{Past, Rope};
 use crate::skeleton::{Pixel, Skeleton};
 use crate::statistics::{quantile, quantile_of_positive};
 use crate::vec2;
+use lariat_portable::{Arch, NullaryFnOnce};
 
 /// The share of the skeleton that is narrower than the ropes usually are.
 const USUAL: f32 = 0.35;
@@ -44,6 +45,8 @@ const MOST: usize = 6;
 pub(crate) struct Occluder {
     halves: Vec<f32>,
     channel: Vec<f32>,
+    /// Those of a row.
+    colors: Vec<u32>,
     alike: BitPlane,
     thing: BitPlane,
     grown: BitPlane,
@@ -69,6 +72,7 @@ impl Occluder {
     /// Makes the buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.channel.reserve(self.halves.capacity());
+        self.colors.reserve(width);
         for plane in [
             &mut self.alike,
             &mut self.thing,
@@ -206,17 +210,22 @@ impl Occluder {
             seed.fill(&mut self.thing, 1.1);
             self.alike.copy_from(mask);
         } else {
-            let nearer = |share: f32, x: usize, y: usize| {
-                let pixel = color::native(image, x, y).map(f32::from);
-                color::distance(pixel, own, yuv) < share * color::distance(pixel, rope, yuv)
-            };
-            let like = |share: f32, y: usize, alike: &mut BitPlane| {
-                alike.row_mut(y).fill(0);
-                mask.for_each_set(y, |x| {
-                    if nearer(share, x, y) {
-                        alike.fill(y, x, x + 1, true);
-                    }
-                });
+            let colors = &mut self.colors;
+            colors.resize(image.width(), 0);
+            let mut like = |share: f32, y: usize, alike: &mut BitPlane| {
+                let words = alike.row_mut(y);
+                words.copy_from_slice(mask.row(y));
+                if words.iter().any(|&word| word != 0) {
+                    color::along(image, y, colors);
+                    Arch::new().dispatch(Nearer {
+                        colors,
+                        own,
+                        rope,
+                        share,
+                        yuv,
+                        words,
+                    });
+                }
             };
             self.alike.resize(mask.width(), mask.height());
             let rows = seed.rows(0.8, mask.height());
@@ -311,6 +320,38 @@ impl Seed {
             let half = (radius * radius - dy * dy).max(0.0).sqrt() as usize;
             let to = (self.x + half + 1).min(plane.width());
             plane.fill(y, self.x.saturating_sub(half), to, true);
+        }
+    }
+}
+
+/// Leaves of a row's bits those of pixels that are nearer to the thing's own color than this share of their distance to the rope's.
+struct Nearer<'a> {
+    colors: &'a [u32],
+    own: [f32; 3],
+    rope: [f32; 3],
+    share: f32,
+    yuv: bool,
+    words: &'a mut [u64],
+}
+
+impl NullaryFnOnce for Nearer<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (word, colors) in self.words.iter_mut().zip(self.colors.chunks(64)) {
+            if *word == 0 {
+                continue;
+            }
+            let mut is_nearer = [0u8; 64];
+            for (is_nearer, &color) in is_nearer.iter_mut().zip(colors) {
+                let pixel = [0, 8, 16].map(|c| (color >> c & 0xFF) as f32);
+                let [own, rope] =
+                    [self.own, self.rope].map(|of| color::distance(pixel, of, self.yuv));
+                *is_nearer = u8::from(own < self.share * rope);
+            }
+            let bits = is_nearer.iter().rev();
+            *word &= bits.fold(0, |bits, &is| bits << 1 | u64::from(is));
         }
     }
 }
