@@ -331,10 +331,17 @@ impl Film {
             (half[0] - u.abs()).min(half[1] - v.abs())
         };
         let width = self.options.width as usize;
-        for (i, pixel) in self.clean.chunks_exact_mut(3).enumerate() {
-            let share = (inside((i % width) as f64, (i / width) as f64) + 0.5).clamp(0.0, 1.0);
-            for (p, c) in pixel.iter_mut().zip(RGB) {
-                *p = (f64::from(*p) + share * (f64::from(c) - f64::from(*p))) as u8;
+        // Beyond its corners nothing of it is seen.
+        let reach_px = half[0] + half[1] + 1.0;
+        let first = (middle[1] - reach_px).max(0.0) as usize;
+        let last = (middle[1] + reach_px).max(0.0) as usize;
+        let rows = self.clean.chunks_exact_mut(3 * width).enumerate();
+        for (y, row) in rows.take(last + 1).skip(first) {
+            for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+                let share = (inside(x as f64, y as f64) + 0.5).clamp(0.0, 1.0);
+                for (p, c) in pixel.iter_mut().zip(RGB) {
+                    *p = (f64::from(*p) + share * (f64::from(c) - f64::from(*p))) as u8;
+                }
             }
         }
         for (seen, p) in rope.seen.iter_mut().zip(&rope.points) {

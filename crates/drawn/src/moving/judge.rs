@@ -250,7 +250,12 @@ fn fit(curve: &SeenCurve, rope: &TrueRope) -> Fit {
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    square_of_distance(a, b).sqrt()
+}
+
+fn square_of_distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let d = [a[0] - b[0], a[1] - b[1]];
+    d[0] * d[0] + d[1] * d[1]
 }
 
 fn to_line(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
@@ -259,7 +264,7 @@ fn to_line(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
         let d = [b[0] - a[0], b[1] - a[1]];
         let square = (d[0] * d[0] + d[1] * d[1]).max(1e-12);
         let t = (((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / square).clamp(0.0, 1.0);
-        distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
+        square_of_distance(p, [a[0] + t * d[0], a[1] + t * d[1]])
     });
-    segments.fold(f64::INFINITY, f64::min)
+    segments.fold(f64::INFINITY, f64::min).sqrt()
 }

@@ -42,6 +42,8 @@ pub(super) struct Writhe {
     curl: f64,
     curling: Wave,
     modes: [Wave; 4],
+    /// How far each mode bends each segment.
+    shapes: Vec<[f64; 4]>,
     centre_px: [f64; 2],
     drift_px: [Wave; 2],
     length_px: f64,
@@ -58,6 +60,7 @@ impl Writhe {
             curl,
             curling: Wave::new(random, 0.45, [7.0, 13.0]),
             modes: MODE_TURNS.map(|turns| Wave::new(random, turns, [5.0, 11.0])),
+            shapes: (0..SEGMENTS).map(shape).collect(),
             centre_px: size_px.map(|side| 0.5 * side),
             drift_px: [0, 1].map(|axis| Wave::new(random, 0.05 * size_px[axis], [6.0, 14.0])),
             length_px: 1.0,
@@ -66,12 +69,13 @@ impl Writhe {
         let mut points = Vec::new();
         let mut farthest = [0.0f64; 2];
         for trial in 0..2000 {
-            writhe.centerline(0.37 * f64::from(trial), [0.0; 2], &mut points);
+            let time_s = 0.37 * f64::from(trial);
+            writhe.centerline(time_s, [0.0; 2], &mut points);
+            let middle =
+                [0, 1].map(|axis| writhe.centre_px[axis] + writhe.drift_px[axis].at(time_s));
             for p in &points {
                 for axis in 0..2 {
-                    let drift =
-                        writhe.centre_px[axis] + writhe.drift_px[axis].at(0.37 * f64::from(trial));
-                    farthest[axis] = farthest[axis].max((p[axis] - drift).abs());
+                    farthest[axis] = farthest[axis].max((p[axis] - middle[axis]).abs());
                 }
             }
         }
@@ -93,11 +97,10 @@ impl Writhe {
         points.clear();
         let (mut at, mut sum) = ([0.0; 2], [0.0; 2]);
         points.push(at);
-        for i in 0..SEGMENTS {
-            let sigma = (i as f64 + 0.5) / SEGMENTS as f64;
-            let mut turns = heading + curl * (sigma - 0.5);
-            for (k, swing) in swing.iter().enumerate() {
-                turns += swing * cos_turns((k + 1) as f64 * sigma / 2.0);
+        for (i, shape) in self.shapes.iter().enumerate() {
+            let mut turns = heading + curl * (middle(i) - 0.5);
+            for (swing, shape) in swing.iter().zip(shape) {
+                turns += swing * shape;
             }
             at = [
                 at[0] + step_px * cos_turns(turns),
@@ -107,11 +110,23 @@ impl Writhe {
             points.push(at);
         }
         let count = points.len() as f64;
+        let by = [0, 1].map(|axis| {
+            let centre = self.centre_px[axis] + self.drift_px[axis].at(time_s) + offset[axis];
+            centre - sum[axis] / count
+        });
         for point in points {
-            for axis in 0..2 {
-                let centre = self.centre_px[axis] + self.drift_px[axis].at(time_s) + offset[axis];
-                point[axis] += centre - sum[axis] / count;
-            }
+            *point = [point[0] + by[0], point[1] + by[1]];
         }
     }
+}
+
+/// Where along the rope the middle of a segment is, from 0 to 1.
+fn middle(segment: usize) -> f64 {
+    (segment as f64 + 0.5) / SEGMENTS as f64
+}
+
+/// How far the modes bend a segment.
+fn shape(segment: usize) -> [f64; 4] {
+    let sigma = middle(segment);
+    std::array::from_fn(|k| cos_turns((k + 1) as f64 * sigma / 2.0))
 }
