@@ -85,24 +85,36 @@ fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
         .collect();
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|weight| *weight /= sum);
-    let mut row = vec![[0.0; 3]; width.max(height)];
-    let mut pass = |start: usize, stride: usize, count: usize| {
-        for (i, value) in row[..count].iter_mut().enumerate() {
-            *value = picture[start + i * stride];
+    let reach = kernel.len() / 2;
+    // A row, and as often as the blur reaches its first and its last pixel.
+    let mut row = vec![[0.0; 3]; width + 2 * reach];
+    for blurred in picture.chunks_exact_mut(width) {
+        let (first, last) = (blurred[0], blurred[width - 1]);
+        row[..reach].fill(first);
+        row[reach..][..width].copy_from_slice(blurred);
+        row[reach + width..].fill(last);
+        blurred.fill([0.0; 3]);
+        for (k, &weight) in kernel.iter().enumerate() {
+            add(blurred, weight, &row[k..][..width]);
         }
-        for i in 0..count {
-            let mut sum = [0.0; 3];
-            for (k, weight) in kernel.iter().enumerate() {
-                let at = (i as isize + k as isize - reach).clamp(0, count as isize - 1) as usize;
-                for (sum, value) in sum.iter_mut().zip(row[at]) {
-                    *sum += weight * value;
-                }
-            }
-            picture[start + i * stride] = sum;
+    }
+    let before = picture.to_vec();
+    for (y, blurred) in picture.chunks_exact_mut(width).enumerate() {
+        blurred.fill([0.0; 3]);
+        for (k, &weight) in kernel.iter().enumerate() {
+            let from = (y + k).saturating_sub(reach).min(height - 1);
+            add(blurred, weight, &before[from * width..][..width]);
         }
-    };
-    (0..height).for_each(|y| pass(y * width, 1, width));
-    (0..width).for_each(|x| pass(x, width, height));
+    }
+}
+
+/// Adds some pixels, times a weight.
+#[inline]
+fn add(sums: &mut [[f32; 3]], weight: f32, values: &[[f32; 3]]) {
+    let sums = sums.as_flattened_mut().iter_mut();
+    for (sum, value) in sums.zip(values.as_flattened()) {
+        *sum += weight * value;
+    }
 }
 
 /// The picture moved by less than a whole number of pixels, by linear interpolation.

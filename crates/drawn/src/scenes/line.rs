@@ -4,22 +4,27 @@ use crate::rendered::truth::meet;
 
 pub(super) type Vec2 = [f64; 2];
 
+#[inline]
 pub(super) fn minus(a: Vec2, b: Vec2) -> Vec2 {
     [a[0] - b[0], a[1] - b[1]]
 }
 
+#[inline]
 pub(super) fn dot(a: Vec2, b: Vec2) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+#[inline]
 pub(super) fn cross(a: Vec2, b: Vec2) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+#[inline]
 pub(super) fn norm(a: Vec2) -> f64 {
     dot(a, a).sqrt()
 }
 
+#[inline]
 pub(super) fn mix(a: Vec2, b: Vec2, share: f64) -> Vec2 {
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
@@ -84,15 +89,18 @@ impl Line {
         }
     }
 
+    #[inline]
     pub(super) fn segments(&self) -> usize {
         self.points.len() - usize::from(!self.closed)
     }
 
+    #[inline]
     pub(super) fn length_px(&self) -> f64 {
         self.segments() as f64 * self.step_px
     }
 
     /// The ends of segment `i`.
+    #[inline]
     pub(super) fn segment(&self, i: usize) -> [Vec2; 2] {
         let next = if i + 1 == self.points.len() { 0 } else { i + 1 };
         [self.points[i], self.points[next]]
