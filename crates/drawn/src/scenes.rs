@@ -8,6 +8,7 @@ mod camera;
 mod class;
 mod covering;
 mod ground;
+mod jpeg;
 mod layout;
 mod leaving;
 mod line;
@@ -29,6 +30,8 @@ pub use score::{CrossingScore, Score, SeenCrossing, SeenCurve, score};
 
 /// Points of a true centerline.
 const TRUE_POINTS: usize = 2000;
+/// What a picture of the class about it is kept with.
+const JPEG_QUALITY: u16 = 30;
 /// Sizes of pictures, in pixels a side.
 const SIDES: std::ops::RangeInclusive<usize> = 160..=4096;
 
@@ -154,7 +157,10 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     }
     let size_px = size.map(|side| side as f64);
     let ground = ground::Ground::of(class, seed, size_px, &look, &mut stream(3));
-    let rgb = camera::expose(&painted, &look, &ground, size, &mut stream(2));
+    let mut rgb = camera::expose(&painted, &look, &ground, size, &mut stream(2));
+    if class == Class::Jpeg {
+        jpeg::keep(&mut rgb, size, JPEG_QUALITY);
+    }
     Ok(Still {
         width,
         height,

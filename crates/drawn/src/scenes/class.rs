@@ -94,11 +94,13 @@ pub enum Class {
     OneColor,
     /// A hand from beyond the picture, or a gripper, lies over a rope.
     Covered,
+    /// The picture was kept as a JPEG of quality 30, its color at half the resolution.
+    Jpeg,
 }
 
 impl Class {
     /// Every class whose ropes stand out from a plain table, in the order of the table.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::Thin,
         Self::Medium,
         Self::Thick,
@@ -128,6 +130,7 @@ impl Class {
         Self::HardShadow,
         Self::SoftShadow,
         Self::Things,
+        Self::Jpeg,
     ];
 
     /// The classes in which a rope is not just what differs from the table.
@@ -205,6 +208,7 @@ impl Class {
             Self::Parallel => "parallel",
             Self::OneColor => "one-color",
             Self::Covered => "covered",
+            Self::Jpeg => "jpeg",
         }
     }
 }

@@ -25,6 +25,13 @@ const LEAST: f32 = 0.08;
 const USUAL: f32 = 0.3;
 /// A place is thin when a disc this share of the rope's width across does not fit in.
 const THIN: f32 = 0.86;
+/// Faint pixels so far from the ropes, in widths, are none of theirs; so many of them for each pixel of the ropes' length are the
+/// traces of JPEG, of which plain pictures have none.
+const APART: f32 = 0.5;
+const RINGING: f32 = 0.02;
+/// Then a thin place of less than this, in squares of the width, is a tip: its two corners, which a disc does not reach, are
+/// 2 · (1 − π/4) / 4, and are frayed as much again and more.
+const FRAYED: f32 = 0.5;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
 /// Ropes wider than this are left as they are, in pixels: the widest that thinning brings to rest.
@@ -128,6 +135,18 @@ impl Hysteresis {
         (width_px, fringe_px as usize)
     }
 
+    /// Whether there are faint pixels apart from the ropes, about their length, as JPEG leaves them beside all that is sharp: what
+    /// a rope lacks lies against it.
+    fn rings(&mut self, mask: &Strips, width_px: f32) -> bool {
+        let apart = (APART * width_px).ceil() as usize + 1;
+        self.fits.copy_from(mask);
+        self.morphology.dilate(&mut self.fits, apart);
+        self.wider.copy_from(&self.weak);
+        self.wider.zip(&self.fits, mask, |w, f, _| w & !f);
+        let length_px = mask.count() as f32 / width_px;
+        self.wider.count() as f32 > RINGING * length_px
+    }
+
     /// Finds where the rope is thin, and all around it that could be rope.
     fn find_thin(&mut self, mask: &Strips, across: usize, width_px: f32, fringe_px: usize) -> bool {
         self.fits.copy_from(mask);
@@ -143,6 +162,12 @@ impl Hysteresis {
         let least = (0.5 * width_px) as u32;
         if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
             return false;
+        }
+        if self.rings(mask, width_px) {
+            let least = (FRAYED * width_px * width_px) as u32;
+            if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
+                return false;
+            }
         }
         let beside = (0.7 * width_px).ceil() as usize;
         self.window.near(&self.thin, beside);

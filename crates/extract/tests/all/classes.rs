@@ -50,6 +50,11 @@ const DASHES: Bounds = Bounds {
     end_px: 1.5,
     ..WHOLE
 };
+const BLOCKS: Bounds = Bounds {
+    // What rings beside a tip is as sharp as the tip.
+    end_px: 2.0,
+    ..WHOLE
+};
 const TIP: Bounds = Bounds {
     // One tip in twelve.
     end_px: 1.25,
@@ -153,4 +158,5 @@ classes! {
     a_ropes_own_sharp_shadow: HardShadow, WHOLE;
     a_ropes_own_soft_shadow: SoftShadow, WHOLE;
     things_that_are_no_ropes: Things, WHOLE;
+    pictures_kept_as_jpeg: Jpeg, BLOCKS;
 }

@@ -1,11 +1,13 @@
 //! Which strand lies on top where ropes of one color cross, and where crossings are reported.
 
 use crate::drawing;
+use crate::scored::scored;
+use lariat_drawn::scenes::{self, Class, CrossingScore, SeenCrossing};
 use lariat_portable::SplitMix64;
 
 use drawing::shaded::{Canvas, Strand, Surface};
 use drawing::{Vec2, distance, extractor};
-use lariat_extract::{Crossing, Curve, Image, PixelFormat};
+use lariat_extract::{Crossing, Curve, Extractor, Image, Options, PixelFormat};
 
 const SIDE: usize = 200;
 const MIDDLE: Vec2 = [100.0, 100.0];
@@ -166,7 +168,7 @@ fn a_lens_out_of_focus_hides_the_order_seldom() {
 fn confidence_tells_how_often_it_is_right() {
     let mut random = SplitMix64::new(402);
     let mut bins = [(0.0f32, 0.0f32, 0.0f32); 3];
-    for _ in 0..400 {
+    for _ in 0..800 {
         let cross = Cross::random(&mut random);
         let Some(found) = see(&cross, &mut random) else {
             continue;
@@ -181,7 +183,7 @@ fn confidence_tells_how_often_it_is_right() {
     for (count, expected, right) in bins {
         assert!(count >= 20.0, "{bins:?}");
         let p = expected / count;
-        // Three standard deviations of a binomial share, and what 3 of the highest bin's 300 are.
+        // Three standard deviations of a binomial share, and what 6 of the highest bin's 700 are.
         let allowed = 3.0 * (p * (1.0 - p) / count).sqrt() + 0.01;
         assert!((right / count - p).abs() <= allowed, "{bins:?}");
     }
@@ -365,4 +367,34 @@ fn ropes_that_touch_without_crossing_have_no_crossing() {
         assert_eq!(scene.curves.len(), 2, "{gap_px}");
         assert_eq!(scene.crossings, [], "{gap_px}");
     }
+}
+
+#[test]
+fn of_dashed_and_of_twisted_ropes_the_upper_is_told_by_its_cross_sections() {
+    for class in [Class::Texture, Class::Twisted] {
+        let crossings = (1001..1019).flat_map(|seed| crossings_of(class, seed));
+        let [right, of] = crossings
+            .filter(|crossing| crossing.angle_deg > 25.0 && crossing.connected)
+            .fold([0, 0], |[right, of], crossing| {
+                [right + usize::from(crossing.order_right), of + 1]
+            });
+        assert!(of >= 12, "{class}: {of}");
+        assert!(10 * right >= 9 * of, "{class}: {right} of {of}");
+    }
+}
+
+/// What became of the crossings in a drawn picture.
+fn crossings_of(class: Class, seed: u64) -> Vec<CrossingScore> {
+    let (width, height) = (480, 360);
+    let still = scenes::draw(class, seed, width, height).expect("every class fits into this size");
+    let image = Image::new(&still.rgb, width, height, 3 * width, PixelFormat::Rgb8);
+    let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
+    let scene = extractor.extract(&image.expect("the bytes are made for this size"));
+    let seen = scene.crossings.iter().map(|seen| SeenCrossing {
+        at: seen.at,
+        over: (seen.over, seen.over_rho),
+        under: (seen.under, seen.under_rho),
+    });
+    let seen: Vec<SeenCrossing> = seen.collect();
+    scenes::score(&still.truth, &scored(scene.curves), &seen).crossings
 }

@@ -5,13 +5,14 @@ use std::ops::Range;
 use lariat_portable::Simd;
 
 use super::axis::Axis;
+use super::bands::Bands;
 use super::{MOST_SAMPLES, Mean, Surprise, around_px, beyond_px};
 use crate::image::ray::{LANES, Lanes};
 use crate::image::{Image, color};
 use crate::statistics::medians;
 
 /// Lines along each strand.
-const LINES: usize = 5;
+pub(super) const LINES: usize = 5;
 /// How far aside the outermost lines run, in half-widths: farther out, lens and table mix into the
 /// strand's own color.
 const SPAN: f32 = 0.7;
@@ -38,12 +39,12 @@ pub(super) struct Lines {
 
 /// One line along a strand.
 #[derive(Debug)]
-struct Line {
+pub(super) struct Line {
     /// How far each sample of the axis, moved aside to the line, is from the other strand's axis.
-    distances: Vec<Lanes>,
+    pub(super) distances: Vec<Lanes>,
     /// The image there, a channel each.
-    colors: [Vec<Lanes>; 3],
-    /// The samples that the other strand touches, none of a line that it does not, and those that are looked at.
+    pub(super) colors: [Vec<Lanes>; 3],
+    /// The samples that the other strand touches, none of a line that it does not, and those that tell what to expect there.
     inside: Range<usize>,
     seen: Range<usize>,
 }
@@ -65,14 +66,15 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// How much the lines along the first axis are disturbed where the other lies over or under it.
+    /// How much the lines along the first axis are disturbed where the other lies over or under it; the bands across it are
+    /// only looked at where they are asked for.
     #[inline(always)]
     pub(super) fn surprise<S: Simd>(
         &mut self,
         simd: S,
         image: &Image,
         [axis, other]: [&Axis; 2],
-        step_px: f32,
+        (step_px, with_bands): (f32, bool),
     ) -> Surprise {
         let mut all = Surprise::default();
         if axis.count == 0 || other.count == 0 {
@@ -112,6 +114,16 @@ impl Lines {
                 line.add_prediction(outside, yuv, &mut all.off);
                 line.add_change(core_px, yuv, &mut all.unsteady);
             }
+        }
+        if with_bands && self.lines.iter().all(|line| !line.inside.is_empty()) {
+            let bands = Bands {
+                lines: &self.lines,
+                aside_px: &aside_px,
+                step_px,
+                core_px,
+                yuv,
+            };
+            all.bands = bands.change([axis, other]);
         }
         all
     }
@@ -160,7 +172,7 @@ impl Lines {
 }
 
 impl Line {
-    /// Fills in the colors of what is seen, by way of `smoothing` averaged each with its neighbors: what the camera's
+    /// Fills in the colors along the axis, by way of `smoothing` averaged each with its neighbors: what the camera's
     /// noise adds to a difference falls by half.
     #[inline(always)]
     fn look(
@@ -174,8 +186,8 @@ impl Line {
             Some(read) => (read, Some(&mut self.colors)),
             None => (&mut self.colors, None),
         };
-        for b in self.seen.start / LANES..self.seen.end.div_ceil(LANES) {
-            let colors = color::between_each(image, &axis.blocks[b].moved(aside_px));
+        for (b, block) in axis.blocks.iter().enumerate() {
+            let colors = color::between_each(image, &block.moved(aside_px));
             for (channel, colors) in from.iter_mut().zip(&colors) {
                 channel[b] = *colors;
             }
@@ -184,8 +196,8 @@ impl Line {
             return;
         };
         for (to, from) in to.iter_mut().zip(from) {
-            let from = &from.as_flattened()[self.seen.clone()];
-            let to = &mut to.as_flattened_mut()[self.seen.clone()];
+            let from = &from.as_flattened()[..axis.count];
+            let to = &mut to.as_flattened_mut()[..axis.count];
             let last = from.len() - 1;
             (to[0], to[last]) = (from[0], from[last]);
             if let Some(to) = to.get_mut(1..last) {
@@ -272,7 +284,7 @@ impl Line {
 
 /// The numbers from place `k` on, nothing beyond the last.
 #[inline(always)]
-fn block(values: &[f32], k: usize) -> Lanes {
+pub(super) fn block(values: &[f32], k: usize) -> Lanes {
     let mut lanes = [0.0; LANES];
     let values = &values[k..];
     match values.first_chunk() {
@@ -284,7 +296,7 @@ fn block(values: &[f32], k: usize) -> Lanes {
 
 /// Which of the distances from place `k` on are less than `core_px`.
 #[inline(always)]
-fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
+pub(super) fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
     let (mut core, here) = ([0.0; LANES], block(distances, k));
     for l in 0..LANES {
         let is_core = (here[l] < core_px) & (k + l < distances.len());
