@@ -28,8 +28,9 @@ fn five_ropes_reach_their_target_at_60_frames_a_second_and_are_filmed() {
 fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees_and_is_filmed() {
     let bench = Bench::new();
     let slow = ["--fps", "15", "--time", "60s", "--gif", "lifted.gif"];
+    let report = ["--out", "report"];
     let ropes = ["servo", "--lifted", "--target", "line", "--seeds", "1"];
-    let output = bench.run(&[&ropes[..], &slow].concat());
+    let output = bench.run(&[&ropes[..], &slow, &report].concat());
     let said = String::from_utf8_lossy(&output.stderr);
     let table = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{table}{said}");
@@ -42,10 +43,19 @@ fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees_and_is_filmed() 
     // The camera's image, the rope from the side, and the error.
     let side = |at: usize| u16::from_le_bytes([film[at], film[at + 1]]);
     assert_eq!([side(6), side(8)], [320, 240 + 100 + 50]);
+    let page = std::fs::read_to_string(bench.path("report/servo.html")).expect("a page");
+    assert!(page.contains("the line is 5 mm"), "{page}");
     bench.assert_nothing_is_left();
     std::fs::write(bench.path("line.jsonl"), "{\"points\":[[1,2],[3,4]]}").expect("a file");
     let output = bench.run(&["servo", "--lifted", "--target", "line.jsonl"]);
     let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    let output = bench.run(&["servo", "--lifted", "--study", "latency"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("no group of a study of a lifted rope"),
+        "{said}"
+    );
     assert_eq!(output.status.code(), Some(2), "{said}");
 }
 

@@ -239,7 +239,7 @@ fn without_a_depth_image_it_is_said_that_there_is_none_and_the_image_s_own_shape
             return false;
         };
         rope.shape().expect("a shape in the image");
-        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoImage)))
+        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoPartner)))
     });
     end(&bench, chain, reader);
 }
@@ -322,7 +322,7 @@ fn a_lifted_rope_comes_out_where_two_cameras_see_it() {
             return false;
         };
         rope.shape().expect("a shape in the image");
-        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoImage)))
+        rope.in_space().err() == Some(NoSpace::NoShape(NoShape::Nowhere(Place::NoPartner)))
     });
     chain.signal_chain(Signal::INT);
     let ended = chain.end();

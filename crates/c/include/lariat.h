@@ -173,16 +173,16 @@
 // The colour image does not show it now: it is where it was.
 #define LARIAT_PLACE_BEFORE 2
 
-// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+// Too little of it has a depth: it is out of the other camera's range, or not seen by it.
 #define LARIAT_PLACE_UNMEASURED 3
 
 // It is thinner than three pixels of the depth image.
 #define LARIAT_PLACE_THIN 4
 
-// No depth image came for this frame.
-#define LARIAT_PLACE_NO_DEPTH_IMAGE 5
+// Nothing came beside this frame: no depth image, or nothing from the second camera that is near enough in time.
+#define LARIAT_PLACE_NO_PARTNER 5
 
-// The depth image, or its calibration, is not what it should be: the chain says what.
+// What came beside this frame, or a calibration, is not what it should be: the chain says what.
 #define LARIAT_PLACE_UNREADABLE 6
 
 // For lariat_writer_open: every frame is to reach every reader, for which lariat_writer_send waits, though no chain runs yet to
@@ -404,7 +404,7 @@ typedef struct lariat_descriptor3 {
   uint32_t closed;
   // Which ends leave the colour image: bit 0 the first, bit 1 the last.
   uint32_t border;
-  // How many of the centerline's points the depth image shows. The others are bridged.
+  // How many of the centerline's points are measured. The others are bridged.
   uint32_t measured;
   // 1 if the control points are filtered in time, and have velocities.
   uint32_t filtered;

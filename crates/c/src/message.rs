@@ -71,13 +71,13 @@ pub const LARIAT_UNIT_IDEAL_PX: u32 = 3;
 pub const LARIAT_PLACE_KNOWN: u32 = 1;
 /// The colour image does not show it now: it is where it was.
 pub const LARIAT_PLACE_BEFORE: u32 = 2;
-/// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+/// Too little of it has a depth: it is out of the other camera's range, or not seen by it.
 pub const LARIAT_PLACE_UNMEASURED: u32 = 3;
 /// It is thinner than three pixels of the depth image.
 pub const LARIAT_PLACE_THIN: u32 = 4;
-/// No depth image came for this frame.
-pub const LARIAT_PLACE_NO_DEPTH_IMAGE: u32 = 5;
-/// The depth image, or its calibration, is not what it should be: the chain says what.
+/// Nothing came beside this frame: no depth image, or nothing from the second camera that is near enough in time.
+pub const LARIAT_PLACE_NO_PARTNER: u32 = 5;
+/// What came beside this frame, or a calibration, is not what it should be: the chain says what.
 pub const LARIAT_PLACE_UNREADABLE: u32 = 6;
 
 /// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
@@ -224,7 +224,7 @@ pub struct lariat_descriptor3 {
     pub closed: u32,
     /// Which ends leave the colour image: bit 0 the first, bit 1 the last.
     pub border: u32,
-    /// How many of the centerline's points the depth image shows. The others are bridged.
+    /// How many of the centerline's points are measured. The others are bridged.
     pub measured: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,

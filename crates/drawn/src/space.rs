@@ -15,4 +15,4 @@ pub(crate) use eye::dot;
 pub use paint::{Painter, picture};
 pub(crate) use rope::End;
 pub use rope::{LiftOptions, LiftedRope, NoSuchRope};
-pub use sensor::{DepthSensor, depth};
+pub use sensor::{DepthPainter, DepthSensor, depth};

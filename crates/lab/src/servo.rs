@@ -60,7 +60,7 @@ pub struct ServoArgs {
     #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
     target: String,
     /// The rope is lifted, seen by a depth camera, too, and driven in space: px are mm then
-    #[arg(long, conflicts_with_all = ["study", "out"])]
+    #[arg(long)]
     lifted: bool,
     /// How many ropes: each seed is another start, and another place of the target
     #[arg(long, default_value_t = 5, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1000))]
@@ -74,7 +74,7 @@ pub struct ServoArgs {
     /// The longest that one rope is driven
     #[arg(long, default_value = "20s", value_name = "TIME", value_parser = duration::parse)]
     time: Duration,
-    /// Also what it depends on, of all groups or of one: latency, frame rate, occlusion, noise, order and basis, features, estimator
+    /// Also what it depends on, of all groups or of one: latency, frame rate, occlusion, noise, order and basis, features, estimator. Of a lifted rope: frame rate, noise, order and basis, estimator
     #[arg(long, value_name = "GROUP", num_args = 0..=1, default_missing_value = "")]
     study: Option<String>,
     /// Put the table and a page with all figures into this folder

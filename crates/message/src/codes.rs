@@ -244,13 +244,13 @@ codes! {
         Known = 1 "known",
         /// The colour image does not show it now: it is where it was.
         Before = 2 "before",
-        /// Too little of it has a depth: it is out of the depth camera's range, or not seen by it.
+        /// Too little of it has a depth: it is out of the other camera's range, or not seen by it.
         Unmeasured = 3 "unmeasured",
         /// It is thinner than three pixels of the depth image.
         Thin = 4 "thin",
-        /// No depth image came for this frame.
-        NoImage = 5 "no depth image",
-        /// The depth image, or its calibration, is not what it should be: the chain says what.
+        /// Nothing came beside this frame: no depth image, or nothing from the second camera that is near enough in time.
+        NoPartner = 5 "no partner",
+        /// What came beside this frame, or a calibration, is not what it should be: the chain says what.
         Unreadable = 6 "unreadable",
     }
 }

@@ -28,7 +28,8 @@ pub(super) struct Hits {
 }
 
 impl Hits {
-    fn new(eye: &Eye, rays: usize) -> Self {
+    /// Of a table without a rope.
+    pub(super) fn new(eye: &Eye, rays: usize) -> Self {
         Self {
             rays,
             eye: *eye,
@@ -37,21 +38,17 @@ impl Hits {
         }
     }
 
-    /// How much light falls where the `k`-th ray of a pixel meets the rope.
-    fn light(&self, [x, y]: [usize; 2], k: usize) -> Option<f32> {
-        let place = self.places[y * self.eye.size[0] + x]?;
-        self.hits[place as usize + k].light
+    /// What the rays of a pixel meet; `None` where no rope comes near to them.
+    pub(super) fn near_rope(&self, [x, y]: [usize; 2]) -> Option<&[Hit]> {
+        let place = self.places[y * self.eye.size[0] + x]? as usize;
+        Some(&self.hits[place..place + self.rays * self.rays])
     }
 
-    /// What the `k`-th ray of a pixel meets.
-    pub(super) fn at(&self, [x, y]: [usize; 2], k: usize) -> Hit {
-        match self.places[y * self.eye.size[0] + x] {
-            Some(place) => self.hits[place as usize + k],
-            None => {
-                let ray = self.ray([self.rays * x + k % self.rays, self.rays * y + k / self.rays]);
-                self.table(ray)
-            }
-        }
+    /// What the rays of a pixel meet without a rope.
+    pub(super) fn of_table(&self, [x, y]: [usize; 2]) -> Vec<Hit> {
+        let rays = self.rays;
+        let ray = |k: usize| self.ray([rays * x + k % rays, rays * y + k / rays]);
+        (0..rays * rays).map(|k| self.table(ray(k))).collect()
     }
 
     /// What a ray meets that a rope comes near to.
@@ -63,10 +60,8 @@ impl Hits {
             Some(place) => place as usize,
             None => {
                 let place = self.hits.len();
-                for k in 0..rays * rays {
-                    let hit = self.at([x, y], k);
-                    self.hits.push(hit);
-                }
+                let table = self.of_table([x, y]);
+                self.hits.extend(table);
                 self.places[pixel] = Some(place as u32);
                 place
             }
@@ -150,6 +145,8 @@ pub struct Painter {
     colour: [f32; 3],
     mottling: Mottling<32>,
     random: SplitMix64,
+    /// The table's colour at each pixel, as this eye sees it.
+    table: Option<(Eye, Vec<[f32; 3]>)>,
 }
 
 impl Painter {
@@ -162,6 +159,7 @@ impl Painter {
             colour,
             mottling: Mottling::new(&mut random),
             random,
+            table: None,
         }
     }
 
@@ -171,26 +169,41 @@ impl Painter {
         let hits = hits(rope, eye, RAYS);
         let share = 1.0 / (RAYS * RAYS) as f32;
         let mut rgb = Vec::with_capacity(3 * width * height);
+        let table = match self.table.take() {
+            Some((of, table)) if of == *eye => table,
+            _ => self.table(eye),
+        };
         for y in 0..height {
             for x in 0..width {
-                let ray = eye.ray([x as f64, y as f64]);
-                let place = eye.on_table(ray, eye.table_depth(ray)).map(|c| c + 2000.0);
-                let pattern = 1.0 + 0.02 * self.mottling.at(place, [1.0 / 40.0, 1.0 / 13.0]) as f32;
-                let mut sum = [0.0f32; 3];
-                for k in 0..RAYS * RAYS {
-                    let seen = match hits.light([x, y], k) {
-                        Some(light) => self.colour.map(|c| c * (0.55 + 0.45 * light)),
-                        None => self.ground.map(|c| c * pattern),
-                    };
-                    sum = [0, 1, 2].map(|c| sum[c] + share * seen[c]);
-                }
+                let ground = table[y * width + x];
+                let rope = |light: f32| self.colour.map(|c| c * (0.55 + 0.45 * light));
+                let seen = match hits.near_rope([x, y]) {
+                    Some(near) => near.iter().fold([0.0; 3], |sum: [f32; 3], hit| {
+                        let seen = hit.light.map_or(ground, rope);
+                        [0, 1, 2].map(|c| sum[c] + share * seen[c])
+                    }),
+                    None => ground,
+                };
                 let random = &mut self.random;
                 rgb.extend(
-                    sum.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
+                    seen.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
                 );
             }
         }
+        self.table = Some((*eye, table));
         rgb
+    }
+
+    /// The table's colour at each pixel.
+    fn table(&self, eye: &Eye) -> Vec<[f32; 3]> {
+        let [width, height] = eye.size;
+        let at = |i: usize| {
+            let ray = eye.ray([(i % width) as f64, (i / width) as f64]);
+            let place = eye.on_table(ray, eye.table_depth(ray)).map(|c| c + 2000.0);
+            let pattern = 1.0 + 0.02 * self.mottling.at(place, [1.0 / 40.0, 1.0 / 13.0]) as f32;
+            self.ground.map(|c| c * pattern)
+        };
+        (0..width * height).map(at).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! A depth camera's image: what it measures, and what it does not.
 
 use super::eye::Eye;
-use super::paint::hits;
+use super::paint::{Hit, Hits, hits};
 use super::rope::LiftedRope;
 use lariat_portable::SplitMix64;
 
@@ -37,58 +37,97 @@ impl DepthSensor {
     };
 }
 
-/// The depth image, row by row: how many units ahead, 0 where it does not know.
-pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> Vec<u16> {
-    let mut random = SplitMix64::of_stream(seed, 2);
-    let [width, height] = eye.size;
-    let hits = hits(rope, eye, RAYS);
-    let unseen = unseen_by_the_second(rope, eye, sensor);
-    let noise = noise(eye.size, sensor.grain_px, &mut random);
-    (0..width * height)
-        .map(|i| {
-            let (x, y) = (i % width, i / width);
-            let of_pixel = (0..RAYS * RAYS).map(|k| hits.at([x, y], k));
-            let mean = of_pixel.clone().map(|hit| hit.depth).sum::<f64>() / (RAYS * RAYS) as f64;
-            let on_rope = of_pixel.filter(|hit| hit.light.is_some()).count();
-            let is_edge = !matches!(on_rope, 0) && on_rope < RAYS * RAYS;
-            let hole = random.unit() < sensor.holes
-                || random.unit() < sensor.edge_holes && is_edge
-                || unseen[i] && on_rope == 0;
-            let measured = mean + sensor.noise_per_mm * mean * mean * noise[i];
-            match hole {
-                true => 0,
-                false => (measured / sensor.unit_mm + 0.5).clamp(0.0, 65_535.0) as u16,
-            }
-        })
-        .collect()
+/// A depth camera that stands still, for one image after the other: what of them does not depend on the rope.
+#[derive(Debug, Clone)]
+pub struct DepthPainter {
+    eye: Eye,
+    sensor: DepthSensor,
+    /// How far ahead each pixel sees the table.
+    table: Vec<f64>,
+    /// Where on the table the middle of each pixel is: how far ahead, and in which column the second imager sees that.
+    middles: Vec<(f64, Option<usize>)>,
 }
 
-/// Which pixels show a place that the rope hides from the second imager.
-fn unseen_by_the_second(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor) -> Vec<bool> {
-    let [width, height] = eye.size;
-    if sensor.baseline_mm == 0.0 {
-        return vec![false; width * height];
-    }
-    let second = Eye {
-        translation: [
-            eye.translation[0] - sensor.baseline_mm,
-            eye.translation[1],
-            eye.translation[2],
-        ],
-        ..*eye
-    };
-    let there = hits(rope, &second, 1);
-    (0..width * height)
-        .map(|i| {
-            let (x, y) = ((i % width) as f64, i / width);
-            let depth = eye.table_depth(eye.ray([x, y as f64]));
+impl DepthPainter {
+    /// Before a table without a rope.
+    pub fn new(eye: &Eye, sensor: &DepthSensor) -> Self {
+        let [width, height] = eye.size;
+        let places = || (0..width * height).map(|i| [i % width, i / width]);
+        let empty = Hits::new(eye, RAYS);
+        let middle = |[x, y]: [usize; 2]| {
+            let (x, y) = (x as f64, y as f64);
+            let depth = eye.table_depth(eye.ray([x, y]));
             let column = (x - eye.focal_px[0] * sensor.baseline_mm / depth).round();
-            column >= 0.0 && {
-                let hit = there.at([(column as usize).min(width - 1), y], 0);
-                hit.light.is_some() && hit.depth < depth - 1.0
-            }
-        })
-        .collect()
+            let is_seen = sensor.baseline_mm != 0.0 && column >= 0.0;
+            (depth, is_seen.then(|| (column as usize).min(width - 1)))
+        };
+        Self {
+            eye: *eye,
+            sensor: *sensor,
+            table: places().map(|at| mean(&empty.of_table(at))).collect(),
+            middles: places().map(middle).collect(),
+        }
+    }
+
+    /// The depth image, row by row: how many units ahead, 0 where it does not know.
+    pub fn image(&self, rope: &LiftedRope, seed: u64) -> Vec<u16> {
+        let Self { eye, sensor, .. } = self;
+        let mut random = SplitMix64::of_stream(seed, 2);
+        let width = eye.size[0];
+        let hits = hits(rope, eye, RAYS);
+        let unseen = self.unseen_by_the_second(rope);
+        let noise = noise(eye.size, sensor.grain_px, &mut random);
+        (self.table.iter().zip(noise).enumerate())
+            .map(|(i, (&table, noise))| {
+                let (mean, on_rope) = match hits.near_rope([i % width, i / width]) {
+                    Some(of_pixel) => {
+                        let on_rope = of_pixel.iter().filter(|hit| hit.light.is_some());
+                        (mean(of_pixel), on_rope.count())
+                    }
+                    None => (table, 0),
+                };
+                let is_edge = !matches!(on_rope, 0) && on_rope < RAYS * RAYS;
+                let hole = random.unit() < sensor.holes
+                    || random.unit() < sensor.edge_holes && is_edge
+                    || unseen(i) && on_rope == 0;
+                let measured = mean + sensor.noise_per_mm * mean * mean * noise;
+                match hole {
+                    true => 0,
+                    false => (measured / sensor.unit_mm + 0.5).clamp(0.0, 65_535.0) as u16,
+                }
+            })
+            .collect()
+    }
+
+    /// Which pixels show a place that the rope hides from the second imager.
+    fn unseen_by_the_second(&self, rope: &LiftedRope) -> impl Fn(usize) -> bool + use<'_> {
+        let Self { eye, sensor, .. } = self;
+        let second = Eye {
+            translation: [
+                eye.translation[0] - sensor.baseline_mm,
+                eye.translation[1],
+                eye.translation[2],
+            ],
+            ..*eye
+        };
+        let there = hits(rope, &second, 1);
+        let width = eye.size[0];
+        move |i| {
+            let (depth, column) = self.middles[i];
+            let hits = column.and_then(|column| there.near_rope([column, i / width]));
+            hits.is_some_and(|hits| hits[0].light.is_some() && hits[0].depth < depth - 1.0)
+        }
+    }
+}
+
+/// How far ahead a pixel with these rays sees.
+fn mean(hits: &[Hit]) -> f64 {
+    hits.iter().map(|hit| hit.depth).sum::<f64>() / hits.len() as f64
+}
+
+/// The depth image, row by row: how many units ahead, 0 where it does not know.
+pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> Vec<u16> {
+    DepthPainter::new(eye, sensor).image(rope, seed)
 }
 
 /// Noise of variance 1, shared by so many pixels a side.

@@ -29,6 +29,8 @@ const EXTRACT: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
 /// A target is so many numbers, and the rope as many from image to image: the paper's curve, unless a case names another.
 const FIT: &str = "[fit]\norder = 8\n";
+/// A basis by its name.
+const BSPLINE: &str = "bspline";
 /// When a hand comes, in seconds: on the way to the target, which most reach after three.
 const HAND_AT_S: f64 = 2.5;
 
@@ -134,10 +136,8 @@ impl Case {
 
     /// The chain as it is; and, for a study, with what is varied in the group of this name, in all groups if it is empty.
     pub(super) fn asked(fps: f64, lifted: bool, study: Option<&str>) -> Result<Vec<Self>> {
-        if lifted {
-            return Ok(vec![Self::as_it_is(fps, lifted)]);
-        }
-        let mut cases = Self::all(fps);
+        let mut cases = Self::all(fps, lifted);
+        cases.retain(|case| !lifted || case.is_in_space());
         match study {
             None => cases.truncate(1),
             Some("") => {}
@@ -146,16 +146,27 @@ impl Case {
                     case.group == Group::AsItIs || case.group.title().starts_with(name)
                 });
                 if cases.len() == 1 {
-                    wrong_use!("`{name}` is no group of a study: see `lariat servo --help`");
+                    let of = if lifted { " of a lifted rope" } else { "" };
+                    wrong_use!("`{name}` is no group of a study{of}: see `lariat servo --help`");
                 }
             }
         }
         Ok(cases)
     }
 
+    /// Whether a lifted rope can be driven so: no hand comes there, and what is steered by are a Bezier curve's control points, as
+    /// soon as they are known.
+    fn is_in_space(&self) -> bool {
+        match self.group {
+            Group::AsItIs | Group::FrameRate | Group::Noise | Group::Estimator => true,
+            Group::OrderAndBasis => !self.flags.iter().any(|flag| flag == BSPLINE),
+            Group::Latency | Group::LatencyTaken | Group::Occlusion | Group::Features => false,
+        }
+    }
+
     /// The chain as it is, and with all that is varied, one thing at a time.
-    fn all(fps: f64) -> Vec<Self> {
-        let base = Self::as_it_is(fps, false);
+    fn all(fps: f64, lifted: bool) -> Vec<Self> {
+        let base = Self::as_it_is(fps, lifted);
         let varied = |group, name: String, value| Self {
             group,
             name,
@@ -201,7 +212,7 @@ impl Case {
             ("Bezier, order 6", &["--order", "6"]),
             ("Bezier, order 8", &["--order", "8"]),
             ("Bezier, order 12", &["--order", "12"]),
-            ("B-spline", &["--basis", "bspline"]),
+            ("B-spline", &["--basis", BSPLINE]),
         ] {
             let varied = varied(Group::OrderAndBasis, name.into(), None);
             let flags = flags.iter().map(|&flag| flag.to_owned()).collect();

@@ -170,6 +170,11 @@ impl Group {
 }
 
 impl Study {
+    /// A text about pixels, in what distances are in.
+    fn in_unit(&self, text: &str) -> String {
+        text.replace("px", self.unit)
+    }
+
     /// What all others are held against.
     fn base(&self) -> Option<&Row> {
         self.rows.iter().find(|row| row.group == Group::AsItIs)

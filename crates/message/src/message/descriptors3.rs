@@ -29,7 +29,7 @@ message! {
         closed: u32 = 0 => flag,
         /// Which ends leave the colour image: bit 0 the first, bit 1 the last.
         border: u32 = 0 => ends,
-        /// How many of the centerline's points the depth image shows. The others are bridged.
+        /// How many of the centerline's points are measured. The others are bridged.
         measured: u32 = 0 => number,
         /// 1 if the control points are filtered in time, and have velocities.
         filtered: u32 = 0 => flag,

@@ -8,12 +8,17 @@ use crate::depth::image::DepthImage;
 const ANCHOR_STEP: usize = 6;
 /// How far ahead of one section, or behind it, the next may be where the rope points at the camera, in radii.
 const REACH: f64 = 6.0;
+/// How steep a rope may be where it points at the camera, so that next to nothing is seen of the way from one part of it to the next; and how
+/// many anchors, or sections, the smaller of the two parts has more than, not to be taken for something else behind or before the rope.
+const END_ON_STEEPEST: f64 = 16.0;
+const END_ON_ANCHORS: usize = 2;
+const END_ON_SECTIONS: usize = 4;
 /// So few sections at an end are the rope only where it rises no more steeply to them, on average, than this.
 const TIP: usize = 3;
 const TIP_STEEPEST: f64 = 1.0;
 
 impl RopeDepth {
-    /// Walks some of the rays, and keeps the longest chain of what is found that a rope can be.
+    /// Walks some of the rays, and keeps the best chain of what is found that a rope can be.
     pub(super) fn find(&mut self, image: &DepthImage, rope: &SeenRope) {
         self.anchors.clear();
         for i in (ANCHOR_STEP / 2..self.axes.len()).step_by(ANCHOR_STEP) {
@@ -23,7 +28,7 @@ impl RopeDepth {
                 self.anchors.push((i, depth));
             }
         }
-        self.keep_chain(0.0);
+        self.keep_chain(0.0, END_ON_ANCHORS);
     }
 
     /// Takes for not measured whatever the rope does not go on to from the others: the table beyond an end that the colour
@@ -39,7 +44,7 @@ impl RopeDepth {
         }
         let found = self.anchors.len();
         let slack_mm = REACH * radius;
-        self.keep_chain(slack_mm);
+        self.keep_chain(slack_mm, END_ON_SECTIONS);
         if !closed {
             for _ in 0..2 {
                 self.cut_tip(slack_mm);
@@ -67,8 +72,9 @@ impl RopeDepth {
         self.anchors.truncate(off.unwrap_or(count));
     }
 
-    /// Keeps the longest chain of anchors in which the rope can rise from each to the next, give or take so many millimetres.
-    fn keep_chain(&mut self, slack_mm: f64) {
+    /// Keeps the best chain of anchors in which the rope can rise from each to the next, give or take so many millimetres: the longest,
+    /// where each place at which it points at the camera costs so many anchors.
+    fn keep_chain(&mut self, slack_mm: f64, end_on_cost: usize) {
         self.chain.clear();
         for k in 0..self.anchors.len() {
             let mut best = (1, usize::MAX);
@@ -77,26 +83,26 @@ impl RopeDepth {
                 if j + 2 <= best.0 {
                     break;
                 }
+                let [a, b] = [self.anchors[j], self.anchors[k]];
                 let through = self.chain[j].0 + 1;
-                if through > best.0
-                    && self.can_follow(self.anchors[j], self.anchors[k], STEEPEST, slack_mm)
-                {
+                let end_on = through.saturating_sub(end_on_cost);
+                if through > best.0 && self.can_follow(a, b, STEEPEST, slack_mm) {
                     best = (through, j);
+                } else if end_on > best.0 && self.can_follow(a, b, END_ON_STEEPEST, slack_mm) {
+                    best = (end_on, j);
                 }
             }
             self.chain.push(best);
         }
-        let Some(mut at) = (0..self.chain.len()).max_by_key(|&k| self.chain[k].0) else {
-            return;
-        };
-        let mut kept = self.chain[at].0;
-        let whole = kept;
-        while kept > 0 {
-            kept -= 1;
-            self.anchors[kept] = self.anchors[at];
-            at = self.chain[at].1;
+        // From its last one back each that is in it is marked.
+        let mut at = (0..self.chain.len()).max_by_key(|&k| self.chain[k].0);
+        while let Some(link) = at.and_then(|k| self.chain.get_mut(k)) {
+            link.0 = 0;
+            at = Some(link.1);
         }
-        self.anchors.truncate(whole);
+        let mut links = self.chain.iter();
+        self.anchors
+            .retain(|_| links.next().is_some_and(|link| link.0 == 0));
     }
 
     /// Whether the rope can rise from one place to the other, that steeply and give or take so much.

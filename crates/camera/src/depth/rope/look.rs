@@ -67,10 +67,11 @@ impl WithSimd for Look<'_> {
             .or_else(|| samples.mean(simd, all, STRAY * sigma))
             .or_else(|| samples.mean(simd, 0.0, reach))?;
         let [first, last] = section.ends;
+        // Of a narrow section the places fall on pixels beside it, too, which do not count.
         let pixels = 2.0 * section.inner.max(0.5) * (last - first).max(1.0);
         let count = f64::from(near.count);
         let spread = f64::from(near.squares) / (count - 1.0).max(1.0);
-        let alone = READ_ONCE.min(pixels / SAMPLES as f64) * count;
+        let alone = (READ_ONCE.min(pixels / SAMPLES as f64) * count).max(1.0);
         let variance = spread.max(section.sigma * section.sigma) / alone;
         let wrong = RADIUS_ERROR * section.radius / section.sine;
         Some(Found {

@@ -8,9 +8,12 @@ use super::{Axis, DepthImage, RopeDepth, STEEPEST, SeenRope, between, cross, dot
 /// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
 const INNER: f64 = 0.8;
 const EDGE_PX: f64 = 0.8;
-/// Where a rope is thinner than this in the depth image, it is not read: the pixel on its axis may lie half a pixel beside it, and reaches
-/// half a pixel farther, or 0.7 along its diagonal.
-const LEAST_PX: f64 = 2.5;
+/// Where no more than this is left to each side of the axis, px, pixels are told one by one whether they lie on the rope: by how far they
+/// reach to its side, as they lie to it, and by how far its axis may be off.
+const NARROW_PX: f64 = 0.5;
+const AXIS_OFF_PX: f64 = 0.1;
+/// Where less than this is left, next to no pixel lies on the rope as a whole: it is not read.
+const LEAST_PX: f64 = 0.1;
 /// Points between sections: those between have the depth of their neighbors' curve.
 pub(super) const SECTION_STEP: usize = 2;
 /// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
@@ -146,9 +149,12 @@ impl RopeDepth {
         let mm_per_px = ahead / self.focal_px;
         let radius = axis.slim * axis.depth;
         let half = radius / mm_per_px;
-        // At least the pixel on the axis; but of a rope that is no wider than that there is none without an edge.
-        let inner = (INNER * half).min(half - EDGE_PX);
-        if half < 0.5 * LEAST_PX {
+        let mut inner = (INNER * half).min(half - EDGE_PX);
+        if inner < NARROW_PX {
+            let reach = 0.5 * (along[0].abs() + along[1].abs());
+            inner = (half - reach - AXIS_OFF_PX).min(NARROW_PX);
+        }
+        if inner < LEAST_PX {
             return None;
         }
         let points = rope.hidden.len();
@@ -186,7 +192,7 @@ impl RopeDepth {
             slope: (b.place[2] - a.place[2]) * per_far,
             tilt: -mm_per_px * dot(beside, up) * per_sine,
             ends,
-            inner: inner.max(0.5),
+            inner,
             mm_per_px,
             beside_per_px: mm_per_px * dot(beside, normal),
             radius,

@@ -118,7 +118,7 @@ impl SpaceFitter {
             let place = match (curve.status(), &shown) {
                 (Some(Status::Lost), _) => self.as_before(curve, to),
                 (_, Err(())) => Place::Unreadable,
-                (_, Ok(None)) => Place::NoImage,
+                (_, Ok(None)) => Place::NoPartner,
                 (_, Ok(Some(shown))) => self.place(seen, (i, curve), shown, to),
             };
             write_rope(curve, to);

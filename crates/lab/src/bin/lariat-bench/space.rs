@@ -161,6 +161,9 @@ fn of_ropes(before: &str, usual: Scene) -> Vec<(String, Scene)> {
             scene.options.length_mm *= (distance_mm / 500.0_f64).min(1.0);
         });
     }
+    add("distance 800 mm, 4 mm wide".to_owned(), &|scene| {
+        (scene.distance_mm, scene.options.radius_mm) = (800.0, 2.0);
+    });
     rows
 }
 

@@ -12,7 +12,7 @@ const TIMES: usize = 240;
 const BLUE: usize = 0;
 
 /// The error of each rope of a row against time, and their median.
-pub(super) fn errors(row: &Row) -> Result<String, PlotError> {
+pub(super) fn errors(study: &Study, row: &Row) -> Result<String, PlotError> {
     let ends = row
         .outcomes
         .iter()
@@ -28,7 +28,7 @@ pub(super) fn errors(row: &Row) -> Result<String, PlotError> {
     let step = step(end_s);
     let mut chart = Chart::new(
         Axis::linear("time, s", [0.0, end_s.max(step)], step),
-        Axis::log_around("error, px", all.chain([REACHED_PX])),
+        Axis::log_around(&study.in_unit("error, px"), all.chain([REACHED_PX])),
     );
     let over = |line: &[f64]| times.iter().zip(line).map(|(&t, &px)| [t, px]).collect();
     for line in &lines {
@@ -41,7 +41,7 @@ pub(super) fn errors(row: &Row) -> Result<String, PlotError> {
     let look = Look::nth(1).stroke(Stroke::Solid).marker(Marker::None);
     let name = format!("median of {} ropes", row.outcomes.len());
     chart.line(&name, look, over(&medians));
-    let text = format!("{REACHED_PX} px");
+    let text = study.in_unit(&format!("{REACHED_PX} px"));
     chart.marks.push(Mark::Level {
         y: REACHED_PX,
         text,

@@ -10,7 +10,7 @@ pub(super) fn finding(study: &Study, group: Group) -> String {
     let Some(base) = study.base().map(Summary::of) else {
         return String::new();
     };
-    match (group.harder(), by_value(&rows)) {
+    let text = match (group.harder(), by_value(&rows)) {
         (_, _) if group == Group::AsItIs => as_it_is(&base),
         (Harder::Upwards, Some(values)) => sweep(study, group, &values, &base),
         (Harder::Downwards, Some(mut values)) => {
@@ -18,7 +18,8 @@ pub(super) fn finding(study: &Study, group: Group) -> String {
             sweep(study, group, &values, &base)
         }
         _ => comparison(&rows),
-    }
+    };
+    study.in_unit(&text)
 }
 
 fn as_it_is(base: &Summary) -> String {

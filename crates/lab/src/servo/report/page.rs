@@ -21,7 +21,7 @@ pub(crate) fn page(study: &Study, film: Option<&[u8]>) -> Result<String, PlotErr
         escaped(&study.target)
     );
     if let Some(gif) = film {
-        write_film(&mut html, gif);
+        write_film(&mut html, study, gif);
     }
     html.push_str("<h2>In short</h2>\n<ul class=\"short\">\n");
     for (group, _) in study.groups() {
@@ -42,20 +42,26 @@ pub(crate) fn page(study: &Study, film: Option<&[u8]>) -> Result<String, PlotErr
     Ok(lariat_plot::page(&study.title, &html))
 }
 
-fn write_film(html: &mut String, gif: &[u8]) {
+fn write_film(html: &mut String, study: &Study, gif: &[u8]) {
+    let side = match study.unit {
+        "mm" => "the same from the side, with the true rope, and ",
+        _ => "",
+    };
     let _ = writeln!(
         html,
         "<figure>\n<img alt=\"The rope on its way to the target\" style=\"width:100%;max-width:640px\" \
          src=\"data:image/gif;base64,{}\"/>\n<figcaption>One rope on its way: the target (green, dashed), the curve that the \
          controller was given with its control points (orange), and the velocities it asked of the grippers (arrows). Below, \
-         the error against time; the line is 5 px.</figcaption>\n</figure>",
-        BASE64_STANDARD.encode(gif)
+         {side}the error against time; the line is {}.</figcaption>\n</figure>",
+        BASE64_STANDARD.encode(gif),
+        study.in_unit("5 px")
     );
 }
 
 fn write_table(html: &mut String, study: &Study) {
     html.push_str("<h2>All rows</h2>\n<table>\n<thead><tr><th></th>");
     for cell in HEAD {
+        let cell = study.in_unit(cell);
         let _ = write!(html, "<th scope=\"col\">{cell}</th>");
     }
     html.push_str("</tr></thead>\n");
@@ -77,7 +83,7 @@ fn write_table(html: &mut String, study: &Study) {
     let _ = writeln!(
         html,
         "</table>\n<p class=\"source\">{}</p>",
-        escaped(&meaning())
+        escaped(&study.in_unit(&meaning()))
     );
 }
 
@@ -97,7 +103,7 @@ fn write_group(
 ) -> Result<(), PlotError> {
     let (svg, shows) = match (group, rows) {
         (Group::AsItIs, [first, ..]) => (
-            charts::errors(first)?,
+            charts::errors(study, first)?,
             "Each thin line is a rope: its mean distance from the target, image by image.",
         ),
         _ if by_value(rows).is_some() => (

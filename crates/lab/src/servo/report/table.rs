@@ -19,8 +19,7 @@ pub(super) const HEAD: [&str; 7] = [
 /// The table as text, with what its columns mean.
 pub(crate) fn table(study: &Study) -> String {
     let title = format!("to the target {}", study.target);
-    let in_unit = |text: &str| text.replace("px", study.unit);
-    let figures = HEAD.map(|heading| Column::figures(wrapped(&in_unit(heading), 9)));
+    let figures = HEAD.map(|heading| Column::figures(wrapped(&study.in_unit(heading), 9)));
     let columns = std::iter::once(Column::words(title)).chain(figures);
     let mut lines = Vec::new();
     for (group, rows) in study.groups() {
@@ -39,7 +38,7 @@ pub(crate) fn table(study: &Study) -> String {
     }
     let width = layout::width();
     let table = Table::text(columns.collect(), &lines, width);
-    format!("{table}\n{}\n", wrapped(&in_unit(&meaning()), width))
+    format!("{table}\n{}\n", wrapped(&study.in_unit(&meaning()), width))
 }
 
 /// What the columns mean.

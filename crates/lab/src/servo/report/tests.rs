@@ -149,6 +149,21 @@ fn the_page_is_whole_and_stands_alone() {
 }
 
 #[test]
+fn what_is_said_of_lifted_ropes_is_in_millimetres() {
+    let mut study = study();
+    study.unit = "mm";
+    for text in [table(&study), page(&study, Some(b"GIF89a")).unwrap()] {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        assert!(
+            words.join(" ").contains("5 mm from it on average"),
+            "{text}"
+        );
+        // What is left are sizes of the page's style.
+        assert!(!words.contains(&"px") && !words.contains(&"px,"), "{text}");
+    }
+}
+
+#[test]
 fn a_study_of_nothing_is_a_page_too() {
     let mut study = study();
     for row in &mut study.rows {

@@ -17,7 +17,7 @@ use super::{Args, Beside, SIZE, header, pickle, settings};
 use crate::time;
 use anyhow::{Context, Result, ensure};
 use lariat_chain::pipeline::{Companion, FrameExtractor, FrameView, SpaceFitter};
-use lariat_drawn::space::{DepthSensor, Painter, depth};
+use lariat_drawn::space::{DepthPainter, DepthSensor, Painter};
 use lariat_lab::{Samples, Table};
 use lariat_wire::{Centerlines, Curve, Descriptors3, Status};
 use stage::Stage;
@@ -151,6 +151,7 @@ fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -
     let stage = Stage::of(frames);
     let [color, beside] = stage.eyes;
     let sensor = DepthSensor::STEREO;
+    let depths = DepthPainter::new(&beside, &sensor);
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
     let settings = settings(&stage.eyes, &Beside::Depth(sensor), folder.path())?;
     let mut extractor = FrameExtractor::new(&settings.extract)?;
@@ -161,7 +162,7 @@ fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -
     for (k, markers) in frames.iter().enumerate().take(args.frames) {
         let rope = stage.rope(markers, 0.5 * args.width_mm);
         let picture = painter.picture(&rope, &color);
-        let units = depth(&rope, &beside, &sensor, seed << 32 | k as u64);
+        let units = depths.image(&rope, seed << 32 | k as u64);
         let bytes: Vec<u8> = units.iter().flat_map(|unit| unit.to_ne_bytes()).collect();
         let mut header = header();
         header.trace.sequence = k as u64;
