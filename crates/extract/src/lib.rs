@@ -114,7 +114,9 @@
 //! middles come nearer than half a width (`station`). Ropes whose order is unsure are followed where they were followed for a second
 //! before, and the whole look still shows them where they were (`known`). A sixteenth of the rows is kept, and what is in them that was not is something new, or a camera that moves: then only
 //! colors that were not nearby are (`novelty`). Strands that come to cross, a rope that grows or shrinks by more than 2.5 %, parts
-//! unread for too long, and all that ends the following by chords, are left to a whole extraction.
+//! unread for too long, and all that ends the following by chords, are left to a whole extraction. Where images come faster than every 7 ms, ropes
+//! that could not be followed for any of this are followed for those 7 ms, in which they are not far from where they were: one image in some is then
+//! extracted whole instead of each, for which there is no time.
 //!
 //! **Knots** (`knot`, `knot/`). A rope's crossings with itself, in their order, are a signed Gauss code; together with the
 //! signs it fixes the diagram's faces, and Euler's formula says whether it fits into a plane (if not, a crossing was missed

@@ -18,6 +18,8 @@ use lariat_chain::stop::Stop;
 
 /// Wakes that are not counted: threads start, caches fill.
 const WARM_UP: usize = 20;
+/// Passes over a frame that are timed at least, however long others have the core.
+const LEAST_PASSES: u64 = 100;
 
 /// What passes over a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +35,7 @@ pub(super) fn pass(pass: Pass, [width, height]: [u32; 2], time: Duration) -> Out
     let read = ReadPass::default();
     let mut times = Times::default();
     let end = Instant::now() + time;
-    while Instant::now() < end {
+    while Instant::now() < end || times.count() < LEAST_PASSES {
         let start = Instant::now();
         match pass {
             Pass::Read => drop(black_box(read.sum(black_box(&frame)))),
