@@ -27,26 +27,34 @@ struct Scene {
 /// A rope before two cameras, its centerline in the colour image known.
 fn scene(options: &LiftOptions, seed: u64) -> Scene {
     let color = Eye::above(610.0, SIZE, 500.0, 15.0, 40.0 * seed as f64);
-    let depth = color.beside(ASIDE, 425.0, SIZE);
     let rope = LiftedRope::new(options, &color, seed).expect("a rope that fits");
+    scene_of(rope, color)
+}
+
+/// A rope before these two cameras, hidden where it lies under itself.
+fn scene_of(rope: LiftedRope, color: Eye) -> Scene {
     let Line {
         points,
         widths,
         ahead,
         rhos,
     } = Line::of(&rope, &color);
+    let step_mm = |pair: &[[f64; 3]]| {
+        let between = [0, 1, 2].map(|c| pair[1][c] - pair[0][c]);
+        between.iter().map(|c| c * c).sum::<f64>().sqrt()
+    };
+    let length_mm: f64 = rope.points.windows(2).map(step_mm).sum();
     let covers = |rho: f64| {
-        let reach = 2.5 * rope.radius_mm / options.length_mm;
+        let reach = 2.5 * rope.radius_mm / length_mm;
         (rope.crossings.iter()).any(|[_, under]| (rho - under).abs() < reach)
     };
-    let hidden = rhos.iter().map(|&rho| covers(rho)).collect();
     Scene {
+        hidden: rhos.iter().map(|&rho| covers(rho)).collect(),
+        depth: color.beside(ASIDE, 425.0, SIZE),
         rope,
         color,
-        depth,
         points,
         widths,
-        hidden,
         ahead,
     }
 }
@@ -233,22 +241,7 @@ fn a_rope_is_measured_where_it_is_little_more_than_two_pixels_thin() {
             [800.0 * along - 400.0, 150.0 * turn.sin(), height]
         })
         .collect();
-    let rope = LiftedRope::along(&points, 4.0);
-    let Line {
-        points,
-        widths,
-        ahead,
-        ..
-    } = Line::of(&rope, &color);
-    let scene = Scene {
-        depth: color.beside(ASIDE, 425.0, SIZE),
-        hidden: vec![false; 120],
-        rope,
-        color,
-        points,
-        widths,
-        ahead,
-    };
+    let scene = scene_of(LiftedRope::along(&points, 4.0), color);
     for seed in 0..4 {
         let places = locate(&scene, &DepthSensor::STEREO, seed).expect("a rope in space");
         let bridged = places.iter().filter(|place| !place.is_measured).count();
@@ -272,22 +265,7 @@ fn both_parts_of_a_rope_are_measured_where_it_points_at_the_camera_in_between() 
     points.extend((0..=150).map(|k| [f64::from(k) - 250.0, 60.0, 150.0]));
     points.extend((1..=300).map(|k| [-100.0 + 0.02 * f64::from(k), 60.0, 150.0 + f64::from(k)]));
     points.extend((1..=350).map(|k| [-94.0 + f64::from(k), 60.0, 450.0]));
-    let rope = LiftedRope::along(&points, 4.0);
-    let Line {
-        points,
-        widths,
-        ahead,
-        ..
-    } = Line::of(&rope, &color);
-    let scene = Scene {
-        depth: color.beside(ASIDE, 425.0, SIZE),
-        hidden: vec![false; 120],
-        rope,
-        color,
-        points,
-        widths,
-        ahead,
-    };
+    let scene = scene_of(LiftedRope::along(&points, 4.0), color);
     for seed in 0..4 {
         let places = locate(&scene, &DepthSensor::STEREO, seed).expect("a rope in space");
         let errors = errors(&scene, &places);
