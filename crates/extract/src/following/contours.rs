@@ -126,11 +126,12 @@ impl ContourFollower {
         note(ropes, crossings);
         note_neighbors(ropes);
         ropes.iter().for_each(|rope| rope.fetch(image));
+        let is_brief = ropes.iter().all(|rope| rope.is_brief);
         let found = !self.novelty.is_in(image, ropes)
             && ropes
                 .iter_mut()
-                .all(|rope| (rope.is_brief || !rope.may_slide()) && rope.follow(image))
-            && (!station::come_together(ropes) || ropes[0].is_brief);
+                .all(|rope| (is_brief || !rope.may_slide()) && rope.follow(image))
+            && (!station::come_together(ropes) || is_brief);
         if !found {
             self.count = 0;
             return false;
