@@ -4,8 +4,9 @@
 //! exchanged, a part of the mask belongs to no rope. A piece of the mask with two tips is one rope, mostly. Then the rope is a walk
 //! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
 //! likes over edges where strands lie on or beside each other. Of all walks the one is sought that bends least beyond what its
-//! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. How much more
-//! the next one costs that runs otherwise says how sure it is.
+//! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
+//! place of what the crossings say, one by one, where that costs more as a walk; then how much more the next walk costs that runs
+//! otherwise says how sure it is.
 
 mod piece;
 
@@ -18,16 +19,17 @@ use crate::vec2::Vec2;
 use piece::{Ground, Piece};
 
 /// Walks that are kept at a time, ways on from them, and steps of all walks.
-const BEAM: usize = 32;
-const MOST_NEXT: usize = 1024;
-const MOST_STEPS: usize = 8192;
+const BEAM: usize = 128;
+const MOST_NEXT: usize = 4096;
+const PLACES: usize = 2 * MOST_NEXT;
+const MOST_STEPS: usize = 16384;
 /// What a free end that is no tip costs, and a ring.
 const END: f32 = 0.6;
 const RING: f32 = 0.6;
 /// The most that the joint of two legs costs that do not hang together.
 const TORN: f32 = 2.0;
 /// How much less a walk must cost than what was there.
-const BETTER: f32 = 0.1;
+const BETTER: f32 = 0.15;
 /// Shorter edges, in widths, make no other walk.
 const SHORT: f32 = 1.5;
 
@@ -57,7 +59,7 @@ pub(crate) struct Found {
 pub(crate) struct Walker {
     piece: Piece,
     steps: Vec<Step>,
-    next: Vec<Step>,
+    next: Layer,
     /// The last steps of walks that have arrived, and what they cost in all, the cheapest first.
     done: Vec<(u32, f32)>,
     ways: [Vec<u32>; 2],
@@ -69,7 +71,7 @@ impl Walker {
     pub(crate) fn reserve(&mut self) {
         self.piece.reserve();
         self.steps.reserve(MOST_STEPS + MOST_NEXT);
-        self.next.reserve(MOST_NEXT);
+        self.next.reserve();
         self.done.reserve(MOST_STEPS + MOST_NEXT);
         self.ways.iter_mut().for_each(|way| way.reserve(128));
         self.found.reserve(8);
@@ -93,10 +95,7 @@ impl Walker {
                 mask,
             };
             self.piece.gather(self.piece.candidates[k], of);
-            // What is one rope crossing by crossing is right more often than the cheapest walk.
-            let Some(before) = self.cost_of(legs, strands, of) else {
-                continue;
-            };
+            let before = self.cost_of(legs, strands, of);
             self.search(of);
             let Some(&(last, cost)) = self.done.first() else {
                 continue;
@@ -113,9 +112,9 @@ impl Walker {
         }
     }
 
-    /// What the strands of the piece cost as they are; nothing where they are one rope.
-    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> Option<f32> {
-        let (mut cost, mut seen, mut ropes) = (0.0, 0u128, 0);
+    /// What the strands of the piece cost as they are.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> f32 {
+        let (mut cost, mut seen) = (0.0, 0u128);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -125,17 +124,12 @@ impl Walker {
                 continue;
             };
             seen |= bits;
-            ropes += 1;
-            cost += (legs.iter().map(|leg| self.piece.costs(leg.edge, of)[1])).sum::<f32>();
+            let leg = |leg: &Leg| self.piece.costs(leg.edge, of)[1];
             let mut join = |a: &Leg, b: &Leg| {
-                let (mut best, mut over) = (f32::INFINITY, 0);
-                self.piece.onward(out(a), of, &mut |slot, cost, passed| {
-                    if slot == into(b) && cost < best {
-                        (best, over) = (cost, passed);
-                    }
-                });
-                seen |= over;
-                cost += (best + self.piece.joint(out(a), into(b), of.mask)).min(TORN);
+                let ways = self.piece.onward(out(a)).iter();
+                let way = ways.copied().find(|way| way.slot == into(b));
+                seen |= way.map_or(0, |way| way.passed);
+                cost += way.map_or(f32::INFINITY, |way| way.cost).min(TORN + leg(b));
             };
             legs.windows(2).for_each(|pair| join(&pair[0], &pair[1]));
             let (first, last) = (&legs[0], &legs[legs.len() - 1]);
@@ -145,11 +139,10 @@ impl Walker {
             } else {
                 let ends = [into(first), out(last)].into_iter();
                 let loose = ends.filter(|&slot| !self.piece.is_tip(slot, of.graph));
-                cost += END * loose.count() as f32;
+                cost += END * loose.count() as f32 + leg(first);
             }
         }
-        cost += self.piece.left_out(seen, of);
-        (ropes != 1).then_some(cost)
+        cost + self.piece.left_out(seen, of)
     }
 
     /// Finds the cheapest walks from tip to tip.
@@ -164,6 +157,7 @@ impl Walker {
         let is_tip = |slot: u32| piece.is_tip(slot, of.graph);
         let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
         steps.clear();
+        next.restart();
         done.clear();
         let mut ends = piece.edges.iter().flat_map(|&e| [2 * e, 2 * e + 1]);
         let Some(start) = ends.find(|&slot| is_tip(slot)) else {
@@ -182,26 +176,21 @@ impl Walker {
             next.clear();
             for s in layer {
                 let step = steps[s];
-                piece.onward(step.slot, of, &mut |slot, over, passed| {
-                    if step.used & bit(slot) != 0 || next.len() == MOST_NEXT {
-                        return;
+                for way in piece.onward(step.slot) {
+                    let (slot, cost) = (way.slot, step.cost + way.cost);
+                    if step.used & bit(slot) == 0 && cost < least {
+                        next.enter(Step {
+                            before: s as u32,
+                            slot: slot ^ 1,
+                            cost,
+                            gap: step.gap,
+                            used: step.used | bit(slot),
+                            passed: step.passed | way.passed,
+                        });
                     }
-                    let leg = piece.costs(slot / 2, of)[1];
-                    let cost = step.cost + over + leg + piece.joint(step.slot, slot, of.mask);
-                    let new = Step {
-                        before: s as u32,
-                        slot: slot ^ 1,
-                        cost,
-                        gap: step.gap,
-                        used: step.used | bit(slot),
-                        passed: step.passed | passed,
-                    };
-                    if cost < least {
-                        enter(next, new);
-                    }
-                });
+                }
             }
-            next.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
+            let next = next.sorted();
             for step in next.iter().filter(|step| is_tip(step.slot)) {
                 let cost = step.cost + piece.left_out(step.used | step.passed, of);
                 least = least.min(cost);
@@ -275,16 +264,67 @@ impl Walker {
     }
 }
 
-/// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
-fn enter(next: &mut Vec<Step>, mut new: Step) {
-    let is_same = |old: &&mut Step| old.used == new.used && old.slot == new.slot;
-    match next.iter_mut().find(is_same) {
-        Some(old) if old.cost <= new.cost => old.gap = old.gap.min(new.cost - old.cost),
-        Some(old) => {
-            new.gap = new.gap.min(old.cost - new.cost);
-            *old = new;
+/// Walks one step on, each once.
+#[derive(Debug, Default)]
+struct Layer {
+    steps: Vec<Step>,
+    /// Where in `steps` a walk is, by a hash of its edges and its end: the lower half; the upper is the layer's number, so that
+    /// what former layers left here need not be cleared.
+    places: Vec<u32>,
+    number: u32,
+}
+
+impl Layer {
+    fn reserve(&mut self) {
+        self.steps.reserve(MOST_NEXT);
+        self.places.reserve(PLACES);
+    }
+
+    /// Forgets all layers.
+    fn restart(&mut self) {
+        self.places.clear();
+        self.places.resize(PLACES, 0);
+        self.number = 0;
+    }
+
+    fn clear(&mut self) {
+        self.steps.clear();
+        self.number += 1;
+    }
+
+    /// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
+    fn enter(&mut self, mut new: Step) {
+        let mixed =
+            (new.used as u64 ^ (new.used >> 64) as u64).wrapping_add(u64::from(new.slot) << 40);
+        let mut k = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 48) as usize % PLACES;
+        loop {
+            let place = self.places[k];
+            if place >> 16 != self.number {
+                if self.steps.len() < MOST_NEXT {
+                    self.places[k] = self.number << 16 | self.steps.len() as u32;
+                    self.steps.push(new);
+                }
+                return;
+            }
+            let old = &mut self.steps[place as usize & 0xffff];
+            if old.used == new.used && old.slot == new.slot {
+                if old.cost <= new.cost {
+                    old.gap = old.gap.min(new.cost - old.cost);
+                } else {
+                    new.gap = new.gap.min(old.cost - new.cost);
+                    *old = new;
+                }
+                return;
+            }
+            k = (k + 1) % PLACES;
         }
-        None => next.push(new),
+    }
+
+    /// The walks, the cheapest first.
+    fn sorted(&mut self) -> &[Step] {
+        self.steps
+            .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
+        &self.steps
     }
 }
 

@@ -11,6 +11,8 @@ use crate::vec2;
 /// Pieces of more edges are no single rope, and more pieces no few ropes.
 const MOST_EDGES: usize = 96;
 const MOST_PIECES: usize = 8;
+/// Ways on from one end to another that are looked at.
+const MOST_ONWARD: usize = 8192;
 /// Edges that are passed in a row, at most, their length in widths, and what they may cost.
 const MOST_PASSES: usize = 6;
 const LONGEST_PASS: f32 = 14.0;
@@ -47,6 +49,15 @@ struct Mouth {
     curvature: f32,
 }
 
+/// A way on from an end of an edge: the end at which the next one begins, what that costs with all of the edge, and which edges
+/// are passed in between.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Onward {
+    pub(super) slot: u32,
+    pub(super) cost: f32,
+    pub(super) passed: u128,
+}
+
 /// Edges that hang together. Ends of edges are named by 2·edge + end.
 #[derive(Debug, Default)]
 pub(super) struct Piece {
@@ -63,6 +74,11 @@ pub(super) struct Piece {
     place: Vec<u32>,
     mouths: Vec<Mouth>,
     is_wide: Vec<bool>,
+    /// The ways on from each end, one end after the other; `onward_from` where they begin.
+    onward: Vec<Onward>,
+    onward_from: Vec<u32>,
+    /// For each end the way to it from the end that is looked at.
+    reached: Vec<u32>,
 }
 
 impl Piece {
@@ -71,6 +87,9 @@ impl Piece {
         self.edges.reserve(MOST_EDGES);
         self.mouths.reserve(2 * MOST_EDGES);
         self.is_wide.reserve(MOST_EDGES);
+        self.onward.reserve(MOST_ONWARD);
+        self.onward_from.reserve(2 * MOST_EDGES + 1);
+        self.reached.reserve(2 * MOST_EDGES);
         for edges in [&mut self.first, &mut self.place, &mut self.waiting] {
             edges.reserve(1024);
         }
@@ -161,6 +180,60 @@ impl Piece {
             let is_wide = mean_px > WIDE.0 * zones.half_px + WIDE.1;
             self.is_wide.push(is_wide || zones.inside[e]);
         }
+        self.find_onward(of);
+    }
+
+    /// Finds the cheapest way on from each end to each that can be reached.
+    fn find_onward(&mut self, of: Ground) {
+        let mut onward = std::mem::take(&mut self.onward);
+        let mut reached = std::mem::take(&mut self.reached);
+        onward.clear();
+        reached.clear();
+        reached.resize(2 * self.edges.len(), NONE);
+        self.onward_from.clear();
+        for k in 0..2 * self.edges.len() {
+            let from = onward.len();
+            self.onward_from.push(from as u32);
+            let slot = 2 * self.edges[k / 2] + (k % 2) as u32;
+            let at = self.mouths[k].arm.at;
+            self.pass(slot, Pass::default(), of, &mut |to, pass| {
+                let straight_px = vec2::distance(at, self.mouth(to).arm.at);
+                if pass.widths > DETOUR * straight_px / (2.0 * of.zones.half_px) + 1.0 {
+                    return;
+                }
+                let new = Onward {
+                    slot: to,
+                    cost: pass.cost,
+                    passed: pass.passed,
+                };
+                let known = &mut reached[self.local(to)];
+                if let Some(old) = onward.get_mut(*known as usize) {
+                    if new.cost < old.cost {
+                        *old = new;
+                    }
+                } else if onward.len() < MOST_ONWARD {
+                    *known = onward.len() as u32;
+                    onward.push(new);
+                }
+            });
+            for way in &mut onward[from..] {
+                reached[self.local(way.slot)] = NONE;
+                way.cost += self.joint(slot, way.slot, of.mask) + self.costs(way.slot / 2, of)[1];
+            }
+        }
+        self.onward_from.push(onward.len() as u32);
+        (self.onward, self.reached) = (onward, reached);
+    }
+
+    /// The ways on from the end `slot`.
+    pub(super) fn onward(&self, slot: u32) -> &[Onward] {
+        let k = self.local(slot);
+        &self.onward[self.onward_from[k] as usize..self.onward_from[k + 1] as usize]
+    }
+
+    /// The place of an end among those of the piece.
+    fn local(&self, slot: u32) -> usize {
+        2 * self.place[slot as usize / 2] as usize + slot as usize % 2
     }
 
     /// Whether an edge is of the piece, as a bit at its place.
@@ -180,12 +253,11 @@ impl Piece {
     }
 
     fn mouth(&self, slot: u32) -> &Mouth {
-        let place = self.place[slot as usize / 2];
-        &self.mouths[2 * place as usize + slot as usize % 2]
+        &self.mouths[self.local(slot)]
     }
 
     /// What it costs to go on from one end of an edge to another.
-    pub(super) fn joint(&self, from: u32, to: u32, mask: &BitPlane) -> f32 {
+    fn joint(&self, from: u32, to: u32, mask: &BitPlane) -> f32 {
         let (a, b) = (self.mouth(from), self.mouth(to));
         let chord = vec2::sub(b.arm.at, a.arm.at);
         let px = vec2::norm(chord);
@@ -221,19 +293,7 @@ impl Piece {
         left.map(|(_, &e)| LEFT_OUT * self.widths(e, of)).sum()
     }
 
-    /// Calls `reach` with each end of an edge that a strand can go on with from `slot`, what the edges cost that are passed on the
-    /// way, and which these are.
-    pub(super) fn onward(&self, slot: u32, of: Ground, reach: &mut impl FnMut(u32, f32, u128)) {
-        let at = self.mouth(slot).arm.at;
-        let mut direct = |to: u32, pass: Pass| {
-            let straight_px = vec2::distance(at, self.mouth(to).arm.at);
-            if pass.widths <= DETOUR * straight_px / (2.0 * of.zones.half_px) + 1.0 {
-                reach(to, pass.cost, pass.passed);
-            }
-        };
-        self.pass(slot, Pass::default(), of, &mut direct);
-    }
-
+    /// Calls `reach` with each end at which a strand can go on that comes out at `last`, and what is passed on the way.
     fn pass(&self, last: u32, so_far: Pass, of: Ground, reach: &mut impl FnMut(u32, Pass)) {
         for k in self.at(node(last, of.graph)) {
             let slot = self.slots[k];
