@@ -4,7 +4,7 @@
 //! there its whole area is taken by color, and of ropes that are known its rim, which is in less
 //! light, by width. It is taken out of the mask, so that no curve runs into it or around it; what it
 //! hides of a rope is bridged later. Strands that lie close beside each other are wide too, but have
-//! the rope's color, and a thick rope among thin ones is long.
+//! the rope's color, or many, and a thick rope among thin ones is long.
 
 use std::ops::Range;
 
@@ -29,6 +29,8 @@ const WIDE_KNOWN: (f32, f32) = (2.2, 1.0);
 const WIDE_ALIKE: f32 = 5.0;
 /// Levels of color within which a thing has the rope's own.
 const ALIKE: f32 = 28.0;
+/// The least share of a thing's middle that has its color: among strands that lie on each other, with shade between them, a third.
+const ONE_COLOR: f32 = 0.6;
 /// Squares of its own width that a thing covers at most; a rope covers more. Of a rope already known
 /// the width is known, and nothing else is asked.
 const SQUARES: f32 = 5.0;
@@ -230,7 +232,11 @@ impl Occluder {
             self.alike.resize(mask.width(), mask.height());
             let rows = seed.rows(0.8, mask.height());
             rows.clone().for_each(|y| like(NEARER, y, &mut self.alike));
+            let all = self.thing.count();
             and(&mut self.thing, &self.alike, rows.clone());
+            if !known && (self.thing.count() as f32) < ONE_COLOR * all as f32 {
+                return false;
+            }
             let most = if known { f32::INFINITY } else { most };
             let like_thing = |y, alike: &mut BitPlane| like(NEARER, y, alike);
             let rows = spread((&mut self.thing, &mut self.alike), rows, most, like_thing);

@@ -118,6 +118,7 @@ fn a_rope_wound_up_is_one_rope_through_all_of_its_mask() {
         (Class::Coils, 8),
         (Class::Coils, 34),
         (Class::Coils, 66),
+        (Class::Coils, 9052),
     ] {
         let is_right = look_masked(class, seed, |_, is_right| is_right);
         assert!(is_right, "{class} {seed}");
