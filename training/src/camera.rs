@@ -1,7 +1,7 @@
 //! What a camera makes of a picture.
 
+use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageFormat, ImageReader};
 
 use crate::canvas::{Canvas, Field, blur, direction, dot, happens, minus, normal, spread};
 use lariat_portable::SplitMix64;
@@ -138,7 +138,6 @@ fn compressed(bytes: &[u8], side: usize, random: &mut SplitMix64) -> anyhow::Res
         side as u32,
         ExtendedColorType::Rgb8,
     )?;
-    let picture =
-        ImageReader::with_format(std::io::Cursor::new(file), ImageFormat::Jpeg).decode()?;
+    let picture = image::load_from_memory(&file)?;
     Ok(picture.into_rgb8().into_raw())
 }

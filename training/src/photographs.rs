@@ -29,8 +29,9 @@ impl Photographs {
         });
         files.sort();
         let read = |file: &std::path::PathBuf| {
-            let picture =
-                image::open(file).with_context(|| format!("cannot read {}", file.display()))?;
+            let unread = || format!("cannot read {}", file.display());
+            let bytes = std::fs::read(file).with_context(unread)?;
+            let picture = image::load_from_memory(&bytes).with_context(unread)?;
             Ok(picture.to_rgb8())
         };
         files

@@ -84,6 +84,8 @@
 //! sink counts it and does not time it. Before the first image there is nothing to be lost, and no blank frame.
 
 mod ahead;
+#[cfg(all(debug_assertions, not(test)))]
+mod compiled;
 mod depth_files;
 mod follow;
 mod lent;

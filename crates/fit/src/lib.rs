@@ -121,6 +121,8 @@ mod basis;
 mod bezier;
 mod checked;
 mod choice;
+#[cfg(all(debug_assertions, not(test)))]
+mod compiled;
 mod condition;
 mod convert;
 mod curve;
