@@ -10,6 +10,7 @@
 //! 1. **Found.** A ray of the colour camera is a line in the depth image: at every few points of the rope that is walked from near to
 //!    far to the first place where what is measured is where the ray is. The first, as the table behind a lifted rope, which the depth
 //!    camera may see from beside, would agree with the ray as well.
+//!    One such place alone that is far behind those beside it was seen through a hole.
 //! 2. **Measured.** Around every second point, in the rope's inner width only, an edge's mixed pixels left out, depth is read at 32
 //!    places. A rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / |ρ × d|, with ρ the ray, one ahead,
 //!    d the rope's direction, and its radius r half of its width in the colour image. The mean of what they say of the axis, twice

@@ -7,7 +7,8 @@
 //! 1. **Matched.** The epipolar line of a point crosses the other view's curve here and there: each crossing is a candidate, with a depth.
 //!    Through the candidates of a rope goes the chain, forward or backward along the other curve, that has the most of them in it and is
 //!    the least rugged: both views see as much rope between two points, but for what it rises. Which rope is which, and which way round,
-//!    is the pairing whose chains are the best.
+//!    is the pairing whose chains are the best. Where a view takes strands for each other that touch there, the chain is better with the
+//!    parts between two contacts turned, and they are.
 //! 2. **Measured.** Inverse depth along the rope is a spline: the sum of squares of its distances from the other curve, across that curve,
 //!    and of its bends is least (Gauss and Newton; the curve between its points is a cubic). Where the rope runs along the epipolar line
 //!    its distance from the curve says next to nothing of its depth, and the spline goes by the neighbors there: such stretches are
@@ -17,6 +18,7 @@
 //! 4. **Cut.** At an end that rises or falls the outline goes on beyond the axis.
 
 mod curve;
+mod exchanging;
 mod file;
 mod matching;
 mod pair;

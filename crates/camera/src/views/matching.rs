@@ -4,6 +4,8 @@ use super::curve::Curve;
 use super::pair::ViewPair;
 use crate::space::length;
 
+/// So many points of a rope are looked at to find out how well it goes with another.
+pub(super) const ROWS: usize = 30;
 /// A place on the other curve may be so many pixels off it, and so far along it where it meets the epipolar line flatly, of which no
 /// less than this sine is reckoned with.
 const OFF_PX: f64 = 1.5;

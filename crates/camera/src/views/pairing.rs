@@ -5,12 +5,10 @@
 //! still more work than a frame's time allows, those that are left have no partner, rather than perhaps a wrong one.
 
 use super::curve::Curve;
-use super::matching::Matching;
+use super::matching::{Matching, ROWS};
 use super::pair::ViewPair;
 use super::ropes::NoSecondView;
 
-/// So many points of a rope are looked at to find its partner.
-const ROWS: usize = 30;
 /// Ropes are the same if so much of one, as a share, is on the other.
 const LEAST_SCORE: f64 = 0.3;
 /// Steps of a frame's chains, each from one place to another: a rope of 30 places on each of 24 others asks for half a million in all.
@@ -50,6 +48,11 @@ impl Pairing {
     /// Of each rope of the first view its partner, or why it has none.
     pub(super) fn partners(&self) -> &[Result<Partner, NoSecondView>] {
         &self.partners
+    }
+
+    /// The same, to be turned.
+    pub(super) fn partners_mut(&mut self) -> &mut [Result<Partner, NoSecondView>] {
+        &mut self.partners
     }
 
     /// Finds the partners.

@@ -1,6 +1,7 @@
 //! Ropes in two views: which is which, and where their points are.
 
 use super::curve::Curve;
+use super::exchanging::Exchanging;
 use super::matching::Matching;
 use super::pair::ViewPair;
 use super::pairing::{Pairing, Partner};
@@ -11,6 +12,8 @@ use thiserror::Error;
 /// To find the places of a rope's points one of so many is looked at, or fewer where that takes more steps from one place to another.
 const EVERY: usize = 3;
 const MOST_STEPS: usize = 100_000;
+/// A frame's steps to find out where strands were taken for each other.
+const MOST_TO_EXCHANGE: usize = 1_000_000;
 /// Ropes are known if so much of them, as a share, is not along the epipolar lines.
 const LEAST_MEASURED: f64 = 0.2;
 
@@ -55,6 +58,7 @@ pub struct RopeViews {
     counts: [usize; 2],
     matching: Matching,
     pairing: Pairing,
+    exchanging: Exchanging,
     refining: Refining,
     places: Vec<SpacePoint>,
     before: Vec<SpacePoint>,
@@ -69,6 +73,7 @@ impl RopeViews {
             counts: [0; 2],
             matching: Matching::default(),
             pairing: Pairing::default(),
+            exchanging: Exchanging::default(),
             refining: Refining::default(),
             places: Vec::new(),
             before: Vec::new(),
@@ -106,6 +111,18 @@ impl RopeViews {
     pub fn pair(&mut self) -> &[Result<Partner, NoSecondView>] {
         let [firsts, seconds] = [0, 1].map(|view| &self.views[view][..self.counts[view]]);
         (self.pairing).pair(&self.cameras, [firsts, seconds], &mut self.matching);
+        let mut left = MOST_TO_EXCHANGE;
+        let [firsts, seconds] = &mut self.views;
+        for (partner, first) in self.pairing.partners_mut().iter_mut().zip(firsts) {
+            if let Ok(partner) = partner {
+                partner.is_backward = self.exchanging.exchange(
+                    &self.cameras,
+                    [first, &mut seconds[partner.rope]],
+                    partner.is_backward,
+                    (&mut self.matching, &mut left),
+                );
+            }
+        }
         self.pairing.partners()
     }
 

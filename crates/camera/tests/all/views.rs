@@ -189,6 +189,44 @@ fn ropes_are_told_from_each_other_whatever_their_order_and_direction() {
 }
 
 #[test]
+fn strands_that_one_view_takes_for_each_other_are_told_by_the_other() {
+    let mut tried = 0;
+    for (seed, scene) in scenes().filter(|(_, scene)| !scene.rope.crossings.is_empty()) {
+        for view in [0, 1] {
+            let mut scene = scene.clone();
+            let line = &mut scene.lines[view];
+            let Some([from, to]) = crossing(&line.points) else {
+                continue;
+            };
+            line.points[from + 1..=to].reverse();
+            line.widths[from + 1..=to].reverse();
+            let places = scene.locate(&mut scene.finder());
+            let places = places.unwrap_or_else(|cause| panic!("{seed}: {cause}"));
+            let errors = scene.errors(&places);
+            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+            println!("{seed}, view {view}: {mean:.2} mm");
+            assert!(mean < 1.0, "{seed}, view {view}: {mean} mm");
+            tried += 1;
+        }
+    }
+    assert!(tried > 12);
+}
+
+/// After which of its points a line crosses itself first.
+fn crossing(points: &[[f32; 2]]) -> Option<[usize; 2]> {
+    let side = |a: [f32; 2], b: [f32; 2], c: [f32; 2]| {
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0
+    };
+    let last = points.len() - 1;
+    let pairs = (0..last).flat_map(|i| (i + 2..last).map(move |j| [i, j]));
+    let mut crosses = pairs.filter(|&[i, j]| {
+        let [a, b, c, d] = [i, i + 1, j, j + 1].map(|k| points[k]);
+        side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
+    });
+    crosses.next()
+}
+
+#[test]
 fn of_a_rope_that_one_view_cuts_off_the_rest_is_bridged_and_says_so() {
     let mut within = [0, 0];
     for (seed, mut scene) in scenes().filter(|(seed, _)| seed % 4 == 1) {

@@ -147,6 +147,8 @@ pub struct Painter {
     random: SplitMix64,
     /// The table's colour at each pixel, as this eye sees it.
     table: Option<(Eye, Vec<[f32; 3]>)>,
+    /// The first picture's noise; those after it have the same, begun anywhere in it.
+    noise: Vec<[f32; 3]>,
 }
 
 impl Painter {
@@ -160,6 +162,7 @@ impl Painter {
             mottling: Mottling::new(&mut random),
             random,
             table: None,
+            noise: Vec::new(),
         }
     }
 
@@ -173,6 +176,17 @@ impl Painter {
             Some((of, table)) if of == *eye => table,
             _ => self.table(eye),
         };
+        let count = width * height;
+        let begin = match self.noise.len() == count {
+            true => self.random.below(count),
+            false => {
+                let normal = |_| [0; 3].map(|_| 2.0 * self.random.normal() as f32);
+                self.noise = (0..count).map(normal).collect();
+                0
+            }
+        };
+        let noise = self.noise[begin..].iter().chain(&self.noise);
+        let mut noise = noise.copied();
         for y in 0..height {
             for x in 0..width {
                 let ground = table[y * width + x];
@@ -184,10 +198,8 @@ impl Painter {
                     }),
                     None => ground,
                 };
-                let random = &mut self.random;
-                rgb.extend(
-                    seen.map(|c| (c + 2.0 * random.normal() as f32 + 0.5).clamp(0.0, 255.0) as u8),
-                );
+                let noise = noise.next().unwrap_or_default();
+                rgb.extend([0, 1, 2].map(|c| (seen[c] + noise[c] + 0.5).clamp(0.0, 255.0) as u8));
             }
         }
         self.table = Some((*eye, table));

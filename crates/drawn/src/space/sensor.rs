@@ -46,6 +46,8 @@ pub struct DepthPainter {
     table: Vec<f64>,
     /// Where on the table the middle of each pixel is: how far ahead, and in which column the second imager sees that.
     middles: Vec<(f64, Option<usize>)>,
+    /// The first image's noise; those after it have the same, begun anywhere in it.
+    noise: Vec<f64>,
 }
 
 impl DepthPainter {
@@ -66,19 +68,27 @@ impl DepthPainter {
             sensor: *sensor,
             table: places().map(|at| mean(&empty.of_table(at))).collect(),
             middles: places().map(middle).collect(),
+            noise: Vec::new(),
         }
     }
 
     /// The depth image, row by row: how many units ahead, 0 where it does not know.
-    pub fn image(&self, rope: &LiftedRope, seed: u64) -> Vec<u16> {
-        let Self { eye, sensor, .. } = self;
+    pub fn image(&mut self, rope: &LiftedRope, seed: u64) -> Vec<u16> {
         let mut random = SplitMix64::of_stream(seed, 2);
-        let width = eye.size[0];
+        let begin = match self.noise.len() {
+            0 => {
+                self.noise = noise(self.eye.size, self.sensor.grain_px, &mut random);
+                0
+            }
+            count => random.below(count),
+        };
+        let Self { eye, sensor, .. } = &*self;
         let hits = hits(rope, eye, RAYS);
         let unseen = self.unseen_by_the_second(rope);
-        let noise = noise(eye.size, sensor.grain_px, &mut random);
+        let width = eye.size[0];
+        let noise = self.noise[begin..].iter().chain(&self.noise);
         (self.table.iter().zip(noise).enumerate())
-            .map(|(i, (&table, noise))| {
+            .map(|(i, (&table, &noise))| {
                 let (mean, on_rope) = match hits.near_rope([i % width, i / width]) {
                     Some(of_pixel) => {
                         let on_rope = of_pixel.iter().filter(|hit| hit.light.is_some());

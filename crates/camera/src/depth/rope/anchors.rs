@@ -13,6 +13,9 @@ const REACH: f64 = 6.0;
 const END_ON_STEEPEST: f64 = 16.0;
 const END_ON_ANCHORS: usize = 2;
 const END_ON_SECTIONS: usize = 4;
+/// One anchor alone is what is behind a hole in the rope's depth if it is farther ahead than the line from the one before to the one after by more
+/// than this for each millimetre aside of the nearer of these. Where a rope is as steep, the sections beside it find it again.
+const BEHIND: f64 = 1.0;
 /// So few sections at an end are the rope only where it rises no more steeply to them, on average, than this.
 const TIP: usize = 3;
 const TIP_STEEPEST: f64 = 1.0;
@@ -29,6 +32,27 @@ impl RopeDepth {
             }
         }
         self.keep_chain(0.0, END_ON_ANCHORS);
+        self.drop_behind();
+    }
+
+    /// Leaves out single anchors that are what is seen through a hole: where a ray goes on beside the rope.
+    fn drop_behind(&mut self) {
+        let mut k = 1;
+        while k + 1 < self.anchors.len() {
+            let [(i, a), (j, b), (l, c)] = [k - 1, k, k + 1].map(|k| self.anchors[k]);
+            let between = a + (j - i) as f64 / (l - i) as f64 * (c - a);
+            let aside = self.apart(i, j).min(self.apart(j, l)) * between;
+            match b - between > BEHIND * aside + 6.0 * self.camera.sigma_mm(b) {
+                true => drop(self.anchors.remove(k)),
+                false => k += 1,
+            }
+        }
+    }
+
+    /// How far a point's ray is aside of another's, for each millimetre ahead.
+    fn apart(&self, i: usize, j: usize) -> f64 {
+        let [a, b] = [i, j].map(|k| self.axes[k].ray);
+        length(a[0] - b[0], a[1] - b[1])
     }
 
     /// Takes for not measured whatever the rope does not go on to from the others: the table beyond an end that the colour
@@ -113,8 +137,7 @@ impl RopeDepth {
         steepest: f64,
         slack_mm: f64,
     ) -> bool {
-        let way = |k: usize| self.axes[k].ray;
-        let aside = length(way(i)[0] - way(j)[0], way(i)[1] - way(j)[1]) * a.min(b);
+        let aside = self.apart(i, j) * a.min(b);
         (a - b).abs() < steepest * aside + 6.0 * self.camera.sigma_mm(a.max(b)) + slack_mm
     }
 

@@ -151,7 +151,7 @@ fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -
     let stage = Stage::of(frames);
     let [color, beside] = stage.eyes;
     let sensor = DepthSensor::STEREO;
-    let depths = DepthPainter::new(&beside, &sensor);
+    let mut depths = DepthPainter::new(&beside, &sensor);
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
     let settings = settings(&stage.eyes, &Beside::Depth(sensor), folder.path())?;
     let mut extractor = FrameExtractor::new(&settings.extract)?;
