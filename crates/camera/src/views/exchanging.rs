@@ -8,7 +8,6 @@
 use super::curve::Curve;
 use super::matching::{Matching, ROWS};
 use super::pair::ViewPair;
-use crate::space::length;
 
 /// Parts are turned if the pair's chain lacks no more than this share of what it lacked, and by this less, of 1 that a chain has at most. Of 72 drawn
 /// ropes it is 0.2 at most where that is right, and 0.65 at least elsewhere.
@@ -26,7 +25,7 @@ type Contact = [usize; 2];
 /// Room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Exchanging {
-    /// Of each point how far the nearest other strand is, in widths, and where.
+    /// Of each point how far the nearest other strand is, in widths and squared, and where.
     near: Vec<(f64, usize)>,
     contacts: Vec<Contact>,
 }
@@ -38,13 +37,10 @@ impl Exchanging {
         &mut self,
         cameras: &ViewPair,
         curves: [&mut Curve; 2],
-        is_backward: bool,
+        (is_backward, score): (bool, f64),
         (matching, left): (&mut Matching, &mut usize),
     ) -> bool {
         let [first, second] = curves;
-        let Some((score, _)) = judge(cameras, [first, second], matching, left) else {
-            return is_backward;
-        };
         // No chain is better than 1.
         if score + BETTER >= 1.0 {
             return is_backward;
@@ -58,13 +54,14 @@ impl Exchanging {
                 for other in std::iter::once(None).chain(others) {
                     let way = [Some(one), other.map(|other| after(one, other))];
                     turn([&mut *first, &mut *second][view], way);
-                    let judged = judge(cameras, [first, second], matching, left);
+                    let judged = judge(cameras, [first, second], best.0, (matching, left));
                     turn([&mut *first, &mut *second][view], [way[1], way[0]]);
-                    let Some((score, is_backward)) = judged else {
-                        return is_backward;
-                    };
-                    if score > best.0 {
-                        best = (score, is_backward, Some((view, way)));
+                    match judged {
+                        Judged::Better(score, is_backward) => {
+                            best = (score, is_backward, Some((view, way)));
+                        }
+                        Judged::NoBetter => {}
+                        Judged::TooMuch => return is_backward,
                     }
                 }
             }
@@ -88,35 +85,55 @@ impl Exchanging {
             let loop_points = (LEAST_LOOP * 2.0 * one.slim / curve.step) as usize;
             let from = i.saturating_add(loop_points.max(2));
             for (j, other) in sights.iter().enumerate().skip(from) {
-                let far = length(one.ray[0] - other.ray[0], one.ray[1] - other.ray[1]);
-                let far = far / (one.slim + other.slim);
-                if far < nearest.0 {
-                    nearest = (far, j);
+                let [x, y] = [0, 1].map(|c| one.ray[c] - other.ray[c]);
+                let widths = one.slim + other.slim;
+                let far2 = (x * x + y * y) / (widths * widths);
+                if far2 < nearest.0 {
+                    nearest = (far2, j);
                 }
             }
             self.near.push(nearest);
         }
         for i in 1..self.near.len().saturating_sub(1) {
-            let [(before, _), (far, at), (after, _)] = [i - 1, i, i + 1].map(|k| self.near[k]);
-            if far < NEAR && far < before && far <= after && self.contacts.len() < MOST_CONTACTS {
+            let [(before, _), (far2, at), (after, _)] = [i - 1, i, i + 1].map(|k| self.near[k]);
+            let is_contact = far2 < NEAR * NEAR && far2 < before && far2 <= after;
+            if is_contact && self.contacts.len() < MOST_CONTACTS {
                 self.contacts.push([i, at.min(sights.len() - 2)]);
             }
         }
     }
 }
 
-/// How well a pair goes together, and which way round; `None` if too few steps are left to say so.
+/// How a pair goes together.
+enum Judged {
+    /// By this score, and whether the second one's points come in the opposite order.
+    Better(f64, bool),
+    NoBetter,
+    /// Too few steps are left to say so.
+    TooMuch,
+}
+
+/// Whether a pair goes together better than by this score.
 fn judge(
     cameras: &ViewPair,
     curves: [&Curve; 2],
-    matching: &mut Matching,
-    left: &mut usize,
-) -> Option<(f64, bool)> {
+    than: f64,
+    (matching, left): (&mut Matching, &mut usize),
+) -> Judged {
     let every = curves[0].sights.len().div_ceil(ROWS).max(1);
     matching.look(cameras, curves, every);
-    *left = left.checked_sub(2 * matching.steps())?;
+    if matching.most() <= than {
+        return Judged::NoBetter;
+    }
+    let Some(rest) = left.checked_sub(2 * matching.steps()) else {
+        return Judged::TooMuch;
+    };
+    *left = rest;
     let [forward, backward] = [false, true].map(|way| matching.chain(cameras, curves, way));
-    Some((forward.max(backward), backward > forward))
+    match forward.max(backward) > than {
+        true => Judged::Better(forward.max(backward), backward > forward),
+        false => Judged::NoBetter,
+    }
 }
 
 /// Turns a curve's parts between the two places of each of these.

@@ -38,6 +38,8 @@ struct Candidate {
 pub(super) struct Pairing {
     candidates: Vec<Candidate>,
     partners: Vec<Result<Partner, NoSecondView>>,
+    /// How well each rope goes with its partner.
+    scores: Vec<f64>,
 }
 
 impl Pairing {
@@ -50,9 +52,11 @@ impl Pairing {
         &self.partners
     }
 
-    /// The same, to be turned.
-    pub(super) fn partners_mut(&mut self) -> &mut [Result<Partner, NoSecondView>] {
-        &mut self.partners
+    /// The same, to be turned, and how well each rope goes with its partner.
+    pub(super) fn partners_mut(
+        &mut self,
+    ) -> impl Iterator<Item = (&mut Result<Partner, NoSecondView>, f64)> {
+        self.partners.iter_mut().zip(self.scores.iter().copied())
     }
 
     /// Finds the partners.
@@ -64,6 +68,8 @@ impl Pairing {
     ) {
         self.partners.clear();
         self.partners.resize(firsts.len(), Err(NoSecondView::Alone));
+        self.scores.clear();
+        self.scores.resize(firsts.len(), 0.0);
         self.candidates.clear();
         let look = |matching: &mut Matching, curves: [&Curve; 2]| {
             let every = curves[0].sights.len().div_ceil(ROWS).max(1);
@@ -89,9 +95,15 @@ impl Pairing {
         }
         let mut left = MOST_STEPS;
         while let Some(best) = self.best() {
-            let Candidate { first, partner, .. } = *best;
+            let Candidate {
+                first,
+                partner,
+                score,
+                ..
+            } = *best;
             if best.is_looked_at {
                 self.partners[first] = Ok(partner);
+                self.scores[first] = score;
                 let is_free =
                     |other: &Candidate| other.first != first && other.partner.rope != partner.rope;
                 self.candidates.retain(is_free);

@@ -113,12 +113,12 @@ impl RopeViews {
         (self.pairing).pair(&self.cameras, [firsts, seconds], &mut self.matching);
         let mut left = MOST_TO_EXCHANGE;
         let [firsts, seconds] = &mut self.views;
-        for (partner, first) in self.pairing.partners_mut().iter_mut().zip(firsts) {
+        for ((partner, score), first) in self.pairing.partners_mut().zip(firsts) {
             if let Ok(partner) = partner {
                 partner.is_backward = self.exchanging.exchange(
                     &self.cameras,
                     [first, &mut seconds[partner.rope]],
-                    partner.is_backward,
+                    (partner.is_backward, score),
                     (&mut self.matching, &mut left),
                 );
             }
