@@ -5,7 +5,7 @@
 //! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
 //! likes over edges where strands lie on or beside each other. Of all walks the one is sought that bends least beyond what its
 //! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
-//! place of what the crossings say, one by one, where that costs more as a walk; then how much more the next walk costs that runs
+//! place of what the crossings say, one by one, where that costs more as a walk: several ropes, or one that is wound up. How much more the next walk costs that runs
 //! otherwise says how sure it is.
 
 mod piece;
@@ -95,7 +95,11 @@ impl Walker {
                 mask,
             };
             self.piece.gather(self.piece.candidates[k], of);
-            let before = self.cost_of(legs, strands, of);
+            // What is one rope crossing by crossing is right more often than the cheapest walk, unless it is wound up.
+            let (before, ropes) = self.cost_of(legs, strands, of);
+            if ropes == 1 && !self.piece.is_wound() {
+                continue;
+            }
             self.search(of);
             let Some(&(last, cost)) = self.done.first() else {
                 continue;
@@ -112,9 +116,9 @@ impl Walker {
         }
     }
 
-    /// What the strands of the piece cost as they are.
-    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> f32 {
-        let (mut cost, mut seen) = (0.0, 0u128);
+    /// What the strands of the piece cost as they are, and how many they are.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize) {
+        let (mut cost, mut seen, mut ropes) = (0.0, 0u128, 0);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -124,6 +128,7 @@ impl Walker {
                 continue;
             };
             seen |= bits;
+            ropes += 1;
             let leg = |leg: &Leg| self.piece.costs(leg.edge, of)[1];
             let mut join = |a: &Leg, b: &Leg| {
                 let ways = self.piece.onward(out(a)).iter();
@@ -142,7 +147,7 @@ impl Walker {
                 cost += END * loose.count() as f32 + leg(first);
             }
         }
-        cost + self.piece.left_out(seen, of)
+        (cost + self.piece.left_out(seen, of), ropes)
     }
 
     /// Finds the cheapest walks from tip to tip.

@@ -21,6 +21,8 @@ const DEAREST_PASS: f32 = 1.0;
 const DETOUR: f32 = 1.3;
 /// From this many half-widths on an edge is more than one strand; what whole pixels leave in doubt.
 const WIDE: (f32, f32) = (1.25, 0.2);
+/// Edges of more than one strand that a rope has at least that is wound up: three loops have eight, five crossings five.
+const WOUND: usize = 7;
 /// What it costs a width to pass over an edge that is one strand, to take one for a strand that is more, and to leave one out.
 const NARROW_PASS: f32 = 0.15;
 const WIDE_LEG: f32 = 0.25;
@@ -245,6 +247,11 @@ impl Piece {
     /// Whether an end of an edge is a tip of the piece.
     pub(super) fn is_tip(&self, slot: u32, graph: &Graph) -> bool {
         graph.nodes[node(slot, graph) as usize].degree == 1
+    }
+
+    /// Whether strands lie on each other in so many places as those of a rope that is wound up.
+    pub(super) fn is_wound(&self) -> bool {
+        self.is_wide.iter().filter(|&&is_wide| is_wide).count() >= WOUND
     }
 
     /// Pixels at an end of an edge that belong to the crossing there.
