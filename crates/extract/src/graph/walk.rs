@@ -5,8 +5,8 @@
 //! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
 //! likes over edges where strands lie on or beside each other. Of all walks the one is sought that bends least beyond what its
 //! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
-//! place of what the crossings say, one by one, where that costs more as a walk: several ropes, or one that is wound up. How much more the next walk costs that runs
-//! otherwise says how sure it is.
+//! place of what the crossings say, one by one, where that costs more as a walk: several ropes, or one that is wound up. How much
+//! more the next walk costs that runs otherwise says how sure it is.
 
 mod piece;
 
@@ -18,7 +18,7 @@ use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::Vec2;
 use piece::{Ground, Piece};
 
-/// Walks that are kept at a time, ways on from them, and steps of all walks.
+/// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
 const BEAM: usize = 128;
 const MOST_NEXT: usize = 4096;
 const PLACES: usize = 2 * MOST_NEXT;
