@@ -10,9 +10,26 @@ pub(crate) const LARGEST_NOISE: u8 = 10;
 const NOISE_BYTES: usize = 1 << 16;
 
 /// A value as a byte that noise cannot push over an edge.
+#[inline(always)]
 pub(crate) fn to_byte(value: f32) -> u8 {
     let low = f32::from(LARGEST_NOISE);
-    (value + 0.5).clamp(low, 255.0 - low) as u8
+    let whole = whole_part((value + 0.5).clamp(low, 255.0 - low));
+    (whole + FRACTIONLESS).to_bits() as u8
+}
+
+/// From here on floats have no fractions, and the lowest bits of one are those of the whole number that it is.
+const FRACTIONLESS: f32 = (1 << 23) as f32;
+
+/// The whole part of a number from 0 to 2²²: what conversions to whole numbers give, which care for numbers that fit in none,
+/// lane by lane.
+#[inline(always)]
+pub(crate) fn whole_part(value: f32) -> f32 {
+    let nearest = (value + FRACTIONLESS) - FRACTIONLESS;
+    if nearest > value {
+        nearest - 1.0
+    } else {
+        nearest
+    }
 }
 
 /// The empty table, three bytes a pixel.

@@ -60,14 +60,16 @@ fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64;
     for i in 0..segments {
         let mut j = i + 2;
         while j < segments {
-            if let Some((s, t)) = meet([line[i], line[i + 1]], [line[j], line[j + 1]]) {
+            let apart = [line[j][0] - line[i][0], line[j][1] - line[i][1]];
+            let steps = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt() / step_px;
+            if steps < 2.5
+                && let Some((s, t)) = meet([line[i], line[i + 1]], [line[j], line[j + 1]])
+            {
                 let at = [0, 1].map(|a| line[i][a] + (line[i + 1][a] - line[i][a]) * s);
                 found(at, i as f64 + s, j as f64 + t);
             }
-            let apart = [line[j][0] - line[i][0], line[j][1] - line[i][1]];
-            let distance_px = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
             // Segment k can meet segment i only if their starts are less than two steps apart.
-            j += ((distance_px / step_px) as usize).saturating_sub(2).max(1);
+            j += (steps as usize).saturating_sub(2).max(1);
         }
     }
 }
