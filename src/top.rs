@@ -88,7 +88,7 @@ fn wait(
         while gatherer.must_keep_up() && Instant::now() < until && !stop.asked() {
             gatherer.keep_up(until, Some(stop.as_fd()));
         }
-        return screen.key(Instant::now());
+        return screen.key(Instant::now(), stop);
     }
-    screen.key(until)
+    screen.key(until, stop)
 }

@@ -1,12 +1,17 @@
 //! The terminal: taken over, and given back as it was however the program ends, but for SIGKILL.
 
-use std::io::{self, Stdout};
+use std::fs::File;
+use std::io::{self, IsTerminal, Stdout};
+use std::mem::ManuallyDrop;
+use std::os::fd::{AsFd, OwnedFd};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
+use lariat_chain::stop::Stop;
 use ratatui::backend::CrosstermBackend;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::{Frame, Terminal};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 /// What the user wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,29 +26,53 @@ pub(super) enum Key {
 }
 
 /// A terminal in raw mode, on its alternate screen. A panic gives it back before it says what happened.
-pub(super) struct Screen(Terminal<CrosstermBackend<Stdout>>);
+pub(super) struct Screen {
+    /// Its own drop would tell a terminal that is gone that it is, and break off over that.
+    terminal: ManuallyDrop<Terminal<CrosstermBackend<Stdout>>>,
+    /// Where keys come from.
+    keys: OwnedFd,
+}
 
 impl Screen {
     pub(super) fn enter() -> Result<Self> {
+        let keys = match io::stdin() {
+            stdin if stdin.is_terminal() => stdin.as_fd().try_clone_to_owned(),
+            _ => File::open("/dev/tty").map(OwnedFd::from),
+        };
+        let keys = keys.context("the terminal's keys cannot be read")?;
         let terminal = ratatui::try_init().inspect_err(|_| ratatui::restore());
-        Ok(Self(terminal.context("the terminal cannot be drawn on")?))
+        let terminal = terminal.context("the terminal cannot be drawn on")?;
+        Ok(Self {
+            terminal: ManuallyDrop::new(terminal),
+            keys,
+        })
     }
 
     pub(super) fn draw(&mut self, picture: impl FnOnce(&mut Frame)) -> io::Result<()> {
-        self.0.draw(picture).map(|_| ())
+        self.terminal.draw(picture).map(|_| ())
     }
 
-    /// The next key that means something, until the moment; `None` when it has come.
-    pub(super) fn key(&mut self, until: Instant) -> Result<Option<Key>> {
+    /// The next key that means something, until the moment; `None` when it has come, or a signal.
+    ///
+    /// crossterm is asked for what is there, and never waited in: a terminal that is closed meanwhile it would read for ever.
+    pub(super) fn key(&mut self, until: Instant, stop: &Stop) -> Result<Option<Key>> {
+        let gone = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
+        let mut left = Duration::ZERO;
         loop {
-            let left = until.saturating_duration_since(Instant::now());
-            if !event::poll(left).context("the terminal's keys cannot be read")? {
-                return Ok(None);
+            let ready = [self.keys.as_fd(), stop.as_fd()];
+            let mut ready = ready.map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN));
+            // What interrupts it is a signal, as that of another size.
+            let _ = poll(&mut ready, Timespec::try_from(left).ok().as_ref());
+            if ready[0].revents().intersects(gone) {
+                return Ok(Some(Key::Quit));
             }
-            if let Some(key) = meaning(&event::read()?) {
-                return Ok(Some(key));
+            while event::poll(Duration::ZERO).context("the terminal's keys cannot be read")? {
+                if let Some(key) = meaning(&event::read()?) {
+                    return Ok(Some(key));
+                }
             }
-            if left == Duration::ZERO {
+            left = until.saturating_duration_since(Instant::now());
+            if left == Duration::ZERO || stop.asked() {
                 return Ok(None);
             }
         }
@@ -52,7 +81,9 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        ratatui::restore();
+        // Where it is gone, nobody is left to be told.
+        let _ = self.terminal.show_cursor();
+        let _ = ratatui::try_restore();
     }
 }
 

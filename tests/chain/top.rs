@@ -197,6 +197,27 @@ fn told_to_end_top_gives_the_terminal_back_too() {
 }
 
 #[test]
+fn a_terminal_that_is_closed_ends_top() {
+    if !is_tmux_here() {
+        return;
+    }
+    let bench = Bench::new();
+    let screen = Screen::open(&bench);
+    screen.wait_for_text("No chain is running here");
+    let top = format!("/proc/{}", screen.top());
+    drop(screen);
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while std::path::Path::new(&top).exists() {
+        assert!(
+            Instant::now() < deadline,
+            "lariat top goes on without a terminal"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn without_a_terminal_top_names_what_there_is_for_scripts() {
     let bench = Bench::new();
     let output = bench.run(&["top"]);
