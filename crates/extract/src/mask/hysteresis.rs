@@ -29,9 +29,6 @@ const THIN: f32 = 0.86;
 /// traces of JPEG, of which plain pictures have none.
 const APART: f32 = 0.5;
 const RINGING: f32 = 0.02;
-/// Then a thin place of less than this, in squares of the width, is a tip: its two corners, which a disc does not reach, are
-/// 2 · (1 − π/4) / 4, and are frayed as much again and more.
-const FRAYED: f32 = 0.5;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
 /// Ropes wider than this are left as they are, in pixels: the widest that thinning brings to rest.
@@ -77,6 +74,7 @@ impl Hysteresis {
         if !self.find_thin(mask, across, width_px, fringe_px) {
             return;
         }
+        let rings = self.rings(mask, width_px);
         let slit = ((SLIT * width_px) as usize).max(1);
         // No step from here on looks farther from a place where something may be added.
         let reach = (2 * slit).max(across + fringe_px) + 1;
@@ -95,6 +93,12 @@ impl Hysteresis {
         self.wider
             .zip_within(&self.fits, mask, |w, f, m| w & f & !m);
         self.drop_fringe(mask, slit, fringe_px);
+        if rings {
+            // A tip has traces before it that are as wide as the rope: what is added lies between what there is.
+            self.fits.take_within(mask, &self.window);
+            self.morphology.close_within(&mut self.fits, across / 2);
+            self.wider.zip_within(&self.fits, mask, |w, f, _| w & f);
+        }
         self.wider.tighten();
         lift(difference, &self.wider, cut.level);
         mask.add(&self.wider);
@@ -162,12 +166,6 @@ impl Hysteresis {
         let least = (0.5 * width_px) as u32;
         if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
             return false;
-        }
-        if self.rings(mask, width_px) {
-            let least = (FRAYED * width_px * width_px) as u32;
-            if self.pieces.drop_specks(&mut self.thin, least).is_err() || self.thin.count() == 0 {
-                return false;
-            }
         }
         let beside = (0.7 * width_px).ceil() as usize;
         self.window.near(&self.thin, beside);

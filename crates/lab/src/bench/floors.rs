@@ -1,4 +1,4 @@
-//! What no chain on this machine can be faster than: reading and copying the frame, waking a thread, waking in time.
+//! What no chain on this machine can be faster than: reading and copying the frame, waking a thread, waking in time; and how steady the machine is.
 
 use std::hint::black_box;
 use std::os::fd::OwnedFd;
@@ -41,6 +41,23 @@ pub(super) fn pass(pass: Pass, [width, height]: [u32; 2], time: Duration) -> Out
             Pass::Read => drop(black_box(read.sum(black_box(&frame)))),
             Pass::Copy => black_box(&mut copy).copy_from_slice(black_box(&frame)),
         }
+        times.add(start.elapsed().as_nanos() as u64);
+    }
+    Outcome::of_times(times)
+}
+
+/// Additions and products of one round of [`arithmetic`]: a tenth of a millisecond.
+const ROUND: u32 = 40_000;
+
+/// Times the same arithmetic in registers, again and again: what a round takes longer than others, the machine was slower, or
+/// another had the core.
+pub(super) fn arithmetic(time: Duration) -> Outcome {
+    let mut times = Times::default();
+    let end = Instant::now() + time;
+    while Instant::now() < end || times.count() < LEAST_PASSES {
+        let start = Instant::now();
+        let sum = (0..ROUND).fold(black_box(1.0f32), |sum, _| sum * 0.999 + 0.001);
+        black_box(sum);
         times.add(start.elapsed().as_nanos() as u64);
     }
     Outcome::of_times(times)
@@ -184,5 +201,11 @@ mod tests {
             let outcome = pass(what, [64, 48], Duration::from_millis(1));
             assert!(outcome.times.is_some_and(|times| times.count() > 0));
         }
+        let outcome = arithmetic(Duration::ZERO);
+        assert!(
+            outcome
+                .times
+                .is_some_and(|times| times.count() >= LEAST_PASSES)
+        );
     }
 }

@@ -24,6 +24,7 @@ pub(super) struct Job {
 /// What is measured.
 pub(super) enum What {
     Pass(Pass, [u32; 2]),
+    Arithmetic,
     Wake(Sleep, [usize; 2]),
     /// On this core under FIFO, if one is named.
     Timer(Option<usize>),
@@ -41,6 +42,7 @@ impl Job {
         let time = self.time;
         match &self.what {
             What::Pass(pass, size) => Ok(floors::pass(*pass, *size, time)),
+            What::Arithmetic => Ok(floors::arithmetic(time)),
             What::Wake(sleep, cores) => {
                 floors::wake(*sleep, *cores, (time.as_secs_f64() * 2e4) as usize)
             }

@@ -122,6 +122,13 @@ impl Plan {
                 );
             }
         }
+        self.floor(
+            "arithmetic",
+            "the same arithmetic".to_owned(),
+            "40,000 additions and products in registers, again and again: what of them takes longer, the machine does",
+            What::Arithmetic,
+            2.0,
+        );
         self.add_timers(workplace);
         self.add_relays(args, setups);
     }
